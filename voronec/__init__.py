@@ -1,0 +1,89 @@
+"""Voronec equations of nonholonomic systems, exact and without multipliers.
+
+Public names load on first use, so that ``import voronec`` costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from voronec.algebra.symbols import time, velocity
+    from voronec.algebra.verdicts import Verdict, prove_equal
+    from voronec.catalogue import load, names
+    from voronec.equations import VoronecEquations, derive
+    from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
+    from voronec.flow import Trajectory, integrate
+    from voronec.geometry import Fibration, Frame
+    from voronec.multipliers import multiplier_acceleration, reaction_forces
+    from voronec.reduction import Reduction, descend
+    from voronec.system import Parameter, Scene, System
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "time": "voronec.algebra.symbols",
+    "velocity": "voronec.algebra.symbols",
+    "Verdict": "voronec.algebra.verdicts",
+    "prove_equal": "voronec.algebra.verdicts",
+    "load": "voronec.catalogue",
+    "names": "voronec.catalogue",
+    "VoronecEquations": "voronec.equations",
+    "derive": "voronec.equations",
+    "DefinitionError": "voronec.errors",
+    "EngineLimit": "voronec.errors",
+    "IntegrationError": "voronec.errors",
+    "VoronecError": "voronec.errors",
+    "Trajectory": "voronec.flow",
+    "integrate": "voronec.flow",
+    "Fibration": "voronec.geometry",
+    "Frame": "voronec.geometry",
+    "multiplier_acceleration": "voronec.multipliers",
+    "reaction_forces": "voronec.multipliers",
+    "Reduction": "voronec.reduction",
+    "descend": "voronec.reduction",
+    "Parameter": "voronec.system",
+    "Scene": "voronec.system",
+    "System": "voronec.system",
+    "kinematics": "voronec.kinematics",
+}
+
+__all__ = [
+    "DefinitionError",
+    "EngineLimit",
+    "Fibration",
+    "Frame",
+    "IntegrationError",
+    "Parameter",
+    "Reduction",
+    "Scene",
+    "System",
+    "Trajectory",
+    "Verdict",
+    "VoronecEquations",
+    "VoronecError",
+    "derive",
+    "descend",
+    "integrate",
+    "load",
+    "multiplier_acceleration",
+    "names",
+    "prove_equal",
+    "reaction_forces",
+    "time",
+    "velocity",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'voronec' has no attribute '{name}'")
+    module = import_module(_HOME[name])
+    value = module if name == "kinematics" else getattr(module, name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_HOME})

@@ -1,0 +1,1 @@
+"""Exact algebra: the door between SymPy and symengine, normal forms in flint, verdicts."""

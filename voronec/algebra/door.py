@@ -1,0 +1,161 @@
+"""The door: SymPy expressions in, symengine expressions inside, SymPy expressions out.
+
+Inside, every coordinate, velocity and parameter is a plain symengine symbol that bears the
+user's name; so assumptions and ``dynamicsymbols`` stay outside and come back on the way out.
+Decimal numbers are read as the decimals they were written as: ``9.81`` is ``981/100``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import symengine as se
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from voronec.algebra.symbols import plain_name
+from voronec.errors import DefinitionError
+
+__all__ = ["Door"]
+
+_FUNCTIONS = {
+    name: getattr(se, name)
+    for name in (
+        "sin cos tan cot sec csc asin acos atan acot sinh cosh tanh coth asinh acosh atanh "
+        "log Abs sign atan2"
+    ).split()
+}
+_NUMBERS = {
+    sp.pi: se.pi,
+    sp.E: se.E,
+    sp.I: se.I,
+    sp.GoldenRatio: (1 + se.sqrt(se.Integer(5))) / 2,
+}
+
+
+class Door:
+    """Translates between a user's SymPy symbols and the plain symbols inside.
+
+    ``known`` are the user's coordinates, velocities and parameters, each a symbol, ``x(t)`` or a
+    derivative of it.  Two of one name raise ``DefinitionError``.
+    """
+
+    def __init__(self, known: Iterable[sp.Expr] = ()) -> None:
+        self._inward: dict[sp.Basic, Any] = {}
+        self._outward: dict[Any, sp.Basic] = {}
+        self._names: dict[str, sp.Basic] = {}
+        for thing in known:
+            self.admit(thing)
+
+    def admit(self, thing: sp.Expr) -> Any:
+        """Make ``thing`` known and return its symbol inside."""
+        if thing in self._inward:
+            return self._inward[thing]
+        name = plain_name(thing)
+        other = self._names.get(name)
+        if other is not None and other != thing:
+            raise DefinitionError(
+                f"two different symbols are named '{name}' ({sp.srepr(other)} and "
+                f"{sp.srepr(thing)}); use one symbol, or rename one of them"
+            )
+        symbol = se.Symbol(name)
+        self._names[name] = thing
+        self._inward[thing] = symbol
+        self._outward[symbol] = thing
+        return symbol
+
+    def inward(self, expr: Any) -> Any:
+        """The symengine expression of a SymPy expression (or number)."""
+        expr = sp.sympify(expr)
+        try:
+            return self._enter(expr)
+        except RecursionError:
+            raise DefinitionError("an expression is nested too deeply to be read") from None
+
+    def inward_all(self, exprs: Iterable[Any]) -> list[Any]:
+        """``inward`` for each of several expressions."""
+        return [self.inward(expr) for expr in exprs]
+
+    def _enter(self, expr: sp.Basic) -> Any:
+        done = self._inward.get(expr)
+        if done is None:
+            done = self._inward[expr] = self._translate(expr)
+        return done
+
+    def _translate(self, expr: Any) -> Any:
+        if isinstance(expr, sp.Symbol):
+            return self.admit(expr)
+        if isinstance(expr, sp.Rational):
+            return se.Integer(int(expr.p)) / se.Integer(int(expr.q))
+        if isinstance(expr, sp.Float):
+            exact = sp.Rational(str(expr))
+            return se.Integer(int(exact.p)) / se.Integer(int(exact.q))
+        if expr in _NUMBERS:
+            return _NUMBERS[expr]
+        if isinstance(expr, sp.Add):
+            return se.Add(*[self._enter(a) for a in expr.args])
+        if isinstance(expr, sp.Mul):
+            return se.Mul(*[self._enter(a) for a in expr.args])
+        if isinstance(expr, sp.Pow):
+            return self._enter(expr.base) ** self._enter(expr.exp)
+        if isinstance(expr, sp.exp):
+            return se.exp(self._enter(expr.exp))
+        if isinstance(expr, AppliedUndef):
+            function = se.Function(str(expr.func.__name__))
+            return function(*[self._enter(a) for a in expr.args])
+        if isinstance(expr, sp.Derivative):
+            inner = self._enter(expr.expr)
+            for variable, count in expr.variable_count:
+                inner = inner.diff(self._enter(variable), int(count))
+            return inner
+        if isinstance(expr, sp.Subs):
+            inner = self._enter(expr.expr)
+            pairs = zip(expr.variables, expr.point, strict=True)
+            return inner.subs({self._enter(v): self._enter(p) for v, p in pairs})
+        name = type(expr).__name__
+        if name in _FUNCTIONS:
+            return _FUNCTIONS[name](*[self._enter(a) for a in expr.args])
+        raise DefinitionError(
+            f"'{expr}' is of kind {name}, which the engine does not differentiate; "
+            "write it with elementary functions or an unknown function"
+        )
+
+    def outward(self, expr: Any) -> sp.Expr:
+        """The SymPy expression, in the user's symbols, of a symengine expression."""
+        return self._leave(se.sympify(expr))
+
+    def outward_matrix(self, rows: Sequence[Sequence[Any]]) -> sp.ImmutableMatrix:
+        """The SymPy matrix of nested sequences of symengine expressions."""
+        entries = [[self.outward(entry) for entry in row] for row in rows]
+        return sp.ImmutableMatrix(len(rows), len(rows[0]) if rows else 0, sum(entries, []))
+
+    def _leave(self, expr: Any) -> Any:
+        done = self._outward.get(expr)
+        if done is None:
+            done = self._outward[expr] = self._translate_back(expr)
+        return done
+
+    def _translate_back(self, expr: Any) -> Any:
+        if not expr.args:
+            if isinstance(expr, se.Symbol):
+                return sp.Symbol(expr.name)
+            return expr._sympy_()
+        if isinstance(expr, se.Subs):
+            return expr._sympy_().xreplace(self._user_atoms())
+        args = [self._leave(a) for a in expr.args]
+        if isinstance(expr, se.Add):
+            return sp.Add(*args)
+        if isinstance(expr, se.Mul):
+            return sp.Mul(*args)
+        if isinstance(expr, se.Pow):
+            return sp.Pow(*args)
+        if isinstance(expr, se.Derivative):
+            return sp.Derivative(*args)
+        if isinstance(expr, se.FunctionSymbol):
+            return sp.Function(expr.get_name())(*args)
+        return getattr(sp, type(expr).__name__)(*args)
+
+    def _user_atoms(self) -> dict[sp.Basic, sp.Basic]:
+        return {sp.Symbol(name): thing for name, thing in self._names.items()}
+

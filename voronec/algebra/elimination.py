@@ -1,0 +1,172 @@
+"""Sparse elimination of linear equations whose coefficients are expression graphs.
+
+Nothing is expanded.  Every entry is shadowed by its value at a generic point in ball arithmetic:
+a ball that excludes zero proves a pivot; an entry whose ball holds zero is settled by a normal
+form before it is dropped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.tape import Tape
+from voronec.algebra.verdicts import decide_zero
+from voronec.errors import EngineLimit
+
+__all__ = ["Solution", "solve_linear"]
+
+BITS = 192
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The outcome of an elimination of rows * x = right.
+
+    ``values[j][c]`` solves for unknown j and column c of the right side; ``free`` are the unknowns
+    left undetermined; ``dependent`` the rows that reduce to zero; ``contradictory`` the rows that
+    reduce to 0 = something.
+    """
+
+    values: list[list[Any]]
+    free: tuple[int, ...]
+    dependent: tuple[int, ...]
+    contradictory: tuple[int, ...]
+
+
+@dataclass
+class _Row:
+    label: int
+    left: dict[int, Any]
+    right: dict[int, Any]
+    shadow_left: dict[int, Any]
+    shadow_right: dict[int, Any]
+
+
+def solve_linear(
+    rows: Sequence[Sequence[Any]],
+    right: Sequence[Sequence[Any]],
+    relations: Sequence[Any] = (),
+    prefer: int = 0,
+) -> Solution:
+    """Solve rows * x = right exactly, for any number of right sides; rows may be redundant.
+
+    The first ``prefer`` rows are used before the others, so that what reduces to zero is, where
+    possible, one of the others.
+    """
+    unknowns = len(rows[0]) if rows else 0
+    work = _shadowed(rows, right, relations)
+    done: list[tuple[int, _Row]] = []
+    while True:
+        choice = _pivot(work, prefer)
+        if choice is None:
+            break
+        row, column = choice
+        work.remove(row)
+        for other in work:
+            if column in other.left:
+                _subtract(other, row, column, relations)
+        done.append((column, row))
+    dependent, contradictory = [], []
+    for row in work:
+        _settle(row.left, row.shadow_left, relations)
+        _settle(row.right, row.shadow_right, relations)
+        (contradictory if row.right else dependent).append(row.label)
+    pivots = {column for column, _ in done}
+    free = tuple(j for j in range(unknowns) if j not in pivots)
+    width = len(right[0]) if right else 0
+    return Solution(
+        _back_substitute(done, unknowns, width), free, tuple(dependent), tuple(contradictory)
+    )
+
+
+def _shadowed(
+    rows: Sequence[Sequence[Any]], right: Sequence[Sequence[Any]], relations: Sequence[Any]
+) -> list[_Row]:
+    entries = [e for row in rows for e in row] + [e for row in right for e in row]
+    samples = sample_evaluable(Tape(entries), relations, BITS)
+    if not samples:
+        raise EngineLimit("no point was found at which the linear equations have real values")
+    shadows = iter(samples[0][1])
+    left_shadows = [[next(shadows) for _ in row] for row in rows]
+    right_shadows = [[next(shadows) for _ in row] for row in right]
+    return [
+        _Row(
+            i,
+            {j: e for j, e in enumerate(rows[i]) if e != 0},
+            {c: e for c, e in enumerate(right[i]) if e != 0},
+            dict(enumerate(left_shadows[i])),
+            dict(enumerate(right_shadows[i])),
+        )
+        for i in range(len(rows))
+    ]
+
+
+def _pivot(work: list[_Row], prefer: int) -> tuple[_Row, int] | None:
+    """The provably nonzero entry with the least fill-in (Markowitz), the simplest of those."""
+    counts: dict[int, int] = {}
+    for row in work:
+        for j in row.left:
+            counts[j] = counts.get(j, 0) + 1
+    best, best_cost = None, None
+    for row in work:
+        for j, entry in row.left.items():
+            if row.shadow_left[j].contains(0):
+                continue
+            fill = (len(row.left) - 1) * (counts[j] - 1)
+            cost = (row.label >= prefer, fill, 0 if entry.is_Number else 1, len(entry.args))
+            if best_cost is None or cost < best_cost:
+                best, best_cost = (row, j), cost
+    return best
+
+
+def _subtract(target: _Row, pivot: _Row, column: int, relations: Sequence[Any]) -> None:
+    """target -= (target[column]/pivot[column]) * pivot."""
+    factor = target.left[column] / pivot.left[column]
+    shadow = target.shadow_left[column] / pivot.shadow_left[column]
+    del target.left[column]
+    target.shadow_left[column] = shadow * 0
+    for into, shadows, source, source_shadows in (
+        (target.left, target.shadow_left, pivot.left, pivot.shadow_left),
+        (target.right, target.shadow_right, pivot.right, pivot.shadow_right),
+    ):
+        for j, entry in source.items():
+            if j == column and source is pivot.left:
+                continue
+            into[j] = into.get(j, se.Integer(0)) - factor * entry
+            shadows[j] = shadows[j] - shadow * source_shadows[j]
+            if into[j] == 0:
+                del into[j]
+    _settle(target.left, target.shadow_left, relations)
+
+
+def _settle(entries: dict[int, Any], shadows: dict[int, Any], relations: Sequence[Any]) -> None:
+    """Drop the entries that are proved to vanish."""
+    for j in [j for j in entries if shadows[j].contains(0)]:
+        verdict = decide_zero(entries[j], relations)
+        if verdict.proved:
+            del entries[j]
+        elif verdict.undecided:
+            raise EngineLimit(f"whether '{_short(entries[j])}' vanishes is undecided")
+
+
+def _short(expr: Any) -> str:
+    text = str(expr)
+    return text if len(text) < 60 else text[:57] + "..."
+
+
+def _back_substitute(done: list[tuple[int, _Row]], unknowns: int, width: int) -> list[list[Any]]:
+    values = [[se.Integer(0)] * width for _ in range(unknowns)]
+    for column, row in reversed(done):
+        pivot = row.left[column]
+        for c in range(width):
+            total = row.right.get(c, se.Integer(0))
+            for j, entry in row.left.items():
+                if j != column and values[j][c] != 0:
+                    total = total - entry * values[j][c]
+            values[column][c] = total / pivot
+    return values

@@ -1,0 +1,130 @@
+"""Which generators a polynomial ring needs to hold given expressions exactly.
+
+A scan of the expression graphs finds them: plain atoms (symbols, unknown functions and their
+derivatives, transcendental functions that are left as they are), for each angle a sine and a
+cosine, for each power with a symbolic exponent a unit of it, for each radical a root.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from math import lcm
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.tape import is_atom
+from voronec.errors import EngineLimit
+
+__all__ = ["Generators", "linear_terms", "prime_factors"]
+
+TRIGONOMETRIC = (se.sin, se.cos, se.tan, se.cot, se.sec, se.csc)
+HYPERBOLIC = (se.sinh, se.cosh, se.tanh, se.coth)
+
+
+def linear_terms(expr: Any) -> dict[Any, Any]:
+    """An expression as a sum of rational multiples: ``{term without coefficient: coefficient}``."""
+    expr = expr.expand()
+    terms: dict[Any, Any] = {}
+    for term in expr.args if isinstance(expr, se.Add) else (expr,):
+        coefficient, rest = se.Integer(1), term
+        if term.is_Number:
+            coefficient, rest = term, se.Integer(1)
+        elif isinstance(term, se.Mul) and term.args[0].is_Number:
+            coefficient = term.args[0]
+            rest = se.Mul(*term.args[1:])
+        terms[rest] = terms.get(rest, se.Integer(0)) + coefficient
+    return {rest: c for rest, c in terms.items() if c != 0}
+
+
+def prime_factors(n: int) -> dict[int, int]:
+    """The prime factorization of a positive integer."""
+    import flint
+
+    return {int(p): e for p, e in flint.fmpz(n).factor()}
+
+
+@dataclass
+class Generators:
+    """The generators found so far; ``scan`` adds those of more expressions.
+
+    ``atoms``: expressions that are generators themselves.  ``angles``: angle -> denominator d, for
+    the pair cos(angle/d), sin(angle/d).  ``units``: (base, exponent) -> denominator d, for
+    base**(exponent/d).  ``radicals``: base -> q, for base**(1/q), innermost first.
+    """
+
+    atoms: dict[Any, None] = field(default_factory=dict)
+    angles: dict[Any, int] = field(default_factory=dict)
+    units: dict[tuple[Any, Any], int] = field(default_factory=dict)
+    radicals: dict[Any, int] = field(default_factory=dict)
+    _seen: set[Any] = field(default_factory=set)
+
+    def scan(self, exprs: Iterable[Any]) -> None:
+        """Collect the generators of further expressions."""
+        for expr in exprs:
+            self._visit(expr)
+
+    def _visit(self, expr: Any) -> None:
+        if expr in self._seen:
+            return
+        self._seen.add(expr)
+        if is_atom(expr) or expr == se.pi or expr == se.E:
+            self.atoms.setdefault(expr)
+        elif expr.is_Number:
+            if not isinstance(expr, se.Rational):
+                raise EngineLimit(f"the number '{expr}' is not rational")
+        elif isinstance(expr, TRIGONOMETRIC):
+            self._angle(expr.args[0])
+        elif isinstance(expr, HYPERBOLIC):
+            self._unit(se.E, expr.args[0])
+        elif isinstance(expr, (se.Add, se.Mul)):
+            self.scan(expr.args)
+        elif isinstance(expr, se.Pow):
+            self._power(*expr.args)
+        else:  # log, asin, Abs, ...: sound as an unknown, incomplete
+            self.atoms.setdefault(expr)
+
+    def _angle(self, angle: Any) -> None:
+        for term, coefficient in linear_terms(angle).items():
+            if term == se.pi:
+                self.scan(pi_multiple(coefficient))
+                continue
+            self.angles[term] = lcm(self.angles.get(term, 1), int(coefficient.q))
+
+    def _unit(self, base: Any, exponent: Any) -> None:
+        if base != se.E:
+            self._visit(base)
+        for term, coefficient in linear_terms(exponent).items():
+            if term == 1 and base != se.E:
+                if coefficient.q != 1:
+                    self._radical(base, int(coefficient.q))
+                continue
+            key = (base, term)
+            self.units[key] = lcm(self.units.get(key, 1), int(coefficient.q))
+
+    def _power(self, base: Any, exponent: Any) -> None:
+        if base == se.E or not exponent.is_Number:
+            self._unit(base, exponent)
+            return
+        self._visit(base)
+        if isinstance(exponent, se.Rational) and exponent.q != 1:
+            self._radical(base, int(exponent.q))
+
+    def _radical(self, base: Any, q: int) -> None:
+        if isinstance(base, se.Rational):
+            if base < 0:
+                raise EngineLimit(f"a root of the negative number {base} is not real")
+            for prime in {*prime_factors(int(base.p)), *prime_factors(int(base.q))}:
+                known = self.radicals.get(se.Integer(prime), 1)
+                self.radicals[se.Integer(prime)] = lcm(known, q)
+            return
+        self.radicals[base] = lcm(self.radicals.get(base, 1), q)
+
+
+def pi_multiple(coefficient: Any) -> tuple[Any, Any]:
+    """cos and sin of a rational multiple of pi, in radicals where symengine knows them."""
+    values = se.cos(coefficient * se.pi), se.sin(coefficient * se.pi)
+    if any(isinstance(v, TRIGONOMETRIC) for v in values):
+        raise EngineLimit(f"the sine of {coefficient}*pi is not expressed in square roots")
+    return values

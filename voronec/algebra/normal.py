@@ -1,0 +1,47 @@
+"""Normal forms: expressions brought to their shortest proved form."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.door import Door
+from voronec.algebra.ring import WORK_LIMIT, Ring
+from voronec.algebra.shape import expanded, expression
+
+__all__ = ["canonical", "shorten", "shortest"]
+
+
+def shortest(
+    exprs: Sequence[Any],
+    relations: Sequence[Any] = (),
+    group: Sequence[Any] = (),
+    work_limit: int = WORK_LIMIT,
+) -> list[Any]:
+    """Each symengine expression in its shortest proved form, all over one ring.
+
+    ``relations`` vanish; ``group`` are symbols by which numerators may be collected.  Raises
+    ``EngineLimit`` where the normal form is beyond the work limit.
+    """
+    ring = Ring([*exprs, *group], relations, work_limit)
+    return [expression(ring, ring.fraction(e), group) for e in exprs]
+
+
+def canonical(
+    exprs: Sequence[Any], relations: Sequence[Any] = (), work_limit: int = WORK_LIMIT
+) -> list[Any]:
+    """Each symengine expression as an expanded fraction: what ``shortest`` starts from."""
+    ring = Ring(exprs, relations, work_limit)
+    return [expanded(ring, ring.fraction(e)) for e in exprs]
+
+
+def shorten(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> list[sp.Expr]:
+    """Each SymPy expression in its shortest proved form; ``relations`` are taken as zero.
+
+    Equal to what went in wherever both are defined, by exact algebra and nothing else.
+    """
+    door = Door()
+    inside = shortest(door.inward_all(exprs), door.inward_all(relations))
+    return [door.outward(e) for e in inside]

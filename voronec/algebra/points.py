@@ -1,0 +1,136 @@
+"""Generic points at which expressions are tried, also on the zero set of declared relations."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from typing import Any
+
+import flint
+import symengine as se
+
+from voronec.algebra.tape import Tape
+from voronec.errors import EngineLimit
+
+__all__ = ["sample_point"]
+
+
+def sample_point(
+    atoms: Sequence[Any], relations: Sequence[Any] = (), seed: int = 0, bits: int = 160
+) -> dict[Any, Any]:
+    """Random values for atoms: rationals, and where relations bind them, balls around a solution.
+
+    Even seeds give positive values, odd ones either sign.  Each ball is proved to contain a
+    solution of the relations (Krawczyk's test); ``EngineLimit`` where none is found.
+    """
+    source = random.Random(f"voronec {seed}")
+    point: dict[Any, Any] = {}
+    for atom in [*atoms, *(a for a in Tape(relations).atoms if a not in atoms)]:
+        value = flint.fmpq(source.randint(120, 1400), 1009)
+        point[atom] = -value if seed % 2 and source.random() < 0.5 else value
+    return _onto_relations(point, relations, bits) if relations else point
+
+
+def _onto_relations(point: dict[Any, Any], relations: Sequence[Any], bits: int) -> dict[Any, Any]:
+    atoms = Tape(relations).atoms
+    jacobian = [[r.diff(a) for a in atoms] for r in relations]
+    tape = Tape([*relations, *(entry for row in jacobian for entry in row)])
+    start = _nearby_solution(tape, atoms, len(relations), point)
+    rows, columns = _independent(tape, atoms, len(relations), start)
+    free = {a: flint.fmpq(round(v * 10**6), 10**6) for a, v in start.items()}
+    bound = [atoms[c] for c in columns]
+    square = Tape([relations[r] for r in rows] + [jacobian[r][c] for r in rows for c in columns])
+    return {**point, **free, **_enclose(square, free, bound, bits)}
+
+
+def _values(tape: Tape, point: dict[Any, Any], n: int, bits: int) -> tuple[Any, Any]:
+    """Residual and Jacobian as flint matrices."""
+    values = tape.arb(point, bits)
+    width = (len(values) - n) // n
+    return flint.arb_mat(n, 1, values[:n]), flint.arb_mat(n, width, values[n:])
+
+
+def _nearby_solution(tape: Tape, atoms: Sequence[Any], n: int, point: dict[Any, Any]) -> dict[Any, float]:
+    """Gauss-Newton steps of least norm in floating point."""
+    import numpy as np
+
+    x = np.array([float(flint.arb(point[a])) for a in atoms])
+    for _ in range(100):
+        residual, matrix = _values(tape, dict(zip(atoms, map(float, x), strict=True)), n, 80)
+        g = np.array([float(v.mid()) for v in residual.entries()])
+        j = np.array([float(v.mid()) for v in matrix.entries()]).reshape(n, len(atoms))
+        if not np.all(np.isfinite(j)):
+            break
+        step = np.linalg.lstsq(j, g, rcond=1e-10)[0]
+        x = x - step
+        if np.max(np.abs(step)) < 1e-13:
+            return dict(zip(atoms, map(float, x), strict=True))
+    raise EngineLimit("no point was found on the relations between the coordinates")
+
+
+def _independent(
+    tape: Tape, atoms: Sequence[Any], n: int, start: dict[Any, float]
+) -> tuple[list[int], list[int]]:
+    """Rows and columns of a well-conditioned square block of the Jacobian."""
+    import numpy as np
+
+    matrix = np.array([float(v.mid()) for v in _values(tape, start, n, 80)[1].entries()])
+    matrix = matrix.reshape(n, len(atoms))
+    rows, columns = [], []
+    scale = np.max(np.abs(matrix))
+    while True:
+        r, c = np.unravel_index(np.argmax(np.abs(matrix)), matrix.shape)
+        if abs(matrix[r, c]) < 1e-9 * scale:
+            return rows, columns
+        rows.append(int(r))
+        columns.append(int(c))
+        matrix = matrix - np.outer(matrix[:, c], matrix[r]) / matrix[r, c]
+
+
+def _enclose(square: Tape, free: dict[Any, Any], bound: list[Any], bits: int) -> dict[Any, Any]:
+    """Newton's method, then Krawczyk's proof that a ball around the result holds a solution."""
+    n = len(bound)
+    with flint.ctx.workprec(2 * bits):
+        middle = flint.arb_mat(n, 1, [flint.arb(free[b]) for b in bound])
+        for _ in range(2 * bits):
+            at = {**free, **dict(zip(bound, middle.entries(), strict=True))}
+            residual, jacobian = _values(square, at, n, 2 * bits)
+            step = jacobian.mid().solve(residual)
+            middle = (middle - step).mid()
+            if all(abs(v) < flint.arb(2) ** (-3 * bits // 2) for v in step.entries()):
+                break
+        radius = flint.arb(0, flint.arb(2) ** (-bits))
+        box = [m + radius for m in middle.entries()]
+        at = {**free, **dict(zip(bound, middle.entries(), strict=True))}
+        residual, jacobian = _values(square, at, n, 2 * bits)
+        inverse = jacobian.mid().inv().mid()
+        wide = _values(square, {**free, **dict(zip(bound, box, strict=True))}, n, 2 * bits)[1]
+        identity = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
+        spread = flint.arb_mat(n, 1, [radius] * n)
+        image = middle - inverse * residual + (identity - inverse * wide) * spread
+        if all(b.contains(i) for b, i in zip(box, image.entries(), strict=True)):
+            return dict(zip(bound, image.entries(), strict=True))
+    raise EngineLimit("no point was proved to lie on the relations between the coordinates")
+
+
+def sample_evaluable(
+    tape: Tape, relations: Sequence[Any] = (), bits: int = 160, tries: int = 12, first: int = 0
+) -> list[tuple[dict[Any, Any], list[Any]]]:
+    """Up to three sample points, with the values there, at which every expression is finite."""
+    found: list[tuple[dict[Any, Any], list[Any]]] = []
+    for seed in range(first, first + tries):
+        try:
+            point = sample_point(tape.atoms, relations, seed, bits)
+        except EngineLimit:
+            continue
+        values = tape.arb(point, bits)
+        if all(v.is_finite() for v in values):
+            found.append((point, values))
+        if len(found) == 3:
+            break
+    return found
+
+
+def symbols_of(exprs: Sequence[Any]) -> list[Any]:
+    """The atoms that expressions need values for, in the order of their appearance."""
+    return Tape([se.sympify(e) for e in exprs]).atoms

@@ -1,0 +1,197 @@
+"""From an exact element back to an expression, in the shortest of several proved forms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.ring import Fraction, Ring
+
+__all__ = ["expanded", "expression", "operations", "polynomial_expression"]
+
+FACTOR_LIMIT = 150
+"""Polynomials with more terms than this are not tried for a factorization."""
+TRIAL_LIMIT = 40
+"""Up to this many terms every form is tried; above, the number of terms decides."""
+
+Terms = dict[tuple[tuple[int, int], ...], Any]
+"""A polynomial as {((generator, exponent), ...): coefficient}, exponents positive."""
+
+
+def operations(exprs: Iterable[Any]) -> int:
+    """How many operations expressions cost after common subexpressions are shared."""
+    replacements, reduced = se.cse([se.sympify(e) for e in exprs])
+    return int(se.count_ops(*[r for _, r in replacements], *reduced))
+
+
+def expanded(ring: Ring, f: Fraction) -> Any:
+    """An element as an expanded numerator over a factored denominator: quick, not short."""
+    parts = [_sum(ring, _terms(f.num))]
+    parts += [se.Pow(_sum(ring, _terms(poly)), -e) for poly, e in ring.factors(f.den)]
+    return se.Mul(*parts)
+
+
+def expression(ring: Ring, f: Fraction, group: Sequence[Any] = ()) -> Any:
+    """The shortest expression found for an element.
+
+    ``group`` are generators (velocities, say) by which it may be collected.
+    """
+    if f.num == 0:
+        return se.Integer(0)
+    whole = _quotient(ring, f)
+    indices = [ring.index(g) for g in group if ring.has(g)]
+    pieces = _split(f.num, indices) if indices else {}
+    if len(pieces) < 2:
+        return whole
+    collected = []
+    for key, piece in pieces.items():
+        monomial = [ring.meaning[i] ** int(e) for i, e in zip(indices, key, strict=True) if e]
+        part = ring.cancelled(Fraction(piece, f.den))
+        collected.append(se.Mul(_quotient(ring, part), *monomial))
+    apart = se.Add(*collected)  # reads better, so it may cost a little more
+    return apart if _cost(apart) <= 3 * _cost(whole) + 10 else whole
+
+
+def _quotient(ring: Ring, f: Fraction) -> Any:
+    num, den, below = _lower_roots(ring, f)
+    parts = [_best(ring, num)] + [se.Pow(g, -1) for g in below]
+    parts += [se.Pow(_best(ring, poly), -e) for poly, e in den]
+    return se.Mul(*parts)
+
+
+def _lower_roots(ring: Ring, f: Fraction) -> tuple[Any, list[tuple[Any, int]], list[Any]]:
+    """Write s/(1 - c**2) as 1/s, 1/(1 - c**2) as 1/s**2, and likewise for square roots."""
+    num, den = f.num, dict(f.den)
+    below: list[Any] = []
+    for generator, degree, rest in ring.pure_rules():
+        factors = ring.denominator_index(rest)
+        if degree != 2 or factors is None:
+            continue
+        g = ring.context.gens()[generator]
+        while all(den.get(i, 0) >= e for i, e in factors):
+            for i, e in factors:
+                den[i] -= e
+            ratio = (ring.denominator(factors) / rest).leading_coefficient()
+            num = num * (1 / ratio)
+            pieces = _split(num, [generator])
+            even, odd = pieces.get((0,), ring.zero), pieces.get((1,), ring.zero)
+            quotient, remainder = divmod(even, rest)  # num = even + odd*g, g**2 = rest
+            if remainder == 0:
+                num = odd + quotient * g
+                below.append(ring.meaning[generator])
+            else:
+                below += [ring.meaning[generator]] * 2
+    return num, [(poly, e) for poly, e in ring.factors(den.items()) if e], below
+
+
+def _split(poly: Any, indices: Sequence[int]) -> dict[tuple[int, ...], Any]:
+    """A polynomial sorted by its powers of some generators."""
+    sorted_terms: dict[tuple[int, ...], dict[tuple[int, ...], Any]] = {}
+    for monomial, coefficient in poly.to_dict().items():
+        rest = list(monomial)
+        for i in indices:
+            rest[i] = 0
+        key = tuple(int(monomial[i]) for i in indices)
+        sorted_terms.setdefault(key, {})[tuple(rest)] = coefficient
+    context = poly.context()
+    return {key: context.from_dict(terms) for key, terms in sorted_terms.items()}
+
+
+def _cost(expr: Any) -> int:
+    return int(se.count_ops(expr))
+
+
+# -- polynomials as expressions -------------------------------------------------------------
+
+
+def _terms(poly: Any) -> Terms:
+    return {
+        tuple((i, int(e)) for i, e in enumerate(monomial) if e): coefficient
+        for monomial, coefficient in poly.to_dict().items()
+    }
+
+
+def _term(ring: Ring, monomial: tuple[tuple[int, int], ...], coefficient: Any) -> Any:
+    number = se.Integer(int(coefficient.p))
+    if coefficient.q != 1:
+        number = number / se.Integer(int(coefficient.q))
+    meaning = ring.meaning
+    return se.Mul(number, *[meaning[i] if e == 1 else meaning[i] ** e for i, e in monomial])
+
+
+def polynomial_expression(ring: Ring, poly: Any) -> Any:
+    """A polynomial as an expanded expression."""
+    return _sum(ring, _terms(poly))
+
+
+def _sum(ring: Ring, terms: Terms) -> Any:
+    return se.Add(*[_term(ring, m, c) for m, c in terms.items()])
+
+
+def _best(ring: Ring, poly: Any) -> Any:
+    """The cheapest of: expanded, factored, nested; each with c**2 or s**2 eliminated."""
+    best = _cheapest(ring, poly)
+    for sine, cosine in ring.angle_indices():
+        if poly.degrees()[cosine] < 2:
+            continue
+        other = _prefer_sine(ring, poly, sine, cosine)
+        if max(len(poly), len(other)) > TRIAL_LIMIT:
+            if len(other) < len(poly):
+                poly, best = other, None
+            continue
+        form = _cheapest(ring, other)
+        if best is None or _cost(form) < _cost(best):
+            best, poly = form, other
+    return best if best is not None else _cheapest(ring, poly)
+
+
+def _cheapest(ring: Ring, poly: Any) -> Any:
+    if len(poly) < 2:
+        return _sum(ring, _terms(poly))
+    if len(poly) > FACTOR_LIMIT:
+        return _nested(ring, _terms(poly))
+    content, parts = poly.factor()
+    number = se.Integer(int(content.p)) / se.Integer(int(content.q))
+    forms = [_sum(ring, _terms(poly))]
+    if len(parts) > 1 or parts[0][1] > 1 or content != 1:
+        forms.append(se.Mul(number, *[_sum(ring, _terms(p)) ** e for p, e in parts]))
+    nested = [_nested(ring, _terms(p)) ** e for p, e in parts]
+    return min([*forms, se.Mul(number, *nested)], key=_cost)
+
+
+def _nested(ring: Ring, terms: Terms) -> Any:
+    """Horner's scheme in the generator that most terms share, again and again."""
+    if len(terms) <= 2:
+        return _sum(ring, terms)
+    counts: dict[int, int] = {}
+    for monomial in terms:
+        for i, _ in monomial:
+            counts[i] = counts.get(i, 0) + 1
+    most = max(counts, key=counts.__getitem__, default=-1)
+    if counts.get(most, 0) < 2:
+        return _sum(ring, terms)
+    inside: Terms = {}
+    outside: Terms = {}
+    power = min(e for monomial in terms for i, e in monomial if i == most)
+    for monomial, coefficient in terms.items():
+        lowered = tuple(
+            (i, e - power if i == most else e) for i, e in monomial if i != most or e > power
+        )
+        if len(lowered) < len(monomial) or lowered != monomial:
+            inside[lowered] = coefficient
+        else:
+            outside[monomial] = coefficient
+    head = ring.meaning[most] ** power * _nested(ring, inside)
+    return head + _nested(ring, outside) if outside else head
+
+
+def _prefer_sine(ring: Ring, poly: Any, sine: int, cosine: int) -> Any:
+    """Replace c**2 by 1 - s**2."""
+    square = 1 - ring.context.gens()[sine] ** 2
+    total = ring.zero
+    for (power,), piece in _split(poly, [cosine]).items():
+        bare = ring.context.gens()[cosine] ** (power % 2)
+        total += piece * square ** (power // 2) * bare
+    return total

@@ -1,0 +1,43 @@
+"""Names of things a user hands in: the time, the velocity symbol of a coordinate."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from voronec.errors import DefinitionError
+
+__all__ = ["is_symbolic_name", "plain_name", "time", "velocity"]
+
+time = sp.Symbol("t")
+"""The time ``t``; also the argument of ``sympy.physics.mechanics.dynamicsymbols``."""
+
+
+def is_symbolic_name(thing: Any) -> bool:
+    """Whether ``thing`` can name a coordinate, velocity or parameter: a symbol or ``x(t)``."""
+    return isinstance(thing, sp.Symbol) or (
+        isinstance(thing, AppliedUndef) and thing.args == (time,)
+    )
+
+
+def plain_name(thing: sp.Expr) -> str:
+    """The bare name of a symbol, of ``x(t)``, or of ``Derivative(x(t), t)`` (``xdot``)."""
+    if isinstance(thing, sp.Symbol):
+        return str(thing.name)
+    if isinstance(thing, AppliedUndef):
+        return str(thing.func.__name__)
+    if isinstance(thing, sp.Derivative):
+        return plain_name(thing.expr) + "dot" * len(thing.variables)
+    raise DefinitionError(f"'{thing}' is not a symbol; name coordinates and parameters by symbols")
+
+
+def velocity(coordinate: sp.Expr) -> sp.Expr:
+    """The velocity symbol of a coordinate: ``x`` gives ``xdot``, ``x(t)`` gives its derivative.
+
+    Applied to a velocity it gives the second derivative, and so on.
+    """
+    if isinstance(coordinate, (AppliedUndef, sp.Derivative)):
+        return coordinate.diff(time)
+    return sp.Symbol(plain_name(coordinate) + "dot")

@@ -1,0 +1,183 @@
+"""Straight-line evaluation of expression graphs in ball arithmetic.
+
+A tape visits every node of a shared expression graph once.  Numbers are flint's ``arb`` balls, so
+what comes out encloses the exact value: a ball that excludes zero is a proof.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import flint
+import symengine as se
+import sympy as sp
+
+from voronec.errors import DefinitionError, EngineLimit
+
+__all__ = ["Tape", "as_ball", "is_atom"]
+
+_UNARY: dict[type, Callable[[Any], Any]] = {
+    se.sin: lambda a: a.sin(),
+    se.cos: lambda a: a.cos(),
+    se.tan: lambda a: a.tan(),
+    se.cot: lambda a: a.cot(),
+    se.sec: lambda a: 1 / a.cos(),
+    se.csc: lambda a: 1 / a.sin(),
+    se.asin: lambda a: a.asin(),
+    se.acos: lambda a: a.acos(),
+    se.atan: lambda a: a.atan(),
+    se.acot: lambda a: (1 / a).atan(),
+    se.sinh: lambda a: a.sinh(),
+    se.cosh: lambda a: a.cosh(),
+    se.tanh: lambda a: a.tanh(),
+    se.coth: lambda a: a.coth(),
+    se.asinh: lambda a: a.asinh(),
+    se.acosh: lambda a: a.acosh(),
+    se.atanh: lambda a: a.atanh(),
+    se.log: lambda a: a.log(),
+    se.Abs: abs,
+    se.sign: lambda a: a.sgn(),
+}
+_CONSTANTS: dict[Any, Callable[[], Any]] = {
+    se.pi: flint.arb.pi,
+    se.E: flint.arb.const_e,
+}
+
+Instruction = tuple[Callable[..., Any], tuple[int, ...]]
+
+
+def is_atom(expr: Any) -> bool:
+    """Whether a symengine expression is a symbol, an unknown function or a derivative of one."""
+    return isinstance(expr, (se.Symbol, se.FunctionSymbol, se.Derivative, se.Subs))
+
+
+def as_ball(number: Any) -> Any:
+    """A ball around a number, exact for int, Fraction, float and SymPy rationals."""
+    if isinstance(number, (flint.arb, flint.fmpq, flint.fmpz, int, float)):
+        return flint.arb(number)
+    if isinstance(number, (Fraction, sp.Rational)):
+        numerator, denominator = Fraction(int(number.numerator), int(number.denominator)).as_integer_ratio()
+        return flint.arb(flint.fmpq(numerator, denominator))
+    if isinstance(number, sp.Float):
+        sign, mantissa, exponent, _ = number._mpf_
+        return flint.arb(flint.fmpz(-mantissa if sign else mantissa)) * flint.arb(2) ** exponent
+    if isinstance(number, se.Basic):
+        return Tape([number]).arb({}, flint.ctx.prec)[0]
+    if isinstance(number, sp.Expr) and number.is_number:
+        from voronec.algebra.door import Door
+
+        return as_ball(Door().inward(number))
+    try:
+        return as_ball(sp.Rational(str(number)))
+    except (TypeError, ValueError):
+        raise DefinitionError(f"'{number}' is not a number") from None
+
+
+class Tape:
+    """A compiled list of symengine expressions.
+
+    ``atoms`` are the symbols, unknown functions and their derivatives it needs values for.
+    """
+
+    def __init__(self, exprs: Sequence[Any]) -> None:
+        self.atoms: list[Any] = []
+        self._atom_slots: list[int] = []
+        self._constants: list[tuple[int, Any]] = []
+        self._code: list[tuple[int, Callable[..., Any], tuple[int, ...]]] = []
+        self._slots: dict[Any, int] = {}
+        self._outputs = [self._slot(se.sympify(e)) for e in exprs]
+
+    def arb(self, point: Mapping[Any, Any], bits: int) -> list[Any]:
+        """Enclosures of all expressions at a point ``{atom: number}``, computed with ``bits``.
+
+        Atoms may be named by their symbol or string.  A missing one raises ``DefinitionError``.
+        A value outside the real domain of a function comes out as a ball that is not finite.
+        """
+        with flint.ctx.workprec(bits):
+            values: list[Any] = [None] * len(self._slots)
+            for slot, constant in self._constants:
+                values[slot] = constant() if callable(constant) else flint.arb(constant)
+            for atom, slot in zip(self.atoms, self._atom_slots, strict=True):
+                given = point.get(atom, point.get(str(atom)))
+                if given is None:
+                    raise DefinitionError(f"no value is given for '{atom}'")
+                values[slot] = as_ball(given)
+            for slot, operation, arguments in self._code:
+                values[slot] = operation(*[values[a] for a in arguments])
+            return [values[slot] for slot in self._outputs]
+
+    def _new(self, expr: Any) -> int:
+        slot = self._slots[expr] = len(self._slots)
+        return slot
+
+    def _slot(self, expr: Any) -> int:
+        known = self._slots.get(expr)
+        if known is not None:
+            return known
+        if is_atom(expr):
+            self.atoms.append(expr)
+            self._atom_slots.append(self._new(expr))
+            return self._atom_slots[-1]
+        if expr.is_Number:
+            return self._constant(expr, _rational(expr))
+        if expr in _CONSTANTS:
+            return self._constant(expr, _CONSTANTS[expr])
+        operation, arguments = self._operation(expr)
+        slots = tuple(self._slot(a) for a in arguments)
+        slot = self._new(expr)
+        self._code.append((slot, operation, slots))
+        return slot
+
+    def _constant(self, expr: Any, value: Any) -> int:
+        slot = self._new(expr)
+        self._constants.append((slot, value))
+        return slot
+
+    def _operation(self, expr: Any) -> tuple[Callable[..., Any], Sequence[Any]]:
+        if isinstance(expr, se.Add):
+            return _sum, expr.args
+        if isinstance(expr, se.Mul):
+            return _product, expr.args
+        if isinstance(expr, se.Pow):
+            return _power(*expr.args)
+        if isinstance(expr, se.atan2):
+            return (lambda y, x: flint.arb.atan2(y, x)), expr.args
+        unary = _UNARY.get(type(expr))
+        if unary is None:
+            raise EngineLimit(f"'{type(expr).__name__}' has no evaluation in ball arithmetic")
+        return unary, expr.args
+
+
+def _rational(number: Any) -> Any:
+    if isinstance(number, se.Rational):  # Integer is a Rational
+        return flint.fmpq(int(number.p), int(number.q))
+    raise EngineLimit(f"the number '{number}' is not rational; write decimals at the door")
+
+
+def _sum(*values: Any) -> Any:
+    total = values[0]
+    for value in values[1:]:
+        total = total + value
+    return total
+
+
+def _product(*values: Any) -> Any:
+    total = values[0]
+    for value in values[1:]:
+        total = total * value
+    return total
+
+
+def _power(base: Any, exponent: Any) -> tuple[Callable[..., Any], Sequence[Any]]:
+    if base == se.E:
+        return (lambda a: a.exp()), (exponent,)
+    if isinstance(exponent, se.Rational):
+        p, q = int(exponent.p), int(exponent.q)
+        if q == 1:
+            return (lambda a: a**p), (base,)
+        if q == 2:
+            return (lambda a: a.sqrt() ** p), (base,)
+        return (lambda a: a.root(q) ** p), (base,)
+    return (lambda a, b: (a.log() * b).exp()), (base, exponent)

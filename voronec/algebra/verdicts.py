@@ -1,0 +1,138 @@
+"""Equality with three answers: proved, refuted with a witness, undecided."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.door import Door
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.ring import WORK_LIMIT, Ring
+from voronec.algebra.tape import Tape
+from voronec.errors import EngineLimit
+
+__all__ = ["Verdict", "Witness", "decide_equal", "decide_zero", "prove_equal"]
+
+DIGITS = 30
+
+
+@dataclass(frozen=True)
+class Witness:
+    """A point at which two expressions differ, and their values there to 30 digits."""
+
+    point: dict[str, str]
+    left: str
+    right: str
+
+    def __str__(self) -> str:
+        at = ", ".join(f"{name} = {value}" for name, value in self.point.items())
+        return f"{self.left} against {self.right} at {at}"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The answer to "are these equal?".
+
+    ``status`` is ``proved`` (the difference is zero in an exact normal form), ``refuted`` (with a
+    ``witness``: ball arithmetic separates the two sides) or ``undecided``.  ``method`` says how,
+    and for an undecided question what the numbers suggest.
+    """
+
+    status: str
+    method: str
+    witness: Witness | None = None
+
+    @property
+    def proved(self) -> bool:
+        """Whether equality is proved."""
+        return self.status == "proved"
+
+    @property
+    def refuted(self) -> bool:
+        """Whether equality is refuted by a witness."""
+        return self.status == "refuted"
+
+    @property
+    def undecided(self) -> bool:
+        """Whether the question stays open."""
+        return self.status == "undecided"
+
+    def __bool__(self) -> bool:
+        raise TypeError("a verdict has three values; ask .proved, .refuted or .undecided")
+
+
+def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
+    """Decide whether two SymPy expressions are equal wherever both are defined.
+
+    ``relations`` are expressions that vanish.  Unknown functions stand for arbitrary ones, and a
+    square root for its non-negative value.  Never "equal up to 1e-6": see ``Verdict``.
+    """
+    door = Door()
+    try:
+        return decide_equal(door.inward(a), door.inward(b), door.inward_all(relations))
+    except EngineLimit as limit:
+        return Verdict("undecided", str(limit))
+
+
+def decide_zero(expr: Any, relations: Sequence[Any] = ()) -> Verdict:
+    """``decide_equal`` against zero."""
+    return decide_equal(expr, sp.Integer(0), relations)
+
+
+def decide_equal(
+    a: Any, b: Any, relations: Sequence[Any] = (), work_limit: int = WORK_LIMIT
+) -> Verdict:
+    """Decide equality of two symengine expressions, modulo relations that vanish.
+
+    A witness is looked for first, in ball arithmetic at sample points; then the normal form of
+    the difference is made, within a bound on the work.
+    """
+    import symengine as se
+
+    a, b = se.sympify(a), se.sympify(b)
+    if a == b:
+        return Verdict("proved", "identical expressions")
+    try:
+        tape = Tape([a, b])
+        samples = sample_evaluable(tape, relations)
+    except EngineLimit as limit:
+        samples, tape = [], None
+        reason = str(limit)
+    for point, (left, right) in samples:
+        if not left.overlaps(right):
+            return Verdict("refuted", "ball arithmetic", _witness(point, left, right))
+    try:
+        ring = Ring([a, b], relations, work_limit)
+        if ring.fraction(a - b).num == 0:
+            return Verdict("proved", "zero in exact normal form")
+        reason = "the normal form of the difference is not zero"
+    except EngineLimit as limit:
+        reason = str(limit)
+    except ZeroDivisionError:
+        reason = "one side divides by zero"
+    if tape is not None:
+        for point, (left, right) in sample_evaluable(tape, relations, 800, 24, 12):
+            if not left.overlaps(right):
+                return Verdict("refuted", "ball arithmetic", _witness(point, left, right))
+    evidence = (
+        f"the two sides agree to 200 digits at {len(samples)} points (no proof)"
+        if samples
+        else "no point was found at which both sides have real values"
+    )
+    return Verdict("undecided", f"{reason}; {evidence}")
+
+
+def _witness(point: dict[Any, Any], left: Any, right: Any) -> Witness:
+    named = {str(atom): _digits(value) for atom, value in point.items()}
+    return Witness(named, _digits(left), _digits(right))
+
+
+def _digits(value: Any) -> str:
+    import flint
+
+    if isinstance(value, flint.fmpq):
+        return str(value)
+    return str(value.str(DIGITS, radius=False)) if isinstance(value, flint.arb) else str(value)

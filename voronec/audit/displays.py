@@ -1,0 +1,146 @@
+"""From the source of a display to its formulas: labels, lines, lists, quantifiers."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from voronec.audit.tokens import Token, tokenize
+from voronec.errors import DefinitionError
+
+__all__ = ["RELATIONS", "Piece", "Unit", "split_display"]
+
+RELATIONS = {"=", "<", ">", "\\ne", "\\neq", "\\le", "\\leq", "\\ge", "\\geq"}
+_OPENING = re.compile(r"\s*(?:\\begin\{([a-zA-Z]+\*?)\}|(\\\[)|(\$\$)|(\$))", re.DOTALL)
+_CLOSING = {"\\[": "\\]", "$$": "$$", "$": "$"}
+_LABEL = re.compile(r"\\label\s*\{([^}]*)\}")
+_NUMBERED_LINES = {"eqnarray", "align", "gather"}
+_OPEN, _CLOSE = {"(", "[", "{"}, {")", "]", "}"}
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One formula: the range of the display's source it stands in, and its quantifiers.
+
+    ``tokens`` are its words (of two lines, where the second only goes on with the first).
+    """
+
+    tokens: tuple[Token, ...]
+    quantifiers: tuple[tuple[Token, ...], ...] = ()
+
+    @property
+    def at(self) -> tuple[int, int]:
+        """Where the formula starts and ends in the display's source."""
+        return self.tokens[0].start, self.tokens[-1].end
+
+
+@dataclass(frozen=True)
+class Unit:
+    """What bears one number in print: a label or none, source text, formulas.
+
+    ``display`` is the source in which the places of the pieces are counted.
+    """
+
+    label: str | None
+    source: str
+    pieces: tuple[Piece, ...]
+    display: str
+
+
+def split_display(latex: str) -> tuple[Unit, ...]:
+    """The numbered units of a display, given with its delimiters, each with its formulas.
+
+    In ``eqnarray`` and its like every line without ``\\nonumber`` closes a unit; else the whole
+    display is one.  A line that starts with a relation, or that has none, goes on with the
+    formula before it.
+    """
+    environment, start, end = _body(latex)
+    lines = _lines(latex, start, end)
+    if environment not in _NUMBERED_LINES:
+        return (_unit(latex, lines),)
+    units: list[Unit] = []
+    waiting: list[tuple[int, int]] = []
+    for line in lines:
+        waiting.append(line)
+        if "\\nonumber" not in latex[slice(*line)] and "\\notag" not in latex[slice(*line)]:
+            units.append(_unit(latex, waiting))
+            waiting = []
+    return tuple(units + ([_unit(latex, waiting)] if waiting else []))
+
+
+def _body(latex: str) -> tuple[str, int, int]:
+    """Name of the environment, and the range between its delimiters."""
+    match = _OPENING.match(latex)
+    if match is None:
+        raise DefinitionError(
+            f"display '{' '.join(latex.split())[:40]}': it must start with \\begin{{...}}, \\[, $$ or $"
+        )
+    mark = next(g for g in match.groups() if g)
+    closing = _CLOSING.get(mark, f"\\end{{{mark}}}")
+    end = latex.rfind(closing)
+    if end < match.end():
+        raise DefinitionError(f"display '{' '.join(latex.split())[:40]}': '{closing}' is missing")
+    return mark, match.end(), end
+
+
+_INNER = re.compile(r"\\(?:begin|end)\{(?:aligned|array|split|gathered)\}")
+
+
+def _lines(latex: str, start: int, end: int) -> list[tuple[int, int]]:
+    """Ranges of the lines that a double backslash separates; inner environments are opened."""
+    cuts = [(m.start(), m.end()) for m in _INNER.finditer(latex, start, end)]
+    cuts += [(m.start(), m.end()) for m in re.finditer(r"\\\\", latex[:end]) if m.start() >= start]
+    lines, position = [], start
+    for a, b in [*sorted(cuts), (end, end)]:
+        if _LABEL.sub("", latex[position:a]).strip():
+            lines.append((position, a))
+        position = b
+    return lines
+
+
+def _unit(latex: str, lines: list[tuple[int, int]]) -> Unit:
+    labels = [m.group(1) for m in _LABEL.finditer(latex)] if len(lines) else []
+    inside = [m.group(1) for a, b in lines for m in _LABEL.finditer(latex, a, b)]
+    label = inside[-1] if inside else (labels[0] if len(set(labels)) == 1 else None)
+    pieces: list[Piece] = []
+    for a, b in lines:
+        for words in _listed(tokenize(latex, a, b)):
+            _append(pieces, words)
+    source = "\\\\ ".join(_LABEL.sub("", latex[a:b]).strip() for a, b in lines)
+    return Unit(label, source, tuple(pieces), latex)
+
+
+def _append(pieces: list[Piece], words: tuple[Token, ...]) -> None:
+    """Add a formula; join it to the last one where it goes on with that, or quantifies it."""
+    if pieces and _is_quantifier(words):
+        last = pieces.pop()
+        pieces.append(Piece(last.tokens, (*last.quantifiers, words[1:-1])))
+    elif pieces and (words[0].text in RELATIONS or not _has_relation(words)):
+        last = pieces.pop()
+        pieces.append(Piece(last.tokens + words, last.quantifiers))
+    else:
+        pieces.append(Piece(words))
+
+
+def _is_quantifier(words: tuple[Token, ...]) -> bool:
+    return words[0].text == "(" and words[-1].text == ")" and "\\dots" in {w.text for w in words}
+
+
+def _has_relation(words: tuple[Token, ...]) -> bool:
+    return any(w.text in RELATIONS for w in words)
+
+
+def _listed(tokens: list[Token]) -> list[tuple[Token, ...]]:
+    """Split at top-level commas, wide spaces, stops and words of text."""
+    parts: list[list[Token]] = [[]]
+    depth = 0
+    for token in tokens:
+        depth += (token.text in _OPEN) - (token.text in _CLOSE)
+        separates = token.text in (",", ".", ";", "\\quad", "\\qquad") or (
+            token.kind == "text" and token.text != "const"
+        )
+        if depth == 0 and separates:
+            parts.append([])
+        else:
+            parts[-1].append(token)
+    return [tuple(p) for p in parts if p]

@@ -1,0 +1,107 @@
+"""The verdicts of an audit, as values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+__all__ = ["VERDICTS", "Audit", "FormulaRecord", "Record", "worst"]
+
+VERDICTS = ("definition", "proved", "cited", "convention", "undecided", "misprint")
+"""From harmless to worst; a display takes the worst of its formulas."""
+
+
+@dataclass(frozen=True)
+class FormulaRecord:
+    """One formula and its verdict.
+
+    ``printed``, ``derived`` and ``correction`` are LaTeX.  ``correction`` is ``None`` unless the
+    verdict is misprint; ``changes`` are the ranges of characters of it that differ from print,
+    ``struck`` those of ``printed`` that they replace.  ``witness`` gives a point and the values of
+    both sides there.  ``quantifiers`` are the ranges of indices as printed.
+    """
+
+    printed: str
+    verdict: str
+    method: str
+    derived: str | None = None
+    correction: str | None = None
+    changes: tuple[tuple[int, int], ...] = ()
+    struck: tuple[tuple[int, int], ...] = ()
+    witness: dict[str, Any] | None = None
+    quantifiers: tuple[str, ...] = ()
+    seconds: float = field(default=0.0, compare=False)
+
+
+@dataclass(frozen=True)
+class Record:
+    """What bears one number in print: the worst verdict of its formulas, and all of them."""
+
+    label: str | None
+    section: str
+    ordinal: int
+    printed: str
+    formulas: tuple[FormulaRecord, ...]
+
+    @property
+    def verdict(self) -> str:
+        """The worst verdict of the formulas."""
+        return worst(f.verdict for f in self.formulas)
+
+    @property
+    def decisive(self) -> FormulaRecord:
+        """The first formula that has the worst verdict."""
+        return next(f for f in self.formulas if f.verdict == self.verdict)
+
+    def as_dict(self) -> dict[str, Any]:
+        """What ``report.json`` holds of it."""
+        head, several = self.decisive, self.formulas
+        derived = [f.derived for f in several if f.derived]
+        return {
+            "label": self.label,
+            "section": self.section,
+            "ordinal": self.ordinal,
+            "printed": self.printed,
+            "derived": " \\\\ ".join(derived) or None,
+            "verdict": self.verdict,
+            "correction": head.correction,
+            "witness": head.witness,
+            "method": head.method,
+            "formulas": [asdict(f) for f in several],
+        }
+
+
+@dataclass(frozen=True)
+class Audit:
+    """All records of a paper."""
+
+    paper: str
+    title: str
+    records: tuple[Record, ...]
+    references: tuple[str, ...] = ()
+    authors: str = ""
+
+    def count(self) -> dict[str, int]:
+        """How many records have each verdict."""
+        return {v: sum(r.verdict == v for r in self.records) for v in reversed(VERDICTS)}
+
+    @property
+    def errata(self) -> tuple[Record, ...]:
+        """The records with a misprint."""
+        return tuple(r for r in self.records if r.verdict == "misprint")
+
+    @property
+    def sections(self) -> tuple[str, ...]:
+        """Titles of the sections, each once."""
+        return tuple(dict.fromkeys(r.section for r in self.records))
+
+    def as_list(self) -> list[dict[str, Any]]:
+        """The records as JSON can hold them."""
+        return [r.as_dict() for r in self.records]
+
+
+def worst(verdicts: Iterable[str]) -> str:
+    """The worst of some verdicts."""
+    found: Sequence[str] = list(verdicts)
+    return max(found, key=VERDICTS.index) if found else "undecided"

@@ -1,0 +1,200 @@
+r"""What the names of a paper mean in one derived system: the dictionary of an audit.
+
+A key is a name as the paper spells it, ``u_1``, ``\vartheta``, ``\tilde{\mathbf T}``; a key with
+index letters, ``a_{\nu i}``, stands for a family, and its value takes the values of the indices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import product
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import time, velocity
+from voronec.audit.nodes import Dot, Name, Node, Number, Product, Sum, Variation
+from voronec.audit.reader import Vocabulary, read_name
+from voronec.errors import DefinitionError
+
+__all__ = ["Motion", "Study", "key_of", "spell"]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How the symbols of a system change in time.
+
+    ``rates``: symbol -> its time derivative, which may hold acceleration symbols.
+    ``constrained``: velocity symbol -> its value on the constraints.
+    ``accelerations``: acceleration symbol -> its value along the motion, where that is known.
+    """
+
+    rates: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+    constrained: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+    accelerations: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, eqs: Any, more: Mapping[sp.Expr, sp.Expr] | None = None) -> Motion:
+        """The motion that derived equations define; ``more`` adds rates of further symbols."""
+        rates = dict(zip(eqs.coordinates, eqs.rates, strict=True))
+        constrained = {velocity(q): rate for q, rate in rates.items() if velocity(q) != rate}
+        rates |= {v: velocity(v) for v in eqs.velocities}
+        return cls(rates | dict(more or {}), constrained)
+
+    def solved(self, eqs: Any) -> Motion:
+        """The same with the accelerations that mass * vdot = force gives."""
+        values = eqs.mass.LUsolve(eqs.force)
+        symbols = [velocity(v) for v in eqs.velocities]
+        return replace(self, accelerations=dict(zip(symbols, values, strict=True)))
+
+    def restrict(self, value: Any) -> Any:
+        """A value on the constraints."""
+        return value.xreplace(dict(self.constrained)) if hasattr(value, "xreplace") else value
+
+    def along(self, value: Any) -> Any:
+        """A value on the constraints and along the motion."""
+        return self.restrict(value.xreplace(dict(self.accelerations)))
+
+    def derivative(self, value: Any) -> Any:
+        """The total time derivative, on the constraints."""
+        value = self.restrict(value)
+        if isinstance(value, sp.MatrixBase):
+            return value.applyfunc(self.derivative)
+        moving = [x for x in self.rates if value.has(x)]
+        terms = [sp.diff(value, x) * self.rates[x] for x in moving]
+        return self.restrict(sp.Add(sp.diff(value, time), *terms))
+
+
+@dataclass(frozen=True)
+class Study:
+    """A dictionary to a derived system.
+
+    names
+        LaTeX name -> SymPy expression, vector, function of the indices, or function.
+    indices
+        index letter -> largest value; all count from one.
+    motion
+        how symbols change in time.
+    variations
+        coordinate or velocity symbol -> its virtual variation.
+    labelled
+        heads of names whose superscript is a label.
+    functions
+        heads of names that a parenthesis applies.
+    defined
+        names that the paper itself defines, as trees; filled by the audit.
+    given
+        conditions in force: symbol -> expression.
+    """
+
+    names: Mapping[str, Any]
+    indices: Mapping[str, int] = field(default_factory=dict)
+    motion: Motion = field(default_factory=Motion)
+    variations: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+    labelled: frozenset[str] = frozenset()
+    functions: frozenset[str] = frozenset()
+    defined: Mapping[str, Node] = field(default_factory=dict)
+    given: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+
+    @cached_property
+    def table(self) -> dict[str, Any]:
+        """Values by canonical key."""
+        found: dict[str, Any] = {}
+        for name, value in self.names.items():
+            found[self.key(read_name(name))] = value
+        return found
+
+    def key(self, node: Node) -> str:
+        """The canonical key of a name, with index letters replaced by ``#``."""
+        return key_of(node, lambda index: "#" if self.is_index(index) else spell(index))
+
+    def is_index(self, node: Node) -> bool:
+        """Whether a node is an index letter of this study."""
+        return isinstance(node, Name) and not node.sub and node.head in self.indices
+
+    @cached_property
+    def vocabulary(self) -> Vocabulary:
+        """What the reader has to know of this dictionary."""
+        heads = {_innermost(read_name(k)).head for k, v in self.names.items() if callable(v)}
+        plain = {k for k in heads if k in self.table}
+        return Vocabulary(self.functions | plain, self.labelled)
+
+    @cached_property
+    def spelling(self) -> dict[Any, str]:
+        """Symbols (and applied unknown functions) -> their LaTeX name in the paper."""
+        found: dict[Any, str] = {}
+        for name, value in self.names.items():
+            for latex, entry in self._members(name, value):
+                if isinstance(entry, (sp.Symbol, sp.core.function.AppliedUndef)):
+                    found.setdefault(entry, latex)
+        for symbol in list(found):
+            for order in ("\\dot", "\\ddot"):
+                dotted = velocity(symbol) if order == "\\dot" else velocity(velocity(symbol))
+                if isinstance(symbol, sp.Symbol):
+                    found.setdefault(dotted, _dotted(order, found[symbol]))
+        return found
+
+    def _members(self, name: str, value: Any) -> Iterator[tuple[str, Any]]:
+        if not callable(value) or isinstance(value, sp.Basic):
+            yield name, value
+            return
+        node = _innermost(read_name(name))
+        letters = [i.head for i in (*node.sub, *node.sup) if self.is_index(i)]
+        for values in product(*(range(1, self.indices[x] + 1) for x in letters)):
+            if letters:
+                yield _with_values(name, letters, values), value(*values)
+
+    def join(self, defined: Mapping[str, Node]) -> Study:
+        """The same study with names that the paper defines itself."""
+        return replace(self, defined={**self.defined, **defined})
+
+
+def spell(node: Node) -> str:
+    """One spelling for each index expression."""
+    if isinstance(node, Number):
+        return node.text
+    if isinstance(node, Name):
+        marks = "".join(f"_{spell(i)}" for i in node.sub) + "".join(f"^{spell(i)}" for i in node.sup)
+        return node.head + marks
+    if isinstance(node, Sum):
+        return "".join(("+" if s > 0 else "-") + spell(t) for s, t in node.terms)
+    if isinstance(node, Product):
+        return " ".join(spell(f) for f in node.factors)
+    raise DefinitionError(f"an index of the kind {type(node).__name__} is not understood")
+
+
+def key_of(node: Node, index: Callable[[Node], str] = spell) -> str:
+    """The canonical key of a name, of its velocity or its variation."""
+    if isinstance(node, Dot):
+        return "\\dot " * node.order + key_of(node.body, index)
+    if isinstance(node, Variation):
+        return "\\delta " + key_of(node.body, index)
+    if not isinstance(node, Name):
+        raise DefinitionError(f"a {type(node).__name__} is not a name")
+    below = ",".join(index(i) for i in node.sub)
+    above = ",".join(index(i) for i in node.sup)
+    return node.head + (f"_{below}" if below else "") + (f"^{above}" if above else "")
+
+
+def _innermost(node: Node) -> Name:
+    while isinstance(node, (Dot, Variation)):
+        node = node.body
+    if not isinstance(node, Name):
+        raise DefinitionError("a dictionary key must be a name")
+    return node
+
+
+def _with_values(name: str, letters: list[str], values: tuple[int, ...]) -> str:
+    """``a_{\\nu i}`` with the indices 1, 2 is ``a_{12}``; only what follows the letter changes."""
+    cut = min(x for x in (name.find("_"), name.find("^"), len(name)) if x >= 0)
+    head, marks = name[:cut], name[cut:]
+    for letter, value in zip(letters, values, strict=True):
+        marks = marks.replace(letter + " ", str(value)).replace(letter, str(value))
+    return head + marks
+
+
+def _dotted(accent: str, name: str) -> str:
+    cut = min(x for x in (name.find("_"), name.find("^"), len(name)) if x >= 0)
+    return f"{accent}{{{name[:cut]}}}{name[cut:]}"

@@ -1,0 +1,82 @@
+"""The words of LaTeX mathematics, each with its place; spacing and sizes are left out."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from voronec.errors import DefinitionError
+
+__all__ = ["Token", "complain", "tokenize"]
+
+_WORD = re.compile(
+    r"(?P<space>\s+|%[^\n]*)|(?P<command>\\(?:[a-zA-Z]+\*?|.))|(?P<number>\d+(?:\.\d+)?)"
+    r"|(?P<letter>[a-zA-Z])|(?P<sign>[-+*/=<>()\[\]{}^_,.:;'|&\"!~])",
+    re.DOTALL,
+)
+_SILENT = set(
+    r"\, \; \! \: \> \  ~ & \big \Big \bigg \Bigg \bigl \bigr \Bigl \Bigr \biggl \biggr \left"
+    r" \right \nonumber \notag \displaystyle \textstyle \limits \nolimits".split()
+) | {"\\ "}
+_WITH_ARGUMENT = {"\\label", "\\tag"}
+
+
+@dataclass(frozen=True)
+class Token:
+    """One word: ``kind`` is command, number, letter, sign or text."""
+
+    kind: str
+    text: str
+    start: int
+    end: int
+
+
+def complain(source: str, at: int, what: str) -> DefinitionError:
+    """An error that shows the place in the formula."""
+    before = " ".join(source[max(0, at - 25) : at].split())
+    after = " ".join(source[at : at + 25].split())
+    return DefinitionError(f"formula, character {at + 1}: {what}, at '{before} >>> {after}'")
+
+
+def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token]:
+    """The words of ``source[offset:end]``; a label with its argument and spacing are skipped.
+
+    ``\\text{...}`` and ``\\mathrm{...}`` become one word of kind text.
+    """
+    found: list[Token] = []
+    position, end = offset, len(source) if end is None else end
+    while position < end:
+        match = _WORD.match(source, position, end)
+        if match is None:
+            raise complain(source, position, f"the character '{source[position]}' is not understood")
+        text, position = match.group(), match.end()
+        kind = str(match.lastgroup)
+        if kind == "space" or text in _SILENT:
+            continue
+        if text in _WITH_ARGUMENT:
+            position = _argument(source, position, end)[1]
+            continue
+        if text in ("\\text", "\\mathrm", "\\mbox", "\\operatorname"):
+            inner, position = _argument(source, position, end)
+            found.append(Token("text", inner.strip(), match.start(), position))
+            continue
+        if text == "c" and source.startswith("const", match.start()):
+            position = match.start() + 5
+            found.append(Token("text", "const", match.start(), position))
+            continue
+        found.append(Token(kind, text, match.start(), position))
+    return found
+
+
+def _argument(source: str, position: int, end: int) -> tuple[str, int]:
+    """The braced argument that starts at ``position``, and where it ends."""
+    while position < end and source[position].isspace():
+        position += 1
+    if position >= end or source[position] != "{":
+        return (source[position : position + 1], min(position + 1, end))
+    depth = 0
+    for i in range(position, end):
+        depth += {"{": 1, "}": -1}.get(source[i], 0)
+        if depth == 0:
+            return source[position + 1 : i], i + 1
+    raise complain(source, position, "a brace is not closed")

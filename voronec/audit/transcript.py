@@ -1,0 +1,104 @@
+"""The formulas of a section as trees, so that studies can use what the paper states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+from voronec.audit.displays import Piece, Unit, split_display
+from voronec.audit.meaning import evaluate, free_indices
+from voronec.audit.nodes import Chain
+from voronec.audit.paper import Display, Section
+from voronec.audit.reader import Vocabulary, read_tokens
+from voronec.audit.study import Study
+from voronec.errors import DefinitionError
+
+__all__ = ["Formula", "Transcript", "assignments"]
+
+
+@dataclass(frozen=True)
+class Formula:
+    """One formula with its place: unit, piece, position in the display."""
+
+    display: Display
+    unit: Unit
+    piece: Piece
+    position: int
+
+    @property
+    def printed(self) -> str:
+        """The formula as it stands in the source, without alignment marks and labels."""
+        return source_of(self.piece, self.unit.display)
+
+    def tree(self, vocabulary: Vocabulary) -> Chain:
+        """The formula, parsed."""
+        return read_tokens(self.piece.tokens, self.unit.display, vocabulary)
+
+
+@dataclass(frozen=True)
+class Transcript:
+    """The formulas of one section."""
+
+    section: Section
+
+    def formulas(self) -> Iterator[Formula]:
+        """All formulas in the order of print."""
+        for display in self.section.displays:
+            position = 0
+            for unit in display.units:
+                for piece in unit.pieces:
+                    yield Formula(display, unit, piece, position)
+                    position += 1
+
+    def labelled(self, label: str) -> Formula:
+        """The first formula of the unit with that label."""
+        for formula in self.formulas():
+            if formula.unit.label == label:
+                return formula
+        raise DefinitionError(f"no display of '{self.section.title}' is labelled '{label}'")
+
+    def residuals(self, label: str, study: Study) -> list[Any]:
+        """Left minus right of a labelled equation, for all values of its free indices."""
+        chain = self.labelled(label).tree(study.vocabulary)
+        left, right = chain.parts
+        values = assignments(chain, study)
+        return [evaluate(left, study, w) - evaluate(right, study, w) for w in values]
+
+    def asides(self, vocabulary: Vocabulary) -> list[Chain]:
+        """The defining formulas of the running text, parsed."""
+        found = []
+        for text in self.section.asides:
+            for unit in split_display(text):
+                found += [read_tokens(p.tokens, unit.display, vocabulary) for p in unit.pieces]
+        return found
+
+
+def assignments(chain: Chain, study: Study) -> list[dict[str, int]]:
+    """All values of the free indices of a formula."""
+    letters = free_indices(chain, study)
+    ranges = [range(1, study.indices[x] + 1) for x in letters]
+    return [dict(zip(letters, values, strict=True)) for values in product(*ranges)]
+
+
+def source_of(piece: Piece, display: str) -> str:
+    """The source text of a formula: its words with the spacing between them as printed."""
+    parts = []
+    last = None
+    for token in piece.tokens:
+        if last is not None:
+            gap = display[last : token.start]
+            parts.append(_gap(gap))
+        parts.append(display[token.start : token.end])
+        last = token.end
+    return "".join(parts)
+
+
+def _gap(gap: str) -> str:
+    """What stands between two words, without alignment, line ends, labels and environments."""
+    import re
+
+    gap = re.sub(r"\\label\s*\{[^}]*\}|\\nonumber|\\(?:begin|end)\{\w+\*?\}", "", gap)
+    gap = re.sub(r"&|\\\\", "", gap)
+    return re.sub(r"\s+", " ", gap)

@@ -1,0 +1,243 @@
+"""The Ehresmann connection that constraints define, and its curvature.
+
+    rdot = E v + e0,   sdot = a v + a0                     r over the base, s over the fibre
+    h_i = E_i^b d_b + a_i^A d_A,   h_0 = d_t + e0^b d_b + a0^A d_A          horizontal lift
+    [h_i, h_j] = c_ij^k h_k + B_ij^A d_A                   frame coefficients c, curvature B
+
+Indices: i = 0..n-1 are the velocities v, index n is the time (v^n = 1).  See docs/theory.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.elimination import Solution, solve_linear
+from voronec.errors import DefinitionError
+
+__all__ = ["AffineForms", "EhresmannConnection", "FibreSolution", "connect", "solve_fibre"]
+
+Tidy = Callable[[Sequence[Any]], list[Any]]
+
+
+@dataclass(frozen=True)
+class AffineForms:
+    """Forms that are affine in the velocities: matrix * qdot + offset.
+
+    ``matrix`` has a row a form and a column a coordinate, base coordinates first.
+    """
+
+    matrix: tuple[tuple[Any, ...], ...]
+    offset: tuple[Any, ...]
+
+    @classmethod
+    def of(cls, exprs: Sequence[Any], velocities: Sequence[Any]) -> AffineForms | int:
+        """Read the coefficients; the index of the first expression that is not affine, if any."""
+        rows, offsets = [], []
+        at_rest = {v: se.Integer(0) for v in velocities}
+        for index, expr in enumerate(exprs):
+            row = tuple(expr.diff(v) for v in velocities)
+            used = [v for v in velocities if v in expr.free_symbols]
+            if any(se.has_symbol(d, v) for d in row for v in used):
+                row = tuple(_plain(d, velocities) for d in row)
+                if any(d is None for d in row):
+                    return index
+            rows.append(row)
+            offsets.append(expr.xreplace(at_rest))
+        return cls(tuple(rows), tuple(offsets))
+
+
+def _plain(coefficient: Any, velocities: Sequence[Any]) -> Any:
+    """A coefficient freed of velocities that only seem to occur, or None where they do."""
+    from voronec.algebra.verdicts import decide_zero
+
+    for v in velocities:
+        if se.has_symbol(coefficient, v) and not decide_zero(coefficient.diff(v)).proved:
+            return None
+    return coefficient.xreplace({v: se.Integer(0) for v in velocities})
+
+
+@dataclass(frozen=True)
+class FibreSolution:
+    """sdot = S rdot + s0: the fibre velocities that the constraints determine.
+
+    ``matrix[A][b]`` is S, the Voronec coefficients a_(nu i); ``offset[A]`` is s0.
+    """
+
+    matrix: tuple[tuple[Any, ...], ...]
+    offset: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class EhresmannConnection:
+    """The horizontal lift of a frame: qdot_a = lift[a][i] v_i + lift[a][n].
+
+    ``dual[k][b]`` recovers v_k from base velocities: v_k = dual[k][b] rdot_b + ...
+    ``coordinates`` and ``time`` are symengine symbols; the first ``base`` of them are base ones.
+    """
+
+    coordinates: tuple[Any, ...]
+    base: int
+    velocities: tuple[Any, ...]
+    time: Any
+    lift: tuple[tuple[Any, ...], ...]
+    dual: tuple[tuple[Any, ...], ...]
+
+    @property
+    def n(self) -> int:
+        """The number of independent velocities; also the index of the time."""
+        return len(self.velocities)
+
+    @property
+    def rates(self) -> list[Any]:
+        """qdot as expressions in q, v, t."""
+        return [
+            se.Add(*[h * v for h, v in zip(row, self.velocities, strict=False)], row[-1])
+            for row in self.lift
+        ]
+
+    def along(self, i: int, function: Any) -> Any:
+        """h_i(function): the derivative along a horizontal field."""
+        terms = [
+            row[i] * function.diff(q)
+            for q, row in zip(self.coordinates, self.lift, strict=True)
+            if row[i] != 0
+        ]
+        if i == self.n:
+            terms.append(function.diff(self.time))
+        return se.Add(*terms) if terms else se.Integer(0)
+
+    def flow_derivative(self, function: Any, rates: Sequence[Any]) -> Any:
+        """The derivative of a function of q, t (and v, held fixed) along the motion."""
+        terms = [
+            rate * function.diff(q)
+            for q, rate in zip(self.coordinates, rates, strict=True)
+            if rate != 0
+        ]
+        return se.Add(function.diff(self.time), *terms)
+
+    def bracket(self, i: int, j: int) -> list[Any]:
+        """The components of [h_i, h_j] on all coordinates."""
+        return [self.along(i, row[j]) - self.along(j, row[i]) for row in self.lift]
+
+    def frame_part(self, field: Sequence[Any]) -> list[Any]:
+        """c^k with field = c^k h_k + vertical."""
+        return [
+            se.Add(*[d * x for d, x in zip(row, field, strict=False)]) for row in self.dual
+        ]
+
+    def decompose(self, i: int, j: int, tidy: Tidy) -> tuple[list[Any], list[Any]]:
+        """c_ij^k and B_ij^A of a bracket."""
+        field = tidy(self.bracket(i, j))
+        c = tidy(self.frame_part(field))
+        vertical = [
+            x - se.Add(*[ck * row[k] for k, ck in enumerate(c)])
+            for x, row in zip(field[self.base :], self.lift[self.base :], strict=True)
+        ]
+        return c, tidy(vertical)
+
+
+def solve_fibre(
+    constraints: AffineForms, relations: AffineForms, base: int, ideal: Sequence[Any]
+) -> tuple[FibreSolution, Solution | None]:
+    """Solve the constraints, with differentiated relations, for the fibre velocities.
+
+    ``ideal`` are the relations themselves.  The elimination comes along for whoever asks what is
+    free, dependent or contradictory: its rows are the constraints, then the relations that bind
+    fibre velocities; its right sides the base velocities, then 1.
+    """
+    binding = [i for i, row in enumerate(relations.matrix) if any(e != 0 for e in row[base:])]
+    rows = [*constraints.matrix, *(relations.matrix[i] for i in binding)]
+    offsets = [*constraints.offset, *(relations.offset[i] for i in binding)]
+    if not rows:
+        return FibreSolution((), ()), None
+    left = [row[base:] for row in rows]
+    right = [[-e for e in row[:base]] + [-o] for row, o in zip(rows, offsets, strict=True)]
+    solution = solve_linear(left, right, ideal, prefer=len(constraints.matrix))
+    fibre = FibreSolution(
+        tuple(tuple(v[:-1]) for v in solution.values), tuple(v[-1] for v in solution.values)
+    )
+    return fibre, solution
+
+
+class Undetermined(DefinitionError):
+    """Velocities that the given conditions leave open; ``free`` are their positions."""
+
+    def __init__(self, free: Sequence[int]) -> None:
+        super().__init__("the conditions leave velocities undetermined")
+        self.free = tuple(free)
+
+
+def connect(
+    coordinates: Sequence[Any],
+    base: int,
+    velocities: Sequence[Any],
+    time: Any,
+    fibre: FibreSolution,
+    frame: AffineForms | None,
+    relations: AffineForms,
+    ideal: Sequence[Any],
+    tidy: Tidy,
+) -> EhresmannConnection:
+    """The connection in a frame, or in the coordinate frame where ``frame`` is None."""
+    n = len(velocities)
+    if frame is None:
+        unit = [[se.Integer(int(i == b)) for i in range(n)] for b in range(base)]
+        rows = [[*row, se.Integer(0)] for row in unit]
+        rows += [[*s, o] for s, o in zip(fibre.matrix, fibre.offset, strict=True)]
+        dual = tuple(tuple(row) for row in unit)
+        lift = tuple(tuple(row) for row in rows)
+        return EhresmannConnection(tuple(coordinates), base, tuple(velocities), time, lift, dual)
+    dual_rows, dual_offset = _on_base(frame, fibre, base)
+    extra_rows, extra_offset = _on_base(relations, fibre, base)
+    flat = tidy([e for row in dual_rows for e in row] + list(dual_offset))
+    dual_rows = [flat[k * base : (k + 1) * base] for k in range(n)]
+    dual_offset = flat[n * base :]
+    right = [
+        [se.Integer(int(i == k)) for i in range(n)] + [-dual_offset[k]] for k in range(n)
+    ] + [[se.Integer(0)] * n + [-o] for o in extra_offset]
+    solution = solve_linear([*dual_rows, *extra_rows], right, ideal)
+    if solution.free or solution.contradictory:
+        raise Undetermined(solution.free or (-1,))
+    flat = tidy([e for row in solution.values for e in row])
+    base_rows = [flat[b * (n + 1) : (b + 1) * (n + 1)] for b in range(base)]
+    fibre_rows = tidy(
+        [
+            se.Add(*[s * base_rows[b][c] for b, s in enumerate(row)]) + (o if c == n else 0)
+            for row, o in zip(fibre.matrix, fibre.offset, strict=True)
+            for c in range(n + 1)
+        ]
+    )
+    rows = base_rows + [
+        fibre_rows[a * (n + 1) : (a + 1) * (n + 1)] for a in range(len(fibre.matrix))
+    ]
+    return EhresmannConnection(
+        tuple(coordinates),
+        base,
+        tuple(velocities),
+        time,
+        tuple(tuple(row) for row in rows),
+        tuple(tuple(row) for row in dual_rows),
+    )
+
+
+def _on_base(
+    forms: AffineForms, fibre: FibreSolution, base: int
+) -> tuple[list[list[Any]], list[Any]]:
+    """Forms restricted to the constraints, as forms in the base velocities alone."""
+    rows, offsets = [], []
+    for row, offset in zip(forms.matrix, forms.offset, strict=True):
+        on_fibre = row[base:]
+        rows.append(
+            [
+                row[b] + se.Add(*[w * s[b] for w, s in zip(on_fibre, fibre.matrix, strict=True)])
+                for b in range(base)
+            ]
+        )
+        offsets.append(
+            offset + se.Add(*[w * o for w, o in zip(on_fibre, fibre.offset, strict=True)])
+        )
+    return rows, offsets

@@ -1,0 +1,205 @@
+"""Reading a system: from the user's symbols to symengine, with every check on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.door import Door
+from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
+from voronec.connection import AffineForms, FibreSolution, solve_fibre
+from voronec.errors import DefinitionError
+from voronec.system import System
+
+__all__ = ["Definition", "read"]
+
+
+@dataclass(frozen=True)
+class Definition:
+    """A system inside the door: symengine symbols and expressions, constraints solved."""
+
+    system: System
+    door: Door
+    coordinates: tuple[Any, ...]
+    coordinate_velocities: tuple[Any, ...]
+    velocities: tuple[Any, ...]
+    parameters: tuple[Any, ...]
+    time: Any
+    lagrangian: Any
+    forces: tuple[Any, ...]
+    constraints: AffineForms
+    frame: AffineForms | None
+    relations: tuple[Any, ...]
+    differentiated: AffineForms
+    fibre: FibreSolution
+
+    @property
+    def base(self) -> int:
+        """The number of base coordinates."""
+        return len(self.system.fibration.base)
+
+
+def read(system: System) -> Definition:
+    """Translate and check a system; raises ``DefinitionError`` where it makes no sense."""
+    door = Door(s for s in system.known_symbols() if s == time or _is_variable(system, s))
+    coordinates = tuple(door.inward(q) for q in system.coordinates)
+    dots = tuple(door.inward(velocity(q)) for q in system.coordinates)
+    relations = tuple(door.inward(r) for r in system.fibration.relations)
+    differentiated = AffineForms(
+        tuple(tuple(r.diff(q) for q in coordinates) for r in relations),
+        tuple(r.diff(door.inward(time)) for r in relations),
+    )
+    constraints = _constraints(system, door, dots)
+    _count(system, len(constraints.matrix), differentiated)
+    fibre = _solved(system, constraints, differentiated, relations)
+    zero = se.Integer(0)
+    forces = {q: door.inward(force) for q, force in system.forces.items()}
+    return Definition(
+        system=system,
+        door=door,
+        coordinates=coordinates,
+        coordinate_velocities=dots,
+        velocities=tuple(door.inward(v) for v in system.velocities),
+        parameters=tuple(door.inward(p.symbol) for p in system.parameters),
+        time=door.inward(time),
+        lagrangian=door.inward(system.lagrangian),
+        forces=tuple(forces.get(q, zero) for q in system.coordinates),
+        constraints=constraints,
+        frame=_frame(system, door, dots),
+        relations=relations,
+        differentiated=differentiated,
+        fibre=fibre,
+    )
+
+
+def _is_variable(system: System, symbol: sp.Expr) -> bool:
+    """Whether a known symbol is a plain variable inside; unknown functions of time are not."""
+    functions = [p.symbol for p in system.parameters if not isinstance(p.symbol, sp.Symbol)]
+    return symbol not in functions and (
+        is_symbolic_name(symbol) or isinstance(symbol, sp.Derivative)
+    )
+
+
+def _constraints(system: System, door: Door, dots: Sequence[Any]) -> AffineForms:
+    exprs = [door.inward(c) for c in system.constraints]
+    forms = AffineForms.of(exprs, dots)
+    if isinstance(forms, int):
+        raise DefinitionError(
+            f"system '{system.name}': constraint {forms + 1} ({system.constraints[forms]} = 0) is "
+            "not affine in the velocities; solve it for a velocity or differentiate it first"
+        )
+    for v in door.inward_all(system.frame.velocities if system.frame else ()):
+        for i, e in enumerate(exprs):
+            if se.has_symbol(e, v):
+                raise DefinitionError(
+                    f"system '{system.name}': constraint {i + 1} contains the quasi-velocity "
+                    f"'{v}'; write it with the velocities of the coordinates"
+                )
+    return forms
+
+
+def _frame(system: System, door: Door, dots: Sequence[Any]) -> AffineForms | None:
+    if system.frame is None:
+        if system.fibration.relations and _bound_on_base(system):
+            raise DefinitionError(
+                f"system '{system.name}': the base coordinates are redundant (they satisfy "
+                f"{system.fibration.relations[0]} = 0); give independent velocities with frame="
+            )
+        return None
+    forms = AffineForms.of([door.inward(e) for e in system.frame.expressions], dots)
+    if isinstance(forms, int):
+        name = plain_name(system.frame.velocities[forms])
+        raise DefinitionError(
+            f"system '{system.name}': the quasi-velocity '{name}' is not affine in the velocities"
+        )
+    return forms
+
+
+def _bound_on_base(system: System) -> bool:
+    fibre = set(system.fibration.fibre)
+    return any(not _mentions(r, fibre) for r in system.fibration.relations)
+
+
+def _mentions(expr: sp.Expr, things: set[sp.Expr]) -> bool:
+    return any(expr.has(thing) for thing in things)
+
+
+def _count(system: System, constraints: int, differentiated: AffineForms) -> None:
+    """As many conditions as fibre coordinates, relations on the fibre counted."""
+    base, fibre = len(system.fibration.base), len(system.fibration.fibre)
+    binding = sum(any(e != 0 for e in row[base:]) for row in differentiated.matrix)
+    if constraints > fibre:
+        raise DefinitionError(
+            f"system '{system.name}': {constraints} constraints for {fibre} fibre coordinates; "
+            f"move {constraints - fibre} more coordinate(s) from the base to the fibre, or drop "
+            "a constraint"
+        )
+    if constraints + binding < fibre:
+        raise DefinitionError(
+            f"system '{system.name}': {fibre} fibre coordinates but only {constraints} "
+            f"constraint(s); move {fibre - constraints - binding} coordinate(s) to the base, or "
+            "add what is missing"
+        )
+
+
+def _solved(
+    system: System, constraints: AffineForms, differentiated: AffineForms, ideal: Sequence[Any]
+) -> FibreSolution:
+    base = len(system.fibration.base)
+    fibre, solution = solve_fibre(constraints, differentiated, base, ideal)
+    if solution is None:
+        return fibre
+    k = len(constraints.matrix)
+    left_over = [i for i in (*solution.dependent, *solution.contradictory) if i < k]
+    if not solution.free and not left_over:
+        return fibre
+    _explain_dependence(system, constraints, ideal)
+    names = [plain_name(system.fibration.fibre[j]) for j in solution.free]
+    split = _working_split(system, constraints, ideal)
+    raise DefinitionError(
+        f"system '{system.name}': the constraints do not determine the velocities of the fibre "
+        f"coordinates (undetermined: {', '.join(names)}); a split that works: "
+        f"base=({', '.join(split[0])}), fibre=({', '.join(split[1])})"
+    )
+
+
+def _explain_dependence(system: System, constraints: AffineForms, ideal: Sequence[Any]) -> None:
+    """Raise where the constraints themselves are dependent or contradictory."""
+    from voronec.algebra.elimination import solve_linear
+
+    right = [[-o] for o in constraints.offset]
+    whole = solve_linear(constraints.matrix, right, ideal)
+    if whole.contradictory:
+        raise DefinitionError(
+            f"system '{system.name}': the constraints contradict each other (constraint "
+            f"{whole.contradictory[0] + 1} is inconsistent with the others); correct or drop it"
+        )
+    if whole.dependent:
+        raise DefinitionError(
+            f"system '{system.name}': constraint {whole.dependent[0] + 1} follows from the "
+            "others; drop it, and move one coordinate from the fibre to the base"
+        )
+
+
+def _working_split(
+    system: System, constraints: AffineForms, ideal: Sequence[Any]
+) -> tuple[list[str], list[str]]:
+    """A choice of fibre coordinates for which the constraints can be solved, near the given one."""
+    from voronec.algebra.elimination import solve_linear
+
+    total, base = len(system.coordinates), len(system.fibration.base)
+    order = [*range(base, total), *range(base)]
+    chosen: list[int] = []
+    for j in order:
+        trial = [*chosen, j]
+        columns = [[row[i] for i in trial] for row in constraints.matrix]
+        if not solve_linear(columns, [[se.Integer(0)]] * len(columns), ideal).free:
+            chosen = trial
+        if len(chosen) == len(constraints.matrix):
+            break
+    names = [plain_name(q) for q in system.coordinates]
+    return [names[i] for i in range(total) if i not in chosen], [names[i] for i in sorted(chosen)]

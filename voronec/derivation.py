@@ -1,0 +1,233 @@
+"""From a definition to equations of motion, inside the exact algebra.
+
+    d/dt dLc/dv^i - h_i(Lc) + (c_ij^k dLc/dv^k + B_ij^A p_A) v^j = E_i^b Q_b + a_i^A Q_A
+
+One pipeline, run with one of two ways to tidy intermediate results: not at all (the shared
+expression graph, made in milliseconds), or by exact normal forms (short equations).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.normal import canonical, shortest
+from voronec.connection import (
+    EhresmannConnection,
+    FibreSolution,
+    Tidy,
+    Undetermined,
+    connect,
+)
+from voronec.definition import Definition
+from voronec.errors import DefinitionError
+
+__all__ = ["Derivation", "FirstOrderForm"]
+
+
+@dataclass(frozen=True)
+class FirstOrderForm:
+    """qdot = rates(q, v, t),  mass * vdot = force(q, v, t), all in symengine inside the door.
+
+    ``coordinates`` base then fibre; ``definitions`` gives v in terms of q, qdot, t, with
+    ``velocity_symbols`` the symbols of qdot; ``relations`` vanish along the motion.
+    """
+
+    coordinates: tuple[Any, ...]
+    velocities: tuple[Any, ...]
+    parameters: tuple[Any, ...]
+    time: Any
+    rates: tuple[Any, ...]
+    mass: tuple[tuple[Any, ...], ...]
+    force: tuple[Any, ...]
+    definitions: tuple[Any, ...]
+    velocity_symbols: tuple[Any, ...]
+    relations: tuple[Any, ...] = ()
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """The stages of one derivation, each made when it is asked for."""
+
+    definition: Definition
+    exact: bool
+
+    def tidy(self, exprs: Sequence[Any]) -> list[Any]:
+        """Bring intermediate results into normal form, or leave them, as this derivation does."""
+        return canonical(exprs, self.definition.relations) if self.exact else list(exprs)
+
+    def polish(self, exprs: Sequence[Any]) -> list[Any]:
+        """Bring final results into their shortest form, or leave them, as this derivation does."""
+        if not self.exact:
+            return list(exprs)
+        d = self.definition
+        return shortest(exprs, d.relations, d.velocities)
+
+    @cached_property
+    def fibre(self) -> FibreSolution:
+        """sdot = S rdot + s0."""
+        d = self.definition
+        width = d.base
+        flat = self.tidy([e for row in d.fibre.matrix for e in row] + list(d.fibre.offset))
+        count = len(d.fibre.matrix)
+        rows = tuple(tuple(flat[i * width : (i + 1) * width]) for i in range(count))
+        return FibreSolution(rows, tuple(flat[count * width :]))
+
+    @cached_property
+    def connection(self) -> EhresmannConnection:
+        """The connection in the frame of the system."""
+        return self._connect(self.definition.frame is not None)
+
+    @cached_property
+    def coordinate_connection(self) -> EhresmannConnection:
+        """The connection in the frame of the base velocities."""
+        if self.definition.frame is None:
+            return self.connection
+        return self._connect(False)
+
+    def _connect(self, framed: bool) -> EhresmannConnection:
+        d = self.definition
+        tidy: Tidy = self.tidy
+        velocities = d.velocities if framed else d.coordinate_velocities[: d.base]
+        frame = d.frame if framed else None
+        try:
+            return connect(
+                d.coordinates, d.base, velocities, d.time, self.fibre, frame,
+                d.differentiated, d.relations, tidy,
+            )  # fmt: skip
+        except Undetermined as error:
+            raise _frame_error(d, error) from None
+
+    @cached_property
+    def rates(self) -> list[Any]:
+        """qdot in terms of q, v, t."""
+        return self.polish(self.connection.rates)
+
+    @cached_property
+    def _on_constraints(self) -> dict[Any, Any]:
+        return dict(zip(self.definition.coordinate_velocities, self.rates, strict=True))
+
+    @cached_property
+    def constrained_lagrangian(self) -> Any:
+        """Lc(q, v, t), the paper's Theta where there is no potential."""
+        d = self.definition
+        return self.tidy([d.lagrangian.xreplace(self._on_constraints)])[0]
+
+    @cached_property
+    def momenta(self) -> list[Any]:
+        """dL/dqdot for every coordinate, on the constraints; the fibre part is K_nu."""
+        d = self.definition
+        raw = [d.lagrangian.diff(v).xreplace(self._on_constraints) for v in d.coordinate_velocities]
+        return self.tidy(raw)
+
+    @cached_property
+    def quasi_momenta(self) -> list[Any]:
+        """dLc/dv."""
+        if not self.exact:
+            lift = self.connection.lift
+            return [
+                se.Add(*[p * row[i] for p, row in zip(self.momenta, lift, strict=True)])
+                for i in range(self.connection.n)
+            ]
+        lc = self.constrained_lagrangian
+        return self.tidy([lc.diff(v) for v in self.definition.velocities])
+
+    @cached_property
+    def mass(self) -> list[list[Any]]:
+        """d2Lc/dv2."""
+        vs = self.definition.velocities
+        n = len(vs)
+        upper = [(i, j) for i in range(n) for j in range(i, n)]
+        entries = self.polish([self.quasi_momenta[i].diff(vs[j]) for i, j in upper])
+        table = dict(zip(upper, entries, strict=True))
+        return [[table[min(i, j), max(i, j)] for j in range(n)] for i in range(n)]
+
+    @cached_property
+    def bracket_with_motion(self) -> list[list[Any]]:
+        """[h_i, h_j] v^j, j = 0..n, on all coordinates."""
+        connection, rates = self.connection, self.rates
+        rows = [
+            [
+                connection.along(i, rate) - connection.flow_derivative(row[i], rates)
+                for rate, row in zip(rates, connection.lift, strict=True)
+            ]
+            for i in range(connection.n)
+        ]
+        flat = self.tidy([e for row in rows for e in row])
+        width = len(rates)
+        return [flat[i * width : (i + 1) * width] for i in range(connection.n)]
+
+    @cached_property
+    def inertial(self) -> list[Any]:
+        """The part of d/dt dLc/dv that holds no acceleration."""
+        raw = [self.connection.flow_derivative(p, self.rates) for p in self.quasi_momenta]
+        return self.tidy(raw)
+
+    @cached_property
+    def right(self) -> list[Any]:
+        """h_i(Lc) - (c_ij^k dLc/dv^k + B_ij^A p_A) v^j + Q_i: all but d/dt dLc/dv."""
+        d, connection = self.definition, self.connection
+        applied = [q.xreplace(self._on_constraints) for q in d.forces]
+        result = []
+        for i in range(connection.n):
+            lift = [row[i] for row in connection.lift]
+            # (c dLc/dv + B p) v = sum over all coordinates of p_a [h_i, h_j]^a v^j
+            terms = [connection.along(i, self.constrained_lagrangian)]
+            brackets = self.bracket_with_motion[i]
+            terms += [-p * x for p, x in zip(self.momenta, brackets, strict=True)]
+            terms += [h * q for h, q in zip(lift, applied, strict=True) if q != 0]
+            result.append(se.Add(*terms))
+        return self.tidy(result)
+
+    @cached_property
+    def force(self) -> list[Any]:
+        """mass * vdot = force."""
+        raw = [r - d for r, d in zip(self.right, self.inertial, strict=True)]
+        return self.polish(raw)
+
+    @cached_property
+    def rate_drift(self) -> list[Any]:
+        """d/dt of the rates at fixed v; qddot is this plus the lift of vdot."""
+        return [self.connection.flow_derivative(rate, self.rates) for rate in self.rates]
+
+    @cached_property
+    def form(self) -> FirstOrderForm:
+        """The first-order form."""
+        d = self.definition
+        definitions = d.coordinate_velocities[: d.base]
+        if d.frame is not None:
+            definitions = tuple(
+                se.Add(o, *[w * x for w, x in zip(row, d.coordinate_velocities, strict=True)])
+                for row, o in zip(d.frame.matrix, d.frame.offset, strict=True)
+            )
+        return FirstOrderForm(
+            coordinates=d.coordinates,
+            velocities=d.velocities,
+            parameters=d.parameters,
+            time=d.time,
+            rates=tuple(self.rates),
+            mass=tuple(tuple(row) for row in self.mass),
+            force=tuple(self.force),
+            definitions=tuple(definitions),
+            velocity_symbols=d.coordinate_velocities,
+            relations=d.relations,
+        )
+
+
+def _frame_error(d: Definition, error: Undetermined) -> DefinitionError:
+    system = d.system
+    given = ", ".join(map(str, d.velocities))
+    if error.free == (-1,):
+        return DefinitionError(
+            f"system '{system.name}': the quasi-velocities {given} are dependent on the "
+            "constraints or the relations; leave out the dependent ones"
+        )
+    names = ", ".join(str(d.coordinates[j]) for j in error.free)
+    return DefinitionError(
+        f"system '{system.name}': the quasi-velocities {given} do not determine the velocity of "
+        f"{names}; define {len(error.free)} more or other quasi-velocities"
+    )

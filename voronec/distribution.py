@@ -1,0 +1,127 @@
+"""The distribution spanned by the horizontal fields: how it grows under brackets, what integrates.
+
+D_1 = span(h_i),  D_(m+1) = D_m + [D_1, D_m].  The dimensions at a generic point form the growth
+vector.  A constraint is integrable where its form annihilates the involutive closure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import flint
+import symengine as se
+
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.tape import Tape
+from voronec.algebra.verdicts import decide_zero
+from voronec.connection import EhresmannConnection
+from voronec.definition import Definition
+from voronec.errors import EngineLimit
+
+__all__ = ["Distribution", "grow"]
+
+Field = tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """``growth``: dimensions of D_1, D_2, ... until they stay.  ``integrable``: the positions of
+    the constraints whose forms annihilate the closure (proved).  ``dimension``: of the space,
+    time included where the constraints move or are affine."""
+
+    growth: tuple[int, ...]
+    integrable: tuple[int, ...]
+    dimension: int
+
+
+def grow(definition: Definition, connection: EhresmannConnection) -> Distribution:
+    """The growth vector at a generic point, and the constraints proved to be integrable."""
+    n = connection.n
+    timed = _uses_time(definition, connection)
+    variables = (*connection.coordinates, connection.time) if timed else connection.coordinates
+    fields = [_field(connection, i, timed) for i in range(n + 1 if timed else n)]
+    frame, tops, growth = list(fields), list(fields), [len(fields)]
+    rank_of = _RankOracle(definition.relations)
+    while tops and growth[-1] < len(variables):
+        brackets = [
+            _bracket(x, y, variables)
+            for i, x in enumerate(fields)
+            for j, y in enumerate(tops)
+            if len(growth) > 1 or i < j
+        ]
+        tops = rank_of.enlarging(frame, [b for b in brackets if any(e != 0 for e in b)])
+        if not tops:
+            break
+        frame += tops
+        growth.append(len(frame))
+    new = frame[len(fields) :]
+    forms = zip(definition.constraints.matrix, definition.constraints.offset, strict=True)
+    integrable = tuple(
+        i for i, (row, _) in enumerate(forms) if _annihilates(row, new, definition.relations)
+    )
+    return Distribution(tuple(growth), integrable, len(variables))
+
+
+def _uses_time(definition: Definition, connection: EhresmannConnection) -> bool:
+    time = definition.time
+    moving = any(se.has_symbol(e, time) for row in connection.lift for e in row)
+    return moving or any(row[-1] != 0 for row in connection.lift)
+
+
+def _field(connection: EhresmannConnection, i: int, timed: bool) -> Field:
+    column = [row[i] for row in connection.lift]
+    return (*column, se.Integer(int(i == connection.n))) if timed else tuple(column)
+
+
+def _bracket(x: Field, y: Field, variables: Sequence[Any]) -> Field:
+    def along(field: Field, function: Any) -> Any:
+        terms = [f * function.diff(q) for f, q in zip(field, variables, strict=True) if f != 0]
+        return se.Add(*terms) if terms else se.Integer(0)
+
+    return tuple(along(x, b) - along(y, a) for a, b in zip(x, y, strict=True))
+
+
+def _annihilates(row: Sequence[Any], fields: Sequence[Field], relations: Sequence[Any]) -> bool:
+    for field in fields:
+        value = se.Add(*[c * f for c, f in zip(row, field, strict=False)])
+        verdict = decide_zero(value, relations)
+        if verdict.refuted:
+            return False
+        if verdict.undecided:
+            raise EngineLimit(f"whether a constraint is integrable is undecided: {verdict.method}")
+    return True
+
+
+class _RankOracle:
+    """Which fields enlarge a span at a generic point, by elimination in ball arithmetic."""
+
+    def __init__(self, relations: Sequence[Any]) -> None:
+        self._relations = relations
+
+    def enlarging(self, frame: Sequence[Field], candidates: Sequence[Field]) -> list[Field]:
+        """The candidates that, one after the other, enlarge the span of the frame."""
+        fields = [*frame, *candidates]
+        tape = Tape([e for field in fields for e in field])
+        samples = sample_evaluable(tape, self._relations, 320)
+        if not samples:
+            raise EngineLimit("no point was found at which the distribution is defined")
+        width = len(fields[0])
+        with flint.ctx.workprec(320):
+            values = samples[0][1]
+            rows = [values[i * width : (i + 1) * width] for i in range(len(fields))]
+            reduced: list[tuple[int, list[Any]]] = []
+            new = []
+            for index, row in enumerate(rows):
+                for pivot, other in reduced:
+                    factor = row[pivot] / other[pivot]
+                    row = [a - factor * b for a, b in zip(row, other, strict=True)]
+                    row[pivot] = flint.arb(0)
+                sizes = [0.0 if e.contains(0) else abs(float(e.mid())) for e in row]
+                best = max(range(width), key=sizes.__getitem__)
+                if sizes[best] > 0:
+                    reduced.append((best, row))
+                    if index >= len(frame):
+                        new.append(fields[index])
+        return new

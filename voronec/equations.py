@@ -1,0 +1,317 @@
+"""From a system to its Voronec equations.
+
+    d/dt dLc/dv^i - h_i(Lc) + (c_ij^k dLc/dv^k + B_ij^A p_A) v^j = E_i^b Q_b + a_i^A Q_A
+
+The equations are kept twice: as a shared expression graph (made in milliseconds, good for
+numbers) and as exact normal forms (short, made where asked, given up where too large).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.door import Door
+from voronec.algebra.shape import operations
+from voronec.algebra.symbols import velocity
+from voronec.algebra.verdicts import decide_zero
+from voronec.definition import Definition, read
+from voronec.derivation import Derivation, FirstOrderForm
+from voronec.distribution import Distribution, grow
+from voronec.errors import EngineLimit
+from voronec.system import System
+
+__all__ = ["Brackets", "Curvature", "VoronecEquations", "derive"]
+
+
+@dataclass(frozen=True)
+class Curvature:
+    """The curvature of the constraint connection in the coordinate frame, in the paper's sign.
+
+    ``curvature[nu, i, j]`` is A_ij^(nu) and ``curvature.time[nu, i]`` is A_i^(nu), with nu over the
+    fibre and i, j over the base, from 0; A = -B of the Ehresmann connection
+    [Demchenko1924, the display after eq. (v4)].
+    """
+
+    space: sp.ImmutableDenseNDimArray
+    time: sp.ImmutableDenseNDimArray
+
+    def __getitem__(self, index: tuple[int, int, int]) -> sp.Expr:
+        return self.space[index]
+
+
+@dataclass(frozen=True)
+class Brackets:
+    """[h_i, h_j] = c_ij^k h_k + B_ij^A d_A in the frame in use.
+
+    ``c[k, i, j]`` and ``B[A, i, j]``; the index n of i or j, after the velocities, is the time.
+    """
+
+    c: sp.ImmutableDenseNDimArray
+    B: sp.ImmutableDenseNDimArray
+
+
+@dataclass(frozen=True)
+class VoronecEquations:
+    """The Voronec equations of a system, mass * vdot = force, with what they are made of.
+
+    ``velocities`` v are the quasi-velocities of the frame, else the velocities of the base;
+    ``rates`` gives the time derivative of each coordinate.  Matrices are SymPy's, in the user's
+    symbols.
+    """
+
+    system: System
+    definition: Definition
+    raw: Derivation
+    exact: Derivation
+
+    @property
+    def door(self) -> Door:
+        """Between the user's symbols and those inside."""
+        return self.definition.door
+
+    @property
+    def coordinates(self) -> tuple[sp.Expr, ...]:
+        """Base coordinates, then fibre coordinates."""
+        return self.system.coordinates
+
+    @property
+    def velocities(self) -> tuple[sp.Expr, ...]:
+        """The independent velocities v."""
+        return self.system.velocities
+
+    @property
+    def has_coordinate_frame(self) -> bool:
+        """Whether the base velocities are independent; redundant coordinates make them not so."""
+        return len(self.velocities) == self.definition.base
+
+    @cached_property
+    def best(self) -> Derivation:
+        """The exact derivation; the unsimplified one where normal forms are beyond the budget."""
+        try:
+            _ = self.exact.form
+        except EngineLimit:
+            return self.raw
+        return self.exact
+
+    @property
+    def in_normal_form(self) -> bool:
+        """Whether mass, force and rates are exact normal forms."""
+        return self.best is self.exact
+
+    @cached_property
+    def form(self) -> FirstOrderForm:
+        """The first-order form that costs fewer operations, inside the door."""
+        if not self.in_normal_form:
+            return self.raw.form
+        forms = (self.exact.form, self.raw.form)
+        return min(
+            forms, key=lambda f: operations([*f.rates, *f.force, *(m for r in f.mass for m in r)])
+        )
+
+    @cached_property
+    def mass(self) -> sp.ImmutableMatrix:
+        """The mass matrix d2Lc/dv2, n x n."""
+        return self.door.outward_matrix(self.best.mass)
+
+    @cached_property
+    def force(self) -> sp.ImmutableMatrix:
+        """The right side of mass * vdot = force, n x 1."""
+        return self._column(self.best.force)
+
+    @cached_property
+    def rates(self) -> sp.ImmutableMatrix:
+        """The time derivatives of the coordinates in terms of q, v, t."""
+        return self._column(self.best.rates)
+
+    @cached_property
+    def theta(self) -> sp.Expr:
+        """The Lagrangian on the constraints, Theta of [Demchenko1924] where there is no potential."""
+        return self.door.outward(self.best.polish([self.best.constrained_lagrangian])[0])
+
+    @cached_property
+    def momenta(self) -> sp.ImmutableMatrix:
+        """K_nu = dL/d(sdot_nu) on the constraints, for each fibre coordinate."""
+        return self._column(self.best.polish(self.best.momenta[self.definition.base :]))
+
+    @cached_property
+    def left(self) -> sp.ImmutableMatrix:
+        """d/dt dLc/dv written out: accelerations are ``velocity(v)``."""
+        dots = [velocity(v) for v in self.velocities]
+        inertial = self._column(self.best.polish(self.best.inertial))
+        return sp.ImmutableMatrix(self.mass * sp.Matrix(dots) + inertial)
+
+    @cached_property
+    def right(self) -> sp.ImmutableMatrix:
+        """h_i(Lc) - (c dLc/dv + B p) v + forces: what d/dt dLc/dv equals."""
+        return self._column(self.best.polish(self.best.right))
+
+    @cached_property
+    def coefficients(self) -> tuple[sp.ImmutableMatrix, sp.ImmutableMatrix]:
+        """a_(nu i) and a_nu of sdot = a rdot + a_0 [Demchenko1924, eq. (v1)]."""
+        fibre = self._exact_or_raw(lambda d: d.fibre)
+        rows = [self.best.polish(row) for row in fibre.matrix]
+        return self.door.outward_matrix(rows), self._column(self.best.polish(fibre.offset))
+
+    @cached_property
+    def curvature(self) -> Curvature:
+        """A_ij^(nu) and A_i^(nu), always in the coordinate frame."""
+        b = self._vertical_parts
+        n, fibre = self.definition.base, len(self.system.fibration.fibre)
+        out = self.door.outward
+
+        def a(nu: int, i: int, j: int) -> Any:
+            return out(-b[i, j][nu]) if i < j else out(b[j, i][nu]) if j < i else 0
+
+        space = [a(nu, i, j) for nu in range(fibre) for i in range(n) for j in range(n)]
+        time = [a(nu, i, n) for nu in range(fibre) for i in range(n)]
+        return Curvature(_array(space, (fibre, n, n)), _array(time, (fibre, n)))
+
+    @cached_property
+    def _vertical_parts(self) -> dict[tuple[int, int], list[Any]]:
+        """B_ij^A in the coordinate frame for i < j, the time last."""
+
+        def parts(d: Derivation) -> dict[tuple[int, int], list[Any]]:
+            connection, n = d.coordinate_connection, d.definition.base
+            pairs = [(i, j) for j in range(n + 1) for i in range(j)]
+            fibre = len(connection.coordinates) - n
+            flat = d.polish([x for i, j in pairs for x in connection.bracket(i, j)[n:]])
+            return {p: flat[m * fibre : (m + 1) * fibre] for m, p in enumerate(pairs)}
+
+        return self._exact_or_raw(parts)
+
+    @cached_property
+    def brackets(self) -> Brackets:
+        """c_ij^k and B_ij^A of the frame in use."""
+
+        def parts(d: Derivation) -> dict[tuple[int, int], tuple[list[Any], list[Any]]]:
+            connection = d.connection
+            pairs = [(i, j) for j in range(connection.n + 1) for i in range(j)]
+            result = {p: connection.decompose(*p, d.tidy) for p in pairs}
+            return {p: (d.polish(c), d.polish(b)) for p, (c, b) in result.items()}
+
+        table = self._exact_or_raw(parts)
+        n = len(self.velocities)
+        out = self.door.outward
+
+        def entry(part: int, k: int, i: int, j: int) -> Any:
+            return out(table[i, j][part][k]) if i < j else -out(table[j, i][part][k]) if j < i else 0
+
+        arrays = []
+        for part, size in ((0, n), (1, len(self.system.fibration.fibre))):
+            m = range(n + 1)
+            arrays.append(
+                _array([entry(part, k, i, j) for k in range(size) for i in m for j in m],
+                       (size, n + 1, n + 1))
+            )  # fmt: skip
+        return Brackets(*arrays)
+
+    @cached_property
+    def kind(self) -> str:
+        """``holonomic``: every B_ij^A vanishes (proved), or there is no fibre; ``chaplygin``: L,
+        constraints and forces are free of the fibre coordinates; ``voronec``: neither."""
+        ideal = self.definition.relations
+        flat = [x for part in self._vertical_parts.values() for x in part]
+        if _all_vanish(flat, ideal):
+            return "holonomic"
+        d, raw = self.definition, self.raw.fibre
+        exprs = [d.lagrangian, *d.forces, *raw.offset, *(e for row in raw.matrix for e in row)]
+        fibre = d.coordinates[d.base :]
+        return "chaplygin" if _all_vanish([e.diff(s) for e in exprs for s in fibre], ideal) else "voronec"
+
+    @cached_property
+    def distribution(self) -> Distribution:
+        """Growth vector and integrable constraints."""
+        return grow(self.definition, self._exact_or_raw(lambda d: d.coordinate_connection))
+
+    @property
+    def growth(self) -> tuple[int, ...]:
+        """The growth vector of the distribution at a generic point."""
+        return self.distribution.growth
+
+    @property
+    def integrable(self) -> tuple[int, ...]:
+        """Positions of the constraints that are integrable (holonomic)."""
+        return self.distribution.integrable
+
+    def acceleration(self, point: Mapping[Any, Any], digits: int = 30) -> dict[sp.Expr, sp.Float]:
+        """Second time derivatives of all coordinates, to ``digits`` digits, by ball arithmetic.
+
+        ``point`` gives coordinates, velocities v, parameters (defaults stand in) and ``time``.
+        """
+        from voronec.evaluation import acceleration
+
+        return acceleration(self, point, digits)
+
+    def latex(self) -> str:
+        """The equations as a LaTeX ``aligned`` block."""
+        from voronec.presentation import equations_latex
+
+        return equations_latex(self)
+
+    def python(self) -> str:
+        """Python source of the first-order right-hand side."""
+        from voronec.program import Program, python_source
+
+        return python_source(Program.of(self.form))
+
+    def c(self) -> str:
+        """C99 source of the first-order right-hand side."""
+        from voronec.program import Program, c_source
+
+        return c_source(Program.of(self.form))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything derived, as strings and numbers that JSON can hold."""
+        from voronec.presentation import equations_dict
+
+        return equations_dict(self)
+
+    def _column(self, entries: Any) -> sp.ImmutableMatrix:
+        return self.door.outward_matrix([[e] for e in entries])
+
+    def _exact_or_raw(self, make: Any) -> Any:
+        try:
+            return make(self.exact)
+        except EngineLimit:
+            return make(self.raw)
+
+
+def _array(entries: list[Any], shape: tuple[int, ...]) -> sp.ImmutableDenseNDimArray:
+    return sp.ImmutableDenseNDimArray([sp.sympify(e) for e in entries], shape)
+
+
+def _all_vanish(exprs: list[Any], relations: Any) -> bool:
+    """Whether all expressions vanish; ``EngineLimit`` where that stays undecided."""
+    undecided = None
+    for expr in exprs:
+        if expr == 0:
+            continue
+        verdict = decide_zero(se.sympify(expr), relations)
+        if verdict.refuted:
+            return False
+        if verdict.undecided:
+            undecided = verdict
+    if undecided is not None:
+        raise EngineLimit(f"the kind of the system is undecided: {undecided.method}")
+    return True
+
+
+def derive(system: System) -> VoronecEquations:
+    """Derive the Voronec equations of a system.
+
+    The constraints are solved and checked at once; equations, curvature and normal forms are made
+    when they are asked for.  Raises ``DefinitionError`` where the definition makes no sense.
+    """
+    definition = read(system)
+    raw, exact = Derivation(definition, False), Derivation(definition, True)
+    _ = raw.connection
+    from voronec.evaluation import check_inertia
+
+    check_inertia(raw)
+    return VoronecEquations(system, definition, raw, exact)

@@ -1,0 +1,144 @@
+"""Equations at a point: accelerations to any number of digits, in ball arithmetic."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import flint
+import sympy as sp
+
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.symbols import plain_name, time
+from voronec.algebra.tape import Tape
+from voronec.derivation import Derivation
+from voronec.errors import DefinitionError, EngineLimit
+from voronec.system import System
+
+if TYPE_CHECKING:
+    from voronec.equations import VoronecEquations
+
+__all__ = ["acceleration", "check_inertia", "named_point"]
+
+ON_RELATIONS = 1e-9
+"""How far a point may lie off the relations between redundant coordinates."""
+
+
+def named_point(system: System, point: Mapping[Any, Any]) -> dict[str, Any]:
+    """A point by plain names, completed by the parameters' default values.
+
+    Keys are symbols or names.  Raises ``DefinitionError`` for a name that the system lacks and for
+    one that has no value.
+    """
+    needed = [*system.coordinates, *system.velocities, *(p.symbol for p in system.parameters)]
+    names = [plain_name(s) for s in needed]
+    given: dict[str, Any] = {}
+    for key, value in point.items():
+        name = key if isinstance(key, str) else plain_name(sp.sympify(key))
+        if name not in names and name != plain_name(time):
+            raise DefinitionError(
+                f"'{name}' is not a coordinate, velocity or parameter of system '{system.name}'; "
+                f"it has {', '.join(names)}"
+            )
+        given[name] = value
+    for parameter in system.parameters:
+        if parameter.value is not None:
+            given.setdefault(parameter.name, parameter.value)
+    missing = [name for name in names if name not in given]
+    if missing:
+        raise DefinitionError(
+            f"the point gives no value for {', '.join(repr(m) for m in missing)} of system "
+            f"'{system.name}'"
+        )
+    return given
+
+
+def acceleration(
+    eqs: VoronecEquations, point: Mapping[Any, Any], digits: int
+) -> dict[sp.Expr, sp.Float]:
+    """See ``VoronecEquations.acceleration``."""
+    raw, system = eqs.raw, eqs.system
+    values = named_point(system, point)
+    n, total = raw.connection.n, len(system.coordinates)
+    mass = [e for row in raw.mass for e in row]
+    lift = [e for row in raw.connection.lift for e in row[:n]]
+    relations = list(raw.definition.relations)
+    tape = Tape([*mass, *raw.force, *lift, *raw.rate_drift, *relations])
+    unknown = [str(a) for a in tape.atoms if str(a) not in values]
+    if unknown:
+        raise DefinitionError(
+            f"system '{system.name}' cannot be evaluated without a value for '{unknown[0]}'"
+        )
+    bits = int(3.33 * digits) + 64
+    for _ in range(6):
+        numbers = iter(tape.arb(values, bits))
+        with flint.ctx.workprec(bits):
+            m = flint.arb_mat(n, n, [next(numbers) for _ in mass])
+            f = flint.arb_mat(n, 1, [next(numbers) for _ in range(n)])
+            h = flint.arb_mat(total, n, [next(numbers) for _ in lift])
+            drift = flint.arb_mat(total, 1, [next(numbers) for _ in range(total)])
+            _check_relations(system, list(numbers))
+            result = _solved(m, f, h, drift)
+        if result is not None and _accurate(result, digits):
+            return {
+                q: sp.Float(a.str(digits + 10, radius=False), digits)
+                for q, a in zip(system.coordinates, result, strict=True)
+            }
+        bits *= 2
+    raise DefinitionError(
+        f"system '{system.name}' has no accelerations at this point: its mass matrix is singular "
+        "or its equations are not defined there"
+    )
+
+
+def _solved(m: Any, f: Any, h: Any, drift: Any) -> list[Any] | None:
+    try:
+        vdot = m.solve(f) if f.nrows() else f
+    except ZeroDivisionError:
+        return None
+    return list((h * vdot + drift).entries()) if f.nrows() else list(drift.entries())
+
+
+def _accurate(result: list[Any], digits: int) -> bool:
+    if not all(a.is_finite() for a in result):
+        return False
+    scale = max((abs(float(a.mid())) for a in result), default=1.0) or 1.0
+    worst = max((float(a.rad()) for a in result), default=0.0)
+    exact_enough = all(a.rel_accuracy_bits() > 3.33 * digits for a in result if not a.contains(0))
+    return exact_enough and worst <= scale * 10.0 ** (-min(digits, 290))
+
+
+def _check_relations(system: System, residuals: list[Any]) -> None:
+    for relation, residual in zip(system.fibration.relations, residuals, strict=True):
+        if not abs(residual) < ON_RELATIONS:
+            raise DefinitionError(
+                f"the point does not satisfy the relation {relation} = 0 of system "
+                f"'{system.name}' (residual {float(residual.mid()):.3g}); correct the coordinates"
+            )
+
+
+def check_inertia(raw: Derivation) -> None:
+    """Raise ``DefinitionError`` where the mass matrix is singular at generic points."""
+    n = raw.connection.n
+    if n == 0:
+        return
+    entries = [e for row in raw.mass for e in row]
+    try:
+        samples = sample_evaluable(Tape(entries), raw.definition.relations, 256)
+    except EngineLimit:
+        return
+    for _, values in samples:
+        with flint.ctx.workprec(256):
+            if not flint.arb_mat(n, n, values).det().contains(0):
+                return
+    if not samples:
+        return
+    names = [plain_name(v) for v in raw.definition.system.velocities]
+    empty = [names[i] for i in range(n) if all(e == 0 for e in raw.mass[i])]
+    where = f"the Lagrangian gives '{empty[0]}' no inertia" if empty else (
+        f"no inertia resists some combination of {', '.join(names)}"
+    )  # fmt: skip
+    raise DefinitionError(
+        f"system '{raw.definition.system.name}': the mass matrix is singular: {where}; add its "
+        "kinetic energy, or remove the coordinate"
+    )
