@@ -13,7 +13,12 @@ if TYPE_CHECKING:
     from voronec.algebra.verdicts import Verdict, prove_equal
     from voronec.catalogue import load, names
     from voronec.equations import VoronecEquations, derive
-    from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
+    from voronec.errors import (
+        DefinitionError,
+        EngineLimit,
+        IntegrationError,
+        VoronecError,
+    )
     from voronec.flow import Trajectory, integrate
     from voronec.geometry import Fibration, Frame
     from voronec.multipliers import multiplier_acceleration, reaction_forces

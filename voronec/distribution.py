@@ -27,12 +27,16 @@ Field = tuple[Any, ...]
 
 @dataclass(frozen=True)
 class Distribution:
-    """``growth``: dimensions of D_1, D_2, ... until they stay.  ``integrable``: the positions of
-    the constraints whose forms annihilate the closure (proved).  ``dimension``: of the space,
-    time included where the constraints move or are affine."""
+    """How the distribution of the constraints grows, and which constraints integrate.
+
+    ``growth``: dimensions of D_1, D_2, ... until they stay.  ``integrable``: positions of the
+    constraints proved to annihilate the closure; ``undecided``: of those that do so in numbers
+    only.  ``dimension``: of the space, time included where the constraints move or are affine.
+    """
 
     growth: tuple[int, ...]
     integrable: tuple[int, ...]
+    undecided: tuple[int, ...]
     dimension: int
 
 
@@ -56,12 +60,62 @@ def grow(definition: Definition, connection: EhresmannConnection) -> Distributio
             break
         frame += tops
         growth.append(len(frame))
-    new = frame[len(fields) :]
-    forms = zip(definition.constraints.matrix, definition.constraints.offset, strict=True)
-    integrable = tuple(
-        i for i, (row, _) in enumerate(forms) if _annihilates(row, new, definition.relations)
+    standing = _standing(definition, connection, frame[len(fields) :], timed)
+    return Distribution(
+        growth=tuple(growth),
+        integrable=tuple(i for i, s in enumerate(standing) if s == "proved"),
+        undecided=tuple(i for i, s in enumerate(standing) if s == "undecided"),
+        dimension=len(variables),
     )
-    return Distribution(tuple(growth), integrable, len(variables))
+
+
+def _standing(
+    definition: Definition, connection: EhresmannConnection, new: Sequence[Field], timed: bool
+) -> list[str]:
+    """For each constraint: is it integrable?  proved, refuted or undecided."""
+    relations, result = definition.relations, []
+    variables = (*connection.coordinates, *((connection.time,) if timed else ()))
+    for row, offset in zip(
+        definition.constraints.matrix, definition.constraints.offset, strict=True
+    ):
+        form = (*row, offset) if timed else row
+        on_new = [se.Add(*[c * f for c, f in zip(form, field, strict=True)]) for field in new]
+        if _witnessed(on_new, relations):
+            result.append("refuted")
+        elif _frobenius(form, variables, relations) or _all_proved(on_new, relations):
+            result.append("proved")
+        else:
+            result.append("undecided")
+    return result
+
+
+def _witnessed(exprs: Sequence[Any], relations: Sequence[Any]) -> bool:
+    """Whether ball arithmetic shows one of the expressions to be nonzero somewhere."""
+    samples = sample_evaluable(Tape(exprs), relations, 320)
+    return any(not value.contains(0) for _, values in samples for value in values)
+
+
+def _all_proved(exprs: Sequence[Any], relations: Sequence[Any]) -> bool:
+    return all(decide_zero(e, relations).proved for e in exprs)
+
+
+def _frobenius(form: Field, variables: Sequence[Any], relations: Sequence[Any]) -> bool:
+    """Whether a one-form is proved to be integrable by itself: w ^ dw = 0."""
+    m = len(variables)
+    d = {
+        (a, b): form[b].diff(variables[a]) - form[a].diff(variables[b])
+        for a in range(m)
+        for b in range(a + 1, m)
+    }
+    if _all_proved(list(d.values()), relations):
+        return True
+    triples = [
+        form[a] * d[b, c] - form[b] * d[a, c] + form[c] * d[a, b]
+        for a in range(m)
+        for b in range(a + 1, m)
+        for c in range(b + 1, m)
+    ]
+    return _all_proved(triples, relations)
 
 
 def _uses_time(definition: Definition, connection: EhresmannConnection) -> bool:
@@ -81,17 +135,6 @@ def _bracket(x: Field, y: Field, variables: Sequence[Any]) -> Field:
         return se.Add(*terms) if terms else se.Integer(0)
 
     return tuple(along(x, b) - along(y, a) for a, b in zip(x, y, strict=True))
-
-
-def _annihilates(row: Sequence[Any], fields: Sequence[Field], relations: Sequence[Any]) -> bool:
-    for field in fields:
-        value = se.Add(*[c * f for c, f in zip(row, field, strict=False)])
-        verdict = decide_zero(value, relations)
-        if verdict.refuted:
-            return False
-        if verdict.undecided:
-            raise EngineLimit(f"whether a constraint is integrable is undecided: {verdict.method}")
-    return True
 
 
 class _RankOracle:

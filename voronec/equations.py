@@ -17,8 +17,10 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
+from voronec.algebra.points import sample_evaluable
 from voronec.algebra.shape import operations
 from voronec.algebra.symbols import velocity
+from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import decide_zero
 from voronec.definition import Definition, read
 from voronec.derivation import Derivation, FirstOrderForm
@@ -131,7 +133,7 @@ class VoronecEquations:
 
     @cached_property
     def theta(self) -> sp.Expr:
-        """The Lagrangian on the constraints, Theta of [Demchenko1924] where there is no potential."""
+        """The Lagrangian on the constraints: Theta of [Demchenko1924] without a potential."""
         return self.door.outward(self.best.polish([self.best.constrained_lagrangian])[0])
 
     @cached_property
@@ -200,7 +202,9 @@ class VoronecEquations:
         out = self.door.outward
 
         def entry(part: int, k: int, i: int, j: int) -> Any:
-            return out(table[i, j][part][k]) if i < j else -out(table[j, i][part][k]) if j < i else 0
+            if i == j:
+                return 0
+            return out(table[i, j][part][k]) if i < j else -out(table[j, i][part][k])
 
         arrays = []
         for part, size in ((0, n), (1, len(self.system.fibration.fibre))):
@@ -222,7 +226,8 @@ class VoronecEquations:
         d, raw = self.definition, self.raw.fibre
         exprs = [d.lagrangian, *d.forces, *raw.offset, *(e for row in raw.matrix for e in row)]
         fibre = d.coordinates[d.base :]
-        return "chaplygin" if _all_vanish([e.diff(s) for e in exprs for s in fibre], ideal) else "voronec"
+        free = _all_vanish([e.diff(s) for e in exprs for s in fibre], ideal)
+        return "chaplygin" if free else "voronec"
 
     @cached_property
     def distribution(self) -> Distribution:
@@ -288,17 +293,16 @@ def _array(entries: list[Any], shape: tuple[int, ...]) -> sp.ImmutableDenseNDimA
 
 def _all_vanish(exprs: list[Any], relations: Any) -> bool:
     """Whether all expressions vanish; ``EngineLimit`` where that stays undecided."""
-    undecided = None
+    exprs = [se.sympify(e) for e in exprs if e != 0]
+    for _, values in sample_evaluable(Tape(exprs), relations, tries=4):
+        if any(not value.contains(0) for value in values):
+            return False
     for expr in exprs:
-        if expr == 0:
-            continue
-        verdict = decide_zero(se.sympify(expr), relations)
+        verdict = decide_zero(expr, relations)
         if verdict.refuted:
             return False
         if verdict.undecided:
-            undecided = verdict
-    if undecided is not None:
-        raise EngineLimit(f"the kind of the system is undecided: {undecided.method}")
+            raise EngineLimit(f"the kind of the system is undecided: {verdict.method}")
     return True
 
 

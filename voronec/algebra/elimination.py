@@ -71,7 +71,8 @@ def solve_linear(
             if column in other.left:
                 _subtract(other, row, column, relations)
         done.append((column, row))
-    dependent, contradictory = [], []
+    dependent: list[int] = []
+    contradictory: list[int] = []
     for row in work:
         _settle(row.left, row.shadow_left, relations)
         _settle(row.right, row.shadow_right, relations)

@@ -12,7 +12,7 @@ import symengine as se
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
-__all__ = ["sample_point"]
+__all__ = ["sample_evaluable", "sample_point"]
 
 
 def sample_point(
@@ -26,7 +26,7 @@ def sample_point(
     source = random.Random(f"voronec {seed}")
     point: dict[Any, Any] = {}
     for atom in [*atoms, *(a for a in Tape(relations).atoms if a not in atoms)]:
-        value = flint.fmpq(source.randint(120, 1400), 1009)
+        value = flint.fmpq(source.randint(120, 1400), 1009) * (1 if seed < 6 else 9)
         point[atom] = -value if seed % 2 and source.random() < 0.5 else value
     return _onto_relations(point, relations, bits) if relations else point
 
@@ -50,7 +50,9 @@ def _values(tape: Tape, point: dict[Any, Any], n: int, bits: int) -> tuple[Any, 
     return flint.arb_mat(n, 1, values[:n]), flint.arb_mat(n, width, values[n:])
 
 
-def _nearby_solution(tape: Tape, atoms: Sequence[Any], n: int, point: dict[Any, Any]) -> dict[Any, float]:
+def _nearby_solution(
+    tape: Tape, atoms: Sequence[Any], n: int, point: dict[Any, Any]
+) -> dict[Any, float]:
     """Gauss-Newton steps of least norm in floating point."""
     import numpy as np
 
@@ -76,7 +78,8 @@ def _independent(
 
     matrix = np.array([float(v.mid()) for v in _values(tape, start, n, 80)[1].entries()])
     matrix = matrix.reshape(n, len(atoms))
-    rows, columns = [], []
+    rows: list[int] = []
+    columns: list[int] = []
     scale = np.max(np.abs(matrix))
     while True:
         r, c = np.unravel_index(np.argmax(np.abs(matrix)), matrix.shape)
@@ -124,13 +127,49 @@ def sample_evaluable(
         except EngineLimit:
             continue
         values = tape.arb(point, bits)
-        if all(v.is_finite() for v in values):
+        if all(v.is_finite() for v in values) and _consistent(tape.atoms, point, bits):
             found.append((point, values))
         if len(found) == 3:
             break
     return found
 
 
-def symbols_of(exprs: Sequence[Any]) -> list[Any]:
-    """The atoms that expressions need values for, in the order of their appearance."""
-    return Tape([se.sympify(e) for e in exprs]).atoms
+
+def _consistent(atoms: Sequence[Any], point: dict[Any, Any], bits: int) -> bool:
+    """Whether the values given to unknown functions are those of some functions.
+
+    f(a) and f(b) were given values of their own, which is right only where a and b differ.
+    """
+    places: dict[str, list[tuple[Any, ...]]] = {}
+    for atom in atoms:
+        for name, arguments in _applications(atom):
+            if arguments not in places.setdefault(name, []):
+                places[name].append(arguments)
+    for several in places.values():
+        if len(several) < 2:
+            continue
+        needed = [a for arguments in several for a in arguments]
+        extra = Tape(needed)
+        values = iter(extra.arb({**sample_point(extra.atoms), **point}, bits))
+        located = [[next(values) for _ in arguments] for arguments in several]
+        for i, here in enumerate(located):
+            for there in located[:i]:
+                pairs = zip(here, there, strict=False)
+                if len(here) == len(there) and all(a.overlaps(b) for a, b in pairs):
+                    return False
+    return True
+
+
+def _applications(atom: Any) -> list[tuple[str, tuple[Any, ...]]]:
+    """The unknown function in an atom and where it is taken: f(a), f'(a), Subs(f'(xi), xi, a)."""
+    if isinstance(atom, se.FunctionSymbol):
+        return [(atom.get_name(), atom.args)]
+    if isinstance(atom, se.Derivative):
+        return _applications(atom.args[0])
+    if isinstance(atom, se.Subs):
+        at = dict(zip(atom.variables, atom.point, strict=True))
+        return [
+            (name, tuple(a.xreplace(at) for a in arguments))
+            for name, arguments in _applications(atom.expr)
+        ]
+    return []

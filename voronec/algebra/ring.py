@@ -29,8 +29,8 @@ from voronec.errors import EngineLimit
 
 __all__ = ["Fraction", "Ring"]
 
-WORK_LIMIT = 40_000_000
-"""Term products a ring may spend before it gives up with ``EngineLimit``: a few seconds."""
+WORK_LIMIT = 3_000_000
+"""Term products a ring may spend before it gives up with ``EngineLimit``: about a second."""
 
 
 @dataclass(frozen=True)

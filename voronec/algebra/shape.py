@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import flint
 import symengine as se
 
 from voronec.algebra.ring import Fraction, Ring
@@ -15,6 +16,8 @@ FACTOR_LIMIT = 150
 """Polynomials with more terms than this are not tried for a factorization."""
 TRIAL_LIMIT = 40
 """Up to this many terms every form is tried; above, the number of terms decides."""
+
+ONE = flint.fmpq(1)
 
 Terms = dict[tuple[tuple[int, int], ...], Any]
 """A polynomial as {((generator, exponent), ...): coefficient}, exponents positive."""
@@ -163,28 +166,38 @@ def _cheapest(ring: Ring, poly: Any) -> Any:
 
 def _nested(ring: Ring, terms: Terms) -> Any:
     """Horner's scheme in the generator that most terms share, again and again."""
-    if len(terms) <= 2:
-        return _sum(ring, terms)
+    common = _common_monomial(terms)
+    if common and len(terms) > 1:
+        return _term(ring, common, ONE) * _nested(ring, _divided(terms, dict(common)))
     counts: dict[int, int] = {}
     for monomial in terms:
         for i, _ in monomial:
             counts[i] = counts.get(i, 0) + 1
     most = max(counts, key=counts.__getitem__, default=-1)
-    if counts.get(most, 0) < 2:
+    if counts.get(most, 0) < 2 or len(terms) <= 2:
         return _sum(ring, terms)
-    inside: Terms = {}
-    outside: Terms = {}
-    power = min(e for monomial in terms for i, e in monomial if i == most)
-    for monomial, coefficient in terms.items():
-        lowered = tuple(
-            (i, e - power if i == most else e) for i, e in monomial if i != most or e > power
-        )
-        if len(lowered) < len(monomial) or lowered != monomial:
-            inside[lowered] = coefficient
-        else:
-            outside[monomial] = coefficient
-    head = ring.meaning[most] ** power * _nested(ring, inside)
-    return head + _nested(ring, outside) if outside else head
+    inside = {m: c for m, c in terms.items() if any(i == most for i, _ in m)}
+    outside = {m: c for m, c in terms.items() if m not in inside}
+    return _nested(ring, inside) + _nested(ring, outside)
+
+
+def _common_monomial(terms: Terms) -> tuple[tuple[int, int], ...]:
+    """The greatest monomial that divides every term."""
+    monomials = iter(terms)
+    shared = dict(next(monomials))
+    for monomial in monomials:
+        powers = dict(monomial)
+        shared = {i: min(e, powers[i]) for i, e in shared.items() if i in powers}
+        if not shared:
+            break
+    return tuple(shared.items())
+
+
+def _divided(terms: Terms, powers: dict[int, int]) -> Terms:
+    return {
+        tuple((i, e - powers.get(i, 0)) for i, e in monomial if e > powers.get(i, 0)): coefficient
+        for monomial, coefficient in terms.items()
+    }
 
 
 def _prefer_sine(ring: Ring, poly: Any, sine: int, cosine: int) -> Any:

@@ -58,8 +58,7 @@ def as_ball(number: Any) -> Any:
     if isinstance(number, (flint.arb, flint.fmpq, flint.fmpz, int, float)):
         return flint.arb(number)
     if isinstance(number, (Fraction, sp.Rational)):
-        numerator, denominator = Fraction(int(number.numerator), int(number.denominator)).as_integer_ratio()
-        return flint.arb(flint.fmpq(numerator, denominator))
+        return flint.arb(flint.fmpq(int(number.numerator), int(number.denominator)))
     if isinstance(number, sp.Float):
         sign, mantissa, exponent, _ = number._mpf_
         return flint.arb(flint.fmpz(-mantissa if sign else mantissa)) * flint.arb(2) ** exponent
@@ -176,8 +175,22 @@ def _power(base: Any, exponent: Any) -> tuple[Callable[..., Any], Sequence[Any]]
     if isinstance(exponent, se.Rational):
         p, q = int(exponent.p), int(exponent.q)
         if q == 1:
-            return (lambda a: a**p), (base,)
+            return (lambda a: _integer_power(a, p)), (base,)
         if q == 2:
-            return (lambda a: a.sqrt() ** p), (base,)
-        return (lambda a: a.root(q) ** p), (base,)
+            return (lambda a: _integer_power(a.sqrt(), p)), (base,)
+        return (lambda a: _integer_power(a.root(q), p)), (base,)
     return (lambda a, b: (a.log() * b).exp()), (base, exponent)
+
+
+def _integer_power(base: Any, n: int) -> Any:
+    """base**n by squaring; flint's own power is not defined on balls that hold zero."""
+    if n < 0:
+        return 1 / _integer_power(base, -n)
+    result = None
+    while True:
+        if n & 1:
+            result = base if result is None else result * base
+        n >>= 1
+        if not n:
+            return flint.arb(1) if result is None else result
+        base = base * base

@@ -1,0 +1,68 @@
+"""Chaplygin's ball: a balanced, dynamically non-symmetric ball rolling on a plane.
+
+The configuration is given by Euler angles (zxz) and the point of contact; the equations descend to
+gamma, the vertical as seen from the ball, and read, with G the angular momentum about the contact,
+
+    Gdot = G x omega,   gammadot = gamma x omega,   G = I omega + D (omega - (omega, gamma) gamma),
+
+where D = m R^2 [Chaplygin1903].
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from voronec import Fibration, Frame, Parameter, Scene, System, kinematics, velocity
+
+x, y, phi, theta, psi = sp.symbols("x y phi theta psi")
+omega = sp.symbols("omega1 omega2 omega3")
+m, R = sp.symbols("m R")
+inertia = sp.symbols("I1 I2 I3")
+
+rotation = kinematics.Rotation.euler("zxz", phi, theta, psi)
+rates = rotation.space_rates
+vertical = rotation.matrix.row(2)  # gamma = R^T e_z
+
+D = m * R**2
+spin, gamma = sp.Matrix(omega), sp.Matrix(vertical)
+momentum = sp.diag(*inertia) * spin + D * (spin - gamma * gamma.dot(spin))
+share = sum(D * g**2 / (i + D) for g, i in zip(vertical, inertia, strict=True))
+
+SYSTEM = System(
+    name="chaplygin-ball",
+    title="Chaplygin ball on a plane",
+    description="A balanced, dynamically non-symmetric ball rolls without slipping on a plane.",
+    fibration=Fibration(base=(phi, theta, psi), fibre=(x, y)),
+    frame=Frame.quasi(dict(zip(omega, rotation.body_rates, strict=True))),
+    lagrangian=kinematics.kinetic_energy(
+        m, (velocity(x), velocity(y), 0), inertia, rotation.body_rates
+    ),
+    # The material point at the contact rests: w + omega x (-R e_z) = 0.
+    constraints=(velocity(x) - R * rates[1], velocity(y) + R * rates[0]),
+    parameters=(
+        Parameter(m, 1, positive=True, meaning="mass"),
+        Parameter(R, 1, positive=True, meaning="radius"),
+        *(
+            Parameter(i, value, positive=True, meaning="principal moment of inertia")
+            for i, value in zip(inertia, (sp.Rational(2, 5), sp.Rational(1, 2), sp.Rational(7, 10)),
+                                strict=True)
+        ),
+    ),
+    invariants={f"gamma{i + 1}": g for i, g in enumerate(vertical)},
+    integrals={
+        "energy": momentum.dot(spin) / 2,
+        "momentum squared": momentum.dot(momentum),
+        "vertical momentum": momentum.dot(gamma),
+    },
+    # In the Euler angles; the factor sin(theta) is the volume of the rotation group.
+    measure=sp.sqrt(1 - share) * sp.sin(theta),
+    scenes={
+        "default": Scene(
+            initial={theta: 1, omega[0]: sp.Rational(1, 2), omega[1]: 2, omega[2]: sp.Rational(1, 5)},
+            times=(0.0, 40.0),
+            outputs=(x, y, *omega),
+            caption="The ball spins about a direction close to its middle axis, and wanders.",
+        ),
+    },
+    references=("Chaplygin1903", "BorisovMamaev2002"),
+)

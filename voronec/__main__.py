@@ -1,0 +1,5 @@
+"""``python -m voronec``."""
+
+from voronec.cli import main
+
+raise SystemExit(main())
