@@ -24,7 +24,7 @@ rates = rotation.space_rates
 vertical = rotation.matrix.row(2)  # gamma = R^T e_z
 
 D = m * R**2
-spin, gamma = sp.Matrix(omega), sp.Matrix(vertical)
+spin, gamma = sp.Matrix(omega), sp.Matrix(vertical).T
 momentum = sp.diag(*inertia) * spin + D * (spin - gamma * gamma.dot(spin))
 share = sum(D * g**2 / (i + D) for g, i in zip(vertical, inertia, strict=True))
 

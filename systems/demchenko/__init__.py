@@ -1,0 +1,95 @@
+"""Demchenko's ball: a ball with a gyroscope rolls without slipping over a sphere.
+
+C. Neumann's coordinates: (u, v) of the contact on the ball, (u1, v1) on the sphere, theta between
+the coordinate lines; s, tau, n are the components of the ball's angular velocity along e_u, e_v and
+the normal.  Zhukovsky's condition C1 = A1 + A2 makes the inertia of ball and rotor, less the
+rotor's axial part, spherical; A is that moment, and k the rotor's constant axial momentum.
+
+R1 is signed: outer rolling R1 > 0; inside the sphere R1 < 0 and |R1| > R2; a shell around the
+sphere R1 < 0 and |R1| < R2.  The centre is at (R1 + R2) n1 throughout.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from voronec import Fibration, Frame, Parameter, Scene, System, kinematics
+
+u, v, theta, u1, v1 = sp.symbols("u v theta u1 v1")
+s, tau, n = sp.symbols("s tau n")
+R1, R2, M, A, k = sp.symbols("R1 R2 M A k")
+
+contact = kinematics.RollingContact(
+    kinematics.Surface.sphere(R2, u, v), kinematics.Surface.sphere(R1, u1, v1), theta
+)
+kinetic = kinematics.kinetic_energy(M, contact.centre_velocity, (A, A, A), contact.spin)
+axis = contact.body.frame.row(2)  # the rotor's axis z along (u, v, n)
+rotor = kinematics.axial_rotor(k, axis, contact.spin)
+
+# On the constraints: P = M R2^2 + A, and the angular momentum about the contact point, with the
+# rotor's part, along (u, v, n) and in space.
+P = M * R2**2 + A
+momentum = sp.Matrix([P * s, P * tau, A * n]) + k * axis.T
+in_space = contact.fixed.frame * contact.turn * momentum
+
+
+def upright(radius: object, spin: object, normal: object, turn: object) -> dict[sp.Expr, object]:
+    """Initial data at a turning point, u = 1, whose momentum lies along the fixed axis z."""
+    values = {u: turn, s: spin, tau: 0, n: normal, R2: 1, M: 1, A: sp.Rational(2, 5), k: 3}
+    along_u, _, along_n = (sp.sympify(e).subs(values) for e in momentum)
+    return {
+        **{q: values[q] for q in (u, s, n)},
+        theta: sp.pi / 2,
+        u1: sp.atan2(along_u, -along_n),
+    }
+
+
+SYSTEM = System(
+    name="demchenko",
+    title="Demchenko's gyroscopic ball on a sphere",
+    description="A ball with a rotor along its axis of symmetry, under Zhukovsky's condition, rolls "
+    "without slipping over a fixed sphere: outside, inside, or around it as a shell.",
+    fibration=Fibration(base=(u, v, theta), fibre=(u1, v1)),
+    frame=Frame.quasi(dict(zip((s, tau, n), contact.spin, strict=True))),
+    lagrangian=kinetic + rotor,
+    constraints=contact.no_slip,
+    parameters=(
+        Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),
+        Parameter(R2, 1, positive=True, meaning="radius of the ball"),
+        Parameter(M, 1, positive=True, meaning="mass of ball and rotor"),
+        Parameter(A, sp.Rational(2, 5), positive=True, meaning="moment of inertia, A1 + A2 = C1"),
+        Parameter(k, 3, meaning="axial momentum of the rotor"),
+    ),
+    integrals={
+        "energy": (P * (s**2 + tau**2) + A * n**2) / 2,
+        "momentum x": in_space[0],
+        "momentum y": in_space[1],
+        "momentum z": in_space[2],
+        "axial": A * n + k * (1 + R2 / R1) * sp.cos(u),
+    },
+    invariants={"x": sp.cos(u), "y": sp.sin(u)},
+    measure=sp.sin(u) * sp.sin(u1),
+    scenes={
+        "default": Scene(
+            initial=upright(2, sp.Rational(1, 5), sp.Rational(3, 2), 1),
+            times=(0.0, 60.0),
+            outputs=(u, v, u1, v1, theta),
+            caption="Outer rolling, R2/R1 = 1/2: the trace runs between two parallels.",
+        ),
+        "inner": Scene(
+            initial=upright(-3, sp.Rational(1, 5), sp.Rational(3, 2), 1),
+            times=(0.0, 60.0),
+            parameters={R1: -3},
+            outputs=(u, v, u1, v1, theta),
+            caption="Inside a sphere three times as large.",
+        ),
+        "shell": Scene(
+            initial=upright(-sp.Rational(1, 2), sp.Rational(1, 5), sp.Rational(3, 2), 1),
+            times=(0.0, 60.0),
+            parameters={R1: -sp.Rational(1, 2)},
+            outputs=(u, v, u1, v1, theta),
+            caption="A shell around a sphere of half its radius.",
+        ),
+    },
+    references=("Demchenko1924", "DragovicGajicJovanovic2020", "Voronec1902", "Zhukovsky1893"),
+)

@@ -1,0 +1,151 @@
+"""The dictionary of the section on the Voronec principle: a general system, nothing special in it.
+
+Two base and two fibre coordinates; every coefficient is an unknown function of all coordinates and
+the time.  Its constraints are those that the paper states, read from the transcription; what the
+paper's equations are compared with is d'Alembert's principle, made from these constraints alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Motion, Study, Transcript
+
+BASE, FIBRE = 2, 2
+TOTAL = BASE + FIBRE
+
+Q = sp.symbols(f"q1:{TOTAL + 1}")
+V = tuple(vo.velocity(x) for x in Q)
+FORCES = sp.symbols(f"Q1:{TOTAL + 1}")
+DELTA = sp.symbols(f"delta1:{BASE + 1}")
+INDICES = {"i": BASE, "j": BASE, r"\nu": FIBRE, r"\mu": FIBRE, "s": TOTAL}
+
+
+def unknown(name: str) -> sp.Expr:
+    """An unknown function of all coordinates and the time."""
+    return sp.Function(name)(*Q, vo.time)
+
+
+def kinetic_energy() -> sp.Expr:
+    """Quadratic, linear and constant terms in the velocities, every coefficient unknown."""
+    pairs = [(s, r) for s in range(TOTAL) for r in range(TOTAL)]
+    quadratic = [unknown(f"m{min(p) + 1}{max(p) + 1}") * V[p[0]] * V[p[1]] for p in pairs]
+    linear = [unknown(f"l{s + 1}") * V[s] for s in range(TOTAL)]
+    return sp.Add(*quadratic) / 2 + sp.Add(*linear) + unknown("m0")
+
+
+def stated_names() -> dict[str, Any]:
+    """What needs no derivation."""
+    return {
+        "t": vo.time,
+        "n": sp.Integer(BASE),
+        "k": sp.Integer(FIBRE),
+        "q_{s}": lambda s: Q[s - 1],
+        r"\dot q_{s}": lambda s: V[s - 1],
+        "Q_{s}": lambda s: FORCES[s - 1],
+        r"a_{\nu i}": lambda nu, i: unknown(f"a{nu}{i}"),
+        r"a_{\nu}": lambda nu: unknown(f"a{nu}"),
+        "T": kinetic_energy(),
+    }
+
+
+@dataclass(frozen=True)
+class General:
+    """The derived general system: engine, motion, and the lift of the base velocities."""
+
+    eqs: Any
+    motion: Motion
+    lift: tuple[tuple[sp.Expr, ...], ...]
+    left: str
+
+    @classmethod
+    def of(cls, transcript: Transcript) -> General:
+        """Derive it from the constraints as the paper prints them."""
+        draft = Study(stated_names(), INDICES)
+        system = vo.System(
+            name="general",
+            fibration=vo.Fibration(base=Q[:BASE], fibre=Q[BASE:]),
+            lagrangian=kinetic_energy(),
+            constraints=tuple(transcript.residuals("v1", draft)),
+            parameters=FORCES,
+            forces=dict(zip(Q, FORCES, strict=True)),
+        )
+        eqs = vo.derive(system)
+        lift = tuple(tuple(sp.diff(rate, v) for v in V[:BASE]) for rate in eqs.rates)
+        motion = Motion.of(eqs, {d: vo.velocity(d) for d in DELTA})
+        left = transcript.left("v4", {"i": 1}, draft)
+        return cls(eqs, motion, lift, left)
+
+    def dalembert(self, where: Mapping[str, int]) -> sp.Expr:
+        """sum_s (d/dt dT/dqdot_s - dT/dq_s - Q_s) dqdot_s/dqdot_i, accelerations of the fibre
+        eliminated by the differentiated constraints; it knows nothing of the connection."""
+        energy, direction = kinetic_energy(), [row[where["i"] - 1] for row in self.lift]
+        free = Motion({**dict(zip(Q, V, strict=True)), **{v: vo.velocity(v) for v in V}})
+        terms = [
+            (free.derivative(sp.diff(energy, v)) - sp.diff(energy, q) - force) * h
+            for q, v, force, h in zip(Q, V, FORCES, direction, strict=True)
+        ]
+        fibre = zip(V[BASE:], list(self.eqs.rates)[BASE:], strict=True)
+        accelerations = {vo.velocity(v): self.motion.derivative(rate) for v, rate in fibre}
+        return self.motion.restrict(sp.Add(*terms).xreplace(accelerations))
+
+    def structure(self) -> list[tuple[str, sp.Expr]]:
+        """The first d'Alembert equation, decomposed: how the derivatives of Theta, the forces and
+        the momenta K enter it is read off from how the unknown coefficients of T enter."""
+        truth = sp.expand(self.dalembert({"i": 1}))
+        theta = self.eqs.theta
+        inertia = self.motion.derivative(sp.diff(theta, V[0]))
+        right = sp.Integer(0)
+        rest = inertia - truth
+        for s, (q, force) in enumerate(zip(Q, FORCES, strict=True), start=1):
+            along = -sp.diff(truth, sp.diff(unknown("m0"), q))
+            right += along * sp.Symbol(rf"\frac{{\partial\Theta}}{{\partial q_{{{s}}}}}")
+            right -= sp.diff(truth, force) * sp.Symbol(f"Q_{{{s}}}")
+            rest -= along * sp.diff(theta, q) - sp.diff(truth, force) * force
+        rest = sp.expand(rest)
+        for nu in range(1, FIBRE + 1):
+            factor = sp.diff(rest, unknown(f"l{BASE + nu}"))
+            right += sp.Symbol(f"K_{{{nu}}}") * self._named(factor, nu)
+        return [(self.left, right)]
+
+    def _named(self, factor: sp.Expr, nu: int) -> sp.Expr:
+        """A combination of velocities, with coefficients called by their name where they are
+        components of the curvature."""
+        found = sp.Integer(0)
+        at_rest = {v: sp.Integer(0) for v in V}
+        for j in range(1, BASE + 1):
+            coefficient = sp.diff(factor, V[j - 1])
+            name = sp.Symbol(f"A_{{1{j}}}^{{({nu})}}")
+            same = vo.prove_equal(coefficient, self.eqs.curvature[nu - 1, 0, j - 1]).proved
+            found += (name if same and coefficient != 0 else coefficient) * V[j - 1]
+        constant = factor.xreplace(at_rest)
+        same = vo.prove_equal(constant, self.eqs.curvature.time[nu - 1, 0]).proved
+        return found + (sp.Symbol(f"A_{{1}}^{{({nu})}}") if same else constant)
+
+    def study(self) -> Study:
+        """The dictionary; derived quantities come from the engine."""
+        eqs, lift = self.eqs, self.lift
+        virtual = [sp.Add(*[h * d for h, d in zip(row, DELTA, strict=True)]) for row in lift]
+        derived = {
+            r"\Theta": eqs.theta,
+            r"K_{\nu}": lambda nu: eqs.momenta[nu - 1],
+            r"A_{ij}^{(\nu)}": lambda i, j, nu: eqs.curvature[nu - 1, i - 1, j - 1],
+            r"A_{i}^{(\nu)}": lambda i, nu: eqs.curvature.time[nu - 1, i - 1],
+            r"\delta q_{s}": lambda s: virtual[s - 1],
+            r"\delta\dot q_{i}": lambda i: vo.velocity(DELTA[i - 1]),
+        }
+        variations = dict(zip(Q, virtual, strict=True))
+        variations |= {v: vo.velocity(d) for v, d in zip(V[:BASE], DELTA, strict=True)}
+        return Study(
+            {**stated_names(), **derived},
+            INDICES,
+            self.motion,
+            variations,
+            context=self,
+            note=f"n = {BASE}, k = {FIBRE}, every coefficient an arbitrary function",
+        )

@@ -1,0 +1,58 @@
+"""The falling rolling disc: a coin that rolls on its edge without slipping, and may lean.
+
+It touches the plane at (x, y) and heads along e = (cos phi, sin phi, 0).  With the lean ``theta``
+to the left, the radius from the contact to the centre is r = (-sin theta sin phi, sin theta
+cos phi, cos theta) times R; the disc has turned by ``psi`` about its axle e x r (backwards).
+The quasi-velocities are the components of the angular velocity: p about -e, q about r, and s
+about the axle.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from voronec import Fibration, Frame, Parameter, Scene, System, velocity
+
+x, y, phi, theta, psi = sp.symbols("x y phi theta psi")
+p, q, s = sp.symbols("p q s")
+m, R, A, C, g = sp.symbols("m R A C g")
+Dx, Dy, Dphi, Dtheta, Dpsi = map(velocity, (x, y, phi, theta, psi))
+sin, cos = sp.sin(theta), sp.cos(theta)
+
+# The centre's velocity: along the heading, to its left, upwards.
+forward = Dx * sp.cos(phi) + Dy * sp.sin(phi) - R * Dphi * sin
+left = Dy * sp.cos(phi) - Dx * sp.sin(phi) + R * Dtheta * cos
+upward = -R * Dtheta * sin
+spin = Dpsi - Dphi * sin
+
+kinetic = m * (forward**2 + left**2 + upward**2) / 2
+kinetic += (A * (Dtheta**2 + Dphi**2 * cos**2) + C * spin**2) / 2
+potential = m * g * R * cos
+
+SYSTEM = System(
+    name="falling-disc",
+    title="Falling rolling disc",
+    description="A disc that rolls on its edge without slipping and leans under its weight.",
+    fibration=Fibration(base=(phi, theta, psi), fibre=(x, y)),
+    frame=Frame.quasi({p: Dtheta, q: Dphi * cos, s: spin}),
+    lagrangian=kinetic - potential,
+    constraints=(Dx - R * Dpsi * sp.cos(phi), Dy - R * Dpsi * sp.sin(phi)),
+    parameters=(
+        Parameter(m, 1, positive=True, meaning="mass"),
+        Parameter(R, 1, positive=True, meaning="radius"),
+        Parameter(A, sp.Rational(1, 4), positive=True, meaning="inertia about a diameter"),
+        Parameter(C, sp.Rational(1, 2), positive=True, meaning="inertia about the axle"),
+        Parameter(g, 1, meaning="gravity"),
+    ),
+    integrals={"energy": kinetic + potential},
+    measure=cos,
+    scenes={
+        "default": Scene(
+            initial={theta: sp.Rational(1, 5), q: sp.Rational(2, 5), s: sp.Rational(3, 2)},
+            times=(0.0, 25.0),
+            outputs=(x, y, phi, theta, psi),
+            caption="Fast enough to stay up, the disc nods while it rolls.",
+        ),
+    },
+    references=("Appell1900", "Korteweg1900", "Chaplygin1897", "BorisovMamaevKilin2003"),
+)

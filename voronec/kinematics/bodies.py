@@ -1,0 +1,80 @@
+"""Energies of rigid bodies, and of rotors built into them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import sympy as sp
+
+from voronec.errors import DefinitionError
+from voronec.kinematics.vectors import Vector, cross, dot, three
+
+__all__ = ["axial_rotor", "kinetic_energy", "point_velocity", "uniform_field_energy"]
+
+
+def kinetic_energy(
+    mass: Any, velocity: Sequence[Any], inertia: Any, omega: Sequence[Any]
+) -> sp.Expr:
+    """m |w|^2 / 2 + omega . I omega / 2.
+
+    ``velocity`` is that of the centre of mass, along any orthonormal axes; ``omega`` the angular
+    velocity in the axes in which ``inertia`` is given: three principal moments or a symmetric
+    3 x 3 matrix, about the centre of mass.
+    """
+    w, spin = three(velocity, "the velocity of a body"), three(omega, "an angular velocity")
+    tensor = _tensor(inertia)
+    rotation = sp.Add(*[tensor[i, j] * spin[i] * spin[j] for i in range(3) for j in range(3)])
+    return sp.sympify(mass) * dot(w, w) / 2 + rotation / 2
+
+
+def point_velocity(velocity: Sequence[Any], omega: Sequence[Any], arm: Sequence[Any]) -> Vector:
+    """velocity + omega x arm: the velocity of the body's point at ``arm`` from another one.
+
+    All three along the same right-handed axes; so for a centre of mass that is not the body's
+    origin.
+    """
+    w = three(velocity, "the velocity of a body")
+    turned = cross(three(omega, "an angular velocity"), three(arm, "an arm"))
+    return w[0] + turned[0], w[1] + turned[1], w[2] + turned[2]
+
+
+def axial_rotor(momentum: Any, axis: Sequence[Any], omega: Sequence[Any]) -> sp.Expr:
+    """k (axis . omega): what a rotor of constant axial momentum k adds to the Lagrangian.
+
+    The rotor turns by chi about an axis (a unit vector) fixed in the body, without axial torque.
+    Its axial energy C (axis . omega + dchi/dt)^2 / 2 makes chi cyclic, so that
+    k = C (axis . omega + dchi/dt) is constant, and Routh's function, energy minus k dchi/dt, is
+    k (axis . omega) - k^2 / (2 C).  The rotor's mass and its transverse moments of inertia belong
+    to the body, its axial moment C does not.  ``axis`` and ``omega`` are given along the same axes.
+    """
+    direction = three(axis, "the axis of a rotor")
+    return sp.sympify(momentum) * dot(direction, three(omega, "an angular velocity"))
+
+
+def uniform_field_energy(
+    mass: Any, position: Sequence[Any], acceleration: Sequence[Any]
+) -> sp.Expr:
+    """-m (g . r): the potential energy of a mass at r in a field of constant acceleration g.
+
+    ``position`` is that of the centre of mass, in space, as is ``acceleration``; (0, 0, -g) for
+    gravity with z upward, and then it is m g z.
+    """
+    g = three(acceleration, "the acceleration of a field")
+    return -sp.sympify(mass) * dot(g, three(position, "a position"))
+
+
+def _tensor(inertia: Any) -> sp.ImmutableMatrix:
+    """The inertia tensor out of three principal moments, nested rows or a matrix."""
+    if not isinstance(inertia, sp.MatrixBase):
+        rows = list(inertia)
+        square = all(isinstance(row, (list, tuple)) for row in rows)
+        try:
+            inertia = sp.Matrix(rows) if square else sp.diag(*rows)
+        except ValueError:
+            raise DefinitionError("the rows of the inertia matrix differ in length") from None
+    if inertia.shape != (3, 3):
+        raise DefinitionError("inertia takes three principal moments, or a 3 x 3 matrix")
+    if inertia != inertia.T:
+        raise DefinitionError("the inertia matrix is not symmetric; give I_ij = I_ji")
+    return sp.ImmutableMatrix(inertia)

@@ -1,0 +1,137 @@
+"""Contact of two surfaces in C. Neumann's coordinates.
+
+The body's surface r(u, v) touches the fixed surface r1(u1, v1) with opposite normals, and theta is
+the angle from e_v1 to e_u in the tangent plane [Neumann1899]:
+
+    R = B1 Q B^T,   Q = [[-sin, cos, 0], [cos, sin, 0], [0, 0, -1]](theta),   O = r1 - R r,
+
+with the moving frames B = [e_u e_v n] on the body and B1 on the fixed surface.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name, velocity
+from voronec.errors import DefinitionError
+from voronec.kinematics.rotations import distinct_names
+from voronec.kinematics.surfaces import Surface
+from voronec.kinematics.vectors import Vector, cross
+
+__all__ = ["RollingContact"]
+
+
+@dataclass(frozen=True)
+class RollingContact:
+    """A body bounded by the surface ``body`` that touches the surface ``fixed`` at a point M.
+
+    ``body`` is given in body axes about the body's origin O, ``fixed`` in space; ``theta`` is a
+    symbol.  Nothing is assumed about slipping: all expressions are in the five Neumann
+    coordinates (u, v, u1, v1, theta) and linear in their velocities; ``no_slip`` and ``no_twist``
+    are the constraints.  A symbol used twice raises ``DefinitionError``.
+    """
+
+    body: Surface
+    fixed: Surface
+    theta: sp.Expr
+
+    def __post_init__(self) -> None:
+        distinct_names(self.coordinates, 5, "the rolling contact")
+        for surface, role in ((self.body, "body"), (self.fixed, "fixed")):
+            for name in set(self.coordinates) - set(surface.coordinates):
+                if any(component.has(name) for component in surface.position):
+                    raise DefinitionError(
+                        f"the {role} surface contains '{plain_name(name)}', which is another "
+                        "coordinate of the rolling contact; rename it there"
+                    )
+
+    @property
+    def coordinates(self) -> tuple[sp.Expr, ...]:
+        """(u, v, u1, v1, theta)."""
+        return (*self.body.coordinates, *self.fixed.coordinates, self.theta)
+
+    @cached_property
+    def turn(self) -> sp.ImmutableMatrix:
+        """Q(theta), components along (u, v, n) to components along (u1, v1, n1); Q = Q^T."""
+        c, s = sp.cos(self.theta), sp.sin(self.theta)
+        return sp.ImmutableMatrix([[-s, c, 0], [c, s, 0], [0, 0, -1]])
+
+    @cached_property
+    def attitude(self) -> sp.ImmutableMatrix:
+        """R = B1 Q B^T, body components to space components."""
+        return self.fixed.frame * self.turn * self.body.frame.T
+
+    @property
+    def arm(self) -> Vector:
+        """The vector OM from the body's origin to the contact, along (u, v, n)."""
+        return self.body.support
+
+    @cached_property
+    def centre(self) -> sp.ImmutableMatrix:
+        """O = r1 - R r, the body's origin in space; (R1 + R2) n1 for a ball on a sphere."""
+        turned = self._turned(self.arm)
+        reach = [a - b for a, b in zip(self.fixed.support, turned, strict=True)]
+        return self.fixed.frame * sp.ImmutableMatrix(reach)
+
+    @cached_property
+    def spin(self) -> Vector:
+        """(s, tau, n) = B^T omega: the body's angular velocity along (u, v, n).
+
+        Q^T Omega1 - (0, 0, dtheta/dt) - Omega, with the ``frame_rates`` Omega of the surfaces.
+        Since R^T dR/dt = B (Q^T hat(Omega1) Q + Q^T dQ/dt - hat(Omega)) B^T, that is what
+        vee(R^T dR/dt) gives.  For lines of curvature: [DragovicGajicJovanovic2020, eq:n].
+        """
+        s, tau, n = self._turned(self.fixed.frame_rates)
+        a, b, c = self.body.frame_rates
+        return s - a, tau - b, n - c - velocity(self.theta)
+
+    @cached_property
+    def angular_velocity(self) -> Vector:
+        """The body's angular velocity in body axes, B (s, tau, n)."""
+        x, y, z = self.body.frame * sp.ImmutableMatrix(self.spin)
+        return x, y, z
+
+    @cached_property
+    def slip(self) -> Vector:
+        """The velocity in space of the body's material point at M, along (u, v, n).
+
+        Q^T (trace on the fixed surface) - (trace on the body), since dO/dt + omega x OM is
+        dr1/dt - R dr/dt.  Its last component vanishes: the surfaces stay in contact.
+        """
+        a, b, c = self._turned(self.fixed.trace_velocity)
+        x, y, z = self.body.trace_velocity
+        return a - x, b - y, c - z
+
+    @cached_property
+    def centre_velocity(self) -> Vector:
+        """The velocity in space of the body's origin O along (u, v, n): slip - omega x OM."""
+        x, y, z = cross(self.spin, self.arm)
+        a, b, c = self.slip
+        return a - x, b - y, c - z
+
+    @cached_property
+    def no_slip(self) -> tuple[sp.Expr, sp.Expr]:
+        """The constraints of rolling without slipping: two expressions that vanish.
+
+        The slip along u1 and v1.  For orthogonal coordinates it is
+        L_u1 du1/dt + L_u du/dt sin theta - L_v dv/dt cos theta and
+        L_v1 dv1/dt - L_u du/dt cos theta - L_v dv/dt sin theta
+        [DragovicGajicJovanovic2020, eq:nosliding2].
+        """
+        x, y, _ = self._turned(self.body.trace_velocity)
+        a, b, _ = self.fixed.trace_velocity
+        return a - x, b - y
+
+    @property
+    def no_twist(self) -> sp.Expr:
+        """The constraint n = 0 of a rubber body: it does not turn about the common normal."""
+        return self.spin[2]
+
+    def _turned(self, vector: Vector) -> Vector:
+        """Q vector, and Q^T vector, which is the same."""
+        c, s = sp.cos(self.theta), sp.sin(self.theta)
+        a, b, n = vector
+        return b * c - a * s, a * c + b * s, -n

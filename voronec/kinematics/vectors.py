@@ -1,0 +1,44 @@
+"""Vectors of three expressions, for SymPy and symengine alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import sympy as sp
+
+from voronec.errors import DefinitionError
+
+__all__ = ["Vector", "column", "cross", "dot", "three"]
+
+Vector = tuple[Any, Any, Any]
+
+
+def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    """The scalar product a . b in an orthonormal frame."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Sequence[Any], b: Sequence[Any]) -> Vector:
+    """The vector product a x b in a right-handed orthonormal frame."""
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+def three(things: Any, what: str) -> Vector:
+    """Three SymPy expressions out of a sequence or a matrix; ``what`` names them in errors."""
+    try:
+        entries = tuple(sp.sympify(thing) for thing in things)
+    except (TypeError, sp.SympifyError):
+        entries = ()
+    if len(entries) != 3 or not all(isinstance(e, sp.Expr) for e in entries):
+        raise DefinitionError(f"{what} must be three expressions, got '{things}'")
+    return entries[0], entries[1], entries[2]
+
+
+def column(entries: Sequence[sp.Expr]) -> sp.ImmutableMatrix:
+    """A SymPy column matrix."""
+    return sp.ImmutableMatrix(len(entries), 1, list(entries))
