@@ -37,10 +37,11 @@ def upright(radius: object, spin: object, normal: object, turn: object) -> dict[
     """Initial data at a turning point, u = 1, whose momentum lies along the fixed axis z."""
     values = {u: turn, s: spin, tau: 0, n: normal, R2: 1, M: 1, A: sp.Rational(2, 5), k: 3}
     along_u, _, along_n = (sp.sympify(e).subs(values) for e in momentum)
+    side = 1 if along_u > 0 else -1  # keeps u1 between 0 and pi
     return {
         **{q: values[q] for q in (u, s, n)},
-        theta: sp.pi / 2,
-        u1: sp.atan2(along_u, -along_n),
+        theta: side * sp.pi / 2,
+        u1: sp.atan2(side * along_u, -along_n),
     }
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
@@ -82,17 +83,26 @@ class General:
         return cls(eqs, motion, lift, left)
 
     def dalembert(self, where: Mapping[str, int]) -> sp.Expr:
+        """The d'Alembert equation of a base coordinate, as an expression that vanishes."""
+        return self._dalembert[where["i"] - 1]
+
+    @cached_property
+    def _dalembert(self) -> tuple[sp.Expr, ...]:
         """sum_s (d/dt dT/dqdot_s - dT/dq_s - Q_s) dqdot_s/dqdot_i, accelerations of the fibre
         eliminated by the differentiated constraints; it knows nothing of the connection."""
-        energy, direction = kinetic_energy(), [row[where["i"] - 1] for row in self.lift]
+        energy = kinetic_energy()
         free = Motion({**dict(zip(Q, V, strict=True)), **{v: vo.velocity(v) for v in V}})
-        terms = [
-            (free.derivative(sp.diff(energy, v)) - sp.diff(energy, q) - force) * h
-            for q, v, force, h in zip(Q, V, FORCES, direction, strict=True)
-        ]
         fibre = zip(V[BASE:], list(self.eqs.rates)[BASE:], strict=True)
         accelerations = {vo.velocity(v): self.motion.derivative(rate) for v, rate in fibre}
-        return self.motion.restrict(sp.Add(*terms).xreplace(accelerations))
+        lagrange = [
+            free.derivative(sp.diff(energy, v)) - sp.diff(energy, q) - force
+            for q, v, force in zip(Q, V, FORCES, strict=True)
+        ]
+        found = []
+        for direction in zip(*self.lift, strict=True):
+            total = sp.Add(*[e * h for e, h in zip(lagrange, direction, strict=True)])
+            found.append(self.motion.restrict(total.xreplace(accelerations)))
+        return tuple(found)
 
     def structure(self) -> list[tuple[str, sp.Expr]]:
         """The first d'Alembert equation, decomposed: how the derivatives of Theta, the forces and

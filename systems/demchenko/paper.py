@@ -4,8 +4,6 @@ Displays are copied letter for letter, mistakes included; ``general`` and ``ball
 names stand for in derived systems.  Nothing else of the audit is typed in.
 """
 
-# ruff: noqa: E501  (lines of the transcription are as long as in the source)
-
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -215,7 +213,7 @@ PAPER = Paper(
     name="demchenko",
     title="Demchenko's nonholonomic case of gyroscopic ball rolling without sliding over a sphere "
     "after his 1923 Belgrade doctoral thesis",
-    authors="Vladimir Dragovic, Borislav Gajic, Bozidar Jovanovic",
+    authors="Vladimir Dragović, Borislav Gajić, Božidar Jovanović",
     sections=(VORONEC_PRINCIPLE, BALL),
     references=("DragovicGajicJovanovic2020", "Demchenko1924", "Voronec1902"),
 )

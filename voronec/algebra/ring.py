@@ -278,7 +278,7 @@ class Ring:
             g = self._gens[generator]
             if poly == g:
                 rest = g**degree - relation
-                return self.mul([Fraction(g ** (degree - 1)), self.inverse(Fraction(rest))])
+                return self.mul([Fraction(g ** (degree - 1)), self.inverse(Fraction(self.reduce(rest)))])
         return None
 
     # -- expressions ----------------------------------------------------------------------
@@ -296,7 +296,7 @@ class Ring:
 
     def _convert(self, expr: Any) -> Fraction:
         if expr in self._plain:
-            return Fraction(self.gen(expr))
+            return Fraction(self.reduce(self.gen(expr)))
         if expr.is_Number:
             return self.constant(int(expr.p), int(expr.q))
         if isinstance(expr, se.Add):

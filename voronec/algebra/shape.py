@@ -31,8 +31,9 @@ def operations(exprs: Iterable[Any]) -> int:
 
 def expanded(ring: Ring, f: Fraction) -> Any:
     """An element as an expanded numerator over a factored denominator: quick, not short."""
-    parts = [_sum(ring, _terms(f.num))]
-    parts += [se.Pow(_sum(ring, _terms(poly)), -e) for poly, e in ring.factors(f.den)]
+    num, den, below = _lower_roots(ring, f)
+    parts = [_sum(ring, _terms(num))] + [se.Pow(g, -1) for g in below]
+    parts += [se.Pow(_sum(ring, _terms(poly)), -e) for poly, e in den]
     return se.Mul(*parts)
 
 

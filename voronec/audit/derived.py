@@ -2,16 +2,167 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
 from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.normal import shorten
-from voronec.audit.meaning import evaluate, names_constant, whole_name
-from voronec.audit.nodes import Chain, Dot, Name, Node, Symbol_free, walk
+from voronec.audit.meaning import evaluate
+from voronec.audit.nodes import Call, Chain, Dot, Node, walk
+from voronec.audit.paper import Check
+from voronec.audit.structure import mentions, names_constant, whole_name
 from voronec.audit.study import Study
-from voronec.errors import EngineLimit
+from voronec.audit.transcript import assignments, instance, text_of
+from voronec.audit.verify import accelerations
+from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["derived_latex", "print_latex"]
+
+LONGEST = 1500
+"""Longer results are left out of the report: nobody reads them."""
+
+EXPANDABLE = 80
+"""Results with fewer operations are also multiplied out, and the shorter print is taken."""
+
+
+def derived_latex(
+    chain: Chain, source: str, check: Check, study: Study, constant: bool
+) -> str | None:
+    """The derived counterpart of a formula; ``None`` where there is nothing to derive.
+
+    ``source`` is the display that the places of the tree refer to; ``constant`` says whether a
+    claimed constant was proved to be one.
+    """
+    try:
+        if check.derived is not None:
+            return _given_pairs(chain, check, study)
+        if check.truth is not None:
+            return _equation(chain, check, study)
+        return _value(chain, source, study, constant)
+    except (EngineLimit, DefinitionError):
+        return None
+
+
+def _given_pairs(chain: Chain, check: Check, study: Study) -> str:
+    assert check.derived is not None
+    pairs = []
+    for where in assignments(chain, study)[:1]:
+        pairs += check.derived(study, where)
+    return ", \\quad ".join(
+        f"{_side(a, chain, study)} = {_side(b, chain, study)}" for a, b in pairs
+    )
+
+
+def _side(side: Any, chain: Chain, study: Study) -> str:
+    if isinstance(side, str):
+        return side
+    value = study.motion.restrict(side).xreplace(dict(study.given))
+    return print_latex(value, chain, study)
+
+
+def _equation(chain: Chain, check: Check, study: Study) -> str | None:
+    """An equation of motion: terms with accelerations on the left, the rest on the right."""
+    assert check.truth is not None
+    where = next(iter(assignments(chain, study)))
+    residual = check.truth(study, where).xreplace(dict(study.given))
+    dots = [d for d in accelerations(study) if residual.has(d)]
+    inertia = sum((sp.diff(residual, d) * d for d in dots), sp.Integer(0))
+    at_rest = {d: sp.Integer(0) for d in dots}
+    rest = -residual.xreplace(at_rest)
+    return f"{print_latex(inertia, chain, study)} = {print_latex(rest, chain, study)}"
+
+
+def _value(chain: Chain, source: str, study: Study, constant: bool) -> str | None:
+    """The first part that the dictionary knows, and its derived value."""
+    if names_constant(chain.parts[-1]) and constant:
+        return f"{text_of(chain.parts[0], source)} = \\mathrm{{const}}"
+    known = [p for p in chain.parts if whole_name(p, study) is None and not names_constant(p)]
+    if len(known) < 2 and len(known) < len(chain.parts):
+        return None
+    where, value = _first_value(known[0], chain, study)
+    if any(isinstance(part, Dot) for part in walk(chain)):
+        value = value.xreplace(dict(study.in_velocities))
+    if isinstance(value, sp.MatrixBase):
+        return None
+    left = instance(known[0].function if isinstance(known[0], Call) else known[0], source, where)
+    return f"{left} = {print_latex(value, chain, study)}"
+
+
+def _first_value(part: Node, chain: Chain, study: Study) -> tuple[dict[str, int], Any]:
+    """Values of the free indices for which a part does not vanish, and its value there."""
+    values = [
+        (where, study.motion.restrict(evaluate(part, study, where)).xreplace(dict(study.given)))
+        for where in assignments(chain, study)
+    ]
+    return next((pair for pair in values if pair[1] != 0), values[0])
+
+
+def print_latex(value: Any, chain: Chain, study: Study) -> str:
+    """A value in its shortest proved form, with the abbreviations that the formula uses."""
+    value, symbols = _fold(sp.sympify(value), chain, study)
+    value, names = _plain_symbols(shorten([value])[0], study)
+    verbatim = {x: x.name for x in value.free_symbols if "{" in x.name}
+    names = {**verbatim, **study.spelling, **symbols, **names}
+    candidates = (value, sp.expand(value)) if sp.count_ops(value) < EXPANDABLE else (value,)
+    texts = [str(sp.latex(c, symbol_names=names, fold_func_brackets=True)) for c in candidates]
+    text = min(texts, key=len)
+    if len(text) > LONGEST:
+        raise EngineLimit(f"the derived expression has {len(text)} characters in print")
+    return text
+
+
+def _fold(value: sp.Expr, chain: Chain, study: Study) -> tuple[sp.Expr, dict[Any, str]]:
+    """Bring in the names that the paper defines and this formula uses, as P = I + A."""
+    used, symbols = mentions(chain), {}
+    shown = {s for s, latex in study.spelling.items() if latex in used}
+    rules: dict[Any, sp.Expr] = {}
+    for key, node in study.defined.items():
+        if key not in used:
+            continue
+        symbol = sp.Symbol(f"fold {key}")
+        meaning = evaluate(node, study)
+        for old, new in rules.items():
+            meaning = meaning.xreplace({old: new})
+        meaning = shorten([meaning])[0]
+        raw = _eliminable(meaning, shown, study)
+        if raw is None or raw in rules:
+            continue
+        solution = sp.solve(meaning - symbol, raw)
+        if len(solution) != 1:
+            continue
+        rules = {o: n.xreplace({raw: solution[0]}) for o, n in rules.items()}
+        rules[raw] = solution[0]
+        symbols[symbol] = key
+    return value.xreplace(rules), symbols
+
+
+def _eliminable(meaning: sp.Expr, shown: set[Any], study: Study) -> Any | None:
+    """A constant, linear in the meaning, that the formula itself does not show."""
+    moving = set(study.motion.rates) | set(study.motion.constrained)
+    found = sorted(meaning.free_symbols - moving - shown, key=str)
+    linear = [x for x in found if sp.diff(meaning, x, 2) == 0]
+    return (linear or found or [None])[0]
+
+
+def _plain_symbols(value: sp.Expr, study: Study) -> tuple[sp.Expr, dict[Any, str]]:
+    """Applied unknown functions and their derivatives as symbols with short names."""
+    names: dict[Any, str] = {}
+    rules: dict[Any, Any] = {}
+    for node in value.atoms(sp.Derivative) | value.atoms(AppliedUndef):
+        symbol = sp.Symbol(f"plain {node}")
+        rules[node] = symbol
+        names[symbol] = _jet_name(node, study)
+    return value.xreplace(rules), names
+
+
+def _jet_name(node: Any, study: Study) -> str:
+    if not isinstance(node, sp.Derivative):
+        return study.spelling.get(node, str(sp.latex(node.func)))
+    top = _jet_name(node.expr, study)
+    order = "" if node.derivative_count == 1 else f"^{{{node.derivative_count}}}"
+    below = "\\,".join(
+        f"\\partial {study.spelling.get(x, sp.latex(x))}" + (f"^{{{c}}}" if c > 1 else "")
+        for x, c in node.variable_count
+    )
+    return f"\\frac{{\\partial{order} {top}}}{{{below}}}"

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from voronec.audit.tokens import Token, tokenize
 from voronec.errors import DefinitionError
 
-__all__ = ["RELATIONS", "Piece", "Unit", "split_display"]
+__all__ = ["RELATIONS", "Piece", "Unit", "script_ranges", "split_display"]
 
 RELATIONS = {"=", "<", ">", "\\ne", "\\neq", "\\le", "\\leq", "\\ge", "\\geq"}
 _OPENING = re.compile(r"\s*(?:\\begin\{([a-zA-Z]+\*?)\}|(\\\[)|(\$\$)|(\$))", re.DOTALL)
@@ -72,9 +73,8 @@ def _body(latex: str) -> tuple[str, int, int]:
     """Name of the environment, and the range between its delimiters."""
     match = _OPENING.match(latex)
     if match is None:
-        raise DefinitionError(
-            f"display '{' '.join(latex.split())[:40]}': it must start with \\begin{{...}}, \\[, $$ or $"
-        )
+        start = " ".join(latex.split())[:40]
+        raise DefinitionError(f"display '{start}': it must start with \\begin{{...}}, \\[, $$ or $")
     mark = next(g for g in match.groups() if g)
     closing = _CLOSING.get(mark, f"\\end{{{mark}}}")
     end = latex.rfind(closing)
@@ -144,3 +144,17 @@ def _listed(tokens: list[Token]) -> list[tuple[Token, ...]]:
         else:
             parts[-1].append(token)
     return [tuple(p) for p in parts if p]
+
+
+def script_ranges(words: Sequence[Token]) -> Iterator[tuple[int, int]]:
+    """Positions of the words that make up each subscript and superscript, braces included."""
+    for position, word in enumerate(words[:-1]):
+        if word.text not in ("_", "^"):
+            continue
+        end, depth = position + 1, 0
+        while end < len(words):
+            depth += (words[end].text == "{") - (words[end].text == "}")
+            end += 1
+            if depth == 0:
+                break
+        yield position + 1, end

@@ -11,14 +11,11 @@ from voronec.algebra.symbols import time, velocity
 from voronec.audit.nodes import (
     Bound,
     Call,
-    Chain,
     Cross,
     Derivative,
-    Differential,
     Dot,
     Dots,
     Elementary,
-    Integral,
     Listing,
     Name,
     Node,
@@ -30,12 +27,12 @@ from voronec.audit.nodes import (
     Root,
     Sum,
     Variation,
-    walk,
 )
+from voronec.audit.structure import free_indices
 from voronec.audit.study import Study, key_of, spell
 from voronec.errors import DefinitionError
 
-__all__ = ["UnknownName", "evaluate", "free_indices", "integrand"]
+__all__ = ["UnknownName", "evaluate"]
 
 Where = Mapping[str, int]
 
@@ -59,40 +56,6 @@ def evaluate(node: Node, study: Study, where: Where | None = None) -> Any:
     return rule(node, study, where or {})
 
 
-def free_indices(node: Node, study: Study) -> tuple[str, ...]:
-    """The index letters of a formula that no sum binds, in the order of their appearance."""
-    found: dict[str, None] = {}
-
-    def visit(part: Any, bound: frozenset[str]) -> None:
-        if isinstance(part, tuple):
-            for item in part:
-                visit(item, bound)
-        elif isinstance(part, Bound):
-            for limit in (part.lower, part.upper):
-                visit(limit, bound)
-            visit(part.body, bound | {part.index.head})
-        elif isinstance(part, Call):
-            visit(part.function, bound)
-        elif study.is_index(part) and part.head not in bound:
-            found.setdefault(part.head)
-        elif hasattr(part, "at"):
-            for value in vars(part).values():
-                visit(value, bound)
-
-    visit(node, frozenset())
-    return tuple(found)
-
-
-def integrand(node: Integral) -> tuple[Node, Node]:
-    """The variable of an integral, and what stands beside its differential."""
-    factors = node.body.factors if isinstance(node.body, Product) else (node.body,)
-    signs = [f for f in factors if isinstance(f, Differential)]
-    if len(signs) != 1:
-        raise DefinitionError("an integral needs one differential beside its integrand")
-    rest = tuple(f for f in factors if f is not signs[0])
-    return signs[0].body, rest[0] if len(rest) == 1 else Product(rest)
-
-
 # -- names --------------------------------------------------------------------------------
 
 
@@ -100,8 +63,7 @@ def _lookup(node: Node, study: Study, where: Where) -> Any:
     """The value of a name: first as it is spelled, then with the values of its indices."""
     exact = key_of(node)
     if exact in study.table:
-        value = study.table[exact]
-        return value
+        return study.table[exact]
     defined = study.defined.get(exact)
     if defined is not None:
         return evaluate(defined, study, where)
@@ -117,8 +79,17 @@ def _lookup(node: Node, study: Study, where: Where) -> Any:
         return study.table[literal]
     family = key_of(node, lambda _: "#")
     if family in study.table:
-        return study.table[family](*values)
+        return _member(study.table[family], values, exact)
     raise UnknownName(exact)
+
+
+def _member(family: Any, values: list[int], name: str) -> Any:
+    if min(values) >= 1:
+        try:
+            return family(*values)
+        except (IndexError, KeyError):
+            pass
+    raise DefinitionError(f"'{name}' has no member with the indices {values}")
 
 
 def _index_value(name: Name, study: Study, where: Where, node: Node) -> Any:
@@ -183,12 +154,12 @@ def _partial(node: Partial, study: Study, where: Where) -> Any:
     for variable in node.variables:
         symbol = evaluate(variable, study, where)
         if not isinstance(symbol, sp.Symbol):
-            raise DefinitionError(f"'{spell_any(variable)}' is not a variable to differentiate by")
+            raise DefinitionError(f"'{_called(variable)}' is not a variable to differentiate by")
         value = sp.diff(value, symbol)
     return value
 
 
-def spell_any(node: Node) -> str:
+def _called(node: Node) -> str:
     """The key of a name, or the kind of any other node."""
     return key_of(node) if _named(node) else type(node).__name__
 
@@ -221,7 +192,7 @@ def _call(node: Call, study: Study, where: Where) -> Any:
     missing = (value.free_symbols & variables) - listed
     if missing:
         raise DefinitionError(
-            f"'{spell_any(node.function)}' depends on '{sorted(map(str, missing))[0]}', which its "
+            f"'{_called(node.function)}' depends on '{sorted(map(str, missing))[0]}', which its "
             "list of arguments leaves out"
         )
     return value
@@ -288,7 +259,10 @@ _ELEMENTARY: dict[str, Callable[[Any], Any]] = {
     "ln": sp.log,
     "arcsin": sp.asin,
     "arccos": sp.acos,
-    **{n: getattr(sp, n) for n in ("sin", "cos", "tan", "cot", "log", "exp", "sinh", "cosh", "tanh")},
+    **{
+        n: getattr(sp, n)
+        for n in ("sin", "cos", "tan", "cot", "log", "exp", "sinh", "cosh", "tanh")
+    },
 }
 
 _RULES: dict[type, Callable[[Any, Study, Where], Any]] = {
@@ -311,32 +285,3 @@ _RULES: dict[type, Callable[[Any, Study, Where], Any]] = {
     Derivative: _derivative,
     Bound: _bound,
 }
-
-
-def mentions(node: Node) -> set[str]:
-    """The canonical keys of the names in a tree."""
-    return {key_of(part) for part in walk(node) if isinstance(part, Name)}
-
-
-def names_constant(part: Node) -> bool:
-    """Whether a part of a chain is the word "const"."""
-    return isinstance(part, Name) and part.head == "const"
-
-
-def whole_name(part: Node, study: Study) -> str | None:
-    """The key of a part that is a single name which the dictionary does not hold."""
-    if not isinstance(part, Name) or names_constant(part):
-        return None
-    key = key_of(part)
-    family = study.key(part)
-    return None if key in study.table or family in study.table else key
-
-
-def definitions_in(chain: Chain, study: Study) -> dict[str, Node]:
-    """The names that a chain of equalities defines, each with the part that defines it."""
-    found: dict[str, Node] = {}
-    for position, part in enumerate(chain.parts):
-        key = whole_name(part, study)
-        if key is not None and len(chain.parts) > 1:
-            found.setdefault(key, chain.parts[position + 1 if position == 0 else position - 1])
-    return found

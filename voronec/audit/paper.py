@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -37,16 +37,18 @@ class Check:
         ``condition``: an assumption; ``cited``: a fact that is quoted.
     study
         which dictionary of the section; the first one by default.
+    also
+        further dictionaries under which a formula that is proved must hold too.
     truth
-        for an equation of motion: function of the study and the index values, which returns the
-        derived expression that vanishes; left minus right of the formula must be that or its
-        negative.
+        for an equation of motion: function of the study and the values ``{letter: value}`` of its
+        free indices (``{"i": ...}`` for a variation), which returns the derived expression that
+        vanishes; left minus right of the formula must be that, up to a factor that is not zero.
     stationary
         the formula is an integral that is stationary; ``truth`` as above, for each variation.
     given
         labels of conditions that are in force.
     derived
-        function of the study and the index values that returns derived pairs (left, right) to
+        function of the same that returns derived pairs (left, right) to
         print; by default the formula's left side with its derived value.
     convention
         another reading to be tried where the formula is refuted.
@@ -54,6 +56,7 @@ class Check:
 
     role: str = "claim"
     study: str = ""
+    also: tuple[str, ...] = ()
     truth: Callable[..., Any] | None = None
     stationary: bool = False
     given: tuple[str, ...] = ()
@@ -62,7 +65,9 @@ class Check:
 
     def __post_init__(self) -> None:
         if self.role not in ROLES:
-            raise DefinitionError(f"the role '{self.role}' of a check is none of {', '.join(ROLES)}")
+            raise DefinitionError(
+                f"the role '{self.role}' of a check is none of {', '.join(ROLES)}"
+            )
 
 
 @dataclass(frozen=True)
@@ -109,4 +114,3 @@ class Paper:
     sections: tuple[Section, ...]
     references: tuple[str, ...] = ()
     authors: str = ""
-    source: str = field(default="", repr=False)

@@ -7,22 +7,21 @@ function, or where the parenthesis holds a list.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import NoReturn
 
+from voronec.audit.constructs import bound, fraction, integral, root
 from voronec.audit.displays import RELATIONS
 from voronec.audit.nodes import (
-    Bound,
     Call,
     Chain,
     Cross,
-    Derivative,
     Differential,
     Dot,
     Dots,
     Elementary,
-    Integral,
     Listing,
     Name,
     Node,
@@ -31,37 +30,17 @@ from voronec.audit.nodes import (
     Power,
     Product,
     Quotient,
-    Root,
     Sum,
     Variation,
 )
-from voronec.audit.tokens import Token, complain, tokenize
+from voronec.audit.scripts import scripts
+from voronec.audit.tokens import ACCENTS, ELEMENTARY, GREEK, Token, complain, tokenize
+from voronec.audit.vocabulary import Vocabulary
 
-__all__ = ["Vocabulary", "read", "read_name", "read_tokens"]
+__all__ = ["read", "read_name", "read_tokens"]
 
-ELEMENTARY = set("\\sin \\cos \\tan \\cot \\ln \\log \\exp \\sinh \\cosh \\tanh \\arcsin \\arccos".split())
-ACCENTS = set("\\tilde \\bar \\hat \\vec \\mathbf \\mathrm \\mathfrak \\mathcal \\mathbb \\boldsymbol".split())
-GREEK = set(
-    "\\alpha \\beta \\gamma \\delta \\epsilon \\varepsilon \\zeta \\eta \\theta \\vartheta \\iota"
-    " \\kappa \\lambda \\mu \\nu \\xi \\pi \\rho \\sigma \\tau \\phi \\varphi \\chi \\psi \\omega"
-    " \\Gamma \\Delta \\Theta \\Lambda \\Xi \\Pi \\Sigma \\Phi \\Psi \\Omega \\wp \\ell".split()
-)
 _CLOSERS = {")": "(", "]": "[", "}": "{"}
 _STOP = {")", "]", "}", ",", "+", "-", "\\quad", "\\qquad"} | RELATIONS
-
-
-@dataclass(frozen=True)
-class Vocabulary:
-    """What the reader must know beforehand about a paper's names.
-
-    ``functions``: heads that a parenthesis applies.  ``labelled``: heads whose superscript is a
-    label, not an exponent.  ``wide_sums``: a sum sign reaches to the end of its group, not only
-    over the next term.
-    """
-
-    functions: frozenset[str] = frozenset()
-    labelled: frozenset[str] = frozenset()
-    wide_sums: bool = False
 
 
 def read(source: str, vocabulary: Vocabulary | None = None) -> Chain:
@@ -71,18 +50,18 @@ def read(source: str, vocabulary: Vocabulary | None = None) -> Chain:
 
 def read_tokens(tokens: Sequence[Token], source: str, vocabulary: Vocabulary) -> Chain:
     """The tree of the formula that the given words of ``source`` make."""
-    return _Reader(list(tokens), source, vocabulary).formula()
+    return Reader(list(tokens), source, vocabulary).formula()
 
 
 def read_name(source: str) -> Node:
     """The tree of a single name, as dictionaries spell their keys; any superscript is a label."""
-    reader = _Reader(tokenize(source), source, Vocabulary(), all_labels=True)
+    reader = Reader(tokenize(source), source, Vocabulary(), all_labels=True)
     node = reader.factor()
     reader.expect_end()
     return node
 
 
-class _Reader:
+class Reader:
     """Recursive descent over the words; one method for each construct."""
 
     def __init__(
@@ -103,7 +82,9 @@ class _Reader:
 
     def take(self, wanted: str | None = None) -> Token:
         if self.position >= len(self.tokens):
-            self.fail(f"the formula ends where '{wanted}' is missing" if wanted else "it ends early")
+            self.fail(
+                f"the formula ends where '{wanted}' is missing" if wanted else "it ends early"
+            )
         token = self.tokens[self.position]
         if wanted is not None and token.text != wanted:
             self.fail(f"'{wanted}' is missing")
@@ -151,7 +132,8 @@ class _Reader:
         return 1 if first else None
 
     def term(self) -> Node:
-        start, factors = self.begin(), []
+        start = self.begin()
+        factors: list[Node] = []
         while True:
             text = self.peek()
             if text == "" or text in _STOP:
@@ -176,11 +158,11 @@ class _Reader:
 
     def factor(self) -> Node:
         start = self.begin()
-        node = self._scripts(self.atom(), start)
+        node = scripts(self, self.atom(), start)
         if self.peek() == "(" and self._applies(node):
             self.take()
             node = Call(node, self._list(")"), self.since(start))
-        return self._scripts(node, start) if self.peek() in ("^", "_", "'") else node
+        return scripts(self, node, start) if self.peek() in ("^", "_", "'") else node
 
     def _applies(self, node: Node) -> bool:
         if isinstance(node, Partial):
@@ -227,13 +209,13 @@ class _Reader:
             return Name(text, at=at)
         if text in ("(", "[", "{"):
             return self._group(token)
-        special = {
-            "\\frac": self._fraction,
-            "\\dfrac": self._fraction,
-            "\\tfrac": self._fraction,
-            "\\sqrt": self._root,
-            "\\sum": self._bound,
-            "\\int": self._integral,
+        special: dict[str, Callable[[Token], Node]] = {
+            "\\frac": partial(fraction, self),
+            "\\dfrac": partial(fraction, self),
+            "\\tfrac": partial(fraction, self),
+            "\\sqrt": partial(root, self),
+            "\\sum": partial(bound, self),
+            "\\int": partial(integral, self),
             "\\delta": self._variation,
             "\\partial": self._lone_partial,
         }
@@ -245,8 +227,7 @@ class _Reader:
             return self._elementary(token)
         if text in ACCENTS:
             return self._accented(token)
-        self.position -= 1
-        self.fail(f"'{text}' is not understood")
+        raise complain(self.source, token.start, f"'{text}' is not understood")
 
     def _starts_name(self) -> bool:
         following = self.peek()
@@ -261,7 +242,7 @@ class _Reader:
             self.fail("a comma between braces is not understood")
         return Listing(items, token.text, self.since(token.start))
 
-    def _braced(self) -> Node:
+    def argument(self) -> Node:
         """The argument of a command: a group in braces, or the next single word."""
         if self.peek() == "{":
             self.take()
@@ -283,17 +264,17 @@ class _Reader:
         power = None
         if self.peek() == "^":
             self.take()
-            power = self._braced()
+            power = self.argument()
         start = self.begin()
         if self.kind() == "number":
             argument = Product((self.factor(), self.factor()), self.since(start))
         else:
-            argument = self._scripts(self.atom(), start)
+            argument = scripts(self, self.atom(), start)
         node: Node = Elementary(token.text[1:], argument, self.since(token.start))
         return node if power is None else Power(node, power, self.since(token.start))
 
     def _accented(self, token: Token) -> Node:
-        inner = self._braced()
+        inner = self.argument()
         if isinstance(inner, Dot):  # \bar{\dot U}: a name of its own
             inner = Name(f"\\dot{{{inner.body.head}}}", inner.body.sub, inner.body.sup)
         if not isinstance(inner, Name):
@@ -302,7 +283,7 @@ class _Reader:
 
     def _dotted(self, token: Token) -> Node:
         order = len(token.text) - len("\\ot")
-        body = self._braced()
+        body = self.argument()
         return Dot(body, order, self.since(token.start))
 
     def _variation(self, token: Token) -> Node:
@@ -311,168 +292,6 @@ class _Reader:
     def _lone_partial(self, token: Token) -> Node:
         return Differential(self.factor(), "\\partial", self.since(token.start))
 
-    def _root(self, token: Token) -> Node:
-        index = None
-        if self.peek() == "[":
-            self.take()
-            index = self.sum()
-            self.take("]")
-        return Root(self._braced(), index, self.since(token.start))
-
-    def _integral(self, token: Token) -> Node:
-        lower, upper = self._limits()
-        return Integral(self.term(), lower, upper, self.since(token.start))
-
-    def _bound(self, token: Token) -> Node:
-        self.take("_")
-        self.take("{")
-        index = self.factor()
-        self.take("=")
-        lower = self.sum()
-        self.take("}")
-        self.take("^")
-        upper = self._braced()
-        if not isinstance(index, Name):
-            self.fail("a sum runs over an index")
-        body = self.sum() if self.vocabulary.wide_sums else self.term()
-        return Bound(index, lower, upper, body, self.since(token.start))
-
-    def _limits(self) -> tuple[Node | None, Node | None]:
-        lower = upper = None
-        while self.peek() in ("_", "^"):
-            if self.take().text == "_":
-                lower = self._script()
-            else:
-                upper = self._script()
-        return lower, upper
-
-    # -- fractions ------------------------------------------------------------------------
-
-    def _fraction(self, token: Token) -> Node:
-        derivative = self._partial_fraction(token) or self._total_fraction(token)
-        if derivative is not None:
-            return derivative
-        top = self._braced()
-        return Quotient(top, self._braced(), self.since(token.start))
-
-    def _partial_fraction(self, token: Token) -> Node | None:
-        r"""``\frac{\partial^2 f}{\partial x^2}``; the numerator may hold nothing but the sign."""
-        if (self.peek(), self.peek(1)) != ("{", "\\partial"):
-            return None
-        self.position += 2
-        if self.peek() == "^":
-            self.take()
-            self._braced()
-        body = None if self.peek() == "}" else self.term()
-        self.take("}")
-        self.take("{")
-        variables: list[Node] = []
-        while self.peek() == "\\partial":
-            self.take()
-            variables.extend(_repeated(self.factor()))
-        self.take("}")
-        if not variables:
-            self.fail("a partial derivative needs a variable")
-        return Partial(body, tuple(variables), self.since(token.start))
-
-    def _total_fraction(self, token: Token) -> Node | None:
-        r"""``\frac{d}{dt} f`` and ``\frac{dx}{dt}``."""
-        if (self.peek(), self.peek(1)) != ("{", "d") or not self._denominator_is_differential():
-            return None
-        self.position += 2
-        body = None if self.peek() == "}" else self.term()
-        self.take("}")
-        self.take("{")
-        self.take("d")
-        variable = self.factor()
-        self.take("}")
-        if body is None:
-            body = self.term()
-        return Derivative(body, variable, 1, self.since(token.start))
-
-    def _denominator_is_differential(self) -> bool:
-        depth = 0
-        for i in range(self.position, len(self.tokens)):
-            depth += (self.tokens[i].text == "{") - (self.tokens[i].text == "}")
-            if depth == 0:
-                words = [t.text for t in self.tokens[i + 1 : i + 3]]
-                return words == ["{", "d"]
-        return False
-
-    # -- scripts --------------------------------------------------------------------------
-
-    def _scripts(self, node: Node, start: int) -> Node:
-        primes, sub, sup, exponent = 0, (), (), None
-        while self.peek() in ("_", "^", "'", '"'):
-            mark = self.take().text
-            if mark in ("'", '"'):
-                primes += 1 if mark == "'" else 2
-            elif mark == "_":
-                sub = self._indices()
-            elif self._labels(node):
-                sup = self._indices()
-            else:
-                exponent = self._script()
-        if primes or sub or sup:
-            node = self._attach(node, primes, sub, sup, start)
-        return node if exponent is None else Power(node, exponent, self.since(start))
-
-    def _attach(
-        self, node: Node, primes: int, sub: tuple[Node, ...], sup: tuple[Node, ...], start: int
-    ) -> Node:
-        """Indices after an accent or a brace belong to the name inside."""
-        if isinstance(node, (Dot, Variation)):
-            inner = self._attach(node.body, primes, sub, sup, start)
-            return replace(node, body=inner, at=self.since(start))
-        if not isinstance(node, Name):
-            self.fail("an index must belong to a name")
-        head = node.head + "'" * primes
-        return Name(head, node.sub + sub, node.sup + sup, self.since(start))
-
-    def _labels(self, node: Node) -> bool:
-        """Whether the superscript ahead is a label: ``(\\nu)``, or what the vocabulary names."""
-        while isinstance(node, (Dot, Variation)):
-            node = node.body
-        if not isinstance(node, Name):
-            return False
-        if self.all_labels or node.head in self.vocabulary.labelled:
-            return True
-        return (self.peek(), self.peek(1)) == ("{", "(") and self._lone_parenthesis()
-
-    def _lone_parenthesis(self) -> bool:
-        texts = [self.peek(i) for i in range(5)]
-        return texts[3:5] == [")", "}"]
-
-    def _indices(self) -> tuple[Node, ...]:
-        """``i``, ``{\\nu i}``, ``{n+\\nu}``, ``{(\\nu)}``: indices side by side."""
-        if self.peek() != "{":
-            return (self._script(),)
-        self.take()
-        parenthesis = self.peek() == "("
-        if parenthesis:
-            self.take()
-        found: list[Node] = []
-        while self.peek() not in ("}", ")"):
-            if self.peek() == ",":
-                self.take()
-                continue
-            node = self.sum()
-            found.extend(node.factors if isinstance(node, Product) else (node,))
-        if parenthesis:
-            self.take(")")
-        self.take("}")
-        return tuple(found)
-
-    def _script(self) -> Node:
-        return self._braced()
-
 
 def _product(factors: list[Node], at: tuple[int, int]) -> Node:
     return factors[0] if len(factors) == 1 else Product(tuple(factors), at)
-
-
-def _repeated(variable: Node) -> list[Node]:
-    """``x^2`` in the denominator of a partial derivative is x twice."""
-    if isinstance(variable, Power) and isinstance(variable.exponent, Number):
-        return [variable.base] * int(variable.exponent.text)
-    return [variable]

@@ -14,9 +14,11 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.door import Door
 from voronec.algebra.symbols import time, velocity
 from voronec.audit.nodes import Dot, Name, Node, Number, Product, Sum, Variation
-from voronec.audit.reader import Vocabulary, read_name
+from voronec.audit.reader import read_name
+from voronec.audit.vocabulary import Vocabulary
 from voronec.errors import DefinitionError
 
 __all__ = ["Motion", "Study", "key_of", "spell"]
@@ -62,9 +64,18 @@ class Motion:
         value = self.restrict(value)
         if isinstance(value, sp.MatrixBase):
             return value.applyfunc(self.derivative)
-        moving = [x for x in self.rates if value.has(x)]
-        terms = [sp.diff(value, x) * self.rates[x] for x in moving]
-        return self.restrict(sp.Add(sp.diff(value, time), *terms))
+        inside = self.door.inward(value)
+        result = inside.diff(self.door.inward(time))
+        for symbol, rate in self.rates.items():
+            slope = inside.diff(self.door.inward(symbol))
+            if slope != 0:
+                result += slope * self.door.inward(rate)
+        return self.restrict(self.door.outward(result))
+
+    @cached_property
+    def door(self) -> Door:
+        """Calculus is done inside, on shared graphs."""
+        return Door(self.rates)
 
 
 @dataclass(frozen=True)
@@ -87,6 +98,12 @@ class Study:
         names that the paper itself defines, as trees; filled by the audit.
     given
         conditions in force: symbol -> expression.
+    in_velocities
+        quasi-velocity -> its value in coordinate velocities, for print.
+    context
+        whatever the functions of the paper's checks want to find here.
+    note
+        in words, how general the derived system is.
     """
 
     names: Mapping[str, Any]
@@ -97,6 +114,9 @@ class Study:
     functions: frozenset[str] = frozenset()
     defined: Mapping[str, Node] = field(default_factory=dict)
     given: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+    in_velocities: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+    context: Any = None
+    note: str = ""
 
     @cached_property
     def table(self) -> dict[str, Any]:
@@ -156,7 +176,9 @@ def spell(node: Node) -> str:
     if isinstance(node, Number):
         return node.text
     if isinstance(node, Name):
-        marks = "".join(f"_{spell(i)}" for i in node.sub) + "".join(f"^{spell(i)}" for i in node.sup)
+        marks = "".join(f"_{spell(i)}" for i in node.sub) + "".join(
+            f"^{spell(i)}" for i in node.sup
+        )
         return node.head + marks
     if isinstance(node, Sum):
         return "".join(("+" if s > 0 else "-") + spell(t) for s, t in node.terms)

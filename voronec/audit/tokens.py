@@ -7,7 +7,21 @@ from dataclasses import dataclass
 
 from voronec.errors import DefinitionError
 
-__all__ = ["Token", "complain", "tokenize"]
+__all__ = ["ACCENTS", "ELEMENTARY", "GREEK", "Token", "complain", "tokenize"]
+
+ELEMENTARY = frozenset(
+    r"\sin \cos \tan \cot \ln \log \exp \sinh \cosh \tanh \arcsin \arccos".split()
+)
+ACCENTS = frozenset(
+    r"\tilde \bar \hat \vec \mathbf \mathrm \mathfrak \mathcal \mathbb \boldsymbol".split()
+)
+GREEK = frozenset(
+    r"\alpha \beta \gamma \delta \epsilon \varepsilon \zeta \eta \theta \vartheta \iota \kappa"
+    r" \lambda \mu \nu \xi \pi \rho \sigma \tau \phi \varphi \chi \psi \omega \Gamma \Delta"
+    r" \Theta \Lambda \Xi \Pi \Sigma \Phi \Psi \Omega \wp \ell".split()
+)
+"""Commands that are letters by themselves."""
+
 
 _WORD = re.compile(
     r"(?P<space>\s+|%[^\n]*)|(?P<command>\\(?:[a-zA-Z]+\*?|.))|(?P<number>\d+(?:\.\d+)?)"
@@ -48,7 +62,9 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
     while position < end:
         match = _WORD.match(source, position, end)
         if match is None:
-            raise complain(source, position, f"the character '{source[position]}' is not understood")
+            raise complain(
+                source, position, f"the character '{source[position]}' is not understood"
+            )
         text, position = match.group(), match.end()
         kind = str(match.lastgroup)
         if kind == "space" or text in _SILENT:

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from voronec.audit.displays import Piece, Unit, split_display
-from voronec.audit.meaning import evaluate, free_indices
-from voronec.audit.nodes import Chain
+from voronec.audit.displays import Piece, Unit, script_ranges, split_display
+from voronec.audit.meaning import evaluate
+from voronec.audit.nodes import Chain, Node
 from voronec.audit.paper import Display, Section
-from voronec.audit.reader import Vocabulary, read_tokens
+from voronec.audit.reader import read_tokens
+from voronec.audit.structure import free_indices
 from voronec.audit.study import Study
+from voronec.audit.vocabulary import Vocabulary
 from voronec.errors import DefinitionError
 
-__all__ = ["Formula", "Transcript", "assignments"]
+__all__ = ["Formula", "Transcript", "assignments", "instance", "text_of"]
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,23 @@ class Transcript:
         values = assignments(chain, study)
         return [evaluate(left, study, w) - evaluate(right, study, w) for w in values]
 
+    def left(self, label: str, where: Mapping[str, int], study: Study) -> str:
+        """The left side of a labelled formula as printed, with values for its index letters."""
+        formula = self.labelled(label)
+        part = formula.tree(study.vocabulary).parts[0]
+        return instance(part, formula.unit.display, where)
+
+    def indices(self, study: Study) -> tuple[str, ...]:
+        """Every subscript that the section prints with an index letter in it, each once."""
+        found: dict[str, None] = {}
+        for formula in self.formulas():
+            words = formula.piece.tokens
+            for start, end in script_ranges(words):
+                if {w.text for w in words[start:end]} & set(study.indices):
+                    a, b = words[start].start, words[end - 1].end
+                    found.setdefault(formula.unit.display[a:b])
+        return tuple(found)
+
     def asides(self, vocabulary: Vocabulary) -> list[Chain]:
         """The defining formulas of the running text, parsed."""
         found = []
@@ -97,8 +117,21 @@ def source_of(piece: Piece, display: str) -> str:
 
 def _gap(gap: str) -> str:
     """What stands between two words, without alignment, line ends, labels and environments."""
-    import re
-
     gap = re.sub(r"\\label\s*\{[^}]*\}|\\nonumber|\\(?:begin|end)\{\w+\*?\}", "", gap)
     gap = re.sub(r"&|\\\\", "", gap)
     return re.sub(r"\s+", " ", gap)
+
+
+def text_of(part: Node, source: str) -> str:
+    """The source of a part of a formula."""
+    return " ".join(source[slice(*part.at)].replace("&", "").split())
+
+
+def instance(part: Node, source: str, where: Mapping[str, int]) -> str:
+    """The source of a part with its index letters replaced by values."""
+    text = text_of(part, source)
+    for letter, value in where.items():
+        ends = r"(?![a-zA-Z])" if letter.startswith("\\") else ""
+        begins = "" if letter.startswith("\\") else r"(?<![\\a-zA-Z])"
+        text = re.sub(begins + re.escape(letter) + ends + r"\s*", str(value), text)
+    return text

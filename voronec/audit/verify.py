@@ -4,36 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import sympy as sp
 
 from voronec.algebra.symbols import time
 from voronec.algebra.verdicts import Verdict, prove_equal
-from voronec.audit.meaning import (
-    definitions_in,
-    evaluate,
-    integrand,
-    names_constant,
-    whole_name,
-)
+from voronec.audit.meaning import evaluate
 from voronec.audit.nodes import Chain, Integral
 from voronec.audit.paper import Check
+from voronec.audit.structure import integrand, names_constant, new_names, whole_name
 from voronec.audit.study import Study
 from voronec.audit.transcript import assignments
 from voronec.errors import DefinitionError
 
-__all__ = ["Finding", "comparisons", "new_names", "verify"]
+__all__ = ["Finding", "comparisons", "verify"]
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two values that a formula claims to be equal, and for which indices."""
+    """Two values that a formula claims to be equal, and for which indices.
+
+    ``dots`` are the accelerations, for an equation that may bear a factor.
+    """
 
     left: Any
     right: Any
     where: dict[str, int]
     about: str = ""
+    dots: tuple[Any, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -64,11 +64,22 @@ def verify(chain: Chain, check: Check, study: Study) -> Finding:
 
 
 def _equal(comparison: Comparison, check: Check) -> Verdict:
-    verdict = prove_equal(comparison.left, comparison.right)
+    left, right = comparison.left, comparison.right
+    verdict = prove_equal(left, right)
     if verdict.proved or check.truth is None:
         return verdict
-    negative = prove_equal(-comparison.left, comparison.right)
-    return negative if negative.proved else verdict
+    if prove_equal(-left, right).proved or _proportional(left, right, comparison.dots):
+        return Verdict("proved", "zero in exact normal form")
+    return verdict
+
+
+def _proportional(left: Any, right: Any, dots: tuple[Any, ...]) -> bool:
+    """Whether two equations, linear in the accelerations, differ by a factor that is not zero."""
+    for dot in dots:
+        a, b = sp.diff(left, dot), sp.diff(right, dot)
+        if b != 0 and prove_equal(a, 0).refuted:
+            return prove_equal(left * b, right * a).proved
+    return False
 
 
 def comparisons(chain: Chain, check: Check, study: Study) -> Iterator[Comparison]:
@@ -94,18 +105,14 @@ def _identities(chain: Chain, study: Study, where: dict[str, int]) -> Iterator[C
     spoken = [p for p in chain.parts if not names_constant(p)]
     known = [p for p in spoken if whole_name(p, study) not in new]
     values = [_value(p, study, where) for p in known]
-    for left, right in zip(values, values[1:], strict=False):
+    for left, right in pairwise(values):
         yield from _componentwise(left, right, where)
     if len(spoken) < len(chain.parts):
+        if not values:
+            raise DefinitionError("nothing is said of the constant")
         rate = study.motion.along(study.motion.derivative(values[0]))
         rate = rate.xreplace(dict(study.given))
         yield from _componentwise(rate, rate * 0, where, "derivative along the motion")
-
-
-def new_names(chain: Chain, study: Study) -> set[str]:
-    """The names that this formula, and no earlier one, defines."""
-    found = definitions_in(chain, study)
-    return {key for key, node in found.items() if study.defined.get(key, node) == node}
 
 
 def _only_equalities(chain: Chain) -> None:
@@ -129,12 +136,16 @@ def _componentwise(
 def _equation(chain: Chain, check: Check, study: Study, where: dict[str, int]) -> Comparison:
     _only_equalities(chain)
     left, right = (_value(part, study, where) for part in chain.parts)
-    truth = check.truth(study, **_plain(where)) if check.truth else sp.Integer(0)
-    return Comparison(left - right, truth, where)
+    truth = check.truth(study, where) if check.truth else sp.Integer(0)
+    truth = truth.xreplace(dict(study.given))
+    about = "left side minus right side"
+    return Comparison(left - right, truth, where, about, accelerations(study))
 
 
-def _plain(where: dict[str, int]) -> dict[str, int]:
-    return {letter.lstrip("\\"): value for letter, value in where.items()}
+def accelerations(study: Study) -> tuple[Any, ...]:
+    """The symbols of accelerations: rates of velocities, which have no rate themselves."""
+    rates = study.motion.rates
+    return tuple(d for d in rates.values() if d.is_Symbol and d not in rates)
 
 
 def _stationary(
@@ -147,9 +158,11 @@ def _stationary(
     variable, body = integrand(integral)
     if evaluate(variable, study, where) != time:
         raise DefinitionError("the integral of a principle runs over the time")
-    value = sp.expand(study.motion.restrict(evaluate(body, study, where)))
-    free = [d for q, d in study.variations.items() if q in study.motion.rates and d.is_Symbol]
-    for position, variation in enumerate(x for x in free if x in study.motion.rates):
+    value = study.motion.restrict(evaluate(body, study, where))
+    free = [d for d in study.variations.values() if d in study.motion.rates]
+    for position, variation in enumerate(free):
         rate = study.motion.rates[variation]
         euler = sp.diff(value, variation) - study.motion.derivative(sp.diff(value, rate))
-        yield Comparison(euler, check.truth(study, i=position + 1), {**where, "i": position + 1})
+        number = {**where, "i": position + 1}
+        about = "coefficient of the variation"
+        yield Comparison(euler, check.truth(study, number), number, about, accelerations(study))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import sympy as sp
@@ -67,7 +67,7 @@ def uniform_field_energy(
 def _tensor(inertia: Any) -> sp.ImmutableMatrix:
     """The inertia tensor out of three principal moments, nested rows or a matrix."""
     if not isinstance(inertia, sp.MatrixBase):
-        rows = list(inertia)
+        rows = list(inertia) if isinstance(inertia, Iterable) else []
         square = all(isinstance(row, (list, tuple)) for row in rows)
         try:
             inertia = sp.Matrix(rows) if square else sp.diag(*rows)

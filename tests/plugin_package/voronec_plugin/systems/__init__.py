@@ -1,0 +1,1 @@
+"""A folder of systems, registered as a whole."""

@@ -1,0 +1,3 @@
+"""A system whose author made a mistake."""
+
+raise RuntimeError("this module\nfails")

@@ -1,0 +1,20 @@
+"""A system like those of the project."""
+
+import sympy as sp
+
+from voronec import Fibration, Parameter, Scene, System, velocity
+
+x, phi, m, R = sp.symbols("x phi m R")
+kinetic = m * (velocity(x) ** 2 + R**2 * velocity(phi) ** 2) / 2
+
+SYSTEM = System(
+    name="plugin-hoop",
+    title="A hoop on a line",
+    fibration=Fibration(base=(phi,), fibre=(x,)),
+    lagrangian=kinetic,
+    constraints=(velocity(x) - R * velocity(phi),),
+    parameters=(Parameter(m, 1), Parameter(R, 2)),
+    integrals={"energy": kinetic},
+    scenes={"default": Scene(initial={velocity(phi): 1})},
+    references=("Hoop2000",),
+)

@@ -1,0 +1,269 @@
+"""Equality has three answers, and none of them may ever be a guess."""
+
+from __future__ import annotations
+
+import itertools
+import time
+
+import mpmath as mp
+import pytest
+import sympy as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from voronec import DefinitionError, prove_equal
+
+x, y, z, a, b, k = sp.symbols("x y z a b k")
+f, g = sp.Function("f"), sp.Function("g")
+half, third = sp.Rational(1, 2), sp.Rational(1, 3)
+
+TRUE = {
+    "pythagoras": (sp.sin(x) ** 2 + sp.cos(x) ** 2, 1),
+    "addition": (sp.sin(x + y + z), sp.expand_trig(sp.sin(x + y + z))),
+    "half angle": (sp.sin(x), 2 * sp.tan(x / 2) / (1 + sp.tan(x / 2) ** 2)),
+    "shifted by a third of a turn": (
+        sp.sin(x + sp.pi / 3) + sp.sin(x - sp.pi / 3), sp.sin(x),
+    ),
+    "angles that only look different": (sp.sin((x + 1) ** 2), sp.sin(x**2 + 2 * x + 1)),
+    "secant": (sp.sec(x) ** 2 - sp.tan(x) ** 2, 1),
+    "cotangent": (sp.csc(x) ** 2, 1 + sp.cot(x) ** 2),
+    "hyperbolic": (sp.cosh(x) ** 2 - sp.sinh(x) ** 2, 1),
+    "double hyperbolic": (sp.cosh(2 * x), 2 * sp.cosh(x) ** 2 - 1),
+    "tanh": (1 - sp.tanh(x) ** 2, 1 / sp.cosh(x) ** 2),
+    "exponentials": (sp.exp(x + y / 2) * sp.exp(y / 2), sp.exp(x) * sp.exp(y)),
+    "a multiple of asinh": (
+        sp.cosh(k * sp.asinh(x)) ** 2 - sp.sinh(k * sp.asinh(x)) ** 2, 1,
+    ),
+    "rational denominator": (
+        1 / (sp.sqrt(x) + sp.sqrt(y)), (sp.sqrt(x) - sp.sqrt(y)) / (x - y),
+    ),
+    "cube root": (1 / (x**third - 1), (x ** (2 * third) + x**third + 1) / (x - 1)),
+    "nested radicals": (
+        1 / (sp.sqrt(1 + sp.sqrt(x)) + x),
+        (sp.sqrt(1 + sp.sqrt(x)) - x) / (1 + sp.sqrt(x) - x**2),
+    ),
+    "roots of equal things": (sp.sqrt(x**2 + 2 * x * y + y**2 + 1), sp.sqrt((x + y) ** 2 + 1)),
+    "root of a quotient": (sp.sqrt(x / y) / sp.sqrt(y / x), x / y),
+    "symbolic power": (x ** (k + 1) / (x**k + x ** (k + 1)), x / (1 + x)),
+    "derivative of a density": (
+        sp.diff((1 + x**2) ** (1 / (2 * k)), x) * (1 + x**2),
+        x / k * (1 + x**2) ** (1 / (2 * k)),
+    ),
+    "numbers": (sp.sqrt(6) / sp.sqrt(2) + 1 / sp.sqrt(3), 4 / sp.sqrt(3)),
+    "golden": (sp.cos(sp.pi / 5) - sp.cos(2 * sp.pi / 5), half),
+    "constants": (x * sp.pi * sp.E - sp.E * sp.pi * x * (sp.sin(y) ** 2 + sp.cos(y) ** 2), 0),
+    "decimals": (0.1 * x + 0.2 * x, 0.3 * x),
+    "leibniz": (sp.diff(f(x) * g(x), x), f(x) * g(x).diff(x) + f(x).diff(x) * g(x)),
+    "mixed derivatives": (g(x, y).diff(x, y) * sp.sin(x) ** 2,
+                          g(x, y).diff(y, x) * (1 - sp.cos(x) ** 2)),
+    "chain rule": (f(2 * x).diff(x), 2 * sp.Subs(f(y).diff(y), y, 2 * x)),
+    "function of a function": (
+        f(g(x)).diff(x), g(x).diff(x) * sp.Subs(f(y).diff(y), y, g(x)),
+    ),
+    "trigonometry of a function": (sp.sin(f(x)) ** 2 + sp.cos(f(x)) ** 2, 1),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("sides", TRUE.values(), ids=TRUE)
+def test_identities_are_proved(sides):
+    assert prove_equal(*sides).proved
+
+
+def separated(verdict, left, right):
+    """Whether the witness's values are the sides' values, recomputed, and differ."""
+    assert verdict.witness is not None and verdict.witness.left != verdict.witness.right
+    with mp.workdps(60):
+        names = {sp.Symbol(n): sp.Rational(v) for n, v in verdict.witness.point.items()}
+        values = [sp.N(sp.sympify(e).xreplace(names), 50) for e in (left, right)]
+        said = [sp.Float(v, 40) for v in (verdict.witness.left, verdict.witness.right)]
+        near = all(
+            abs(v - s) <= abs(v) * sp.Rational(1, 10**27) for v, s in zip(values, said, strict=True)
+        )
+        return near and values[0] != values[1]
+
+
+TRAPS = {
+    "root of a square": (sp.sqrt(x**2), x),
+    "root of a square of a difference": (sp.sqrt((x - y) ** 2), x - y),
+    "root of squares": (sp.sqrt(x**2 * y**2), x * y),
+    "root of a sine squared": (sp.sqrt(1 - sp.cos(x) ** 2), sp.sin(x)),
+    "fourth root": (((x - 5) ** 4) ** sp.Rational(1, 4), x - 5),
+    "absolute value": (sp.Abs(x), x),
+    "arcsine": (sp.asin(sp.sin(x)), x),
+    "arctangent": (sp.atan(sp.tan(x)), x),
+    "angle of a vector": (sp.atan2(y, x), sp.atan(y / x)),
+    "inverse of cosh": (sp.acosh(sp.cosh(x)), x),
+    "product of roots": (sp.sqrt(x * y) * sp.sqrt(x / y), x),
+    "root of minus": (sp.sqrt(-x), 0),
+}
+
+
+@pytest.mark.parametrize("sides", TRAPS.values(), ids=TRAPS)
+def test_branch_traps_are_refuted_by_values_that_differ(sides):
+    verdict = prove_equal(*sides)
+    assert verdict.refuted and separated(verdict, *sides)
+
+
+LATE_TRAPS = {
+    "right up to ten": (sp.sqrt((x - 50) ** 2), 50 - x),
+    "right near zero": (sp.sqrt(1 - sp.sin(x / 20) ** 2), sp.cos(x / 20)),
+    "cosine of a small angle": (sp.sqrt(sp.cos(x / 50) ** 2), sp.cos(x / 50)),
+    "two roots": (sp.sqrt((x - 50) ** 2) + sp.sqrt((x - 60) ** 2), 110 - 2 * x),
+    "one absolute value": (sp.Abs(x - 50), 50 - x),
+    "a small arcsine": (sp.asin(sp.sin(x / 100)), x / 100),
+    "logarithm of a product": (sp.log(x**2), 2 * sp.log(x) + sp.log(sp.Abs(x + 99)) * 0),
+}
+
+
+@pytest.mark.parametrize("sides", LATE_TRAPS.values(), ids=LATE_TRAPS)
+def test_what_fails_only_far_away_is_not_proved(sides):
+    assert not prove_equal(*sides).proved
+
+
+@pytest.mark.parametrize("p, q", itertools.permutations(sp.symbols("a b c d u w"), 2))
+def test_the_root_of_a_quotient_keeps_its_sign(p, q):
+    """sqrt(p/q) = sqrt(p q)/|q|, not sqrt(p q)/q: they differ where p and q are negative."""
+    for left, right in (
+        (z * sp.sqrt(p / q), z * sp.sqrt(p * q) / q),
+        (sp.sqrt(p / q) + z, sp.sqrt(p * q) / q + z),
+        (sp.sqrt((p + z) / q), sp.sqrt((p + z) * q) / q),
+    ):
+        verdict = prove_equal(left, right)
+        assert not verdict.proved
+        assert verdict.undecided or separated(verdict, left, right)
+
+
+def test_refuted_values_differ_in_print():
+    verdict = prove_equal(sp.sin(x) + sp.Rational(1, 10**50), sp.sin(x))
+    assert verdict.undecided or verdict.witness.left != verdict.witness.right
+
+
+NOT_REFUTABLE = {
+    "pythagoras inside": (f(sp.sin(x) ** 2 + sp.cos(x) ** 2), f(1)),
+    "square inside": (f((x + 1) ** 2), f(x**2 + 2 * x + 1)),
+    "double angle inside": (f(sp.sin(2 * x)), f(2 * sp.sin(x) * sp.cos(x))),
+    "nothing added": (f(x + y - y), f(x)),
+    "twice inside": (f(f((x + y) ** 2)), f(f(x**2 + 2 * x * y + y**2))),
+    "in a factor": (x * f(sp.sin(x) ** 2 + sp.cos(x) ** 2) + y, x * f(1) + y),
+    "derivatives": (f((x + 1) ** 2).diff(x), f(x**2 + 2 * x + 1).diff(x)),
+    "second place": (g(y, sp.cos(x) ** 2), g(y, 1 - sp.sin(x) ** 2)),
+    "roots inside": (f(sp.sqrt(x) * sp.sqrt(x + 1)), f(sp.sqrt(x**2 + x))),
+}
+
+
+@pytest.mark.parametrize("sides", NOT_REFUTABLE.values(), ids=NOT_REFUTABLE)
+def test_a_function_of_equal_things_is_never_refuted(sides):
+    assert not prove_equal(*sides).refuted
+
+
+@pytest.mark.parametrize("sides", [(f(x), f(y)), (f(x), g(x)), (f(x).diff(x), f(x)), (f(1), f(2))])
+def test_unknown_functions_are_arbitrary(sides):
+    verdict = prove_equal(*sides)
+    assert verdict.refuted and verdict.witness.left != verdict.witness.right
+
+
+def test_a_function_whose_arguments_agree_here_and_differ_there_is_not_proved():
+    assert not prove_equal(f(sp.sqrt(x**2)), f(x)).proved
+
+
+leaves = st.sampled_from([x, y, sp.Integer(2), sp.Rational(1, 3), sp.Integer(-1)])
+
+
+def grown(children):
+    pair = st.tuples(children, children)
+    return st.one_of(
+        pair.map(lambda p: p[0] + p[1]),
+        pair.map(lambda p: p[0] * p[1]),
+        children.map(sp.sin),
+        children.map(sp.cos),
+        children.map(lambda e: sp.sqrt(e**2 + 1)),
+        children.map(lambda e: sp.sqrt(e**2, evaluate=False)),
+        children.map(lambda e: 1 / (e**2 + 2)),
+        children.map(sp.sinh),
+        children.map(sp.Abs),
+    )
+
+
+terms = st.recursive(leaves, grown, max_leaves=5)
+
+
+@settings(max_examples=80, deadline=None)
+@given(terms, terms, st.integers(-40, 40), st.integers(-40, 40))
+def test_what_is_proved_holds_at_points_chosen_afterwards(left, right, p, q):
+    at = {x: sp.Rational(p, 7), y: sp.Rational(q, 11)}
+    for one, other in ((left, right), (left**2 - right**2, (left - right) * (left + right))):
+        verdict = prove_equal(one, other)
+        if verdict.proved:
+            values = [sp.N(sp.sympify(e).xreplace(at), 40) for e in (one, other)]
+            if all(v.is_real and v.is_finite for v in values):
+                assert abs(values[0] - values[1]) <= 1e-30 * (1 + abs(values[0]))
+        if verdict.refuted:
+            assert separated(verdict, one, other)
+
+
+@settings(max_examples=40, deadline=None)
+@given(terms, terms)
+def test_the_binomial_theorem_is_never_refuted(p, q):
+    assert not prove_equal((p + q) ** 2, p**2 + 2 * p * q + q**2).refuted
+
+
+CIRCLE = x**2 + y**2 - 1
+
+
+def test_relations_are_used():
+    assert prove_equal(x**4 - y**4, x**2 - y**2, (CIRCLE,)).proved
+    assert prove_equal(sp.sqrt(1 - y**2), sp.sqrt(x**2), (CIRCLE,)).proved
+    assert prove_equal(1 / (1 - x), (1 + x) / y**2, (CIRCLE,)).proved
+    refuted = prove_equal(x, 1, (CIRCLE,))
+    values = [sp.Rational(refuted.witness.point[n]) for n in "xy"]
+    assert refuted.refuted and abs(values[0] ** 2 + values[1] ** 2 - 1) < 1e-28
+
+
+def test_relations_that_touch_each_other_do_not_refute():
+    assert not prove_equal(x, 1, (CIRCLE, x - 1)).refuted
+    assert not prove_equal(x, y, ((x - y) ** 2,)).refuted
+
+
+@pytest.mark.parametrize("relations", [(x, x - 1), (x**2 + 1,), (sp.Integer(1),)])
+def test_relations_that_nothing_satisfies_have_no_witness(relations):
+    try:
+        assert not prove_equal(x, 5, relations).refuted
+    except DefinitionError as refusal:
+        assert "\n" not in str(refusal)
+
+
+SUM = sum(sp.symbols("a b c d e f"))
+ONE = sp.sin(x) ** 2 + sp.cos(x) ** 2
+HUGE = {
+    "argument of a sine": (sp.sin(SUM**22) ** 2 + sp.cos(SUM**22) ** 2, 1),
+    "many-fold angle": (sp.sin(10**7 * y) ** 2 + sp.cos(10**7 * y) ** 2, 1),
+    "high power": (y ** (10**7) + ONE, y ** (10**7) + 1),
+    "power of a sum": ((SUM + 1) ** 80 * ONE, (SUM + 1) ** 80),
+    "inverse": (ONE / (SUM**7 + sp.sin(y) ** 7 + 1), 1 / (SUM**7 + sp.sin(y) ** 7 + 1)),
+}
+
+
+@pytest.mark.parametrize("sides", HUGE.values(), ids=HUGE)
+def test_huge_input_is_answered_in_bounded_time(sides):
+    start = time.perf_counter()
+    assert not prove_equal(*sides).refuted
+    assert time.perf_counter() - start < 10
+
+
+def test_deep_input_is_answered():
+    deep = x
+    for _ in range(100):
+        deep = sp.sin(deep + 1)
+    assert prove_equal(deep * ONE, deep).proved
+
+
+@pytest.mark.parametrize("bad", ["x(", None, sp.eye(2), sp.nan, sp.oo, sp.Max(x, y), sp.true])
+def test_what_is_no_expression_is_refused_in_one_line(bad):
+    with pytest.raises(DefinitionError) as caught:
+        prove_equal(bad, x)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_verdict_is_not_a_truth_value():
+    with pytest.raises(TypeError, match="three values"):
+        bool(prove_equal(x, x))

@@ -1,0 +1,188 @@
+"""Verdicts: what is true is proved, what is false is refuted and mended, and nothing in between."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import pytest
+import sympy as sp
+
+from voronec import DefinitionError, velocity
+from voronec.audit import Check, Convention, Display, Motion, Paper, Section, Study, audit_paper
+
+x, y, w, m, c = sp.symbols("x y w m c")
+X = {i: sp.Symbol(f"x{i}") for i in (1, 2)}
+
+
+def oscillator() -> Study:
+    """m xddot + c x = 0, with w = xdot."""
+    return Study(
+        {
+            "x": x,
+            "y": y,
+            "m": m,
+            "c": c,
+            "w": w,
+            "t": sp.Symbol("t"),
+            "E": m * w**2 / 2 + c * x**2 / 2,
+            "g_{ij}": lambda i, j: X[i] * X[j] ** 2,
+            "X_{i}": lambda i: X[i],
+        },
+        indices={"i": 2, "j": 2},
+        motion=Motion(
+            rates={x: w, w: velocity(w)},
+            constrained={velocity(x): w},
+            accelerations={velocity(w): -c * x / m},
+        ),
+    )
+
+
+def audit(*displays: Display, study: Study | None = None, asides: tuple[str, ...] = ()):
+    section = Section("s", displays, lambda _: {"only": study or oscillator()}, asides=asides)
+    return audit_paper(Paper("p", "A paper", (section,))).records
+
+
+def one(latex: str, check: Check | None = None, **options):
+    (record,) = audit(Display(f"${latex}$", (check or Check(),)), **options)
+    (formula,) = record.formulas
+    return formula
+
+
+def test_an_identity_is_proved():
+    assert one("x^2-y^2=(x-y)(x+y)").verdict == "proved"
+    assert one(r"\sin^2x+\cos^2x=1").verdict == "proved"
+
+
+def test_every_link_of_a_chain_counts():
+    assert one("x+x=2x=x+x").verdict == "proved"
+    assert one("x+x=2x=3x").verdict == "misprint"
+    assert one("x+x=3x=3x").verdict == "misprint"
+
+
+@pytest.mark.parametrize(
+    ("printed", "correction"),
+    [
+        ("(x+y)^2=x^2-2xy+y^2", "(x-y)^2=x^2-2xy+y^2"),
+        ("x^2-y^2=(x-y)(x-y)", "x^2-y^2=(x+y)(x-y)"),
+        (r"\sin 2x=2\sin x\sin x", r"\sin 2x=2\cos x\sin x"),
+        ("x^3y=xxyy", "x^2y^2=xxyy"),
+        ("g_{ij}=X_iX_j^2+0", None),
+        ("g_{ij}=X_jX_j^2", "g_{ij}=X_iX_j^2"),
+    ],
+)
+def test_a_misprint_is_mended_by_one_change_that_is_proved(printed, correction):
+    formula = one(printed)
+    if correction is None:
+        assert formula.verdict == "proved"
+        return
+    assert formula.verdict == "misprint"
+    assert one(formula.correction).verdict == "proved"
+    (a, b), (start, end) = formula.struck[0], formula.changes[0]
+    mended = formula.printed[:a] + formula.correction[start:end] + formula.printed[b:]
+    assert mended == formula.correction
+
+
+def test_a_misprint_has_a_witness_at_which_the_sides_differ():
+    formula = one("g_{ij}=X_jX_j^2")
+    witness = formula.witness
+    assert witness["printed"] != witness["derived"]
+    assert witness["indices"] == {"i": 1, "j": 2}
+    point = {sp.Symbol(name): sp.Rational(text) for name, text in witness["point"].items()}
+    left = (X[1] * X[2] ** 2).subs(point)
+    right = (X[2] ** 3).subs(point)
+    assert abs(left - sp.Float(witness["printed"], 30)) < 10**-28
+    assert abs(right - sp.Float(witness["derived"], 30)) < 10**-28
+
+
+def test_a_claimed_constant_is_differentiated_along_the_motion():
+    assert one("E=const").verdict == "proved"
+    assert one("x=const").verdict == "misprint"
+    doubled = replace(oscillator(), names={**oscillator().names, "E": m * w**2 + c * x**2 / 2})
+    assert one("E=const", study=doubled).verdict == "misprint"
+
+
+def test_an_equation_of_motion_is_compared_with_the_derived_one():
+    def truth(study: Study, where: Mapping[str, int]) -> sp.Expr:
+        return m * velocity(w) + c * x
+
+    check = Check(truth=truth)
+    assert one(r"m\dot w=-cx", check).verdict == "proved"
+    assert one(r"-cx-m\dot w=0", check).verdict == "proved"
+    assert one(r"2mx\dot w=-2cx^2", check).verdict == "proved", "a factor makes no difference"
+    assert one(r"0\cdot\dot w=0", check).verdict == "misprint"
+    wrong = one(r"m\dot w=cx", check)
+    assert wrong.verdict == "misprint"
+    assert one(wrong.correction, check).verdict == "proved"
+    assert r"m \dot{w}" in one(r"m\dot w=-cx", check).derived
+
+
+def test_a_name_that_the_paper_defines_is_a_definition_and_its_uses_are_named():
+    first, second = audit(Display("$D=x+y$"), Display("$D^2=x^2+2xy+y^2$"))
+    assert (first.verdict, second.verdict) == ("definition", "proved")
+    assert "consistent with its uses in display 2" in first.formulas[0].method
+
+
+def test_an_aside_defines_names_without_a_record():
+    assert one("D^2=x^2+2xy+y^2", asides=("$D=x+y$",)).verdict == "proved"
+
+
+def test_a_definition_that_the_dictionary_contradicts_is_a_misprint():
+    definition = Check("definition")
+    assert one(r"E=\frac12mw^2+\frac12cx^2", definition).verdict == "definition"
+    assert one(r"E=\frac12mw^2-\frac12cx^2", definition).verdict == "misprint"
+
+
+def test_a_condition_is_in_force_only_where_it_is_given():
+    condition = Display(r"\begin{equation}\label{cond} m=2c\end{equation}", (Check("condition"),))
+    given, without = Check(given=("cond",)), Check()
+    first, second = audit(condition, Display("$mx=2cx$", (given,)))
+    assert (first.verdict, second.verdict) == ("definition", "proved")
+    assert audit(condition, Display("$mx=2cx$", (without,)))[1].verdict == "misprint"
+
+
+def test_another_convention_is_told_from_a_misprint():
+    convention = Convention("x is taken with the opposite sign", "eq", {"x": -x})
+    formula = one(r"xy+xy=-2yx+4xy+y-y-x-x+2x+0\cdot x-xy-xy+xy+xy", Check(convention=convention))
+    assert formula.verdict == "proved"
+    formula = one(
+        "w+F=w-x",
+        Check(convention=convention),
+        study=replace(oscillator(), names={**oscillator().names, "F": x}),
+    )
+    assert formula.verdict == "convention"
+    assert "against (eq)" in formula.method
+
+
+def test_what_cannot_be_read_or_decided_is_undecided_and_says_why():
+    assert "'z' is not in the dictionary" in one("x+z=y").method
+    assert one("x+z=y").verdict == "undecided"
+    assert one("x<y").verdict == "undecided"
+    assert r"'\heartsuit' is not understood" in one(r"x+\heartsuit=y").method
+    assert one(r"x+\heartsuit=y").verdict == "undecided"
+
+
+def test_a_display_takes_the_worst_of_its_formulas():
+    (record,) = audit(Display(r"\[ x+x=2x, \quad x+x=3x, \quad D=x \]"))
+    assert [f.verdict for f in record.formulas] == ["proved", "misprint", "definition"]
+    assert record.verdict == "misprint"
+    assert record.decisive is record.formulas[1]
+
+
+def test_a_loose_index_is_named():
+    formula = one(r"\sum_{i=1}^2X_i=X_i+X_j-X_j+0")
+    assert formula.verdict == "misprint"
+    assert "nothing binds the index i" in formula.method
+
+
+def test_a_list_of_arguments_must_name_what_the_function_depends_on():
+    assert one("E(x,w)=E(w,x)").verdict == "proved"
+    formula = one("E(x,t)=E")
+    assert formula.verdict == "undecided"
+    assert "'E' depends on 'w'" in formula.method
+
+
+def test_a_check_must_ask_for_something_that_exists():
+    with pytest.raises(DefinitionError, match="the role 'axiom'"):
+        Check("axiom")
+    assert "the study 'other', which is not defined" in one("x=x", Check(study="other")).method

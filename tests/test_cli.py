@@ -1,0 +1,393 @@
+"""The command line as a user calls it."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+import voronec as vo
+from voronec.cli import main
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a command said."""
+
+    status: int
+    out: str
+    err: str
+
+
+Call = Callable[..., Answer]
+
+
+@pytest.fixture
+def call(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Call:
+    """Call ``voronec`` with words, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def command(*words: str) -> Answer:
+        capsys.readouterr()
+        try:
+            status = main(words)
+        except SystemExit as end:  # argparse
+            status = int(str(end.code))
+        said = capsys.readouterr()
+        return Answer(status, said.out, said.err)
+
+    return command
+
+
+def refused(answer: Answer) -> str:
+    """The one line of a refusal."""
+    assert answer.status == 2
+    assert answer.out == ""
+    assert "Traceback" not in answer.err
+    (line,) = answer.err.splitlines()
+    assert line.startswith("voronec")
+    assert not [p for p in Path().iterdir() if p.suffix != ".py"], "something was written"
+    return line
+
+
+# -- the whole ---------------------------------------------------------------------------------
+
+
+def test_help_is_quick_and_loads_nothing_heavy(tmp_path: Path) -> None:
+    code = (
+        "import sys\nfrom voronec.cli import main\n"
+        "try:\n    main(['--help'])\n"
+        "except SystemExit:\n    pass\n"
+        "heavy = {'sympy', 'numpy', 'symengine', 'flint', 'matplotlib'} & set(sys.modules)\n"
+        "assert not heavy, heavy\n"
+    )
+    seconds = []
+    for _ in range(3):
+        start = time.perf_counter()
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+        )
+        seconds.append(time.perf_counter() - start)
+    assert "regenerate" in done.stdout
+    assert min(seconds) < 0.3
+
+
+@pytest.mark.parametrize(
+    "words", ["list", "show sleigh", "derive sleigh", "run sleigh", "new sled", "cite sleigh"]
+)
+def test_every_command_speaks_json(call: Call, words: str) -> None:
+    answer = call(*words.split(), "--json")
+    assert answer.status == 0
+    assert answer.err == ""
+    assert json.loads(answer.out)
+
+
+def test_without_a_command_the_help_is_shown(call: Call) -> None:
+    assert "usage: voronec" in call().out
+
+
+@pytest.mark.parametrize(
+    "words", ["frobnicate", "derive", "derive sleigh --frob", "derive sleigh --c --latex",
+              "run sleigh --method euler", "list sleigh"]
+)  # fmt: skip
+def test_a_wrong_command_line_is_refused_in_one_line(call: Call, words: str) -> None:
+    assert "--help" in refused(call(*words.split()))
+
+
+def test_stopped_by_hand_it_ends_quietly(call: Call) -> None:
+    Path("slow.py").write_text("raise KeyboardInterrupt\n")
+    answer = call("derive", "slow.py")
+    assert (answer.status, answer.out, answer.err) == (130, "", "voronec: stopped\n")
+
+
+def test_a_reader_that_leaves_early_is_no_error() -> None:
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [sys.executable, "-m", "voronec", "show", "bicycle"],
+        stdout=write, stderr=subprocess.PIPE, check=False,
+    )  # fmt: skip
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+# -- list, show, cite --------------------------------------------------------------------------
+
+
+def test_list_tells_names_titles_and_claims(call: Call) -> None:
+    lines = call("list").out.splitlines()
+    (sleigh,) = (line for line in lines if line.startswith("sleigh "))
+    assert sleigh.split("  ", 1)[1].split() == ["Chaplygin", "sleigh", "1", "claim"]
+    assert [line.split()[0] for line in lines] == vo.names()
+    assert call("list", "--names").out.split() == vo.names()
+
+
+def test_show_tells_the_whole_declaration(call: Call) -> None:
+    out = call("show", "sleigh").out
+    for word in ("Chaplygin sleigh", "v = xdot*cos(phi) + ydot*sin(phi)", "constraint 1", "energy",
+                 "positive", "v = -1", "Chaplygin1911"):  # fmt: skip
+        assert word in out
+    data = json.loads(call("show", "sleigh", "--json").out)
+    assert data["base"] == ["x", "phi"]
+    assert data["parameters"][2]["value"] == "3/10"
+
+
+def test_show_names_dynamicsymbols_as_it_names_symbols(call: Call) -> None:
+    Path("moving.py").write_text(
+        "import sympy as sp\nimport voronec as vo\n"
+        "from sympy.physics.mechanics import dynamicsymbols\n"
+        "x = dynamicsymbols('x')\n"
+        "SYSTEM = vo.System(name='moving', fibration=vo.Fibration(base=(x,)),\n"
+        "                   lagrangian=vo.velocity(x)**2/2 - x**2/2)\n"
+    )
+    out = call("show", "moving.py").out
+    assert "xdot^2/2" in out
+    assert "x(t)" not in out
+    assert "dxdot/dt  = -x" in call("derive", "moving.py").out
+
+
+def test_cite_prints_bibtex_in_the_order_of_the_system(call: Call) -> None:
+    out = call("cite", "sleigh").out
+    assert out.startswith("@article{Chaplygin1911,")
+    assert out.index("Chaplygin1911") < out.index("Caratheodory1933")
+    entries = json.loads(call("cite", "sleigh", "--json").out)
+    assert [e["key"] for e in entries] == list(vo.load("sleigh").references)
+
+
+@pytest.mark.parametrize("name", vo.names())
+def test_every_reference_of_a_system_has_its_entry(call: Call, name: str) -> None:
+    answer = call("cite", name)
+    assert answer.status == 0
+    assert answer.out.count("\n@") == len(vo.load(name).references) - 1
+
+
+# -- derive ------------------------------------------------------------------------------------
+
+
+def test_derive_tells_kind_growth_equations_and_curvature(call: Call) -> None:
+    lines = call("derive", "sleigh").out.splitlines()
+    for line in (
+        "kind                    chaplygin",
+        "growth vector           (2, 3)",
+        "integrable constraints  none of 1",
+        "  dx/dt    = v*cos(phi)",
+        "  m*dv/dt            = a*m*w^2",
+        "  (J + a^2*m)*dw/dt  = -a*m*v*w",
+        "  A^y[x, phi]  = cos(phi)^(-2)",
+    ):
+        assert line in lines
+
+
+def test_derive_emits_source(call: Call) -> None:
+    assert "\\begin{aligned}" in call("derive", "sleigh", "--latex").out
+    assert "void rhs(" in call("derive", "sleigh", "--c").out
+    python = call("derive", "sleigh", "--python").out
+    compile(python, "emitted", "exec")
+    assert json.loads(call("derive", "sleigh", "--c", "--json").out)["c"].count("rhs(") == 1
+
+
+def test_derive_as_json_is_what_the_equations_hold(call: Call) -> None:
+    data = json.loads(call("derive", "vertical-disc", "--json").out)
+    assert data["kind"] == "chaplygin"
+    assert data["mass"] == [["B + R**2*m", "0"], ["0", "C"]]
+
+
+def test_equations_too_wide_for_the_terminal_are_told_entry_by_entry(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "30")
+    lines = call("derive", "sleigh").out.splitlines()
+    assert "  mass[2, 2]  = J + a^2*m" in lines
+    assert "  force[2]    = -a*m*v*w" in lines
+
+
+# -- run ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_run_writes_the_motion_and_tells_the_drift(call: Call, method: str) -> None:
+    if method == "heyoka":
+        pytest.importorskip("heyoka")
+    answer = call("run", "sleigh", "--method", method, "--times", "0:5:11", "--out", "made")
+    assert (answer.status, answer.err) == (0, "")
+    (drift,) = (line for line in answer.out.splitlines() if line.startswith("drift of  energy"))
+    assert float(drift.split()[-1]) < 1e-10
+    assert sorted(p.name for p in Path("made").iterdir()) == ["plot.svg", "trajectory.csv"]
+    with open("made/trajectory.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == ["t", "x", "y", "phi", "v", "w"]
+    assert [float(r["t"]) for r in rows] == [i / 2 for i in range(11)]
+    assert "<svg" in Path("made/plot.svg").read_text()
+
+
+def test_run_twice_writes_the_same_and_keeps_what_else_is_there(call: Call) -> None:
+    call("run", "sleigh")
+    first = {p.name: p.read_bytes() for p in Path("sleigh-run").iterdir()}
+    Path("sleigh-run/notes.txt").write_text("mine")
+    call("run", "sleigh")
+    second = {p.name: p.read_bytes() for p in Path("sleigh-run").iterdir()}
+    assert second == first | {"notes.txt": b"mine"}
+
+
+def test_run_takes_parameters_initial_values_and_scenes(call: Call) -> None:
+    words = ("--set", "R=1/2", "--set", "phidot=0.25", "--json", "--times", "2")
+    data = json.loads(call("run", "vertical-disc", "--scene", "straight", *words).out)
+    assert data["parameters"]["R"] == 0.5
+    assert data["times"] == [0, 2]
+    with open("vertical-disc-run/trajectory.csv", newline="") as file:
+        last = list(csv.DictReader(file))[-1]
+    assert float(last["phi"]) == pytest.approx(0.5)
+    assert float(last["theta"]) == pytest.approx(2)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("--set mm=2", "'mm'; did you mean 'm'"),
+        ("--set m", "give NAME=VALUE"),
+        ("--set m=two", "'two' is not a number"),
+        ("--set m=__import__('os')", "is not a number"),
+        ("--set m=-1", "'m' = -1 must be positive"),
+        ("--set m=nan", "'nan' is not a number"),
+        ("--scene lost", "'lost'"),
+        ("--times 0:1:1", "2 or more"),
+        ("--times a:b", "'a' is not a number"),
+        ("--times 1:1", "the same"),
+        ("--times 1:2:3:4", "START"),
+        ("--tol 0", "--tol 0"),
+        ("--tol 2", "--tol 2"),
+    ],
+)
+def test_run_refuses_what_makes_no_sense(call: Call, words: str, told: str) -> None:
+    assert told in refused(call("run", "sleigh", *words.split()))
+
+
+def test_run_never_writes_over_a_file(call: Call) -> None:
+    Path("taken.py").write_text("mine")
+    assert "'taken.py' is a file" in refused(call("run", "sleigh", "--out", "taken.py"))
+    assert Path("taken.py").read_text() == "mine"
+    assert "cannot be written" in refused(call("run", "sleigh", "--out", "taken.py/inner"))
+
+
+def test_a_drawing_that_fails_leaves_nothing_behind(call: Call) -> None:
+    call("new", "sled")
+    text = Path("sled.py").read_text().replace("title=", "drawing=lambda t: 1 / 0, title=")
+    Path("sled.py").write_text(text)
+    assert "the drawing of system 'sled' failed: sled.py, line" in refused(call("run", "sled.py"))
+
+
+# -- new ---------------------------------------------------------------------------------------
+
+
+def test_new_writes_a_file_that_derives_and_runs(call: Call) -> None:
+    assert call("new", "my-sled").status == 0
+    assert "J*dw/dt  = 0" in call("derive", "my_sled.py").out
+    assert "drift of  energy" in call("run", "my_sled.py").out
+    assert Path("my-sled-run/trajectory.csv").is_file()
+
+
+def test_new_never_writes_over_a_file(call: Call) -> None:
+    Path("sled.py").write_text("mine")
+    assert "'sled.py' exists" in refused(call("new", "sled"))
+    assert Path("sled.py").read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["My", "1st", "a_b", "../a", "a--b", "a-", "", "a b", "ä"])
+def test_new_refuses_names_that_no_system_may_have(call: Call, name: str) -> None:
+    assert "is no name for a system" in refused(call("new", name))
+
+
+# -- bad input ---------------------------------------------------------------------------------
+
+PREAMBLE = """\
+import sympy as sp
+import voronec as vo
+
+x, y, z, p, m, q = sp.symbols("x y z p m q")
+X, Y, Z, P = map(vo.velocity, (x, y, z, p))
+F = vo.Fibration
+plane = m * (X**2 + Y**2 + P**2) / 2
+free = plane + m * Z**2 / 2
+
+SYSTEM = vo.System(
+    name="bad",
+"""
+BAD = {
+    "not affine": ("fibration=F((x, p), (y,)), lagrangian=plane, parameters=(m,), "
+                   "constraints=(X**2 - Y*P,)", "constraint 1 (.*) is not affine"),
+    "dependent": ("fibration=F((x, p), (y, z)), lagrangian=free, parameters=(m,), "
+                  "constraints=(Y - X, 2*X - 2*Y)", "constraint 2 follows from the others"),
+    "contradictory": ("fibration=F((x, p), (y, z)), lagrangian=free, parameters=(m,), "
+                      "constraints=(Y - X, Y - X - 1)", "contradict each other"),
+    "not transverse": ("fibration=F((x, y), (p,)), lagrangian=plane, parameters=(m,), "
+                       "constraints=(X*sp.sin(p) - Y*sp.cos(p),)",
+                       r"undetermined: p\); a split that works: base=\(y, p\), fibre=\(x\)|"
+                       r"undetermined: p\); a split that works: base=\(x, p\), fibre=\(y\)"),
+    "unknown symbol": ("fibration=F((x,)), lagrangian=m*X**2/2, parameters=(m,), "
+                       "forces={q: 1}", "a force is given for 'q', which is not a coordinate"),
+    "repeated symbol": ("fibration=F((x, p), (x,)), lagrangian=m*X**2/2, parameters=(m,)",
+                        "coordinate 'x' is listed twice"),
+    "name used twice": ("fibration=F((x,)), lagrangian=m*X**2/2, parameters=(m, x)",
+                        "'x' is used twice"),
+    "singular mass": ("fibration=F((x, p)), lagrangian=m*X**2/2, parameters=(m,)",
+                      "the mass matrix is singular"),
+    "stray symbol": ("fibration=F((x,)), lagrangian=m*X**2/2 - q*x, parameters=(m,)",
+                     "the Lagrangian contains 'q'"),
+    "stray symbol in a constraint": (
+        "fibration=F((x, p), (y,)), lagrangian=plane, parameters=(m,), "
+        "constraints=(Y - q*X,)", "constraint 1 contains 'q'"),
+    "too few constraints": ("fibration=F((x, p), (y,)), lagrangian=plane, "
+                            "parameters=(m,)", "1 fibre coordinates but only 0"),
+    "no such argument": ("fibraton=F((x,)), lagrangian=m*X**2/2", "TypeError.*'fibraton'"),
+    "not a parameter": ("fibration=F((x,)), lagrangian=X**2/2, parameters=(2,)", "'2'"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_definitions_are_refused_in_one_line(call: Call, case: str) -> None:
+    text, told = BAD[case]
+    Path("bad.py").write_text(f"{PREAMBLE}    {text},\n)\n")
+    for command in ("derive", "run"):
+        line = refused(call(command, "bad.py"))
+        assert re.search(told, line), line
+
+
+def test_a_file_that_does_not_parse_is_told_with_its_line(call: Call) -> None:
+    Path("bad.py").write_text("x = 1\nSYSTEM = (\n")
+    assert "bad.py, line 2" in refused(call("derive", "bad.py"))
+    assert "there is no file 'none.py'" in refused(call("derive", "none.py"))
+
+
+def test_an_unknown_system_is_answered_with_the_nearest(call: Call) -> None:
+    for command in ("show", "derive", "run", "cite"):
+        assert "did you mean 'sleigh'?" in refused(call(command, "slegh"))
+    assert "did you mean 'demchenko'?" in refused(call("regenerate", "demchenco"))
+
+
+def test_a_file_called_without_its_ending_is_recognised(call: Call) -> None:
+    call("new", "sled")
+    assert "'sled.py'" in refused(call("derive", "sled"))
+
+
+# -- regenerate --------------------------------------------------------------------------------
+
+
+def test_regenerate_writes_the_report_or_nothing(call: Call) -> None:
+    Path("taken.py").write_text("mine")
+    assert "'taken.py' is a file" in refused(call("regenerate", "demchenko", "--out", "taken.py"))
+    answer = call("regenerate", "demchenko", "--out", "report", "--json")
+    assert answer.status in (0, 1)
+    assert json.loads(answer.out) == json.loads(Path("report/report.json").read_text())
+    assert "<html" in Path("report/report.html").read_text()
+    assert Path("report/report.tex").is_file()

@@ -1,0 +1,40 @@
+"""Who may import whom: the contracts of pyproject.toml hold, and would notice a breach."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+LINT = "from importlinter.cli import lint_imports_command as run; run()"
+
+
+def lint(folder: Path) -> subprocess.CompletedProcess[str]:
+    words = [sys.executable, "-c", LINT, "--config", "pyproject.toml", "--no-cache"]
+    return subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
+
+
+def test_lower_layers_never_import_upper_ones() -> None:
+    answer = lint(ROOT)
+    assert answer.returncode == 0, answer.stdout
+
+
+def test_a_breach_is_noticed(tmp_path: Path) -> None:
+    skip = shutil.ignore_patterns("__pycache__")
+    for folder in ("voronec", "systems"):
+        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=skip)
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    breaches = {
+        "voronec/geometry.py": "import voronec.equations",
+        "voronec/multipliers/linear.py": "import voronec.connection",
+        "systems/sleigh.py": "import voronec.equations\nimport systems.bicycle",
+        "voronec/catalogue.py": "import systems.sleigh",
+    }
+    for path, line in breaches.items():
+        with (tmp_path / path).open("a") as file:
+            file.write(line + "\n")
+    answer = lint(tmp_path)
+    assert answer.returncode == 1
+    assert "Contracts: 0 kept, 6 broken." in answer.stdout

@@ -1,0 +1,86 @@
+"""Subscripts, superscripts and primes: indices, labels and exponents."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from voronec.audit.nodes import Dot, Name, Node, Power, Product, Variation
+
+if TYPE_CHECKING:
+    from voronec.audit.reader import Reader
+
+__all__ = ["scripts"]
+
+
+def scripts(reader: Reader, node: Node, start: int) -> Node:
+    """Read what stands below and above ``node``, in any order; ``start`` is where it begins."""
+    primes, sub, sup, exponent = 0, (), (), None
+    while reader.peek() in ("_", "^", "'", '"'):
+        mark = reader.take().text
+        if mark in ("'", '"'):
+            primes += 1 if mark == "'" else 2
+        elif mark == "_":
+            sub = _indices(reader)
+        elif _labels(reader, node):
+            sup = _indices(reader)
+        else:
+            exponent = reader.argument()
+    if primes or sub or sup:
+        node = _attach(reader, node, primes, sub, sup, start)
+    return node if exponent is None else Power(node, exponent, reader.since(start))
+
+
+def _attach(
+    reader: Reader,
+    node: Node,
+    primes: int,
+    sub: tuple[Node, ...],
+    sup: tuple[Node, ...],
+    start: int,
+) -> Node:
+    """Indices after an accent or a brace belong to the name inside."""
+    if isinstance(node, (Dot, Variation)):
+        inner = _attach(reader, node.body, primes, sub, sup, start)
+        return replace(node, body=inner, at=reader.since(start))
+    if not isinstance(node, Name):
+        reader.fail("an index must belong to a name")
+    head = node.head + "'" * primes
+    return Name(head, node.sub + sub, node.sup + sup, reader.since(start))
+
+
+def _labels(reader: Reader, node: Node) -> bool:
+    """Whether the superscript ahead is a label: ``(\\nu)``, or what the vocabulary names."""
+    while isinstance(node, (Dot, Variation)):
+        node = node.body
+    if not isinstance(node, Name):
+        return False
+    if reader.all_labels or node.head in reader.vocabulary.labelled:
+        return True
+    return (reader.peek(), reader.peek(1)) == ("{", "(") and _lone_parenthesis(reader)
+
+
+def _lone_parenthesis(reader: Reader) -> bool:
+    texts = [reader.peek(i) for i in range(5)]
+    return texts[3:5] == [")", "}"]
+
+
+def _indices(reader: Reader) -> tuple[Node, ...]:
+    """``i``, ``{\\nu i}``, ``{n+\\nu}``, ``{(\\nu)}``: indices side by side."""
+    if reader.peek() != "{":
+        return (reader.argument(),)
+    reader.take()
+    parenthesis = reader.peek() == "("
+    if parenthesis:
+        reader.take()
+    found: list[Node] = []
+    while reader.peek() not in ("}", ")"):
+        if reader.peek() == ",":
+            reader.take()
+            continue
+        node = reader.sum()
+        found.extend(node.factors if isinstance(node, Product) else (node,))
+    if parenthesis:
+        reader.take(")")
+    reader.take("}")
+    return tuple(found)

@@ -1,0 +1,103 @@
+"""What can be said of a formula without giving it a value: its free indices, its new names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from voronec.audit.nodes import (
+    Bound,
+    Call,
+    Chain,
+    Differential,
+    Integral,
+    Name,
+    Node,
+    Product,
+    walk,
+)
+from voronec.audit.study import Study, key_of
+from voronec.errors import DefinitionError
+
+__all__ = [
+    "definitions_in",
+    "free_indices",
+    "free_names",
+    "integrand",
+    "mentions",
+    "names_constant",
+    "new_names",
+    "whole_name",
+]
+
+
+def free_names(node: Node, study: Study) -> Iterator[Name]:
+    """The index letters of a formula that no sum binds, at each place where they stand."""
+    yield from _free(node, study, frozenset())
+
+
+def _free(part: Any, study: Study, bound: frozenset[str]) -> Iterator[Name]:
+    if isinstance(part, tuple):
+        for item in part:
+            yield from _free(item, study, bound)
+    elif isinstance(part, Bound):
+        yield from _free((part.lower, part.upper), study, bound)
+        yield from _free(part.body, study, bound | {part.index.head})
+    elif isinstance(part, Call):
+        yield from _free(part.function, study, bound)
+    elif study.is_index(part):
+        if part.head not in bound:
+            yield part
+    elif hasattr(part, "at"):
+        for value in vars(part).values():
+            yield from _free(value, study, bound)
+
+
+def free_indices(node: Node, study: Study) -> tuple[str, ...]:
+    """The letters of ``free_names``, each once, in the order of their appearance."""
+    return tuple(dict.fromkeys(name.head for name in free_names(node, study)))
+
+
+def integrand(node: Integral) -> tuple[Node, Node]:
+    """The variable of an integral, and what stands beside its differential."""
+    factors = node.body.factors if isinstance(node.body, Product) else (node.body,)
+    signs = [f for f in factors if isinstance(f, Differential)]
+    if len(signs) != 1:
+        raise DefinitionError("an integral needs one differential beside its integrand")
+    rest = tuple(f for f in factors if f is not signs[0])
+    return signs[0].body, rest[0] if len(rest) == 1 else Product(rest)
+
+
+def mentions(node: Node) -> set[str]:
+    """The canonical keys of the names in a tree."""
+    return {key_of(part) for part in walk(node) if isinstance(part, Name)}
+
+
+def names_constant(part: Node) -> bool:
+    """Whether a part of a chain is the word "const"."""
+    return isinstance(part, Name) and part.head == "const"
+
+
+def whole_name(part: Node, study: Study) -> str | None:
+    """The key of a part that is a single name which the dictionary does not hold."""
+    if not isinstance(part, Name) or names_constant(part):
+        return None
+    key = key_of(part)
+    family = study.key(part)
+    return None if key in study.table or family in study.table else key
+
+
+def definitions_in(chain: Chain, study: Study) -> dict[str, Node]:
+    """The names that a chain of equalities defines, each with the part that defines it."""
+    found: dict[str, Node] = {}
+    for position, part in enumerate(chain.parts):
+        key = whole_name(part, study)
+        if key is not None and len(chain.parts) > 1:
+            found.setdefault(key, chain.parts[position + 1 if position == 0 else position - 1])
+    return found
+
+
+def new_names(chain: Chain, study: Study) -> set[str]:
+    """The names that this formula, and no earlier one, defines."""
+    found = definitions_in(chain, study)
+    return {key for key, node in found.items() if study.defined.get(key, node) == node}

@@ -1,0 +1,118 @@
+"""``voronec show``: what a system declares; nothing is derived."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from voronec.cli.output import columns, plain, print_json
+from voronec.cli.subject import resolve
+
+if TYPE_CHECKING:
+    from voronec.system import Scene, System
+
+__all__ = ["execute"]
+
+
+def execute(arguments: Namespace) -> int:
+    """Print the declaration."""
+    system, _ = resolve(arguments.system)
+    if arguments.json:
+        print_json(_data(system))
+    else:
+        print("\n".join(_lines(system)))
+    return 0
+
+
+def _data(system: System) -> dict[str, Any]:
+    frame = system.frame
+    return {
+        "name": system.name,
+        "title": system.title,
+        "description": system.description,
+        "base": _words(system.fibration.base),
+        "fibre": _words(system.fibration.fibre),
+        "relations": _words(system.fibration.relations),
+        "velocities": _words(system.velocities),
+        "frame": _pairs(frame.velocities, frame.expressions) if frame else None,
+        "lagrangian": plain(system.lagrangian),
+        "constraints": _words(system.constraints),
+        "forces": _pairs(system.forces.keys(), system.forces.values()),
+        "parameters": [
+            {"name": p.name, "value": None if p.value is None else str(p.value),
+             "range": _range(p), "meaning": p.meaning}
+            for p in system.parameters
+        ],
+        "integrals": {name: plain(e) for name, e in system.integrals.items()},
+        "measure": None if system.measure is None else plain(system.measure),
+        "invariants": {name: plain(e) for name, e in system.invariants.items()},
+        "scenes": {name: _scene(scene) for name, scene in system.scenes.items()},
+        "references": list(system.references),
+    }  # fmt: skip
+
+
+def _scene(scene: Scene) -> dict[str, Any]:
+    return {
+        "initial": _pairs(scene.initial.keys(), scene.initial.values()),
+        "parameters": _pairs(scene.parameters.keys(), scene.parameters.values()),
+        "times": [float(t) for t in scene.times],
+        "outputs": _words(scene.outputs),
+        "caption": scene.caption,
+    }
+
+
+def _lines(system: System) -> list[str]:
+    data = _data(system)
+    title = f"{system.name}: {system.title}" if system.title else system.name
+    lines = [title, *([system.description] if system.description else []), ""]
+    heads = [["base", ", ".join(data["base"])], ["fibre", ", ".join(data["fibre"]) or "none"]]
+    heads += [["relation", f"{e} = 0"] for e in data["relations"]]
+    heads += [["velocity", f"{v} = {e}"] for v, e in (data["frame"] or {}).items()]
+    heads += [["L", data["lagrangian"]]]
+    heads += [[f"constraint {i + 1}", f"{e} = 0"] for i, e in enumerate(data["constraints"])]
+    heads += [[f"force on {q}", e] for q, e in data["forces"].items()]
+    lines += columns(heads)
+    if system.parameters:
+        rows = [
+            [
+                p["name"],
+                "no default" if p["value"] is None else p["value"],
+                p["range"],
+                p["meaning"],
+            ]
+            for p in data["parameters"]
+        ]
+        lines += ["", "parameters", *columns(rows, "  ")]
+    claims = [["integral", name, e] for name, e in data["integrals"].items()]
+    claims += [["measure", "density", data["measure"]]] if data["measure"] else []
+    claims += [["invariant", name, e] for name, e in data["invariants"].items()]
+    lines += ["", "claims", *(columns(claims, "  ") or ["  none: unvalidated"])]
+    lines += ["", "scenes", *_scene_lines(data["scenes"])]
+    return [*lines, "", "references  " + (", ".join(system.references) or "none")]
+
+
+def _scene_lines(scenes: dict[str, dict[str, Any]]) -> list[str]:
+    lines = []
+    for name, scene in scenes.items():
+        given = {**scene["parameters"], **scene["initial"]}
+        start = ", ".join(f"{k} = {v}" for k, v in given.items()) or "all at zero"
+        begin, end = scene["times"]
+        lines.append(f"  {name}: {start}; t from {begin:g} to {end:g}")
+        lines += [f"    {scene['caption']}"] if scene["caption"] else []
+    return lines or ["  none"]
+
+
+def _range(parameter: Any) -> str:
+    words = ["positive"] if parameter.positive else []
+    words += [f"at least {parameter.lower}"] if parameter.lower is not None else []
+    words += [f"at most {parameter.upper}"] if parameter.upper is not None else []
+    return ", ".join(words)
+
+
+def _words(things: Iterable[Any]) -> list[str]:
+    return [plain(e) for e in things]
+
+
+def _pairs(keys: Iterable[Any], values: Iterable[Any]) -> dict[str, str]:
+    return {plain(k): plain(v) for k, v in zip(keys, values, strict=True)}

@@ -1,0 +1,102 @@
+"""``voronec derive``: the equations of motion, and what kind of system they belong to."""
+
+from __future__ import annotations
+
+import shutil
+from argparse import Namespace
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from voronec.cli.output import columns, plain, print_json
+from voronec.cli.subject import resolve
+
+if TYPE_CHECKING:
+    from voronec.equations import VoronecEquations
+
+__all__ = ["execute"]
+
+
+def execute(arguments: Namespace) -> int:
+    """Derive and print; ``--latex``, ``--python`` and ``--c`` print source only."""
+    from voronec.equations import derive
+
+    system, _ = resolve(arguments.system)
+    eqs = derive(system)
+    for language in ("latex", "python", "c"):
+        if getattr(arguments, language):
+            text = getattr(eqs, language)()
+            print_json({language: text}) if arguments.json else print(text.rstrip("\n"))
+            return 0
+    if arguments.json:
+        print_json(eqs.as_dict())
+    else:
+        print("\n".join(_lines(eqs)))
+    return 0
+
+
+def _lines(eqs: VoronecEquations) -> list[str]:
+    system = eqs.system
+    lines = [f"{system.name}: {system.title}" if system.title else system.name, ""]
+    lines += [*columns(_facts(eqs)), "", "motion of the coordinates"]
+    rates = zip(eqs.coordinates, eqs.rates, strict=True)
+    lines += _equations((f"d{plain(q)}/dt", plain(rate)) for q, rate in rates)
+    lines += ["", f"equations of motion, mass * d({_names(eqs)})/dt = force", *_motion(eqs)]
+    if eqs.has_coordinate_frame:
+        lines += ["", "curvature", *_curvature(eqs)]
+    if not eqs.in_normal_form:
+        lines += ["", "too large for the exact normal form: left as derived"]
+    return lines
+
+
+def _facts(eqs: VoronecEquations) -> list[list[str]]:
+    count = len(eqs.system.constraints)
+    whole = ", ".join(f"{i + 1}" for i in eqs.integrable)
+    rows = [["kind", eqs.kind], ["growth vector", "(" + ", ".join(map(str, eqs.growth)) + ")"]]
+    if count:
+        rows.append(["integrable constraints", whole or f"none of {count}"])
+    frame = eqs.system.frame
+    if frame is None:
+        return [*rows, ["velocities", _names(eqs)]]
+    pairs = zip(frame.velocities, frame.expressions, strict=True)
+    return [*rows, *(["quasi-velocity", f"{plain(v)} = {plain(e)}"] for v, e in pairs)]
+
+
+def _motion(eqs: VoronecEquations) -> list[str]:
+    """The rows of mass * vdot = force; where they are too wide, the entries one by one."""
+    size = range(len(eqs.velocities))
+    rates = [f"d{plain(v)}/dt" for v in eqs.velocities]
+    left = [" + ".join(_terms(eqs.mass.row(i), rates)) or "0" for i in size]
+    rows = _equations(zip(left, map(plain, eqs.force), strict=True))
+    if all(len(row) < shutil.get_terminal_size((100, 24)).columns for row in rows):
+        return rows
+    mass = [(i, j, eqs.mass[i, j]) for i in size for j in size if i <= j and eqs.mass[i, j] != 0]
+    pairs = [(f"mass[{i + 1}, {j + 1}]", plain(e)) for i, j, e in mass]
+    return _equations(pairs + [(f"force[{i + 1}]", plain(eqs.force[i])) for i in size])
+
+
+def _terms(row: Any, rates: list[str]) -> Iterator[str]:
+    for entry, rate in zip(row, rates, strict=True):
+        if entry == 1:
+            yield rate
+        elif entry != 0:
+            yield f"({plain(entry)})*{rate}" if entry.is_Add else f"{plain(entry)}*{rate}"
+
+
+def _names(eqs: VoronecEquations) -> str:
+    return ", ".join(plain(v) for v in eqs.velocities)
+
+
+def _equations(pairs: Any) -> list[str]:
+    return columns(([left, "= " + right] for left, right in pairs), "  ")
+
+
+def _curvature(eqs: VoronecEquations) -> list[str]:
+    """The components A_ij^(nu) and A_i^(nu) that do not vanish, by the names of coordinates."""
+    base = [plain(q) for q in eqs.system.fibration.base]
+    size, found = range(len(base)), []
+    for nu, fibre in enumerate(map(plain, eqs.system.fibration.fibre)):
+        entries = [(i, j, eqs.curvature[nu, i, j]) for i in size for j in size if i < j]
+        found += [(f"A^{fibre}[{base[i]}, {base[j]}]", plain(e)) for i, j, e in entries if e != 0]
+        moving = [(i, eqs.curvature.time[nu, i]) for i in size]
+        found += [(f"A^{fibre}[{base[i]}]", plain(e)) for i, e in moving if e != 0]
+    return _equations(found) or ["  vanishes"]

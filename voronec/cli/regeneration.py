@@ -1,0 +1,71 @@
+"""``voronec regenerate``: every formula of a paper beside what the engine derives.
+
+The exit status is 1 where a formula stays undecided; a misprint that is found, with its witness,
+is a result and no failure.
+"""
+
+from __future__ import annotations
+
+import shutil
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from voronec.catalogue import load, load_paper, names
+from voronec.cli.files import delivery, refuse_file
+from voronec.cli.output import print_json, progress
+from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from voronec.audit import Audit
+
+__all__ = ["execute"]
+
+
+def execute(arguments: Namespace) -> int:
+    """Audit, print the table, and write the report where a folder is given."""
+    from voronec.audit import Paper, audit_paper
+    from voronec.report.audit_report import audit_table
+
+    if arguments.out:
+        refuse_file(Path(arguments.out))
+    paper = load_paper(arguments.paper)
+    if not isinstance(paper, Paper):
+        raise DefinitionError(f"the PAPER of '{arguments.paper}' is not a voronec.audit.Paper")
+    try:
+        audit = audit_paper(paper, lambda label, verdict: progress(f"{label}: {verdict}"))
+        files = _write(audit, arguments.paper, Path(arguments.out)) if arguments.out else []
+    finally:
+        progress("")
+    if arguments.json:
+        print_json(audit.as_list())
+    else:
+        print(audit_table(audit, shutil.get_terminal_size((100, 24)).columns), end="")
+        if files:
+            print("\nwrote " + ", ".join(str(f) for f in files))
+    return 1 if audit.count()["undecided"] else 0
+
+
+def _write(audit: Audit, name: str, folder: Path) -> list[Path]:
+    from voronec.report.audit_report import write_audit
+
+    with delivery(folder) as workshop:
+        write_audit(audit, workshop, _figures(name, workshop))
+        written = sorted(file.name for file in workshop.iterdir())
+    return [folder / file for file in written]
+
+
+def _figures(name: str, workshop: Path) -> list[Any]:
+    """The system's own drawing of its scene ``default``, where it has both."""
+    from voronec.report.audit_report import Figure
+
+    system = load(name) if name in names() else None
+    if system is None or system.drawing is None or "default" not in system.scenes:
+        return []
+    from voronec.flow import integrate
+    from voronec.report.curves import draw, save
+
+    progress(f"{name}: integrating the scene 'default'")
+    path = workshop / "trace.svg"
+    save(draw(integrate(system, scene="default")), path)
+    return [Figure(path, system.scenes["default"].caption)]

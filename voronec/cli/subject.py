@@ -1,0 +1,34 @@
+"""What a command is about: a system of the catalogue, or one that a file defines."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from voronec.catalogue import entry_of, load_file
+from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from voronec.system import System
+
+__all__ = ["is_file", "resolve"]
+
+
+def is_file(subject: str) -> bool:
+    """Whether NAME|FILE means a file: it ends in ``.py`` or contains a separator of paths."""
+    return subject.endswith(".py") or os.sep in subject
+
+
+def resolve(subject: str) -> tuple[System, Path | None]:
+    """The system, and the folder of its file."""
+    if is_file(subject):
+        return load_file(subject), Path(subject).parent
+    try:
+        entry = entry_of(subject)
+    except DefinitionError as error:
+        if Path(subject + ".py").is_file():
+            raise DefinitionError(f"{error} For the file, say '{subject}.py'") from None
+        raise
+    origin = entry.origin
+    return entry.load(), origin.parent if origin is not None else None

@@ -1,0 +1,137 @@
+"""What an integration returns."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name
+from voronec.errors import DefinitionError
+from voronec.flow.vocabulary import nearest
+from voronec.system import System
+
+__all__ = ["Cost", "Trajectory"]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a trajectory cost.
+
+    ``method`` was chosen for ``reason``; ``tolerance`` is the one in force.  ``setup`` (deriving
+    and compiling) and ``run`` are seconds.  ``evaluations`` counts those of the right-hand side;
+    the Taylor method expands it once a step, and then both numbers agree.
+    """
+
+    method: str
+    reason: str
+    tolerance: float
+    setup: float
+    run: float
+    steps: int
+    evaluations: int
+
+    @property
+    def seconds(self) -> float:
+        """All of it."""
+        return self.setup + self.run
+
+    def __str__(self) -> str:
+        return (
+            f"{self.method} ({self.reason}), tol {self.tolerance:.1e}: set-up {self.setup:.2f} s, "
+            f"run {self.run:.3g} s, {self.steps} steps, {self.evaluations} evaluations"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """A motion on a grid of times; its arrays are read-only.
+
+    ``t`` has shape (k,), ``state`` (k, number of coordinates and velocities) with columns
+    ``names``.  ``outputs`` are the names asked for: ``traj["u"]`` is an array of shape (k,), by
+    name, symbol or expression; coordinates, velocities and integrals are there in any case.
+
+    ``drift`` maps each integral I of the system to max |I(t) - I(t0)| / |I(t0)|.  Let S be the
+    largest value along the motion of I with all its terms taken positive.  Where I starts at zero
+    (below a millionth of S), the change is relative to S instead; where S itself stays below
+    1e-9, the change is absolute.  ``residuals`` maps each relation between redundant coordinates
+    to its largest value.
+    ``interrupted`` says that the run was stopped by hand; then the grid ends where it came to.
+    """
+
+    system: System
+    t: np.ndarray
+    state: np.ndarray
+    names: tuple[str, ...]
+    outputs: tuple[str, ...]
+    series: Mapping[str, np.ndarray]
+    integrals: Mapping[str, np.ndarray]
+    parameters: Mapping[str, float]
+    drift: Mapping[str, float]
+    residuals: Mapping[str, float]
+    cost: Cost
+    interrupted: bool = False
+
+    def __getitem__(self, key: Any) -> np.ndarray:
+        name = key if isinstance(key, str) else _label(key)
+        if name in self.series:
+            return self.series[name]
+        if name in self.names:
+            return self.state[:, self.names.index(name)]
+        if name in self.integrals:
+            return self.integrals[name]
+        known = [*self.series, *self.names, *self.integrals]
+        raise DefinitionError(
+            f"the trajectory holds no '{name}'{nearest(name, known)}; ask for it in outputs=(...)"
+        )
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the times and outputs to ``path``: ``.csv``, or ``.npz`` with all that is known.
+
+        The CSV has a header line and full precision; the NPZ also holds ``state``, ``names`` and
+        the parameters.  The file appears whole or not at all.
+        """
+        target = Path(path)
+        writers = {".csv": self._write_csv, ".npz": self._write_npz}
+        if target.suffix not in writers:
+            raise DefinitionError(f"'{target.name}' must end in .csv or .npz")
+        if not target.parent.is_dir():
+            raise DefinitionError(f"there is no folder '{target.parent}' to write into")
+        partial = target.with_name(f".{target.stem}.partial{target.suffix}")
+        try:
+            writers[target.suffix](partial)
+            partial.replace(target)
+        finally:
+            partial.unlink(missing_ok=True)
+        return target
+
+    def _write_csv(self, path: Path) -> None:
+        columns = [self.t, *(self[name] for name in self.outputs)]
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(["t", *self.outputs])
+            writer.writerows(zip(*(column.tolist() for column in columns), strict=True))
+
+    def _write_npz(self, path: Path) -> None:
+        arrays: dict[str, Any] = {"t": self.t, "state": self.state, "names": np.array(self.names)}
+        arrays |= {f"parameter {name}": value for name, value in self.parameters.items()}
+        arrays = {name: self[name] for name in self.outputs} | arrays
+        np.savez(path, **arrays)  # type: ignore[arg-type]  # numpy's own keywords are no names here
+
+
+def _label(key: Any) -> str:
+    """How an output that was asked for by a symbol or an expression is called."""
+    expr = sp.sympify(key)
+    try:
+        return plain_name(expr)
+    except DefinitionError:
+        return str(expr)

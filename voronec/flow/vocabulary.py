@@ -1,0 +1,103 @@
+"""The names a user may say to the integrator, and what they mean inside."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name, time, velocity
+from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from voronec.equations import VoronecEquations
+
+__all__ = ["Vocabulary", "nearest", "number"]
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """``; did you mean 'theta'?`` where a known name is near, else the names there are."""
+    names = sorted(set(known))
+    near = difflib.get_close_matches(name, names, n=3)
+    if near:
+        return "; did you mean " + " or ".join(f"'{n}'" for n in near) + "?"
+    return f"; there are {', '.join(names)}" if names else "; there are none"
+
+
+def number(value: Any, place: str) -> float:
+    """A real number as a double, or ``DefinitionError`` naming the place."""
+    if isinstance(value, float | int):
+        return float(value)
+    try:
+        return float(sp.sympify(value).evalf(25))
+    except (TypeError, ValueError, sp.SympifyError, AttributeError):
+        raise DefinitionError(f"{place} = {value} is not a real number") from None
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """Names of one system: coordinates, velocities, parameters, integrals, invariants."""
+
+    equations: VoronecEquations
+    symbols: Mapping[str, sp.Expr]
+    claims: Mapping[str, sp.Expr]
+
+    @classmethod
+    def of(cls, equations: VoronecEquations) -> Vocabulary:
+        """The vocabulary of a system's equations."""
+        system = equations.system
+        dots = [velocity(q) for q in system.coordinates]
+        constants = [p.symbol for p in system.parameters]
+        things = [*system.coordinates, *system.velocities, *dots, *constants, time]
+        symbols = {plain_name(s): s for s in things}
+        return cls(equations, symbols, {**system.invariants, **system.integrals})
+
+    def name(self, key: Any, among: Iterable[str], role: str) -> str:
+        """The plain name of a symbol or name, which must be among some."""
+        name = key if isinstance(key, str) else self._plain(key, role)
+        allowed = list(among)
+        if name not in allowed:
+            raise DefinitionError(
+                f"system '{self.equations.system.name}' has no {role} '{name}'"
+                f"{nearest(name, allowed)}"
+            )
+        return name
+
+    def quantity(self, key: Any) -> tuple[str, Any]:
+        """An output: what it is called, and its expression inside.
+
+        ``key`` is a name, a symbol, or an expression in them.
+        """
+        system = self.equations.system
+        if isinstance(key, str):
+            name = self.name(key, [*self.symbols, *self.claims], "output")
+            return name, self.inward(self.symbols.get(name, self.claims.get(name)))
+        expr = sp.sympify(key)
+        for symbol in sorted(expr.free_symbols, key=str):
+            if str(symbol) not in self.symbols:
+                raise DefinitionError(
+                    f"system '{system.name}': the output '{expr}' contains '{symbol}'"
+                    f"{nearest(str(symbol), self.symbols)}"
+                )
+        try:
+            label = plain_name(expr)
+        except DefinitionError:
+            return str(expr), self.inward(expr)
+        name = self.name(label, self.symbols, "output")
+        return name, self.inward(self.symbols[name])
+
+    def inward(self, expr: Any) -> Any:
+        """A user's expression inside the door."""
+        return self.equations.door.inward(expr)
+
+    def _plain(self, key: Any, role: str) -> str:
+        try:
+            return plain_name(sp.sympify(key))
+        except (DefinitionError, sp.SympifyError):
+            raise DefinitionError(
+                f"system '{self.equations.system.name}': '{key}' names no {role}; give a symbol "
+                "or its name"
+            ) from None

@@ -1,0 +1,20 @@
+"""The straight-line program of a system, and its emitters.
+
+``Program.of(form)`` shares common subexpressions and eliminates the mass matrix; the emitters write
+it as Python, C or mpmath source, as a compiled Python function, or as heyoka expressions.
+"""
+
+from voronec.program.c import c_source
+from voronec.program.python import compiled, mpmath_source, python_source
+from voronec.program.straight import Block, Program
+from voronec.program.taylor import taylor_system
+
+__all__ = [
+    "Block",
+    "Program",
+    "c_source",
+    "compiled",
+    "mpmath_source",
+    "python_source",
+    "taylor_system",
+]

@@ -1,0 +1,180 @@
+"""From a first-order form to one straight-line program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import count
+from typing import TYPE_CHECKING, Any
+
+import symengine as se
+
+from voronec.algebra.tape import is_atom
+from voronec.errors import DefinitionError
+from voronec.program.triangular import coupled_rows, solve_symmetric
+
+if TYPE_CHECKING:
+    from voronec.derivation import FirstOrderForm
+
+__all__ = ["Block", "Program"]
+
+
+@dataclass(frozen=True)
+class Block:
+    """Assignments in order, then results; every name is assigned before it is used."""
+
+    assignments: tuple[tuple[Any, Any], ...]
+    results: tuple[Any, ...]
+
+    @property
+    def expressions(self) -> list[Any]:
+        """Right sides and results, all that is computed."""
+        return [e for _, e in self.assignments] + list(self.results)
+
+    @property
+    def operations(self) -> int:
+        """How many operations one evaluation costs."""
+        return int(se.count_ops(*self.expressions))
+
+    @property
+    def symbols(self) -> set[Any]:
+        """All symbols that occur, assigned names included."""
+        return set().union(*(e.free_symbols for e in self.expressions))
+
+
+@dataclass(frozen=True)
+class Program:
+    """The right-hand side of a system, and what else is computed from a state.
+
+    The state is ``coordinates`` then ``velocities``; ``derivative`` computes its time derivative,
+    ``extras`` the quantities called ``names``.  All symbols are symengine's.
+    """
+
+    time: Any
+    coordinates: tuple[Any, ...]
+    velocities: tuple[Any, ...]
+    parameters: tuple[Any, ...]
+    derivative: Block
+    names: tuple[str, ...]
+    extras: Block
+
+    @classmethod
+    def of(cls, form: FirstOrderForm, extras: Mapping[str, Any] | None = None) -> Program:
+        """The program of ``qdot = rates, mass * vdot = force``, with extra quantities.
+
+        ``extras`` maps names to symengine expressions in q, v, t, the parameters and the
+        velocities of all coordinates, for which the rates are put in.  Raises
+        ``DefinitionError`` for an unknown function or symbol, and for a matrix without a pivot.
+        """
+        wanted = dict(extras or {})
+        known = [form.time, *form.coordinates, *form.velocities, *form.parameters]
+        rates = dict(zip(form.velocity_symbols, form.rates, strict=True))
+        observed = [se.sympify(e).xreplace(rates) for e in wanted.values()]
+        matrix = [e for row in form.mass for e in row]
+        _check("the equations of motion", [*form.rates, *matrix, *form.force], known)
+        for name, expr in zip(wanted, observed, strict=True):
+            _check(f"'{name}'", [expr], known)
+        return cls(
+            time=form.time,
+            coordinates=tuple(form.coordinates),
+            velocities=tuple(form.velocities),
+            parameters=tuple(form.parameters),
+            derivative=_derivative(form, known),
+            names=tuple(wanted),
+            extras=_shared(observed, _fresh(known)),
+        )
+
+    @property
+    def state(self) -> tuple[Any, ...]:
+        """Coordinates, then velocities."""
+        return self.coordinates + self.velocities
+
+    @property
+    def operations(self) -> int:
+        """How many operations one evaluation of the right-hand side costs."""
+        return self.derivative.operations
+
+
+def _derivative(form: FirstOrderForm, known: Sequence[Any]) -> Block:
+    """Shared subexpressions first; then the elimination, on their names."""
+    coupled = sorted(coupled_rows(form.mass))
+    single = {
+        i: force / form.mass[i][i] if force != 0 else force
+        for i, force in enumerate(form.force)
+        if i not in coupled and form.mass[i][i] != 0
+    }
+    left = [i for i in range(len(form.force)) if i not in single]
+    pairs = [(i, j) for i in left for j in left if j <= i]
+    entries = [form.mass[i][j] for i, j in pairs]
+    fresh = _fresh(known)
+    forces = [form.force[i] for i in left]
+    block = _shared([*form.rates, *single.values(), *forces, *entries], fresh)
+    results, assignments = list(block.results), list(block.assignments)
+
+    def name(expr: Any) -> Any:
+        if not expr.args:
+            return expr
+        assignments.append((next(fresh), expr))
+        return assignments[-1][0]
+
+    rates = [results.pop(0) for _ in form.rates]
+    vdot = {i: results.pop(0) for i in single}
+    force = [results.pop(0) for _ in left]
+    half = dict(zip(pairs, map(name, results), strict=True))
+    matrix = [[half[max(i, j), min(i, j)] for j in left] for i in left]
+    vdot |= zip(left, solve_symmetric(matrix, force, name), strict=True)
+    return _pruned(assignments, [*rates, *(vdot[i] for i in range(len(form.force)))])
+
+
+def _fresh(known: Iterable[Any]) -> Any:
+    """Symbols c0, c1, ... with a prefix that no known name shares."""
+    taken = {str(s) for s in known}
+    prefix = "c"
+    while any(n.startswith(prefix) and n[len(prefix) :].isdigit() for n in taken):
+        prefix += "c"
+    return (se.Symbol(f"{prefix}{i}") for i in count())
+
+
+def _shared(exprs: Sequence[Any], fresh: Any) -> Block:
+    """Common subexpressions of several expressions, under fresh names."""
+    if not exprs:
+        return Block((), ())
+    replacements, reduced = se.cse(list(exprs))
+    names: dict[Any, Any] = {}
+    assignments = []
+    for old, expr in replacements:
+        names[old] = next(fresh)
+        assignments.append((names[old], expr.xreplace(names)))
+    return Block(tuple(assignments), tuple(se.sympify(e).xreplace(names) for e in reduced))
+
+
+def _pruned(assignments: Sequence[tuple[Any, Any]], results: Sequence[Any]) -> Block:
+    """Only what the results need."""
+    needed = set().union(*(se.sympify(r).free_symbols for r in results)) if results else set()
+    kept = []
+    for name, expr in reversed(assignments):
+        if name in needed:
+            kept.append((name, expr))
+            needed |= expr.free_symbols
+    return Block(tuple(reversed(kept)), tuple(results))
+
+
+def _check(place: str, exprs: Iterable[Any], known: Iterable[Any]) -> None:
+    """Raise ``DefinitionError`` for what has no value: unknown functions and symbols."""
+    allowed, seen, stack = set(known), set(), [se.sympify(e) for e in exprs]
+    while stack:
+        node = stack.pop()
+        if node in seen or node in allowed:
+            continue
+        seen.add(node)
+        if isinstance(node, se.Symbol):
+            raise DefinitionError(
+                f"{place}: '{node}' is neither a coordinate, a velocity, a parameter nor the time; "
+                "it has no value along a motion"
+            )
+        if is_atom(node):
+            raise DefinitionError(
+                f"{place}: the function '{node}' is unknown; put an expression in its place "
+                "before evaluating numerically"
+            )
+        stack.extend(node.args)

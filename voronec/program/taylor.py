@@ -1,0 +1,86 @@
+"""A program as heyoka expressions, for its Taylor integrator.
+
+Expressions are built directly, node by node: heyoka's own reader of SymPy refuses rationals whose
+denominator is no power of two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import symengine as se
+
+from voronec.errors import EngineLimit
+from voronec.program.printing import rational, rewritten
+from voronec.program.straight import Program
+
+__all__ = ["taylor_system"]
+
+
+def taylor_system(program: Program) -> list[tuple[Any, Any]]:
+    """Pairs (variable, time derivative) for ``heyoka.taylor_adaptive``.
+
+    Parameters are ``par[0], par[1], ...`` in the program's order; the time is ``heyoka.time``.
+    Raises ``EngineLimit`` for a function that heyoka does not know.
+    """
+    import heyoka as hy
+
+    variables = [hy.expression(f"y{i}") for i in range(len(program.state))]
+    known: dict[Any, Any] = dict(zip(program.state, variables, strict=True))
+    known |= {p: hy.par[i] for i, p in enumerate(program.parameters)}
+    known[program.time] = hy.time
+    for name, expr in program.derivative.assignments:
+        known[name] = _build(expr, known, hy)
+    results = [_build(r, known, hy) for r in program.derivative.results]
+    return list(zip(variables, results, strict=True))
+
+
+def _build(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
+    """The heyoka expression of a symengine expression; ``known`` remembers what is built."""
+    done = known.get(expr)
+    if done is None:
+        done = known[expr] = _built(expr, known, hy)
+    return done
+
+
+def _built(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
+    if expr.is_Number:
+        p, q = rational(expr)
+        return hy.expression(p / q)
+    if expr == se.pi:
+        return hy.pi
+    if expr == se.E:
+        return hy.exp(hy.expression(1.0))
+    other = rewritten(expr)
+    if other is not None:
+        return _build(other, known, hy)
+    args = [_build(a, known, hy) for a in expr.args]
+    if isinstance(expr, se.Add):
+        return hy.sum(args)
+    if isinstance(expr, se.Mul):
+        return hy.prod(args)
+    if isinstance(expr, se.Pow):
+        return _power(expr, args, hy)
+    if isinstance(expr, se.Abs):
+        return hy.select(hy.lt(args[0], 0.0), -args[0], args[0])
+    if isinstance(expr, se.sign):
+        negative = hy.select(hy.lt(args[0], 0.0), -1.0, 0.0)
+        return hy.select(hy.gt(args[0], 0.0), 1.0, negative)
+    function: Callable[..., Any] | None = getattr(hy, type(expr).__name__, None)
+    if function is None:
+        raise EngineLimit(f"heyoka has no function '{type(expr).__name__}'; use method='scipy'")
+    return function(*args)
+
+
+def _power(expr: Any, args: list[Any], hy: Any) -> Any:
+    base, exponent = expr.args
+    if base == se.E:
+        return hy.exp(args[1])
+    if exponent.is_Number:
+        p, q = rational(exponent)
+        if q == 2:
+            root = hy.sqrt(args[0])
+            return root if p == 1 else root ** float(p)
+        return args[0] ** (p / q)
+    return args[0] ** args[1]

@@ -1,0 +1,250 @@
+"""Figures for a paper: quantities against the time, and the traces of a contact on spheres.
+
+Figures are made without pyplot, so no window opens and no global state is touched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.typeset import symbol_latex
+from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from voronec.flow import Trajectory
+
+__all__ = ["plot_sphere_traces", "plot_trajectory", "quantity_label"]
+
+INK, SOFT, FAINT, MARK = "#1b3a5c", "#8a97a6", "#d5dbe2", "#b3361e"
+STYLE = {
+    "font.family": "serif",
+    "font.serif": ["DejaVu Serif"],
+    "mathtext.fontset": "cm",
+    "font.size": 9,
+    "axes.labelsize": 10,
+    "axes.linewidth": 0.6,
+    "axes.edgecolor": "#444444",
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "axes.formatter.use_mathtext": True,
+    "svg.fonttype": "path",
+}
+WIDTH = 6.4
+"""Inches: the text width of a page."""
+
+
+def quantity_label(trajectory: Trajectory, name: str) -> str:
+    """The mathtext of a quantity's name: ``thetadot`` becomes a dotted theta."""
+    system = trajectory.system
+    for thing in (*system.coordinates, *system.velocities):
+        if name == plain_name(thing):
+            return f"${symbol_latex(name)}$"
+        if name == plain_name(velocity(thing)):
+            return rf"$\dot{{{symbol_latex(plain_name(thing))}}}$"
+    if name in system.integrals or name in system.invariants:
+        return name
+    try:
+        expr = sp.sympify(name, locals={plain_name(s): s for s in system.known_symbols()})
+    except (sp.SympifyError, TypeError, SyntaxError, AttributeError):
+        return name
+    return f"${sp.latex(expr)}$"
+
+
+def plot_trajectory(
+    trajectory: Trajectory, names: Sequence[str] | None = None, title: str | None = None
+) -> Any:
+    """Quantities against the time, one panel each, on one time axis.
+
+    ``names`` are what ``trajectory[...]`` understands, by default its outputs.  Returns a
+    matplotlib ``Figure``; save it as SVG or PDF for print.
+    """
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    shown = tuple(trajectory.outputs if names is None else names)
+    if not shown:
+        raise DefinitionError("there is nothing to plot; name outputs")
+    columns = 1 if len(shown) <= 4 else 2
+    rows = -(-len(shown) // columns)
+    with rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 0.5 + 1.15 * rows), layout="constrained")
+        panels = figure.subplots(rows, columns, sharex=True, squeeze=False)
+        for place, panel in enumerate(panels.T.flat):
+            if place >= len(shown):
+                panel.set_visible(False)
+                continue
+            _curve(panel, trajectory, shown[place])
+            last = place % rows == rows - 1 or place == len(shown) - 1
+            panel.tick_params(labelbottom=last)
+            if last:
+                panel.set_xlabel("$t$")
+        figure.align_ylabels()
+        if title:
+            figure.suptitle(title, fontsize=10)
+        figure.draw_without_rendering()  # settles fonts while the style is in force
+    return figure
+
+
+def _curve(panel: Any, trajectory: Trajectory, name: str) -> None:
+    values = trajectory[name]
+    panel.plot(trajectory.t, values, color=INK, linewidth=0.9)
+    panel.set_ylabel(quantity_label(trajectory, name))
+    panel.margins(x=0)
+    panel.locator_params(axis="y", nbins=4)
+    panel.spines[["top", "right"]].set_visible(False)
+    spread, size = np.ptp(values), np.abs(values).max()
+    if spread <= 1e-9 * size or spread == 0:  # a constant is a level line, not magnified rounding
+        panel.set_ylim(values[0] - 0.5 * (size or 1.0), values[0] + 0.5 * (size or 1.0))
+
+
+@dataclass(frozen=True)
+class _View:
+    """An orthographic look at the unit sphere, from a longitude and a height above the equator."""
+
+    longitude: float
+    height: float
+
+    def project(self, colatitude: Any, longitude: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Right, up, and towards the eye, of points on the sphere."""
+        u, v = np.broadcast_arrays(np.asarray(colatitude, float), np.asarray(longitude, float))
+        point = np.array([np.sin(u) * np.cos(v), np.sin(u) * np.sin(v), np.cos(u)])
+        cos, sin = np.cos(self.longitude), np.sin(self.longitude)
+        rise, run = np.sin(self.height), np.cos(self.height)
+        right = np.array([-sin, cos, 0.0])
+        eye = np.array([run * cos, run * sin, rise])
+        return right @ point, np.cross(eye, right) @ point, eye @ point
+
+
+def plot_sphere_traces(
+    traces: Mapping[str, tuple[Any, Any]],
+    parallels: bool = True,
+    height: float = 0.42,
+    longitudes: Sequence[float | None] = (),
+) -> Any:
+    """Curves on spheres side by side, seen from afar; all is vector graphics.
+
+    traces
+        title -> (colatitude u, longitude v), arrays in radians; a point is
+        (sin u cos v, sin u sin v, cos u), so the pole u = 0 is on top.
+    parallels
+        whether to draw the two parallels between which each curve runs.
+    height
+        the eye's angle above the equator, in radians.
+    longitudes
+        the eye's longitude for each sphere; None, or nothing, looks at the start.
+
+    What lies behind the sphere is pale; a dot marks the start, an arrow the end.  Returns a
+    matplotlib ``Figure``.
+    """
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    if not traces:
+        raise DefinitionError("there is no trace to draw; give {title: (colatitude, longitude)}")
+    with rc_context(STYLE):
+        side = min(3.2, 2 * WIDTH / 2 / len(traces) + 0.6)
+        figure = Figure(figsize=(side * len(traces), side + 0.35), layout="constrained")
+        axes = figure.subplots(1, len(traces), squeeze=False)[0]
+        eyes = (*longitudes, *[None] * len(traces))
+        for axis, (title, trace), eye in zip(axes, traces.items(), eyes, strict=False):
+            u, v = _trace(title, *trace)
+            view = _View(v[0] + 0.55 if eye is None else eye, height)
+            _sphere(axis, view)
+            if parallels:
+                _limits(axis, view, u)
+            _path(axis, view, u, v)
+            axis.set_title(title, fontsize=10, pad=4)
+        figure.draw_without_rendering()
+    return figure
+
+
+def _trace(title: str, colatitude: Any, longitude: Any) -> tuple[np.ndarray, np.ndarray]:
+    u, v = np.asarray(colatitude, dtype=float), np.asarray(longitude, dtype=float)
+    if u.ndim != 1 or u.shape != v.shape or len(u) < 2:
+        raise DefinitionError(f"the trace '{title}' needs two arrays of one length, two or more")
+    if not (np.isfinite(u).all() and np.isfinite(v).all()):
+        raise DefinitionError(f"the trace '{title}' holds values that are not finite")
+    return _refined(u, v)
+
+
+def _refined(u: np.ndarray, v: np.ndarray, largest: float = 0.04) -> tuple[np.ndarray, np.ndarray]:
+    """Points in between, where a step on the sphere is long enough to show its corners."""
+    from scipy.interpolate import CubicSpline
+
+    steps = np.hypot(np.diff(u), np.diff(v))
+    parts = np.maximum(1, np.minimum(200, np.ceil(steps / largest))).astype(int)
+    place = np.arange(len(u), dtype=float)
+    fine = np.concatenate(
+        [*(i + np.arange(k) / k for i, k in enumerate(parts)), place[-1:]]
+    )
+    return CubicSpline(place, u)(fine), CubicSpline(place, v)(fine)
+
+
+def _sphere(axis: Any, view: _View) -> None:
+    """The outline, meridians and parallels of a globe, hardly visible."""
+    from matplotlib.patches import Circle
+
+    axis.set_aspect("equal")
+    axis.set_axis_off()
+    axis.set_xlim(-1.06, 1.06)
+    axis.set_ylim(-1.06, 1.06)
+    axis.add_patch(Circle((0, 0), 1, facecolor="#fbfcfd", edgecolor=SOFT, linewidth=0.8))
+    turn = np.linspace(0, 2 * np.pi, 361)
+    arc = np.linspace(0, np.pi, 181)
+    for longitude in np.arange(0, 2 * np.pi, np.pi / 6):
+        _front(axis, view.project(arc, view.longitude + longitude), FAINT, 0.45)
+    for colatitude in np.arange(1, 6) * np.pi / 6:
+        _front(axis, view.project(colatitude, turn), FAINT, 0.45)
+
+
+def _limits(axis: Any, view: _View, u: np.ndarray) -> None:
+    """The parallels at the least and the greatest colatitude."""
+    turn = view.longitude + np.linspace(-np.pi, np.pi, 721)
+    for colatitude in {float(u.min()), float(u.max())}:
+        points = view.project(colatitude, turn)
+        _back(axis, points, MARK, 0.6, alpha=0.35)
+        _front(axis, points, MARK, 0.7, dashes=(0, (5, 2.5)))
+
+
+def _path(axis: Any, view: _View, u: np.ndarray, v: np.ndarray) -> None:
+    points = view.project(u, v)
+    _back(axis, points, SOFT, 0.6, alpha=0.55)
+    _front(axis, points, INK, 0.95)
+    x, y, depth = points
+    _arrow(axis, points)
+    visible = depth[0] >= 0
+    axis.plot(x[:1], y[:1], "o", color=MARK if visible else "white", markeredgecolor=MARK,
+              markersize=4, zorder=5)  # fmt: skip
+
+
+def _arrow(axis: Any, points: tuple[np.ndarray, ...]) -> None:
+    """The sense of the motion, at the end of the curve."""
+    x, y, depth = points
+    color = INK if depth[-1] >= 0 else SOFT
+    axis.annotate(
+        "", (x[-1], y[-1]), (x[-2], y[-2]), zorder=4,
+        arrowprops={"arrowstyle": "-|>", "color": color, "linewidth": 0.9, "shrinkA": 0,
+                    "shrinkB": 0, "mutation_scale": 8},
+    )  # fmt: skip
+
+
+def _front(axis: Any, points: Iterable[Any], color: str, width: float, dashes: Any = "-") -> None:
+    x, y, depth = points
+    seen = depth >= 0
+    axis.plot(np.where(seen, x, np.nan), np.where(seen, y, np.nan), color=color, linewidth=width,
+              linestyle=dashes, solid_joinstyle="round", zorder=3)  # fmt: skip
+
+
+def _back(axis: Any, points: Iterable[Any], color: str, width: float, alpha: float) -> None:
+    x, y, depth = points
+    hidden = depth < 0
+    axis.plot(np.where(hidden, x, np.nan), np.where(hidden, y, np.nan), color=color,
+              linewidth=width, alpha=alpha, linestyle=(0, (1, 1.6)), zorder=2)  # fmt: skip
