@@ -40,7 +40,7 @@ def body_turn():
     a, b, c, d = q
     p, r, t, u = map(velocity, q)
     return (
-        2 * (a * p * 0 + a * r - b * p - c * u + d * t),
+        2 * (a * r - b * p - c * u + d * t),
         2 * (a * t - c * p - d * r + b * u),
         2 * (a * u - d * p - b * t + c * r),
     )

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import mpmath
 import pytest
 import sympy as sp
@@ -19,9 +22,7 @@ THIRD = sp.Rational(1, 3)
 SHEARED = Surface((u, v), (sp.sin(u) * sp.cos(v + u), sp.sin(u) * sp.sin(v + u), sp.cos(u) / 2))
 SADDLE = Surface((u1, v1), (u1 + v1 * THIRD, v1, u1**2 - u1 * v1 / 2))
 CONTACTS = {
-    "ball on a sphere": RollingContact(
-        Surface.sphere(R2, u, v), Surface.sphere(R1, u1, v1), theta
-    ),
+    "ball on a sphere": RollingContact(Surface.sphere(R2, u, v), Surface.sphere(R1, u1, v1), theta),
     "ball inside a sphere": RollingContact(
         Surface.sphere(R2, u, v), Surface.sphere(-R1, u1, v1), theta
     ),
@@ -139,7 +140,8 @@ def test_the_constraints_make_the_contact_point_rest(name):
     fibre = numeric([solved[d] for d in DOTS[2:4]], (*NAMES, *DOTS))(at)
     at[7], at[8] = fibre[0], fibre[1]
     spin, arm, centre = (
-        numeric(x, (*NAMES, *DOTS))(at) for x in (contact.spin, contact.arm, contact.centre_velocity)
+        numeric(x, (*NAMES, *DOTS))(at)
+        for x in (contact.spin, contact.arm, contact.centre_velocity)
     )
     assert_close(centre, -cross(spin, arm))
 
@@ -163,12 +165,18 @@ def test_inner_rolling_is_outer_rolling_with_the_radius_reversed():
         assert prove_equal(entry, expected).proved
 
 
-def test_rolling_balls_have_the_printed_rates():
+@pytest.mark.parametrize(
+    ("contact", "mu_prime"),
+    [
+        (CONTACTS["ball on a sphere"], R2 / R1),
+        (CONTACTS["ball inside a sphere"], -R2 / R1),
+    ],
+)
+def test_rolling_balls_have_the_printed_rates(contact, mu_prime):
     """[DragovicGajicJovanovic2020, eq. (4.2.789)], and w^2 = R2^2 (s^2 + tau^2)."""
-    contact = CONTACTS["ball on a sphere"]
     du, dv, _, dv1, dtheta = DOTS
     rolling = sp.solve(contact.no_slip, DOTS[2:4], dict=True)[0]
-    mu = 1 + R2 / R1
+    mu = 1 + mu_prime
     s, tau, n = contact.spin
     assert prove_equal(s.subs(rolling), mu * sp.sin(u) * dv).proved
     assert prove_equal(tau.subs(rolling), -mu * du).proved
@@ -283,3 +291,9 @@ def test_bad_contacts_are_told_in_one_line(build, message):
     with pytest.raises(DefinitionError, match=message) as caught:
         build()
     assert "\n" not in str(caught.value)
+
+
+def test_the_example_of_the_conventions_runs():
+    page = Path(__file__).parents[1] / "docs" / "conventions.md"
+    (block,) = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    exec(block, {})

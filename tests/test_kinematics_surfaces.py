@@ -90,9 +90,7 @@ def test_the_curvature_is_intrinsic(name):
     e, ff, gg = surface.first_form
     corner = -sp.diff(e, v, 2) / 2 + sp.diff(ff, u, v) - sp.diff(gg, u, 2) / 2
     eu, ev, gu, gv = (sp.diff(x, y) / 2 for x in (e, gg) for y in (u, v))
-    one = sp.Matrix(
-        [[corner, eu, sp.diff(ff, u) - ev], [sp.diff(ff, v) - gu, e, ff], [gv, ff, gg]]
-    )
+    one = sp.Matrix([[corner, eu, sp.diff(ff, u) - ev], [sp.diff(ff, v) - gu, e, ff], [gv, ff, gg]])
     two = sp.Matrix([[0, ev, gu], [ev, e, ff], [gu, ff, gg]])
     brioschi = (one.det() - two.det()) / (e * gg - ff**2) ** 2
     assert_zero([surface.gauss_curvature - brioschi])
@@ -139,6 +137,11 @@ def test_what_is_outward_is_outward():
     torus = SURFACES["torus"]
     arm = sp.Matrix(torus.position) - a * sp.Matrix([sp.cos(v), sp.sin(v), 0])
     assert_zero([arm.dot(torus.normal) - b])
+
+
+def test_a_sphere_bends_away_from_its_outward_normal():
+    assert SURFACES["sphere"].second_form == (-R, 0, -R * sp.sin(u) ** 2)
+    assert tuple(SURFACES["plane"].normal) == (0, 0, 1)
 
 
 def test_the_sphere_of_negative_radius_has_the_same_frame():

@@ -105,7 +105,7 @@ class Derivation:
     @cached_property
     def rates(self) -> list[Any]:
         """qdot in terms of q, v, t."""
-        return self.polish(self.connection.rates)
+        return self.tidy(self.connection.rates)
 
     @cached_property
     def _on_constraints(self) -> dict[Any, Any]:
@@ -147,41 +147,28 @@ class Derivation:
         return [[table[min(i, j), max(i, j)] for j in range(n)] for i in range(n)]
 
     @cached_property
-    def bracket_with_motion(self) -> list[list[Any]]:
-        """[h_i, h_j] v^j, j = 0..n, on all coordinates."""
-        connection, rates = self.connection, self.rates
-        rows = [
-            [
-                connection.along(i, rate) - connection.flow_derivative(row[i], rates)
-                for rate, row in zip(rates, connection.lift, strict=True)
-            ]
-            for i in range(connection.n)
-        ]
-        flat = self.tidy([e for row in rows for e in row])
-        width = len(rates)
-        return [flat[i * width : (i + 1) * width] for i in range(connection.n)]
-
-    @cached_property
     def inertial(self) -> list[Any]:
         """The part of d/dt dLc/dv that holds no acceleration."""
-        raw = [self.connection.flow_derivative(p, self.rates) for p in self.quasi_momenta]
-        return self.tidy(raw)
+        return [self.connection.flow_derivative(p, self.rates) for p in self.quasi_momenta]
 
     @cached_property
     def right(self) -> list[Any]:
-        """h_i(Lc) - (c_ij^k dLc/dv^k + B_ij^A p_A) v^j + Q_i: all but d/dt dLc/dv."""
-        d, connection = self.definition, self.connection
+        """h_i(Lc) - (c_ij^k dLc/dv^k + B_ij^A p_A) v^j + Q_i: all but d/dt dLc/dv.
+
+        The bracket term is p_a [h_i, h_j]^a v^j over all coordinates [Theory, eq. (10)].
+        """
+        d, connection, rates = self.definition, self.connection, self.rates
         applied = [q.xreplace(self._on_constraints) for q in d.forces]
         result = []
         for i in range(connection.n):
-            lift = [row[i] for row in connection.lift]
-            # (c dLc/dv + B p) v = sum over all coordinates of p_a [h_i, h_j]^a v^j
             terms = [connection.along(i, self.constrained_lagrangian)]
-            brackets = self.bracket_with_motion[i]
-            terms += [-p * x for p, x in zip(self.momenta, brackets, strict=True)]
-            terms += [h * q for h, q in zip(lift, applied, strict=True) if q != 0]
+            for momentum, rate, row, force in zip(
+                self.momenta, rates, connection.lift, applied, strict=True
+            ):
+                turn = connection.along(i, rate) - connection.flow_derivative(row[i], rates)
+                terms.append(row[i] * force - momentum * turn)
             result.append(se.Add(*terms))
-        return self.tidy(result)
+        return result
 
     @cached_property
     def force(self) -> list[Any]:
@@ -209,7 +196,7 @@ class Derivation:
             velocities=d.velocities,
             parameters=d.parameters,
             time=d.time,
-            rates=tuple(self.rates),
+            rates=tuple(self.polish(self.rates)),
             mass=tuple(tuple(row) for row in self.mass),
             force=tuple(self.force),
             definitions=tuple(definitions),

@@ -129,7 +129,7 @@ class VoronecEquations:
     @cached_property
     def rates(self) -> sp.ImmutableMatrix:
         """The time derivatives of the coordinates in terms of q, v, t."""
-        return self._column(self.best.rates)
+        return self._column(self.best.polish(self.best.rates))
 
     @cached_property
     def theta(self) -> sp.Expr:

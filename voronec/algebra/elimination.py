@@ -89,7 +89,7 @@ def _shadowed(
     rows: Sequence[Sequence[Any]], right: Sequence[Sequence[Any]], relations: Sequence[Any]
 ) -> list[_Row]:
     entries = [e for row in rows for e in row] + [e for row in right for e in row]
-    samples = sample_evaluable(Tape(entries), relations, BITS)
+    samples = sample_evaluable(Tape(entries), relations, BITS, count=1)
     if not samples:
         raise EngineLimit("no point was found at which the linear equations have real values")
     shadows = iter(samples[0][1])

@@ -117,9 +117,14 @@ def _enclose(square: Tape, free: dict[Any, Any], bound: list[Any], bits: int) ->
 
 
 def sample_evaluable(
-    tape: Tape, relations: Sequence[Any] = (), bits: int = 160, tries: int = 12, first: int = 0
+    tape: Tape,
+    relations: Sequence[Any] = (),
+    bits: int = 160,
+    tries: int = 12,
+    first: int = 0,
+    count: int = 3,
 ) -> list[tuple[dict[Any, Any], list[Any]]]:
-    """Up to three sample points, with the values there, at which every expression is finite."""
+    """Up to ``count`` sample points, with the values there, at which every expression is finite."""
     found: list[tuple[dict[Any, Any], list[Any]]] = []
     for seed in range(first, first + tries):
         try:
@@ -129,7 +134,7 @@ def sample_evaluable(
         values = tape.arb(point, bits)
         if all(v.is_finite() for v in values) and _consistent(tape.atoms, point, bits):
             found.append((point, values))
-        if len(found) == 3:
+        if len(found) == count:
             break
     return found
 

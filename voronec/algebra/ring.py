@@ -62,6 +62,7 @@ class Ring:
         self._rules: list[tuple[int, int, Any]] = []  # (generator, degree, relation polynomial)
         self.ideal: list[Any] = []
         self._roots: dict[Any, Fraction] = {}
+        self._rule_factors: dict[int, tuple[list[tuple[str, int]], Any]] = {}
         for angle in self.found.angles:
             c, s = self.pairs[angle]
             self._rules.append((self._index[s], 2, self.gen(s) ** 2 + self.gen(c) ** 2 - 1))
@@ -107,17 +108,27 @@ class Ring:
         """Positions of the sine and the cosine of each angle."""
         return [(self._index[s], self._index[c]) for c, s in self.pairs.values()]
 
-    def pure_rules(self) -> list[tuple[int, int, Any]]:
-        """(generator, degree q, f) for each relation g**q = f."""
-        return [(g, q, self._gens[g] ** q - relation) for g, q, relation in self._rules]
+    def square_roots(self) -> list[tuple[int, Any, list[tuple[int, int]]]]:
+        """(generator, f, factors of f) for each relation g**2 = f whose f occurs below.
 
-    def denominator_index(self, poly: Any) -> list[tuple[int, int]] | None:
-        """The denominator factors whose product is a polynomial up to a constant, if known."""
-        _, parts = poly.factor()
-        keys = [(str(p / p.leading_coefficient()), e) for p, e in parts]
-        if not keys or any(key not in self._factor_index for key, _ in keys):
-            return None
-        return [(self._factor_index[key], e) for key, e in keys]
+        The factors are those of denominators; their product is f up to a constant.
+        """
+        found = []
+        for generator, degree, relation in self._rules:
+            if degree == 2:
+                keys, rest = self._factored_rule(generator, relation)
+                if keys and all(key in self._factor_index for key, _ in keys):
+                    found.append((generator, rest, [(self._factor_index[k], e) for k, e in keys]))
+        return found
+
+    def _factored_rule(self, generator: int, relation: Any) -> tuple[list[tuple[str, int]], Any]:
+        """The keys of the factors of f in g**2 = f, and f."""
+        if generator not in self._rule_factors:
+            rest = self._gens[generator] ** 2 - relation
+            _, parts = rest.factor()
+            keys = [(str(p / p.leading_coefficient()), e) for p, e in parts]
+            self._rule_factors[generator] = (keys, rest)
+        return self._rule_factors[generator]
 
     def _declare(self, relations: Sequence[Any]) -> None:
         if not relations:

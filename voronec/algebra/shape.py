@@ -44,17 +44,19 @@ def expression(ring: Ring, f: Fraction, group: Sequence[Any] = ()) -> Any:
     """
     if f.num == 0:
         return se.Integer(0)
-    whole = _quotient(ring, f)
     indices = [ring.index(g) for g in group if ring.has(g)]
     pieces = _split(f.num, indices) if indices else {}
     if len(pieces) < 2:
-        return whole
+        return _quotient(ring, f)
     collected = []
     for key, piece in pieces.items():
         monomial = [ring.meaning[i] ** int(e) for i, e in zip(indices, key, strict=True) if e]
         part = ring.cancelled(Fraction(piece, f.den))
         collected.append(se.Mul(_quotient(ring, part), *monomial))
     apart = se.Add(*collected)  # reads better, so it may cost a little more
+    if len(f.num) > TRIAL_LIMIT:
+        return apart
+    whole = _quotient(ring, f)
     return apart if _cost(apart) <= 3 * _cost(whole) + 10 else whole
 
 
@@ -69,10 +71,7 @@ def _lower_roots(ring: Ring, f: Fraction) -> tuple[Any, list[tuple[Any, int]], l
     """Write s/(1 - c**2) as 1/s, 1/(1 - c**2) as 1/s**2, and likewise for square roots."""
     num, den = f.num, dict(f.den)
     below: list[Any] = []
-    for generator, degree, rest in ring.pure_rules():
-        factors = ring.denominator_index(rest)
-        if degree != 2 or factors is None:
-            continue
+    for generator, rest, factors in ring.square_roots() if den else ():
         g = ring.context.gens()[generator]
         while all(den.get(i, 0) >= e for i, e in factors):
             for i, e in factors:
@@ -136,19 +135,19 @@ def _sum(ring: Ring, terms: Terms) -> Any:
 
 def _best(ring: Ring, poly: Any) -> Any:
     """The cheapest of: expanded, factored, nested; each with c**2 or s**2 eliminated."""
-    best = _cheapest(ring, poly)
+    best = None
     for sine, cosine in ring.angle_indices():
         if poly.degrees()[cosine] < 2:
             continue
         other = _prefer_sine(ring, poly, sine, cosine)
-        if max(len(poly), len(other)) > TRIAL_LIMIT:
-            if len(other) < len(poly):
-                poly, best = other, None
-            continue
-        form = _cheapest(ring, other)
-        if best is None or _cost(form) < _cost(best):
-            best, poly = form, other
-    return best if best is not None else _cheapest(ring, poly)
+        if len(other) < len(poly):
+            poly, best = other, None
+        elif len(other) == len(poly) <= TRIAL_LIMIT:
+            best = _cheapest(ring, poly) if best is None else best
+            form = _cheapest(ring, other)
+            if _cost(form) < _cost(best):
+                poly, best = other, form
+    return _cheapest(ring, poly) if best is None else best
 
 
 def _cheapest(ring: Ring, poly: Any) -> Any:

@@ -125,7 +125,7 @@ class Trajectory:
         arrays: dict[str, Any] = {"t": self.t, "state": self.state, "names": np.array(self.names)}
         arrays |= {f"parameter {name}": value for name, value in self.parameters.items()}
         arrays = {name: self[name] for name in self.outputs} | arrays
-        np.savez(path, **arrays)  # type: ignore[arg-type]  # numpy's own keywords are no names here
+        np.savez(path, **arrays)
 
 
 def _label(key: Any) -> str:

@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["plot_sphere_traces", "plot_trajectory", "quantity_label"]
 
-INK, SOFT, FAINT, MARK = "#1b3a5c", "#8a97a6", "#d5dbe2", "#b3361e"
-STYLE = {
+INK, PALE, SOFT, FAINT = "#1b3a5c", "#b4c0cd", "#8a97a6", "#dfe4ea"
+MARK, PALE_MARK = "#b3361e", "#e6c2ba"
+STYLE: Any = {
     "font.family": "serif",
     "font.serif": ["DejaVu Serif"],
     "mathtext.fontset": "cm",
@@ -72,21 +73,21 @@ def plot_trajectory(
     shown = tuple(trajectory.outputs if names is None else names)
     if not shown:
         raise DefinitionError("there is nothing to plot; name outputs")
-    columns = 1 if len(shown) <= 4 else 2
+    columns = 1 if len(shown) <= 5 else 2
     rows = -(-len(shown) // columns)
     with rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 0.5 + 1.15 * rows), layout="constrained")
+        height = 1.15 if rows < 5 else 0.95
+        figure = Figure(figsize=(WIDTH, 0.5 + height * rows), layout="constrained")
         panels = figure.subplots(rows, columns, sharex=True, squeeze=False)
         for place, panel in enumerate(panels.T.flat):
             if place >= len(shown):
                 panel.set_visible(False)
                 continue
             _curve(panel, trajectory, shown[place])
-            last = place % rows == rows - 1 or place == len(shown) - 1
-            panel.tick_params(labelbottom=last)
-            if last:
-                panel.set_xlabel("$t$")
+            lowest = place % rows == rows - 1 or place == len(shown) - 1
+            panel.tick_params(labelbottom=lowest)
         figure.align_ylabels()
+        figure.supxlabel("$t$", fontsize=10)
         if title:
             figure.suptitle(title, fontsize=10)
         figure.draw_without_rendering()  # settles fonts while the style is in force
@@ -94,11 +95,13 @@ def plot_trajectory(
 
 
 def _curve(panel: Any, trajectory: Trajectory, name: str) -> None:
+    from matplotlib.ticker import MaxNLocator
+
     values = trajectory[name]
     panel.plot(trajectory.t, values, color=INK, linewidth=0.9)
     panel.set_ylabel(quantity_label(trajectory, name))
     panel.margins(x=0)
-    panel.locator_params(axis="y", nbins=4)
+    panel.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
     panel.spines[["top", "right"]].set_visible(False)
     spread, size = np.ptp(values), np.abs(values).max()
     if spread <= 1e-9 * size or spread == 0:  # a constant is a level line, not magnified rounding
@@ -126,7 +129,7 @@ class _View:
 def plot_sphere_traces(
     traces: Mapping[str, tuple[Any, Any]],
     parallels: bool = True,
-    height: float = 0.42,
+    height: float | None = None,
     longitudes: Sequence[float | None] = (),
 ) -> Any:
     """Curves on spheres side by side, seen from afar; all is vector graphics.
@@ -137,12 +140,14 @@ def plot_sphere_traces(
     parallels
         whether to draw the two parallels between which each curve runs.
     height
-        the eye's angle above the equator, in radians.
+        the eye's angle above the equator, in radians; by default on the side of the curve, and
+        the higher the nearer it runs to the pole.
     longitudes
-        the eye's longitude for each sphere; None, or nothing, looks at the start.
+        the eye's longitude for each sphere; None, or nothing, looks at the curve's middle, or near
+        its start where it goes around.
 
-    What lies behind the sphere is pale; a dot marks the start, an arrow the end.  Returns a
-    matplotlib ``Figure``.
+    What lies behind the sphere is pale; a dot marks the start (open where it is behind), an arrow
+    the end.  Returns a matplotlib ``Figure``.
     """
     from matplotlib import rc_context
     from matplotlib.figure import Figure
@@ -150,13 +155,14 @@ def plot_sphere_traces(
     if not traces:
         raise DefinitionError("there is no trace to draw; give {title: (colatitude, longitude)}")
     with rc_context(STYLE):
-        side = min(3.2, 2 * WIDTH / 2 / len(traces) + 0.6)
-        figure = Figure(figsize=(side * len(traces), side + 0.35), layout="constrained")
+        side = min(3.2, WIDTH / len(traces) + 0.6)
+        figure = Figure(figsize=(side * len(traces), side + 0.2), layout="constrained")
         axes = figure.subplots(1, len(traces), squeeze=False)[0]
         eyes = (*longitudes, *[None] * len(traces))
         for axis, (title, trace), eye in zip(axes, traces.items(), eyes, strict=False):
             u, v = _trace(title, *trace)
-            view = _View(v[0] + 0.55 if eye is None else eye, height)
+            rise = _rise(u) if height is None else height
+            view = _View(_towards(v) if eye is None else eye, rise)
             _sphere(axis, view)
             if parallels:
                 _limits(axis, view, u)
@@ -164,6 +170,19 @@ def plot_sphere_traces(
             axis.set_title(title, fontsize=10, pad=4)
         figure.draw_without_rendering()
     return figure
+
+
+def _towards(v: np.ndarray) -> float:
+    """The longitude from which a curve is best seen."""
+    if np.ptp(v) < 0.8 * np.pi:
+        return float((v.min() + v.max()) / 2)
+    return float(v[0] + 0.7 * np.sign(v[-1] - v[0]))
+
+
+def _rise(u: np.ndarray) -> float:
+    """The height from which a curve is best seen."""
+    latitude = float(np.cos(u).mean())
+    return (0.25 + 0.6 * abs(latitude)) * (1.0 if latitude > -0.1 else -1.0)
 
 
 def _trace(title: str, colatitude: Any, longitude: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -182,9 +201,7 @@ def _refined(u: np.ndarray, v: np.ndarray, largest: float = 0.04) -> tuple[np.nd
     steps = np.hypot(np.diff(u), np.diff(v))
     parts = np.maximum(1, np.minimum(200, np.ceil(steps / largest))).astype(int)
     place = np.arange(len(u), dtype=float)
-    fine = np.concatenate(
-        [*(i + np.arange(k) / k for i, k in enumerate(parts)), place[-1:]]
-    )
+    fine = np.concatenate([*(i + np.arange(k) / k for i, k in enumerate(parts)), place[-1:]])
     return CubicSpline(place, u)(fine), CubicSpline(place, v)(fine)
 
 
@@ -210,13 +227,13 @@ def _limits(axis: Any, view: _View, u: np.ndarray) -> None:
     turn = view.longitude + np.linspace(-np.pi, np.pi, 721)
     for colatitude in {float(u.min()), float(u.max())}:
         points = view.project(colatitude, turn)
-        _back(axis, points, MARK, 0.6, alpha=0.35)
+        _back(axis, points, PALE_MARK, 0.6, dashes=(0, (5, 2.5)))
         _front(axis, points, MARK, 0.7, dashes=(0, (5, 2.5)))
 
 
 def _path(axis: Any, view: _View, u: np.ndarray, v: np.ndarray) -> None:
     points = view.project(u, v)
-    _back(axis, points, SOFT, 0.6, alpha=0.55)
+    _back(axis, points, PALE, 0.6)
     _front(axis, points, INK, 0.95)
     x, y, depth = points
     _arrow(axis, points)
@@ -243,8 +260,8 @@ def _front(axis: Any, points: Iterable[Any], color: str, width: float, dashes: A
               linestyle=dashes, solid_joinstyle="round", zorder=3)  # fmt: skip
 
 
-def _back(axis: Any, points: Iterable[Any], color: str, width: float, alpha: float) -> None:
+def _back(axis: Any, points: Iterable[Any], color: str, width: float, dashes: Any = "-") -> None:
     x, y, depth = points
     hidden = depth < 0
     axis.plot(np.where(hidden, x, np.nan), np.where(hidden, y, np.nan), color=color,
-              linewidth=width, alpha=alpha, linestyle=(0, (1, 1.6)), zorder=2)  # fmt: skip
+              linewidth=width, linestyle=dashes, solid_joinstyle="round", zorder=2)  # fmt: skip

@@ -1,0 +1,214 @@
+"""Bad definitions: one line that names the object and the mend, of the right kind."""
+
+from __future__ import annotations
+
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec import DefinitionError, Fibration, Frame, Parameter, System, time, velocity
+
+x, y, z, phi, s = sp.symbols("x y z phi s")
+Dx, Dy, Dz, Dphi = map(velocity, (x, y, z, phi))
+v, w, m, k = sp.symbols("v w m k")
+PLANE = Fibration((x, phi), (y,))
+KINETIC = (Dx**2 + Dy**2 + Dphi**2) / 2
+KNIFE = Dy - sp.tan(phi) * Dx
+
+
+def asked(**options):
+    given = {"name": "s", "fibration": PLANE, "lagrangian": KINETIC, "constraints": (KNIFE,)}
+    eqs = vo.derive(System(**(given | options)))
+    return eqs.force
+
+
+def test_the_sound_definition_is_accepted():
+    assert asked().shape == (2, 1)
+
+
+QUASI = {v: Dx, w: Dphi}
+MEANT = {
+    "curved constraint": (
+        {"constraints": (Dy**2 - Dx,)}, ["constraint 1", "not affine in the velocities"],
+    ),
+    "constraint on coordinates": ({"constraints": (y - x,)}, ["constraint 1", "differentiate"]),
+    "constraint nothing": ({"constraints": (sp.Integer(0),)}, ["constraint 1"]),
+    "constraint impossible": ({"constraints": (sp.Integer(1),)}, ["constraint 1", "drop it"]),
+    "too many": ({"constraints": (KNIFE, Dx)}, ["2 constraints", "1 fibre"]),
+    "too few": ({"constraints": ()}, ["1 fibre", "0 constraint", "to the base"]),
+    "dependent": (
+        {"fibration": Fibration((phi,), (x, y)), "constraints": (KNIFE, 2 * KNIFE)},
+        ["constraint 2", "follows from the others", "drop it"],
+    ),
+    "dependent in disguise": (
+        {
+            "fibration": Fibration((phi,), (x, y)),
+            "constraints": (Dy * sp.cos(phi) - Dx * sp.sin(phi), Dy - Dx * sp.tan(phi)),
+        },
+        ["follows from the others"],
+    ),
+    "contradictory": (
+        {"fibration": Fibration((phi,), (x, y)), "constraints": (KNIFE, KNIFE - 1)},
+        ["constraint 2", "contradict"],
+    ),
+    "not transverse": (
+        {"constraints": (Dx - Dphi,)}, ["undetermined: y", "base=(phi, y), fibre=(x)"],
+    ),
+    "unknown symbol": ({"lagrangian": KINETIC + k}, ["the Lagrangian", "'k'", "parameters="]),
+    "unknown in a constraint": ({"constraints": (KNIFE - k,)}, ["constraint 1", "'k'"]),
+    "unknown in a force": ({"forces": {x: k}}, ["the force on 'x'", "'k'"]),
+    "unknown in the frame": ({"frame": Frame.quasi({v: Dx + k, w: Dphi})}, ["'v'", "'k'"]),
+    "unknown in a claim": ({"integrals": {"E": k}}, ["integral 'E'", "'k'"]),
+    "an acceleration": ({"lagrangian": KINETIC + velocity(Dx)}, ["'xdotdot'"]),
+    "another symbol of the name": (
+        {"lagrangian": KINETIC * sp.Symbol("x", positive=True)}, ["'x'", "one symbol object"],
+    ),
+    "force on nothing": ({"forces": {z: 1}}, ["'z'", "not a coordinate", "'phi'"]),
+    "parameter twice": ({"parameters": (m, m)}, ["'m' is used twice", "rename"]),
+    "parameter and coordinate": (
+        {"parameters": (x,)}, ["'x' is used twice", "a coordinate and a parameter"],
+    ),
+    "parameter and time": ({"parameters": (time,)}, ["'t'", "the time"]),
+    "quasi-velocity and velocity": ({"frame": Frame.quasi({Dx: Dx, w: Dphi})}, ["'xdot'", "twice"]),
+    "no inertia": ({"lagrangian": (Dx**2 + Dy**2) / 2}, ["mass matrix is singular", "'phidot'"]),
+    "no inertia in a combination": (
+        {"lagrangian": (Dx + Dphi) ** 2 / 2}, ["singular", "xdot, phidot"],
+    ),
+    "no Lagrangian": ({"lagrangian": 0}, ["mass matrix is singular"]),
+    "curved frame": ({"frame": Frame.quasi({v: Dx**2, w: Dphi})}, ["'v'", "not affine"]),
+    "dependent frame": ({"frame": Frame.quasi({v: Dx, w: 2 * Dx})}, ["do not determine", "phi"]),
+    "small frame": ({"frame": Frame.quasi({v: Dx})}, ["phi", "1 more"]),
+    "large frame": ({"frame": Frame.quasi(QUASI | {z: Dx + Dphi})}, ["dependent", "leave out"]),
+    "frame by itself": ({"frame": Frame.quasi({v: Dx + w, w: Dphi})}, ["'v'", "quasi-velocity"]),
+    "constraint by the frame": (
+        {"frame": Frame.quasi(QUASI), "constraints": (Dy - v,)}, ["constraint 1", "'v'"],
+    ),
+    "relation on velocities": (
+        {"fibration": Fibration((x, phi), (y,), relations=(y * Dx - 1,))}, ["relation 1", "xdot"],
+    ),
+    "relation on quasi-velocities": (
+        {
+            "fibration": Fibration((x, phi), (y,), relations=(y - v,)), "constraints": (),
+            "frame": Frame.quasi(QUASI),
+        },
+        ["relation 1", "v"],
+    ),
+    "redundant base without a frame": (
+        {"fibration": Fibration((x, phi), (y,), relations=(x**2 + phi**2 - 1,))},
+        ["redundant", "frame="],
+    ),
+    "impossible relation": (
+        {"fibration": Fibration((x, phi), (y,), relations=(sp.Integer(1),))}, ["relation 1"],
+    ),
+    "Heaviside": ({"lagrangian": KINETIC + sp.Heaviside(x)}, ["Heaviside", "elementary"]),
+    "Piecewise": (
+        {"lagrangian": KINETIC + sp.Piecewise((x, x > 0), (0, True))}, ["Piecewise"],
+    ),
+    "not a number": ({"lagrangian": KINETIC + sp.nan}, ["nan"]),
+    "imaginary": ({"lagrangian": KINETIC * sp.I}, ["I"]),
+    "Lagrangian missing": ({"lagrangian": None}, ["Lagrangian"]),
+    "Lagrangian unreadable": ({"lagrangian": "x + ("}, ["Lagrangian"]),
+    "Lagrangian a matrix": ({"lagrangian": sp.eye(2)}, ["Lagrangian"]),
+    "Lagrangian a list": ({"lagrangian": [KINETIC]}, ["Lagrangian"]),
+    "Lagrangian true": ({"lagrangian": sp.true}, ["Lagrangian"]),
+    "constraint bare": ({"constraints": KNIFE}, ["constraints", "(c,)|tuple|list"]),
+    "constraint trivial": ({"constraints": (sp.Eq(Dy, Dy),)}, ["constraint"]),
+    "constraint missing": ({"constraints": (None,)}, ["constraint 'None'"]),
+    "constraint an inequality": ({"constraints": (Dy < Dx,)}, ["constraint", "vanishes"]),
+    "constraint unreadable": ({"constraints": ("ydot - (",)}, ["constraint"]),
+    "parameters bare": ({"parameters": m}, ["parameters"]),
+    "parameter a string": ({"parameters": ("m",)}, ["'m'", "sympy.Symbol"]),
+    "forces a list": ({"forces": [1]}, ["forces"]),
+    "force missing": ({"forces": {x: None}}, ["force"]),
+    "frame a mapping": ({"frame": {v: Dx, w: Dphi}}, ["Frame.quasi"]),
+    "fibration a tuple": ({"fibration": ((x, phi), (y,))}, ["Fibration"]),
+    "integrals a list": ({"integrals": [Dx]}, ["integrals"]),
+    "scenes a list": ({"scenes": [1]}, ["scenes"]),
+    "invariants a list": ({"invariants": [x]}, ["invariants"]),
+    "measure unreadable": ({"measure": "x("}, ["measure"]),
+    "name a number": ({"name": 5}, ["name"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("options, words", MEANT.values(), ids=MEANT)
+def test_a_bad_definition_is_refused_in_one_line_that_names_it(options, words):
+    with pytest.raises(DefinitionError) as caught:
+        asked(**options)
+    message = str(caught.value)
+    assert "\n" not in message
+    for word in words:
+        assert any(part in message for part in word.split("|")), message
+
+
+MADE = {
+    "base a number": (lambda: Fibration(base=5), "base"),
+    "base missing": (lambda: Fibration(base=None), "base"),
+    "base a string": (lambda: Fibration(base="xy"), "base"),
+    "base an expression": (lambda: Fibration(base=(x + y,)), "base"),
+    "base twice": (lambda: Fibration(base=(x, x)), "'x' is listed twice"),
+    "base and fibre": (lambda: Fibration(base=(x,), fibre=(x,)), "'x' is listed twice"),
+    "relation bare": (lambda: Fibration((x, y), relations=x**2 + y**2 - 1), "relations"),
+    "relation missing": (lambda: Fibration((x,), relations=(None,)), "relation"),
+    "relation unreadable": (lambda: Fibration((x,), relations=("x(",)), "relation"),
+    "frame empty": (lambda: Frame.quasi({}), "non-empty mapping"),
+    "frame a list": (lambda: Frame.quasi([v]), "mapping"),
+    "frame of a sum": (lambda: Frame.quasi({v + w: Dx}), "frame"),
+    "frame unreadable": (lambda: Frame.quasi({v: "x("}), "'v'"),
+    "frame missing": (lambda: Frame.quasi({v: None}), "'v'"),
+    "negative": (lambda: Parameter(m, -1, positive=True), "'m' = -1 must be positive"),
+    "not a value": (lambda: Parameter(m, "wide"), "'m' = wide"),
+    "a symbol for a value": (lambda: Parameter(m, k), "'m' = k"),
+    "imaginary": (lambda: Parameter(m, 1j), "'m' = 1j"),
+    "nan": (lambda: Parameter(m, float("nan")), "'m' = nan"),
+    "infinite": (lambda: Parameter(m, float("inf")), "'m' = inf"),
+    "above": (lambda: Parameter(m, 2, upper=1), "above 1"),
+    "below": (lambda: Parameter(m, 0, lower=1), "below 1"),
+    "bound unreadable": (lambda: Parameter(m, 2, lower="q("), "'m'"),
+    "a string": (lambda: Parameter("m"), "sympy.Symbol"),
+    "velocity of a number": (lambda: velocity(5), "symbol"),
+    "velocity of a sum": (lambda: velocity(x + y), "symbol"),
+    "derive nothing": (lambda: vo.derive(None), "System"),
+    "derive a name": (lambda: vo.derive("sleigh"), "System"),
+}
+
+
+@pytest.mark.parametrize("make, word", MADE.values(), ids=MADE)
+def test_a_bad_part_is_refused_in_one_line(make, word):
+    with pytest.raises(DefinitionError) as caught:
+        make()
+    assert "\n" not in str(caught.value) and word in str(caught.value)
+
+
+def test_quasi_velocities_in_the_lagrangian_are_refused_or_understood():
+    """L may say v where it means v(q, qdot); what must not happen is a silent wrong answer."""
+    frame = Frame.quasi({v: Dx + Dphi * x, w: Dphi})
+    body = {"name": "s", "fibration": Fibration((x, phi)), "frame": frame}
+    meant = System(lagrangian=(Dx**2 + Dphi**2) / 2 + (Dx + Dphi * x) * phi, **body)
+    point = {x: 1, phi: 2, v: 3, w: 4}
+    try:
+        found = vo.derive(System(lagrangian=(Dx**2 + Dphi**2) / 2 + v * phi, **body))
+    except DefinitionError as refusal:
+        assert "quasi-velocity" in str(refusal)
+    else:
+        assert found.acceleration(point) == vo.derive(meant).acceleration(point)
+
+
+def test_a_constraint_that_only_looks_curved_is_accepted():
+    disguised = (sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1) * Dx**2 + KNIFE
+    assert asked(constraints=(disguised,)) == asked()
+
+
+def test_the_split_offered_works():
+    constraints = (Dx - Dphi, Dphi - 2 * Dx + Dz)
+    with pytest.raises(DefinitionError, match="a split that works") as caught:
+        asked(
+            fibration=Fibration((x, phi), (y, z)),
+            lagrangian=KINETIC + Dz**2,
+            constraints=constraints,
+        )
+    text = str(caught.value)
+    parts = [text.split(f"{part}=(")[1].split(")")[0].split(", ") for part in ("base", "fibre")]
+    base, fibre = (tuple(sp.Symbol(n) for n in part) for part in parts)
+    assert asked(
+        fibration=Fibration(base, fibre), lagrangian=KINETIC + Dz**2, constraints=constraints
+    ).rows == len(base)
