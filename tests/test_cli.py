@@ -223,7 +223,11 @@ def test_run_writes_the_motion_and_tells_the_drift(call: Call, method: str) -> N
     assert (answer.status, answer.err) == (0, "")
     (drift,) = (line for line in answer.out.splitlines() if line.startswith("drift of  energy"))
     assert float(drift.split()[-1]) < 1e-10
-    assert sorted(p.name for p in Path("made").iterdir()) == ["plot.svg", "trajectory.csv"]
+    assert sorted(p.name for p in Path("made").iterdir()) == [
+        "path.svg",
+        "plot.svg",
+        "trajectory.csv",
+    ]
     with open("made/trajectory.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0]) == ["t", "x", "y", "phi", "v", "w"]
@@ -278,6 +282,15 @@ def test_run_never_writes_over_a_file(call: Call) -> None:
     assert "'taken.py' is a file" in refused(call("run", "sleigh", "--out", "taken.py"))
     assert Path("taken.py").read_text() == "mine"
     assert "cannot be written" in refused(call("run", "sleigh", "--out", "taken.py/inner"))
+
+
+def test_a_drawing_may_be_traces_on_spheres_by_their_names(call: Call) -> None:
+    call("new", "sled")
+    text = Path("sled.py").read_text()
+    assert "drawing" not in text
+    Path("sled.py").write_text(text.replace("title=", 'drawing={"ball": ("phi", "y")}, title='))
+    assert call("run", "sled.py").status == 0
+    assert "<svg" in Path("sled-run/drawing.svg").read_text()
 
 
 def test_a_drawing_that_fails_leaves_nothing_behind(call: Call) -> None:

@@ -9,7 +9,7 @@ Indices: i = 0..n-1 are the velocities v, index n is the time (v^n = 1).  See do
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -141,13 +141,18 @@ class EhresmannConnection:
 
 
 def solve_fibre(
-    constraints: AffineForms, relations: AffineForms, base: int, ideal: Sequence[Any]
+    constraints: AffineForms,
+    relations: AffineForms,
+    base: int,
+    ideal: Sequence[Any],
+    near: Mapping[str, Any] | None = None,
 ) -> tuple[FibreSolution, Solution | None]:
     """Solve the constraints, with differentiated relations, for the fibre velocities.
 
     ``ideal`` are the relations themselves.  The elimination comes along for whoever asks what is
     free, dependent or contradictory: its rows are the constraints, then the relations that bind
-    fibre velocities; its right sides the base velocities, then 1.
+    fibre velocities; its right sides the base velocities, then 1.  At the point ``near`` the
+    solution is defined where possible.
     """
     binding = [i for i, row in enumerate(relations.matrix) if any(e != 0 for e in row[base:])]
     rows = [*constraints.matrix, *(relations.matrix[i] for i in binding)]
@@ -156,7 +161,7 @@ def solve_fibre(
         return FibreSolution((), ()), None
     left = [row[base:] for row in rows]
     right = [[-e for e in row[:base]] + [-o] for row, o in zip(rows, offsets, strict=True)]
-    solution = solve_linear(left, right, ideal, prefer=len(constraints.matrix))
+    solution = solve_linear(left, right, ideal, prefer=len(constraints.matrix), near=near)
     fibre = FibreSolution(
         tuple(tuple(v[:-1]) for v in solution.values), tuple(v[-1] for v in solution.values)
     )
@@ -181,6 +186,7 @@ def connect(
     relations: AffineForms,
     ideal: Sequence[Any],
     tidy: Tidy,
+    near: Mapping[str, Any] | None = None,
 ) -> EhresmannConnection:
     """The connection in a frame, or in the coordinate frame where ``frame`` is None."""
     n = len(velocities)
@@ -199,7 +205,7 @@ def connect(
     right = [
         [se.Integer(int(i == k)) for i in range(n)] + [-dual_offset[k]] for k in range(n)
     ] + [[se.Integer(0)] * n + [-o] for o in extra_offset]
-    solution = solve_linear([*dual_rows, *extra_rows], right, ideal)
+    solution = solve_linear([*dual_rows, *extra_rows], right, ideal, near=near)
     if solution.free or solution.contradictory:
         raise Undetermined(solution.free or (-1,))
     flat = tidy([e for row in solution.values for e in row])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,6 +36,7 @@ class Definition:
     relations: tuple[Any, ...]
     differentiated: AffineForms
     fibre: FibreSolution
+    near: dict[str, Any]
 
     @property
     def base(self) -> int:
@@ -43,8 +44,12 @@ class Definition:
         return len(self.system.fibration.base)
 
 
-def read(system: System) -> Definition:
-    """Translate and check a system; raises ``DefinitionError`` where it makes no sense."""
+def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
+    """Translate and check a system; raises ``DefinitionError`` where it makes no sense.
+
+    ``near`` is a point, by names, at which the solved constraints should be defined; by default
+    the start of the default scene.
+    """
     door = Door(s for s in system.known_symbols() if s == time or _is_variable(system, s))
     coordinates = tuple(door.inward(q) for q in system.coordinates)
     dots = tuple(door.inward(velocity(q)) for q in system.coordinates)
@@ -55,7 +60,8 @@ def read(system: System) -> Definition:
     )
     constraints = _constraints(system, door, dots)
     _count(system, len(constraints.matrix), differentiated)
-    fibre = _solved(system, constraints, differentiated, relations)
+    point = _start(system) if near is None else dict(near)
+    fibre = _solved(system, constraints, differentiated, relations, point)
     zero = se.Integer(0)
     forces = {q: door.inward(force) for q, force in system.forces.items()}
     return Definition(
@@ -73,7 +79,19 @@ def read(system: System) -> Definition:
         relations=relations,
         differentiated=differentiated,
         fibre=fibre,
+        near=point,
     )
+
+
+def _start(system: System) -> dict[str, Any]:
+    """Parameters and coordinates at the start of the default scene, zero where nothing is said."""
+    scene = system.scenes.get("default")
+    point = {p.name: p.value for p in system.parameters if p.value is not None}
+    for given in (scene.parameters, scene.initial) if scene is not None else ():
+        point |= {k if isinstance(k, str) else plain_name(k): v for k, v in given.items()}
+    if not system.fibration.relations:
+        point = {plain_name(q): 0 for q in system.coordinates} | point
+    return point
 
 
 def _is_variable(system: System, symbol: sp.Expr) -> bool:
@@ -147,10 +165,14 @@ def _count(system: System, constraints: int, differentiated: AffineForms) -> Non
 
 
 def _solved(
-    system: System, constraints: AffineForms, differentiated: AffineForms, ideal: Sequence[Any]
+    system: System,
+    constraints: AffineForms,
+    differentiated: AffineForms,
+    ideal: Sequence[Any],
+    near: Mapping[str, Any],
 ) -> FibreSolution:
     base = len(system.fibration.base)
-    fibre, solution = solve_fibre(constraints, differentiated, base, ideal)
+    fibre, solution = solve_fibre(constraints, differentiated, base, ideal, near)
     if solution is None:
         return fibre
     k = len(constraints.matrix)

@@ -97,7 +97,7 @@ class Derivation:
         try:
             return connect(
                 d.coordinates, d.base, velocities, d.time, self.fibre, frame,
-                d.differentiated, d.relations, tidy,
+                d.differentiated, d.relations, tidy, d.near,
             )  # fmt: skip
         except Undetermined as error:
             raise _frame_error(d, error) from None

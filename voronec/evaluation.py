@@ -11,6 +11,7 @@ import sympy as sp
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.tape import Tape
+from voronec.definition import read
 from voronec.derivation import Derivation
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.system import System
@@ -57,13 +58,26 @@ def acceleration(
     eqs: VoronecEquations, point: Mapping[Any, Any], digits: int
 ) -> dict[sp.Expr, sp.Float]:
     """See ``VoronecEquations.acceleration``."""
-    raw, system = eqs.raw, eqs.system
+    system = eqs.system
     values = named_point(system, point)
+    result = _accelerations(eqs.raw, values, digits)
+    if result is None:  # a pivot may vanish just here: solve the constraints for this point
+        result = _accelerations(Derivation(read(system, values), False), values, digits)
+    if result is None:
+        raise DefinitionError(
+            f"system '{system.name}' has no accelerations at this point: its mass matrix is "
+            "singular or its equations are not defined there"
+        )
+    return dict(zip(system.coordinates, result, strict=True))
+
+
+def _accelerations(raw: Derivation, values: dict[str, Any], digits: int) -> list[sp.Float] | None:
+    """Accelerations to ``digits`` digits; None where the equations give none."""
+    system = raw.definition.system
     n, total = raw.connection.n, len(system.coordinates)
     mass = [e for row in raw.mass for e in row]
     lift = [e for row in raw.connection.lift for e in row[:n]]
-    relations = list(raw.definition.relations)
-    tape = Tape([*mass, *raw.force, *lift, *raw.rate_drift, *relations])
+    tape = Tape([*mass, *raw.force, *lift, *raw.rate_drift, *raw.definition.relations])
     unknown = [str(a) for a in tape.atoms if str(a) not in values]
     if unknown:
         raise DefinitionError(
@@ -80,15 +94,9 @@ def acceleration(
             _check_relations(system, list(numbers))
             result = _solved(m, f, h, drift)
         if result is not None and _accurate(result, digits):
-            return {
-                q: sp.Float(a.str(digits + 10, radius=False), digits)
-                for q, a in zip(system.coordinates, result, strict=True)
-            }
+            return [sp.Float(a.str(digits + 10, radius=False), digits) for a in result]
         bits *= 2
-    raise DefinitionError(
-        f"system '{system.name}' has no accelerations at this point: its mass matrix is singular "
-        "or its equations are not defined there"
-    )
+    return None
 
 
 def _solved(m: Any, f: Any, h: Any, drift: Any) -> list[Any] | None:

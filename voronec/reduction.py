@@ -15,10 +15,11 @@ import flint
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.field import Fraction
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
-from voronec.algebra.ring import Fraction, Ring
-from voronec.algebra.shape import expression, polynomial_expression
+from voronec.algebra.ring import Ring
+from voronec.algebra.shape import expression
 from voronec.algebra.tape import Tape
 from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit
@@ -112,7 +113,7 @@ def _coordinate_generators(ring: Ring, coordinates: Sequence[Any]) -> list[int]:
 
 
 def _free_of(ring: Ring, element: Fraction, generators: Sequence[int]) -> bool:
-    polynomials = [element.num, *(p for p, _ in ring.factors(element.den))]
+    polynomials = [element.num, *(p for p, _ in ring.field.factors(element.den))]
     return not any(p != 0 and p.degrees()[g] for p in polynomials for g in generators)
 
 
@@ -121,8 +122,8 @@ def _relations_among(
 ) -> tuple[sp.Expr, ...]:
     """The elements of the Groebner basis in which only tags occur."""
     return tuple(
-        eqs.door.outward(polynomial_expression(ring, p))
-        for p in ring.ideal
+        eqs.door.outward(ring.polynomial(p))
+        for p in ring.field.ideal
         if not any(p.degrees()[g] for g in moving)
     )
 

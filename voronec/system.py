@@ -227,9 +227,7 @@ def _names_in(expr: sp.Expr) -> set[sp.Expr]:
     stack = [expr]
     while stack:
         node = stack.pop()
-        if is_symbolic_name(node):
-            found.add(node)
-        elif isinstance(node, sp.Derivative) and node.variables == (time,) * len(node.variables):
+        if is_symbolic_name(node) or (isinstance(node, sp.Derivative) and node.variables == (time,) * len(node.variables)):
             found.add(node)
         elif isinstance(node, sp.Subs):
             stack.extend(node.point)

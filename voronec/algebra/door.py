@@ -127,8 +127,8 @@ class Door:
 
     def outward_matrix(self, rows: Sequence[Sequence[Any]]) -> sp.ImmutableMatrix:
         """The SymPy matrix of nested sequences of symengine expressions."""
-        entries = [[self.outward(entry) for entry in row] for row in rows]
-        return sp.ImmutableMatrix(len(rows), len(rows[0]) if rows else 0, sum(entries, []))
+        entries = [self.outward(entry) for row in rows for entry in row]
+        return sp.ImmutableMatrix(len(rows), len(rows[0]) if rows else 0, entries)
 
     def _leave(self, expr: Any) -> Any:
         done = self._outward.get(expr)

@@ -7,7 +7,7 @@ form before it is dropped.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -45,6 +45,7 @@ class _Row:
     right: dict[int, Any]
     shadow_left: dict[int, Any]
     shadow_right: dict[int, Any]
+    near_left: dict[int, Any]
 
 
 def solve_linear(
@@ -52,14 +53,16 @@ def solve_linear(
     right: Sequence[Sequence[Any]],
     relations: Sequence[Any] = (),
     prefer: int = 0,
+    near: Mapping[str, Any] | None = None,
 ) -> Solution:
     """Solve rows * x = right exactly, for any number of right sides; rows may be redundant.
 
     The first ``prefer`` rows are used before the others, so that what reduces to zero is, where
-    possible, one of the others.
+    possible, one of the others.  Pivots that do not vanish at the point ``near`` (numbers by name)
+    are preferred, so that the solution is defined there too.
     """
     unknowns = len(rows[0]) if rows else 0
-    work = _shadowed(rows, right, relations)
+    work = _shadowed(rows, right, relations, near)
     done: list[tuple[int, _Row]] = []
     while True:
         choice = _pivot(work, prefer)
@@ -86,22 +89,31 @@ def solve_linear(
 
 
 def _shadowed(
-    rows: Sequence[Sequence[Any]], right: Sequence[Sequence[Any]], relations: Sequence[Any]
+    rows: Sequence[Sequence[Any]],
+    right: Sequence[Sequence[Any]],
+    relations: Sequence[Any],
+    near: Mapping[str, Any] | None,
 ) -> list[_Row]:
     entries = [e for row in rows for e in row] + [e for row in right for e in row]
-    samples = sample_evaluable(Tape(entries), relations, BITS, count=1)
+    tape = Tape(entries)
+    samples = sample_evaluable(tape, relations, BITS, count=1)
     if not samples:
         raise EngineLimit("no point was found at which the linear equations have real values")
-    shadows = iter(samples[0][1])
-    left_shadows = [[next(shadows) for _ in row] for row in rows]
-    right_shadows = [[next(shadows) for _ in row] for row in right]
+    point, shadows = samples[0]
+    width = len(rows[0]) if rows else 0
+    wide = len(right[0]) if right else 0
+    at_near = shadows
+    if near is not None:
+        at_near = tape.arb({a: near.get(str(a), value) for a, value in point.items()}, BITS)
+    border = len(rows) * width
     return [
         _Row(
             i,
             {j: e for j, e in enumerate(rows[i]) if e != 0},
             {c: e for c, e in enumerate(right[i]) if e != 0},
-            dict(enumerate(left_shadows[i])),
-            dict(enumerate(right_shadows[i])),
+            dict(enumerate(shadows[i * width : (i + 1) * width])),
+            dict(enumerate(shadows[border + i * wide : border + (i + 1) * wide])),
+            dict(enumerate(at_near[i * width : (i + 1) * width])),
         )
         for i in range(len(rows))
     ]
@@ -119,7 +131,8 @@ def _pivot(work: list[_Row], prefer: int) -> tuple[_Row, int] | None:
             if row.shadow_left[j].contains(0):
                 continue
             fill = (len(row.left) - 1) * (counts[j] - 1)
-            cost = (row.label >= prefer, fill, 0 if entry.is_Number else 1, len(entry.args))
+            lost = row.near_left[j].contains(0)  # true also where the value is not finite
+            cost = (row.label >= prefer, lost, fill, not entry.is_Number, len(entry.args))
             if best_cost is None or cost < best_cost:
                 best, best_cost = (row, j), cost
     return best
@@ -131,6 +144,9 @@ def _subtract(target: _Row, pivot: _Row, column: int, relations: Sequence[Any]) 
     shadow = target.shadow_left[column] / pivot.shadow_left[column]
     del target.left[column]
     target.shadow_left[column] = shadow * 0
+    at_near = target.near_left[column] / pivot.near_left[column]
+    for j in pivot.left:
+        target.near_left[j] = target.near_left[j] - at_near * pivot.near_left[j]
     for into, shadows, source, source_shadows in (
         (target.left, target.shadow_left, pivot.left, pivot.shadow_left),
         (target.right, target.shadow_right, pivot.right, pivot.shadow_right),

@@ -8,7 +8,8 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.door import Door
-from voronec.algebra.ring import WORK_LIMIT, Ring
+from voronec.algebra.field import WORK_LIMIT
+from voronec.algebra.ring import Ring
 from voronec.algebra.shape import expanded, expression
 
 __all__ = ["canonical", "shorten", "shortest"]
@@ -26,7 +27,7 @@ def shortest(
     ``EngineLimit`` where the normal form is beyond the work limit.
     """
     ring = Ring([*exprs, *group], relations, work_limit)
-    return [expression(ring, ring.fraction(e), group) for e in exprs]
+    return [expression(ring, ring.field.absorbed(ring.fraction(e)), group) for e in exprs]
 
 
 def canonical(
@@ -34,7 +35,7 @@ def canonical(
 ) -> list[Any]:
     """Each symengine expression as an expanded fraction: what ``shortest`` starts from."""
     ring = Ring(exprs, relations, work_limit)
-    return [expanded(ring, ring.fraction(e)) for e in exprs]
+    return [expanded(ring, ring.field.absorbed(ring.fraction(e))) for e in exprs]
 
 
 def shorten(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> list[sp.Expr]:

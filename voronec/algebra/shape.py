@@ -8,9 +8,10 @@ from typing import Any
 import flint
 import symengine as se
 
-from voronec.algebra.ring import Fraction, Ring
+from voronec.algebra.field import Fraction
+from voronec.algebra.ring import Monomial, Ring, sparse_terms
 
-__all__ = ["expanded", "expression", "operations", "polynomial_expression"]
+__all__ = ["expanded", "expression", "operations"]
 
 FACTOR_LIMIT = 150
 """Polynomials with more terms than this are not tried for a factorization."""
@@ -19,8 +20,8 @@ TRIAL_LIMIT = 40
 
 ONE = flint.fmpq(1)
 
-Terms = dict[tuple[tuple[int, int], ...], Any]
-"""A polynomial as {((generator, exponent), ...): coefficient}, exponents positive."""
+Terms = dict[Monomial, Any]
+"""A polynomial as {monomial: coefficient}."""
 
 
 def operations(exprs: Iterable[Any]) -> int:
@@ -32,8 +33,8 @@ def operations(exprs: Iterable[Any]) -> int:
 def expanded(ring: Ring, f: Fraction) -> Any:
     """An element as an expanded numerator over a factored denominator: quick, not short."""
     num, den, below = _lower_roots(ring, f)
-    parts = [_sum(ring, _terms(num))] + [se.Pow(g, -1) for g in below]
-    parts += [se.Pow(_sum(ring, _terms(poly)), -e) for poly, e in den]
+    parts = [_sum(ring, sparse_terms(num))] + [se.Pow(g, -1) for g in below]
+    parts += [se.Pow(_sum(ring, sparse_terms(poly)), -e) for poly, e in den]
     return se.Mul(*parts)
 
 
@@ -51,7 +52,7 @@ def expression(ring: Ring, f: Fraction, group: Sequence[Any] = ()) -> Any:
     collected = []
     for key, piece in pieces.items():
         monomial = [ring.meaning[i] ** int(e) for i, e in zip(indices, key, strict=True) if e]
-        part = ring.cancelled(Fraction(piece, f.den))
+        part = ring.field.cancelled(Fraction(piece, f.den))
         collected.append(se.Mul(_quotient(ring, part), *monomial))
     apart = se.Add(*collected)  # reads better, so it may cost a little more
     if len(f.num) > TRIAL_LIMIT:
@@ -71,22 +72,22 @@ def _lower_roots(ring: Ring, f: Fraction) -> tuple[Any, list[tuple[Any, int]], l
     """Write s/(1 - c**2) as 1/s, 1/(1 - c**2) as 1/s**2, and likewise for square roots."""
     num, den = f.num, dict(f.den)
     below: list[Any] = []
-    for generator, rest, factors in ring.square_roots() if den else ():
-        g = ring.context.gens()[generator]
+    for generator, rest, factors in ring.field.square_roots() if den else ():
+        g = ring.field.context.gens()[generator]
         while all(den.get(i, 0) >= e for i, e in factors):
             for i, e in factors:
                 den[i] -= e
-            ratio = (ring.denominator(factors) / rest).leading_coefficient()
+            ratio = (ring.field.denominator(factors) / rest).leading_coefficient()
             num = num * (1 / ratio)
             pieces = _split(num, [generator])
-            even, odd = pieces.get((0,), ring.zero), pieces.get((1,), ring.zero)
+            even, odd = pieces.get((0,), ring.field.zero), pieces.get((1,), ring.field.zero)
             quotient, remainder = divmod(even, rest)  # num = even + odd*g, g**2 = rest
             if remainder == 0:
                 num = odd + quotient * g
                 below.append(ring.meaning[generator])
             else:
                 below += [ring.meaning[generator]] * 2
-    return num, [(poly, e) for poly, e in ring.factors(den.items()) if e], below
+    return num, [(poly, e) for poly, e in ring.field.factors(den.items()) if e], below
 
 
 def _split(poly: Any, indices: Sequence[int]) -> dict[tuple[int, ...], Any]:
@@ -109,28 +110,8 @@ def _cost(expr: Any) -> int:
 # -- polynomials as expressions -------------------------------------------------------------
 
 
-def _terms(poly: Any) -> Terms:
-    return {
-        tuple((i, int(e)) for i, e in enumerate(monomial) if e): coefficient
-        for monomial, coefficient in poly.to_dict().items()
-    }
-
-
-def _term(ring: Ring, monomial: tuple[tuple[int, int], ...], coefficient: Any) -> Any:
-    number = se.Integer(int(coefficient.p))
-    if coefficient.q != 1:
-        number = number / se.Integer(int(coefficient.q))
-    meaning = ring.meaning
-    return se.Mul(number, *[meaning[i] if e == 1 else meaning[i] ** e for i, e in monomial])
-
-
-def polynomial_expression(ring: Ring, poly: Any) -> Any:
-    """A polynomial as an expanded expression."""
-    return _sum(ring, _terms(poly))
-
-
 def _sum(ring: Ring, terms: Terms) -> Any:
-    return se.Add(*[_term(ring, m, c) for m, c in terms.items()])
+    return se.Add(*[ring.term(m, c) for m, c in terms.items()])
 
 
 def _best(ring: Ring, poly: Any) -> Any:
@@ -152,15 +133,15 @@ def _best(ring: Ring, poly: Any) -> Any:
 
 def _cheapest(ring: Ring, poly: Any) -> Any:
     if len(poly) < 2:
-        return _sum(ring, _terms(poly))
+        return _sum(ring, sparse_terms(poly))
     if len(poly) > FACTOR_LIMIT:
-        return _nested(ring, _terms(poly))
+        return _nested(ring, sparse_terms(poly))
     content, parts = poly.factor()
     number = se.Integer(int(content.p)) / se.Integer(int(content.q))
-    forms = [_sum(ring, _terms(poly))]
+    forms = [_sum(ring, sparse_terms(poly))]
     if len(parts) > 1 or parts[0][1] > 1 or content != 1:
-        forms.append(se.Mul(number, *[_sum(ring, _terms(p)) ** e for p, e in parts]))
-    nested = [_nested(ring, _terms(p)) ** e for p, e in parts]
+        forms.append(se.Mul(number, *[_sum(ring, sparse_terms(p)) ** e for p, e in parts]))
+    nested = [_nested(ring, sparse_terms(p)) ** e for p, e in parts]
     return min([*forms, se.Mul(number, *nested)], key=_cost)
 
 
@@ -168,7 +149,7 @@ def _nested(ring: Ring, terms: Terms) -> Any:
     """Horner's scheme in the generator that most terms share, again and again."""
     common = _common_monomial(terms)
     if common and len(terms) > 1:
-        return _term(ring, common, ONE) * _nested(ring, _divided(terms, dict(common)))
+        return ring.term(common, ONE) * _nested(ring, _divided(terms, dict(common)))
     counts: dict[int, int] = {}
     for monomial in terms:
         for i, _ in monomial:
@@ -181,7 +162,7 @@ def _nested(ring: Ring, terms: Terms) -> Any:
     return _nested(ring, inside) + _nested(ring, outside)
 
 
-def _common_monomial(terms: Terms) -> tuple[tuple[int, int], ...]:
+def _common_monomial(terms: Terms) -> Monomial:
     """The greatest monomial that divides every term."""
     monomials = iter(terms)
     shared = dict(next(monomials))
@@ -202,9 +183,9 @@ def _divided(terms: Terms, powers: dict[int, int]) -> Terms:
 
 def _prefer_sine(ring: Ring, poly: Any, sine: int, cosine: int) -> Any:
     """Replace c**2 by 1 - s**2."""
-    square = 1 - ring.context.gens()[sine] ** 2
-    total = ring.zero
+    square = 1 - ring.field.context.gens()[sine] ** 2
+    total = ring.field.zero
     for (power,), piece in _split(poly, [cosine]).items():
-        bare = ring.context.gens()[cosine] ** (power % 2)
+        bare = ring.field.context.gens()[cosine] ** (power % 2)
         total += piece * square ** (power // 2) * bare
     return total

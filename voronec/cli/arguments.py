@@ -99,7 +99,7 @@ def _run(commands: Any) -> None:
     )
     parser.add_argument("--tol", metavar="TOL", help="the integrator's tolerance (1e-13)")
     parser.add_argument(
-        "--out", metavar="DIR", help="folder for trajectory.csv and plot.svg (./NAME-run)"
+        "--out", metavar="DIR", help="folder for trajectory.csv and pictures (./NAME-run)"
     )
 
 

@@ -23,7 +23,7 @@ INSTANTS = 1001
 
 
 def execute(arguments: Namespace) -> int:
-    """Integrate, write ``trajectory.csv`` and ``plot.svg``, and report.
+    """Integrate, write ``trajectory.csv`` and pictures, and report.
 
     Stopped by Ctrl-C, what is done is written all the same.
     """
@@ -127,12 +127,14 @@ def _sorted(system: System, pairs: list[tuple[str, Any]]) -> tuple[dict[str, Any
 
 
 def _write(trajectory: Trajectory, folder: Path) -> list[Path]:
-    from voronec.report.curves import draw, save
+    from voronec.report.pictures import pictures, save
 
     with delivery(folder) as workshop:
         trajectory.save(workshop / "trajectory.csv")
-        save(draw(trajectory), workshop / "plot.svg")
-    return [folder / "trajectory.csv", folder / "plot.svg"]
+        for name, figure in pictures(trajectory).items():
+            save(figure, workshop / f"{name}.svg")
+        written = sorted(file.name for file in workshop.iterdir())
+    return [folder / name for name in written]
 
 
 def _report(trajectory: Trajectory, scene: str, files: list[Path], as_json: bool) -> None:

@@ -63,9 +63,9 @@ def _figures(name: str, workshop: Path) -> list[Any]:
     if system is None or system.drawing is None or "default" not in system.scenes:
         return []
     from voronec.flow import integrate
-    from voronec.report.curves import draw, save
+    from voronec.report.pictures import drawing, save
 
     progress(f"{name}: integrating the scene 'default'")
     path = workshop / "trace.svg"
-    save(draw(integrate(system, scene="default")), path)
+    save(drawing(integrate(system, scene="default")), path)
     return [Figure(path, system.scenes["default"].caption)]

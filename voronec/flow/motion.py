@@ -89,7 +89,7 @@ def integrate(
         evaluations=run.evaluations,
     )  # fmt: skip
     if run.halt is not None:
-        raise probe.failure(run.halt)
+        raise probe.failure(start, run.halt)
     t = setting.grid[: len(run.states)]
     return observed(vocabulary, watch, program, t, run.states, constants, cost, run.interrupted)
 

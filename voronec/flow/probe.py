@@ -14,9 +14,9 @@ from voronec.program import Program, compiled
 __all__ = ["Probe"]
 
 SINGULAR = 1e-13
-"""A scaled mass matrix whose eigenvalues differ by more than this ratio counts as singular."""
+"""A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
 NEARLY = 1e-6
-"""The same, for naming the cause where a run broke down."""
+"""The same in units of the start's diagonal, for naming the cause where a run broke down."""
 ON_RELATIONS = 1e-9
 """How far a point may lie off the relations between redundant coordinates."""
 
@@ -42,8 +42,8 @@ class Probe:
     def check(self, start: np.ndarray) -> None:
         """Raise where no motion starts: relations violated, or equations undefined."""
         self._check_relations(start)
-        ratio = self._inertia(self.time, start)
-        if ratio < SINGULAR:
+        mass = self._mass(self.time, start)
+        if _smallest(mass, mass) < SINGULAR:
             raise IntegrationError(
                 f"system '{self.equations.system.name}': the mass matrix is singular at the "
                 f"initial point ({self._shown(start)}); start elsewhere or use another chart",
@@ -61,10 +61,10 @@ class Probe:
                 start,
             )
 
-    def failure(self, halt: Halt) -> IntegrationError:
+    def failure(self, start: np.ndarray, halt: Halt) -> IntegrationError:
         """The error for a run that stopped short, with what can be said about the cause."""
-        ratio = self._inertia(halt.time, halt.state)
-        cause = "; the mass matrix is singular there" if ratio < NEARLY else ""
+        masses = self._mass(self.time, start), self._mass(halt.time, halt.state)
+        cause = "; the mass matrix is singular there" if _smallest(*masses) < NEARLY else ""
         return IntegrationError(
             f"system '{self.equations.system.name}': {halt.reason} after t = {halt.time:.12g} "
             f"({self._shown(halt.state)}){cause}; end the run before that, or use another chart",
@@ -72,21 +72,14 @@ class Probe:
             halt.state,
         )
 
-    def _inertia(self, time: float, state: np.ndarray) -> float:
-        """Smallest over largest eigenvalue of the mass matrix, scaled to a unit diagonal."""
+    def _mass(self, time: float, state: np.ndarray) -> np.ndarray:
         form = self.equations.form
         n = len(form.velocities)
         entries = {f"{i},{j}": form.mass[i][j] for i in range(n) for j in range(n)}
         _, extras = compiled(Program.of(form, entries))
         with np.errstate(all="ignore"):
             flat = extras(np.float64(time), list(state), [np.float64(x) for x in self.values])
-            mass = np.array(flat, dtype=float).reshape(n, n)
-            scale = np.sqrt(np.abs(np.diag(mass)))
-            scaled = mass / np.outer(scale, scale)
-        if n == 0 or not np.isfinite(scaled).all():
-            return 1.0 if n == 0 or not np.isfinite(mass).all() else 0.0
-        sizes = np.abs(np.linalg.eigvalsh(scaled))
-        return float(sizes.min() / sizes.max())
+        return np.array(flat, dtype=float).reshape(n, n)
 
     def _check_relations(self, start: np.ndarray) -> None:
         form, relations = self.equations.form, self.equations.system.fibration.relations
@@ -104,3 +97,17 @@ class Probe:
     def _shown(self, state: np.ndarray) -> str:
         pairs = zip(self.program.state, state, strict=True)
         return ", ".join(f"{name} = {value:.6g}" for name, value in pairs)
+
+
+def _smallest(scale: np.ndarray, mass: np.ndarray) -> float:
+    """The least eigenvalue of a mass matrix, in units of the diagonal of another, over the largest.
+
+    Zero where the other has a zero on its diagonal; infinite where a matrix is undefined.
+    """
+    if not (len(mass) and np.isfinite(mass).all() and np.isfinite(scale).all()):
+        return np.inf
+    units = np.sqrt(np.abs(np.diag(scale)))
+    if not units.all():
+        return 0.0
+    sizes = np.abs(np.linalg.eigvalsh(mass / np.outer(units, units)))
+    return float(sizes.min() / max(1.0, sizes.max()))

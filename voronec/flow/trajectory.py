@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.symbols import plain_name
 from voronec.errors import DefinitionError
-from voronec.flow.vocabulary import nearest
+from voronec.flow.vocabulary import label, nearest
 from voronec.system import System
 
 __all__ = ["Cost", "Trajectory"]
@@ -79,7 +78,7 @@ class Trajectory:
     interrupted: bool = False
 
     def __getitem__(self, key: Any) -> np.ndarray:
-        name = key if isinstance(key, str) else _label(key)
+        name = key if isinstance(key, str) else label(sp.sympify(key))
         if name in self.series:
             return self.series[name]
         if name in self.names:
@@ -126,12 +125,3 @@ class Trajectory:
         arrays |= {f"parameter {name}": value for name, value in self.parameters.items()}
         arrays = {name: self[name] for name in self.outputs} | arrays
         np.savez(path, **arrays)
-
-
-def _label(key: Any) -> str:
-    """How an output that was asked for by a symbol or an expression is called."""
-    expr = sp.sympify(key)
-    try:
-        return plain_name(expr)
-    except DefinitionError:
-        return str(expr)

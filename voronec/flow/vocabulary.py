@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from voronec.algebra.symbols import plain_name, time, velocity
+from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
     from voronec.equations import VoronecEquations
 
-__all__ = ["Vocabulary", "nearest", "number"]
+__all__ = ["Vocabulary", "label", "nearest", "number"]
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
@@ -35,6 +35,12 @@ def number(value: Any, place: str) -> float:
         return float(sp.sympify(value).evalf(25))
     except (TypeError, ValueError, sp.SympifyError, AttributeError):
         raise DefinitionError(f"{place} = {value} is not a real number") from None
+
+
+def label(expr: sp.Expr) -> str:
+    """What a symbol, a velocity or an expression is called."""
+    bare = expr.expr if isinstance(expr, sp.Derivative) else expr
+    return plain_name(expr) if is_symbolic_name(bare) else str(expr)
 
 
 @dataclass(frozen=True)
@@ -82,12 +88,11 @@ class Vocabulary:
                     f"system '{system.name}': the output '{expr}' contains '{symbol}'"
                     f"{nearest(str(symbol), self.symbols)}"
                 )
-        try:
-            label = plain_name(expr)
-        except DefinitionError:
-            return str(expr), self.inward(expr)
-        name = self.name(label, self.symbols, "output")
-        return name, self.inward(self.symbols[name])
+        name = label(expr)
+        if name != str(expr) or name in self.symbols:
+            name = self.name(name, self.symbols, "output")
+            return name, self.inward(self.symbols[name])
+        return name, self.inward(expr)
 
     def inward(self, expr: Any) -> Any:
         """A user's expression inside the door."""

@@ -36,7 +36,7 @@ def solve_symmetric(matrix: Sequence[Sequence[Any]], right: Sequence[Any], name:
     """
     size = len(right)
     entries = {(i, j): matrix[i][j] for i in range(size) for j in range(i + 1) if matrix[i][j] != 0}
-    rest, active = list(right), set(range(size))
+    rest, active = [name(r) for r in right], set(range(size))
     steps: list[tuple[tuple[int, ...], dict[Any, Any], dict[Any, Any]]] = []
     while active:
         pivot = _pivot(entries, active)

@@ -255,13 +255,16 @@ def _arrow(axis: Any, points: tuple[np.ndarray, ...]) -> None:
 
 def _front(axis: Any, points: Iterable[Any], color: str, width: float, dashes: Any = "-") -> None:
     x, y, depth = points
-    seen = depth >= 0
-    axis.plot(np.where(seen, x, np.nan), np.where(seen, y, np.nan), color=color, linewidth=width,
-              linestyle=dashes, solid_joinstyle="round", zorder=3)  # fmt: skip
+    _part(axis, x, y, depth >= 0, color=color, linewidth=width, linestyle=dashes, zorder=3)
 
 
 def _back(axis: Any, points: Iterable[Any], color: str, width: float, dashes: Any = "-") -> None:
     x, y, depth = points
-    hidden = depth < 0
-    axis.plot(np.where(hidden, x, np.nan), np.where(hidden, y, np.nan), color=color,
-              linewidth=width, linestyle=dashes, solid_joinstyle="round", zorder=2)  # fmt: skip
+    _part(axis, x, y, depth < 0, color=color, linewidth=width, linestyle=dashes, zorder=2)
+
+
+def _part(axis: Any, x: np.ndarray, y: np.ndarray, kept: np.ndarray, **style: Any) -> None:
+    """A line with gaps where it is not kept."""
+    if kept.any():
+        gap = np.where(kept, 0.0, np.nan)
+        axis.plot(x + gap, y + gap, solid_joinstyle="round", **style)

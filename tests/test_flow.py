@@ -1,0 +1,428 @@
+"""Trajectories: closed forms, conservation, two integrators, and what a user may get wrong."""
+
+from __future__ import annotations
+
+import builtins
+import csv
+import dataclasses
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.special import ellipj, ellipk
+from sympy.physics.mechanics import dynamicsymbols
+
+import voronec as vo
+from voronec.flow import steppers
+
+METHODS = ("scipy", "heyoka") if find_spec("heyoka") else ("scipy",)
+both = pytest.mark.parametrize("method", METHODS)
+
+x, y, phi, v, w, m, a, J, k, g = sp.symbols("x y phi v w m a J k g")
+Dx, Dy, Dphi = map(vo.velocity, (x, y, phi))
+
+SLEIGH = vo.System(
+    name="test-sleigh",
+    fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+    frame=vo.Frame.quasi({v: Dx * sp.cos(phi) + Dy * sp.sin(phi), w: Dphi}),
+    lagrangian=m * ((Dx - a * sp.sin(phi) * Dphi) ** 2 + (Dy + a * sp.cos(phi) * Dphi) ** 2) / 2
+    + J * Dphi**2 / 2,
+    constraints=(Dy * sp.cos(phi) - Dx * sp.sin(phi),),
+    parameters=(
+        vo.Parameter(m, 1, positive=True),
+        vo.Parameter(J, sp.Rational(1, 3), positive=True),
+        a,
+    ),
+    integrals={"energy": (m * v**2 + (J + m * a**2) * w**2) / 2, "nothing": w - Dphi},
+    scenes={
+        "default": vo.Scene(initial={v: 1, w: 2}, times=(0, 5), parameters={a: 0.2}),
+        "spin": vo.Scene(initial={"w": 1}, parameters={"a": 0.5}, outputs=("x", x**2 + y**2)),
+    },
+)
+GRID = np.linspace(0.0, 7.0, 141)
+
+
+def oscillator(**more: Any) -> vo.System:
+    """xddot = -k x / m + force."""
+    return vo.System(
+        name="oscillator", fibration=vo.Fibration(base=(x,)),
+        lagrangian=m * Dx**2 / 2 - k * x**2 / 2, parameters=(vo.Parameter(m, 2), k), **more,
+    )  # fmt: skip
+
+
+def pendulum() -> vo.System:
+    """phiddot = -g sin(phi)."""
+    energy = Dphi**2 / 2 - g * sp.cos(phi)
+    return vo.System(
+        name="pendulum", fibration=vo.Fibration(base=(phi,)), parameters=(g,),
+        lagrangian=Dphi**2 / 2 + g * sp.cos(phi), integrals={"energy": energy},
+    )  # fmt: skip
+
+
+@both
+def test_oscillator_is_a_cosine(method: str) -> None:
+    start = {x: 1, Dx: 3}
+    traj = vo.integrate(oscillator(), times=GRID, initial=start, parameters={"k": 8}, method=method)
+    exact = np.cos(2 * GRID) + 1.5 * np.sin(2 * GRID)
+    assert np.abs(traj["x"] - exact).max() < 1e-11
+    assert np.abs(traj[Dx] - (3 * np.cos(2 * GRID) - 2 * np.sin(2 * GRID))).max() < 1e-11
+    assert traj.outputs == ("x", "xdot") and traj.state.shape == (141, 2)
+    assert traj.cost.method == method and traj.cost.steps > 0 and traj.cost.seconds > 0
+
+
+@both
+def test_pendulum_is_an_elliptic_function(method: str) -> None:
+    top, period = 2.5, 4 * float(ellipk(np.sin(1.25) ** 2))
+    traj = vo.integrate(
+        pendulum(), times=GRID, initial={"phi": top}, parameters={g: 1}, method=method
+    )
+    modulus = np.sin(top / 2)
+    exact = 2 * np.arcsin(modulus * ellipj(GRID + period / 4, modulus**2)[0])
+    assert np.abs(traj[phi] - exact).max() < 2e-11
+    assert traj.drift["energy"] < 1e-12
+
+
+@both
+def test_motion_backwards_returns(method: str) -> None:
+    there = vo.integrate(SLEIGH, times=GRID, method=method)
+    last = dict(zip(there.names, there.state[-1], strict=True))
+    back = vo.integrate(
+        SLEIGH, times=GRID[::-1], initial=last, parameters={"a": 0.2}, method=method
+    )
+    assert np.abs(back.state[::-1] - there.state).max() < 1e-10
+
+
+@both
+def test_the_time_may_appear(method: str) -> None:
+    forced = oscillator(forces={x: m * sp.cos(3 * vo.time)})
+    start = np.array([0.4])
+    grid = np.concatenate([start, start + np.array([0.01, 3.0, 10.0])])
+    initial = {x: -sp.cos(sp.Rational(6, 5)) / 5, Dx: 3 * sp.sin(sp.Rational(6, 5)) / 5}
+    traj = vo.integrate(forced, times=grid, initial=initial, parameters={k: 8}, method=method)
+    assert np.abs(traj["x"] + np.cos(3 * grid) / 5).max() < 1e-11
+
+
+def test_two_integrators_agree_and_say_what_they_did() -> None:
+    first, second = (vo.integrate(SLEIGH, method=name) for name in (METHODS[-1], METHODS[0]))
+    assert np.abs(first.state - second.state).max() < 1e-10
+    assert len(first.t) == 1000 and first.t[-1] == 5
+    for traj in (first, second):
+        assert max(traj.drift.values()) < 1e-11
+        assert traj.cost.evaluations >= traj.cost.steps
+        assert "asked for" in str(traj.cost)
+
+
+def test_auto_takes_scipy_where_heyoka_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = builtins.__import__
+
+    def without(name: str, *args: Any, **kwargs: Any) -> Any:
+        if name == "heyoka":
+            raise ImportError(name)
+        return real(name, *args, **kwargs)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    traj = vo.integrate(SLEIGH, tol=1e-20)
+    assert traj.cost.method == "scipy" and "not installed" in traj.cost.reason
+    assert traj.cost.tolerance == steppers.FINEST
+    with pytest.raises(vo.DefinitionError, match="heyoka is not installed"):
+        vo.integrate(SLEIGH, method="heyoka")
+
+
+def test_tighter_tolerance_means_less_error() -> None:
+    exact = np.cos(2 * GRID)
+    errors = []
+    for tol in (1e-4, 1e-8, 1e-12):
+        traj = vo.integrate(
+            oscillator(), times=GRID, initial={x: 1}, parameters={k: 8}, tol=tol, method="scipy"
+        )
+        errors.append(np.abs(traj["x"] - exact).max())
+    assert errors[0] > 30 * errors[1] > 900 * errors[2]
+
+
+def test_names_symbols_and_expressions_are_understood() -> None:
+    traj = vo.integrate(SLEIGH, outputs=("x", phi, Dy, "energy", sp.cos(phi) * v, vo.time * a))
+    assert traj.outputs == ("x", "phi", "ydot", "energy", "v*cos(phi)", "a*t")
+    assert np.array_equal(traj["x"], traj[x]) and np.array_equal(traj[v], traj["v"])
+    assert np.allclose(traj["ydot"], traj[v] * np.sin(traj[phi]), rtol=1e-15)
+    assert np.allclose(traj[sp.cos(phi) * v], traj[v] * np.cos(traj[phi]), rtol=1e-15)
+    assert np.allclose(traj["a*t"], 0.2 * traj.t, rtol=1e-15)
+    assert np.ptp(traj["energy"]) < 1e-12
+    assert dict(traj.parameters) == pytest.approx({"m": 1, "J": 1 / 3, "a": 0.2})
+
+
+def test_dynamicsymbols_are_understood() -> None:
+    q = dynamicsymbols("q")
+    system = vo.System(
+        name="dynamic", fibration=vo.Fibration(base=(q,)),
+        lagrangian=q.diff(vo.time) ** 2 / 2 - q**2 / 2,
+    )  # fmt: skip
+    traj = vo.integrate(system, times=GRID, initial={q: 0, q.diff(vo.time): 2}, outputs=(q, q**2))
+    assert np.allclose(traj[q], 2 * np.sin(GRID), atol=1e-11)
+    assert np.allclose(traj[q**2], traj["q"] ** 2)
+
+
+def test_a_scene_gives_what_is_not_given() -> None:
+    traj = vo.integrate(SLEIGH, scene="spin", initial={"x": 3}, times=[0.0, 1.0])
+    assert traj.outputs == ("x", "x**2 + y**2") and traj["x"][0] == 3 and traj["w"][0] == 1
+    same = vo.integrate(SLEIGH, scene=SLEIGH.scenes["spin"], initial={"x": 3}, times=[0.0, 1.0])
+    assert np.array_equal(traj.state, same.state)
+    # equations derived before save the derivation, and say the same
+    again = vo.integrate(vo.derive(SLEIGH), scene="spin", initial={"x": 3}, times=[0.0, 1.0])
+    assert np.array_equal(traj.state, again.state)
+
+
+@pytest.mark.parametrize(
+    "initial",
+    [
+        {"v": 2, "phi": sp.pi / 6, "w": 3},
+        {Dx: sp.sqrt(3), phi: sp.pi / 6, w: 3},
+        {"ydot": 1, "phi": sp.pi / 6, Dphi: 3},
+        {"xdot": sp.sqrt(3), "ydot": 1, "v": 2, "phidot": 3, "phi": sp.pi / 6},
+        {"v": 10 * a, "phi": sp.pi / 6, "w": 3},
+    ],
+)
+def test_initial_velocities_of_any_kind(initial: Any) -> None:
+    traj = vo.integrate(SLEIGH, times=[0.0], initial=initial, parameters={a: 0.2})
+    assert traj["v"][0] == pytest.approx(2, rel=1e-12) and traj["w"][0] == 3
+    assert traj.cost.steps == 0
+
+
+def test_what_the_scene_says_of_other_velocities_stays() -> None:
+    traj = vo.integrate(SLEIGH, scene="default", initial={"xdot": 4}, times=[0.0])
+    assert (traj["v"][0], traj["w"][0]) == (pytest.approx(4), 2)
+
+
+def test_an_integral_that_starts_at_zero_has_a_meaningful_drift() -> None:
+    energy = m * Dx**2 / 2 + k * x**2 / 2
+    system = oscillator(
+        integrals={"even": energy - 8 * 10**6, "drifting": x, "zero": 0 * x, "whole": energy}
+    )
+    # sqrt(2) makes the even energy start at rounding error, not at zero
+    start = {x: 1000 * sp.sqrt(2)}
+    traj = vo.integrate(system, times=GRID, initial=start, parameters={k: 8})
+    assert abs(traj["even"][0]) < 1e-6 < np.abs(traj["whole"]).min()
+    assert traj.drift["even"] < 1e-12  # relative to its terms, of size 8e6
+    assert traj.drift["even"] == pytest.approx(traj.drift["whole"] / 2, rel=0.1)
+    assert traj.drift["drifting"] == pytest.approx(2, rel=1e-3)
+    assert traj.drift["zero"] == 0
+    at_rest = vo.integrate(
+        oscillator(integrals={"p": Dx}), times=GRID, initial={x: 0}, parameters={k: 8}
+    )
+    assert at_rest.drift["p"] == 0
+
+
+@both
+def test_a_parameter_that_the_motion_ignores_may_lack_a_value(method: str) -> None:
+    system = vo.System(
+        name="ignorant", fibration=vo.Fibration(base=(x,)), parameters=(J, k, m, a),
+        lagrangian=m * Dx**2 / 2 - m * k * x**2 / 2,
+        integrals={"energy": Dx**2 + k * x**2},
+    )  # fmt: skip
+    traj = vo.integrate(
+        system, times=GRID, initial={x: 1}, parameters={m: 3, k: 4, J: 7}, method=method
+    )
+    assert np.abs(traj["x"] - np.cos(2 * GRID)).max() < 1e-11
+    assert dict(traj.parameters) == {"J": 7, "k": 4, "m": 3}
+
+
+def unit_vector() -> vo.System:
+    """A particle on the unit sphere, by its three coordinates and the angular velocity."""
+    n, turn = sp.symbols("n1:4"), sp.symbols("omega1:3")
+    dots = [vo.velocity(c) for c in n]
+    return vo.System(
+        name="unit-vector",
+        fibration=vo.Fibration(base=n, relations=(n[0] ** 2 + n[1] ** 2 + n[2] ** 2 - 1,)),
+        frame=vo.Frame.quasi(
+            {
+                turn[0]: n[1] * dots[2] - n[2] * dots[1],
+                turn[1]: n[2] * dots[0] - n[0] * dots[2],
+            }
+        ),
+        lagrangian=sum(d**2 for d in dots) / 2 - n[2],
+        integrals={"energy": sum(d**2 for d in dots) / 2 + n[2]},
+    )
+
+
+def test_relations_are_checked_at_the_start_and_watched() -> None:
+    start = {"n1": 0.6, "n2": 0, "n3": 0.8, "omega1": 0.3, "omega2": -0.2}
+    traj = vo.integrate(unit_vector(), times=np.linspace(0, 1, 11), initial=start)
+    assert list(traj.residuals) == ["n1**2 + n2**2 + n3**2 - 1 = 0"]
+    assert max(traj.residuals.values()) < 1e-12 and traj.drift["energy"] < 1e-12
+    with pytest.raises(vo.DefinitionError, match=r"relation .* \(residual 0.0439\)"):
+        vo.integrate(unit_vector(), times=[0.0, 1.0], initial=start | {"n1": 0.6355})
+
+
+@pytest.mark.parametrize(
+    ("mistake", "message"),
+    [
+        ({"outputs": ("fi",)}, "no output 'fi'"),
+        ({"outputs": ("phy",)}, "did you mean 'phi'"),
+        ({"outputs": (sp.Symbol("q") + x,)}, "contains 'q'"),
+        ({"scene": "defalt"}, "no scene 'defalt'; did you mean 'default'"),
+        ({"parameters": {"M": 1}}, "no parameter 'M'"),
+        ({"parameters": {m: -1}}, "'m' = -1 must be positive"),
+        ({"parameters": {m: "heavy"}}, "'m' = heavy is not a real number"),
+        ({"initial": {"m": 1}}, "no initial value 'm'"),
+        ({"initial": {"v": 1, "w": 1}}, "no value for the parameter.* a; give parameters="),
+        ({"scene": "spin", "initial": {"ydot": 1}}, "off the constraints: 'ydot' = 1, .* 0 "),
+        ({"initial": {"v": 1, "xdot": 2}, "parameters": {a: 0}}, r"where the others give 1 "),
+        ({"initial": {"v": 1, v: 2}}, "initial value 'v' is given twice"),
+        ({"initial": {"v": sp.nan}, "parameters": {a: 0}}, "initial value 'v' = nan"),
+        ({"initial": {"v": 2 * x}, "parameters": {a: 0}}, "initial value 'v' = 2.x is not"),
+        ({"times": [0, 1, 1]}, "strictly monotonic"),
+        ({"times": []}, "strictly monotonic"),
+        ({"times": "soon"}, "strictly monotonic"),
+        ({"times": [0, np.inf]}, "finite"),
+        ({"method": "euler"}, "no method 'euler'; methods are auto, heyoka, scipy"),
+        ({"tol": 0}, "tol = 0 must lie between"),
+    ],
+)
+def test_mistakes_are_named(mistake: dict[str, Any], message: str) -> None:
+    with pytest.raises(vo.DefinitionError, match=message) as caught:
+        vo.integrate(SLEIGH, **mistake)
+    assert "\n" not in str(caught.value)
+
+
+def test_missing_pieces_are_named() -> None:
+    with pytest.raises(vo.DefinitionError, match="no scene 'default'; give initial="):
+        vo.integrate(oscillator(), parameters={k: 1}, times=GRID)
+    with pytest.raises(vo.DefinitionError, match="no scene to take the span from; give times"):
+        vo.integrate(oscillator(), parameters={k: 1}, initial={x: 1})
+    unknown = sp.Function("U")(x)
+    system = vo.System(
+        name="unknown", fibration=vo.Fibration(base=(x,)), lagrangian=Dx**2 / 2 - unknown
+    )
+    with pytest.raises(vo.DefinitionError, match="unknown; put an expression in its place"):
+        vo.integrate(system, times=GRID, initial={x: 1})
+    with pytest.raises(vo.DefinitionError, match=r"'f\(x\)': the function 'f\(x\)' is unknown"):
+        vo.integrate(SLEIGH, outputs=(sp.Function("f")(x),))
+
+
+@both
+def test_undetermined_velocities_are_named(method: str) -> None:
+    disc = vo.System(
+        name="plane", fibration=vo.Fibration(base=(x, y)), lagrangian=Dx**2 + Dy**2,
+        frame=vo.Frame.quasi({v: Dx + Dy, w: Dx - Dy}),
+    )  # fmt: skip
+    with pytest.raises(vo.DefinitionError, match="do not determine v, w"):
+        vo.integrate(disc, times=GRID, initial={"xdot": 1}, method=method)
+    traj = vo.integrate(disc, times=[0.0], initial={"xdot": 1, "ydot": 3}, method=method)
+    assert (traj["v"][0], traj["w"][0]) == (pytest.approx(4), pytest.approx(-2))
+
+
+def falling(potential: Any, inertia: Any = 1) -> vo.System:
+    """One coordinate in a potential."""
+    return vo.System(
+        name="falling",
+        fibration=vo.Fibration(base=(x,)),
+        lagrangian=inertia * Dx**2 / 2 - potential,
+    )
+
+
+@both
+def test_a_collision_stops_with_time_and_state(method: str) -> None:
+    # from rest at 1, falling into -1/x takes pi / (2 sqrt 2)
+    with pytest.raises(vo.IntegrationError) as caught:
+        vo.integrate(falling(-1 / x), times=GRID, initial={x: 1}, method=method)
+    assert caught.value.time == pytest.approx(np.pi / np.sqrt(8), abs=1e-3)
+    position, speed = caught.value.state
+    assert 0 <= position < 0.02 and speed < -9
+    assert speed**2 / 2 - 1 / position == pytest.approx(-1, abs=1e-6 / position)
+
+
+@both
+def test_a_singular_mass_matrix_is_named(method: str) -> None:
+    # (1 - x) xdot^2 / 2 keeps its value, so x reaches 1 at t = 2/3 where the mass vanishes
+    system = falling(0, inertia=1 - x)
+    with pytest.raises(vo.IntegrationError, match="mass matrix is singular there") as e:
+        vo.integrate(system, times=GRID, initial={x: 0, Dx: 1}, method=method)
+    assert e.value.time == pytest.approx(2 / 3, abs=1e-3)
+    with pytest.raises(vo.IntegrationError, match="singular at the initial point") as e:
+        vo.integrate(system, times=GRID, initial={x: 1, Dx: 1}, method=method)
+    assert e.value.time == 0
+
+
+@both
+def test_the_start_outside_the_domain_is_named(method: str) -> None:
+    with pytest.raises(vo.IntegrationError, match="not defined at the initial point"):
+        vo.integrate(falling(sp.sqrt(x)), times=GRID, initial={x: -1}, method=method)
+
+
+def test_ctrl_c_keeps_what_is_done_with_scipy(monkeypatch: pytest.MonkeyPatch) -> None:
+    from scipy.integrate import DOP853
+
+    step = DOP853.step
+
+    def interrupted(self: Any) -> Any:
+        if self.t > 3:
+            raise KeyboardInterrupt
+        return step(self)
+
+    monkeypatch.setattr(DOP853, "step", interrupted)
+    traj = vo.integrate(SLEIGH, times=GRID, initial={v: 1, w: 2}, parameters={a: 0}, method="scipy")
+    assert traj.interrupted and 3 <= traj.t[-1] < 4 and len(traj["x"]) == len(traj.t)
+    assert traj.drift["energy"] < 1e-11
+
+
+def test_ctrl_c_keeps_what_is_done_with_heyoka(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(steppers, "CHUNK", 2)
+    whole = vo.integrate(SLEIGH, times=GRID)
+    monkeypatch.setattr(np, "ptp", interrupt_at_third_call(np.ptp))
+    traj = vo.integrate(SLEIGH, times=GRID, method=METHODS[-1])
+    if METHODS[-1] == "heyoka":
+        assert traj.interrupted and 1 < len(traj.t) < len(GRID)
+    assert np.abs(traj.state - whole.state[: len(traj.t)]).max() < 1e-11
+
+
+def interrupt_at_third_call(function: Any) -> Any:
+    """The function, but the third call is where Ctrl-C arrives."""
+    calls = []
+
+    def wrapped(*args: Any) -> Any:
+        calls.append(args)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return function(*args)
+
+    return wrapped
+
+
+@both
+def test_small_chunks_and_sparse_grids_change_nothing(
+    method: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sparse, dense = GRID[[0, 1, 70, 140]], GRID
+    whole = vo.integrate(SLEIGH, times=dense, method=method)
+    monkeypatch.setattr(steppers, "CHUNK", 3)
+    for grid in (sparse, dense):
+        traj = vo.integrate(SLEIGH, times=grid, method=method)
+        assert np.array_equal(traj.t, grid)
+        assert np.abs(traj.state - whole.state[np.isin(dense, grid)]).max() < 1e-11
+
+
+def test_a_trajectory_is_frozen_and_names_what_it_lacks() -> None:
+    traj = vo.integrate(SLEIGH, outputs=("x",))
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        traj.t = GRID  # type: ignore[misc]
+    for array in (traj.t, traj.state, traj["x"]):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    with pytest.raises(vo.DefinitionError, match=r"holds no 'phidott'.*ask for it in outputs"):
+        traj["phidott"]
+
+
+def test_saving_keeps_every_digit(tmp_path: Any) -> None:
+    traj = vo.integrate(SLEIGH, times=GRID, scene="spin")
+    with traj.save(tmp_path / "motion.csv").open() as file:
+        rows = list(csv.reader(file))
+    assert rows[0] == ["t", "x", "x**2 + y**2"]
+    assert np.array_equal(np.array(rows[1:], dtype=float)[:, 1], traj["x"])
+    with np.load(traj.save(tmp_path / "motion.npz")) as data:
+        assert np.array_equal(data["state"], traj.state)
+        assert list(data["names"]) == list(traj.names) and data["parameter a"] == 0.5
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["motion.csv", "motion.npz"]
+    for path, message in (("motion.txt", "must end in"), ("no/motion.csv", "no folder")):
+        with pytest.raises(vo.DefinitionError, match=message):
+            traj.save(tmp_path / path)

@@ -1,0 +1,300 @@
+"""Exact arithmetic of fractions over a polynomial ring with relations.
+
+Numerators are flint polynomials over Q, reduced by the rules g**q = f of some generators g and by a
+Groebner basis.  Denominators are products of irreducible polynomials, kept factored, and are free
+of bare g, since 1/g = g**(q-1)/f: a common factor is found by polynomial division alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import lcm
+from typing import Any
+
+import flint
+
+from voronec.errors import EngineLimit
+
+__all__ = ["WORK_LIMIT", "Field", "Fraction", "groebner_basis"]
+
+WORK_LIMIT = 3_000_000
+"""Term products a field may spend before it gives up with ``EngineLimit``: about a second."""
+
+
+@dataclass(frozen=True)
+class Fraction:
+    """num / prod(factor[i]**e for i, e in den): a reduced element of a ``Ring``."""
+
+    num: Any
+    den: tuple[tuple[int, int], ...] = ()
+
+
+class Field:
+    """Fractions over Q[generators]/relations, for a flint context of generators.
+
+    ``rules`` holds (generator, q, g**q - f), outer radicals before inner ones; ``ideal`` a Groebner
+    basis of further relations.  ``work_limit`` bounds the effort; passing it raises
+    ``EngineLimit``.
+    """
+
+    def __init__(self, context: Any, work_limit: int) -> None:
+        self.context = context
+        self.gens = context.gens()
+        self.one = context.constant(1)
+        self.zero = context.constant(0)
+        self.rules: list[tuple[int, int, Any]] = []
+        self.ideal: list[Any] = []
+        self._work = work_limit
+        self._factors: list[Any] = []
+        self._factor_index: dict[str, int] = {}
+        self._local: dict[int, list[Any]] = {}
+        self._rule_factors: dict[int, tuple[list[tuple[str, int]], Any]] = {}
+
+    def add_rule(self, generator: int, degree: int, f: Any) -> None:
+        """Let generator**degree = f, before the rules there are."""
+        self.rules.insert(0, (generator, degree, self.gens[generator] ** degree - f))
+
+    # -- reduction ------------------------------------------------------------------------
+
+    def _spend(self, amount: int) -> None:
+        self._work -= amount
+        if self._work < 0:
+            raise EngineLimit("the normal form is too large for its budget")
+
+    def reduce(self, poly: Any) -> Any:
+        """The normal form of a polynomial modulo all relations."""
+        while poly != 0:
+            start, degrees = poly, poly.degrees()
+            for generator, degree, relation in self.rules:  # outer radicals before inner ones
+                if degrees[generator] >= degree:
+                    self._spend(len(poly) * len(relation))
+                    poly = divmod(poly, relation)[1]
+                    if poly == 0:
+                        return poly
+                    degrees = poly.degrees()
+            if self.ideal:
+                poly = reduce_by(poly, self.ideal)
+            if not self.ideal or poly == start:
+                break
+        return poly
+
+    def product(self, a: Any, b: Any) -> Any:
+        """The reduced product of two polynomials."""
+        self._spend(len(a) * len(b))
+        return self.reduce(a * b)
+
+    # -- denominators ---------------------------------------------------------------------
+
+    def _factor(self, poly: Any) -> int:
+        key = str(poly)
+        if key not in self._factor_index:
+            self._factor_index[key] = len(self._factors)
+            self._factors.append(poly)
+        return self._factor_index[key]
+
+    def denominator(self, den: Iterable[tuple[int, int]]) -> Any:
+        """A factored denominator, multiplied out."""
+        total = self.one
+        for i, e in den:
+            total = total * self._factors[i] ** e
+        return total
+
+    def factors(self, den: Iterable[tuple[int, int]]) -> list[tuple[Any, int]]:
+        """The polynomials of a factored denominator with their exponents."""
+        return [(self._factors[i], e) for i, e in den]
+
+    def _cancel(self, num: Any, den: dict[int, int]) -> tuple[Any, dict[int, int]]:
+        """Take factors of the denominator out of the numerator."""
+        if num == 0:
+            return num, {}
+        left: dict[int, int] = {}
+        for i, exponent in den.items():
+            factor = self._factors[i]
+            while exponent:
+                self._spend(len(num))
+                quotient, rest = divmod(num, factor)
+                if rest != 0:
+                    break
+                num, exponent = quotient, exponent - 1
+            if exponent:
+                left[i] = exponent
+        return num, left
+
+    # -- field operations -----------------------------------------------------------------
+
+    def add(self, terms: Sequence[Fraction]) -> Fraction:
+        """The sum of fractions over their least common denominator."""
+        common: dict[int, int] = {}
+        groups: dict[tuple[tuple[int, int], ...], Any] = {}
+        for term in terms:
+            groups[term.den] = groups[term.den] + term.num if term.den in groups else term.num
+            for i, e in term.den:
+                common[i] = max(e, common.get(i, 0))
+        total = self.zero
+        for den, num in groups.items():
+            missing = dict(common)
+            for i, e in den:
+                missing[i] -= e
+            scale = self.denominator((i, e) for i, e in missing.items() if e)
+            total += num if scale == 1 else self.product(num, scale)
+        if len(groups) > 1 or (len(terms) > 1 and common):
+            total, common = self._cancel(total, common)
+        return Fraction(total, tuple(sorted(common.items()))) if total != 0 else Fraction(self.zero)
+
+    def cancelled(self, f: Fraction) -> Fraction:
+        """A fraction with common factors taken out."""
+        num, den = self._cancel(f.num, dict(f.den))
+        return Fraction(num, tuple(sorted(den.items())))
+
+    def absorbed(self, f: Fraction) -> Fraction:
+        """A fraction without the denominators that the ideal makes invertible, where it can.
+
+        num/d is a polynomial P modulo the ideal where num * t reduces to P modulo the ideal and
+        t*d - 1, in an order with t above all other generators.
+        """
+        num, den = f.num, dict(f.den)
+        for i in list(den) if self.ideal else ():
+            basis = self._localized(i)
+            while basis and den[i]:
+                rest = reduce_by(num * self.gens[0], basis)
+                if rest != 0 and rest.degrees()[0]:
+                    break
+                num, den[i] = rest, den[i] - 1
+        return Fraction(num, tuple((i, e) for i, e in sorted(den.items()) if e))
+
+    def _localized(self, i: int) -> list[Any]:
+        """A Groebner basis of the ideal with t*d - 1 for a denominator d; empty if too large."""
+        if i not in self._local:
+            extra = self.gens[0] * self._factors[i] - 1
+            try:
+                self._local[i] = groebner_basis([*self.ideal, extra], self.context)
+            except EngineLimit:
+                self._local[i] = []
+        return self._local[i]
+
+    def mul(self, factors: Sequence[Fraction]) -> Fraction:
+        """The product of fractions."""
+        den: dict[int, int] = {}
+        for f in factors:
+            for i, e in f.den:
+                den[i] = den.get(i, 0) + e
+        nums = []
+        for f in sorted(factors, key=lambda f: len(f.num)):
+            num, den = self._cancel(f.num, den) if den else (f.num, den)
+            nums.append(num)
+        total = nums[0]
+        for num in nums[1:]:
+            total = self.product(total, num)
+        if den:
+            total, den = self._cancel(total, den)
+        return Fraction(total, tuple(sorted(den.items()))) if total != 0 else Fraction(self.zero)
+
+    def power(self, f: Fraction, n: int) -> Fraction:
+        """An integer power of a fraction."""
+        if n < 0:
+            return self.power(self.inverse(f), -n)
+        total = self.one
+        for _ in range(n):
+            total = self.product(total, f.num)
+        den = {i: e * n for i, e in f.den}
+        if den:
+            total, den = self._cancel(total, den)
+        return Fraction(total, tuple(sorted(den.items())))
+
+    def inverse(self, f: Fraction) -> Fraction:
+        """1/f; the numerator is factored, bare sines and radicals go up."""
+        if f.num == 0:
+            raise ZeroDivisionError
+        self._spend(20 * len(f.num) ** 2)
+        content, parts = f.num.factor()
+        up = [Fraction(self.denominator(f.den) / content)]
+        den: dict[int, int] = {}
+        for poly, e in parts:
+            rule = self._bare(poly)
+            if rule is None:
+                lead = poly.leading_coefficient()
+                up.append(Fraction(self.context.constant(1) / lead**e))
+                key = self._factor(poly / lead)
+                den[key] = den.get(key, 0) + e
+            else:
+                up.append(self.power(rule, e))
+        for i, e in sorted(den.items()):
+            up.append(Fraction(self.one, ((i, e),)))
+        return self.mul(up)
+
+    def _bare(self, poly: Any) -> Fraction | None:
+        """1/g for a bare generator g with a relation g**q = f, as g**(q-1)/f."""
+        if len(poly) != 1:
+            return None
+        for generator, degree, relation in self.rules:
+            g = self.gens[generator]
+            if poly == g:
+                rest = g**degree - relation
+                below = self.inverse(Fraction(self.reduce(rest)))
+                return self.mul([Fraction(g ** (degree - 1)), below])
+        return None
+
+    def constant(self, p: int, q: int = 1) -> Fraction:
+        """A rational number as an element."""
+        return Fraction(self.context.constant(flint.fmpq(p, q)))
+
+    # -- square roots ---------------------------------------------------------------------
+
+    def square_roots(self) -> list[tuple[int, Any, list[tuple[int, int]]]]:
+        """(generator, f, factors of f) for each relation g**2 = f whose f occurs below.
+
+        The factors are those of denominators; their product is f up to a constant.
+        """
+        found = []
+        for generator, degree, relation in self.rules:
+            if degree == 2:
+                keys, rest = self._factored_rule(generator, relation)
+                if keys and all(key in self._factor_index for key, _ in keys):
+                    found.append((generator, rest, [(self._factor_index[k], e) for k, e in keys]))
+        return found
+
+    def _factored_rule(self, generator: int, relation: Any) -> tuple[list[tuple[str, int]], Any]:
+        """The keys of the factors of f in g**2 = f, and f."""
+        if generator not in self._rule_factors:
+            rest = self.gens[generator] ** 2 - relation
+            _, parts = rest.factor()
+            keys = [(str(p / p.leading_coefficient()), e) for p, e in parts]
+            self._rule_factors[generator] = (keys, rest)
+        return self._rule_factors[generator]
+
+
+def reduce_by(poly: Any, basis: Sequence[Any]) -> Any:
+    """The remainder of a polynomial by a Groebner basis."""
+    start = None
+    while poly != start:
+        start = poly
+        for element in basis:
+            poly = divmod(poly, element)[1]
+    return poly
+
+
+GROEBNER_LIMITS = (120, 400, 4000)
+"""How many polynomials, how many terms in one, and how many bits in a coefficient."""
+
+
+def groebner_basis(polynomials: Sequence[Any], context: Any) -> list[Any]:
+    """A Groebner basis over Q of polynomials in a flint context.
+
+    Raises ``EngineLimit`` where it grows past ``GROEBNER_LIMITS``.
+    """
+    if not polynomials:
+        return []
+    integral = flint.fmpz_mpoly_ctx.get(context.names(), context.ordering())
+    cleared = []
+    for p in polynomials:
+        scale = lcm(*(int(c.q) for c in p.coeffs()))
+        cleared.append(integral.from_dict({m: int((c * scale).p) for m, c in p.to_dict().items()}))
+    found = flint.fmpz_mpoly_vec(cleared, integral).buchberger_naive(limits=GROEBNER_LIMITS)
+    basis, complete = found
+    if not complete:
+        raise EngineLimit("the Groebner basis of the relations grows too large")
+    rational = []
+    for p in basis.autoreduction():
+        rational.append(context.from_dict({m: flint.fmpq(c) for m, c in p.to_dict().items()}))
+    return rational

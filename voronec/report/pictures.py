@@ -1,0 +1,80 @@
+"""The pictures of a motion: its outputs against the time, its path, the system's own drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from voronec.errors import DefinitionError
+from voronec.execution import failure
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from voronec.flow import Trajectory
+
+__all__ = ["drawing", "pictures", "save"]
+
+
+def pictures(trajectory: Trajectory) -> dict[str, Any]:
+    """Matplotlib figures by name.
+
+    ``plot``, of all outputs; ``path``, where there are outputs ``x`` and ``y``; ``drawing``, where
+    the system has one.
+    """
+    from voronec.report.plots import plot_trajectory
+
+    system = trajectory.system
+    found = {"plot": plot_trajectory(trajectory, title=system.title or system.name)}
+    if {"x", "y"} <= set(trajectory.outputs):
+        found["path"] = _path(trajectory)
+    if system.drawing is not None:
+        found["drawing"] = drawing(trajectory)
+    return found
+
+
+def drawing(trajectory: Trajectory) -> Any:
+    """The system's own drawing, as a matplotlib figure.
+
+    It is a function of the trajectory, or a mapping of titles to pairs of names (colatitude,
+    longitude) for traces on spheres.  ``DefinitionError`` where it fails.
+    """
+    from voronec.report.plots import plot_sphere_traces
+
+    own = trajectory.system.drawing
+    if isinstance(own, Mapping):
+        traces = {title: (trajectory[u], trajectory[v]) for title, (u, v) in own.items()}
+        return plot_sphere_traces(traces)
+    try:
+        return own(trajectory)
+    except Exception as error:
+        what = failure(error, getattr(getattr(own, "__code__", None), "co_filename", "?"))
+        name = trajectory.system.name
+        raise DefinitionError(f"the drawing of system '{name}' failed: {what}") from error
+
+
+def save(figure: Any, path: Path) -> None:
+    """Write a figure, the same bytes every time; its format is that of the path."""
+    from matplotlib import rc_context
+
+    dated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    with rc_context({"svg.hashsalt": "voronec"}):
+        figure.savefig(path, dpi=150, metadata=dated.get(path.suffix))
+
+
+def _path(trajectory: Trajectory) -> Any:
+    """The curve (x, y) in its plane; the dot is its start."""
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    from voronec.report.plots import INK, MARK, STYLE
+
+    x, y = trajectory["x"], trajectory["y"]
+    with rc_context(STYLE):
+        figure = Figure(figsize=(5, 5), layout="constrained")
+        panel = figure.subplots()
+        panel.plot(x, y, color=INK, linewidth=0.9)
+        panel.plot(x[:1], y[:1], "o", color=MARK, markersize=4)
+        panel.set(xlabel="$x$", ylabel="$y$", aspect="equal")
+        figure.draw_without_rendering()  # settles fonts while the style is in force
+    return figure
