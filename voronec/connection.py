@@ -18,7 +18,16 @@ import symengine as se
 from voronec.algebra.elimination import Solution, solve_linear
 from voronec.errors import DefinitionError
 
-__all__ = ["AffineForms", "EhresmannConnection", "FibreSolution", "connect", "solve_fibre"]
+__all__ = [
+    "AffineForms",
+    "EhresmannConnection",
+    "FibreSolution",
+    "Undetermined",
+    "coordinate_lift",
+    "dual_rows",
+    "framed_lift",
+    "solve_fibre",
+]
 
 Tidy = Callable[[Sequence[Any]], list[Any]]
 
@@ -75,7 +84,6 @@ class FibreSolution:
 class EhresmannConnection:
     """The horizontal lift of a frame: qdot_a = lift[a][i] v_i + lift[a][n].
 
-    ``dual[k][b]`` recovers v_k from base velocities: v_k = dual[k][b] rdot_b + ...
     ``coordinates`` and ``time`` are symengine symbols; the first ``base`` of them are base ones.
     """
 
@@ -84,7 +92,6 @@ class EhresmannConnection:
     velocities: tuple[Any, ...]
     time: Any
     lift: tuple[tuple[Any, ...], ...]
-    dual: tuple[tuple[Any, ...], ...]
 
     @property
     def n(self) -> int:
@@ -123,16 +130,12 @@ class EhresmannConnection:
         """The components of [h_i, h_j] on all coordinates."""
         return [self.along(i, row[j]) - self.along(j, row[i]) for row in self.lift]
 
-    def frame_part(self, field: Sequence[Any]) -> list[Any]:
-        """c^k with field = c^k h_k + vertical."""
-        return [
-            se.Add(*[d * x for d, x in zip(row, field, strict=False)]) for row in self.dual
-        ]
-
-    def decompose(self, i: int, j: int, tidy: Tidy) -> tuple[list[Any], list[Any]]:
-        """c_ij^k and B_ij^A of a bracket."""
+    def decompose(
+        self, i: int, j: int, dual: Sequence[Sequence[Any]], tidy: Tidy
+    ) -> tuple[list[Any], list[Any]]:
+        """c_ij^k and B_ij^A of a bracket; dual[k][b] recovers v_k from base velocities."""
         field = tidy(self.bracket(i, j))
-        c = tidy(self.frame_part(field))
+        c = tidy([se.Add(*[d * x for d, x in zip(row, field, strict=False)]) for row in dual])
         vertical = [
             x - se.Add(*[ck * row[k] for k, ck in enumerate(c)])
             for x, row in zip(field[self.base :], self.lift[self.base :], strict=True)
@@ -176,74 +179,44 @@ class Undetermined(DefinitionError):
         self.free = tuple(free)
 
 
-def connect(
-    coordinates: Sequence[Any],
-    base: int,
-    velocities: Sequence[Any],
-    time: Any,
-    fibre: FibreSolution,
-    frame: AffineForms | None,
+def coordinate_lift(fibre: FibreSolution, base: int) -> list[list[Any]]:
+    """The lift of the base velocities: the unit matrix over S, the offset last."""
+    rows = [[se.Integer(int(i == b)) for i in range(base)] + [se.Integer(0)] for b in range(base)]
+    return rows + [[*s, o] for s, o in zip(fibre.matrix, fibre.offset, strict=True)]
+
+
+def framed_lift(
+    constraints: AffineForms,
+    frame: AffineForms,
     relations: AffineForms,
     ideal: Sequence[Any],
-    tidy: Tidy,
     near: Mapping[str, Any] | None = None,
-) -> EhresmannConnection:
-    """The connection in a frame, or in the coordinate frame where ``frame`` is None."""
-    n = len(velocities)
-    if frame is None:
-        unit = [[se.Integer(int(i == b)) for i in range(n)] for b in range(base)]
-        rows = [[*row, se.Integer(0)] for row in unit]
-        rows += [[*s, o] for s, o in zip(fibre.matrix, fibre.offset, strict=True)]
-        dual = tuple(tuple(row) for row in unit)
-        lift = tuple(tuple(row) for row in rows)
-        return EhresmannConnection(tuple(coordinates), base, tuple(velocities), time, lift, dual)
-    dual_rows, dual_offset = _on_base(frame, fibre, base)
-    extra_rows, extra_offset = _on_base(relations, fibre, base)
-    flat = tidy([e for row in dual_rows for e in row] + list(dual_offset))
-    dual_rows = [flat[k * base : (k + 1) * base] for k in range(n)]
-    dual_offset = flat[n * base :]
-    right = [
-        [se.Integer(int(i == k)) for i in range(n)] + [-dual_offset[k]] for k in range(n)
-    ] + [[se.Integer(0)] * n + [-o] for o in extra_offset]
-    solution = solve_linear([*dual_rows, *extra_rows], right, ideal, near=near)
-    if solution.free or solution.contradictory:
-        raise Undetermined(solution.free or (-1,))
-    flat = tidy([e for row in solution.values for e in row])
-    base_rows = [flat[b * (n + 1) : (b + 1) * (n + 1)] for b in range(base)]
-    fibre_rows = tidy(
-        [
-            se.Add(*[s * base_rows[b][c] for b, s in enumerate(row)]) + (o if c == n else 0)
-            for row, o in zip(fibre.matrix, fibre.offset, strict=True)
-            for c in range(n + 1)
-        ]
-    )
-    rows = base_rows + [
-        fibre_rows[a * (n + 1) : (a + 1) * (n + 1)] for a in range(len(fibre.matrix))
+) -> list[list[Any]]:
+    """The lift of quasi-velocities: constraints and definitions solved for all velocities at once.
+
+    Raises ``Undetermined`` where they leave velocities open, or fix more than they may.
+    """
+    n = len(frame.matrix)
+    rows = [*constraints.matrix, *frame.matrix, *relations.matrix]
+    nothing = [se.Integer(0)] * n
+    right = [[*nothing, -o] for o in constraints.offset]
+    right += [
+        [se.Integer(int(i == k)) for i in range(n)] + [-o] for k, o in enumerate(frame.offset)
     ]
-    return EhresmannConnection(
-        tuple(coordinates),
-        base,
-        tuple(velocities),
-        time,
-        tuple(tuple(row) for row in rows),
-        tuple(tuple(row) for row in dual_rows),
-    )
+    right += [[*nothing, -o] for o in relations.offset]
+    own = len(rows) - len(relations.matrix)
+    solution = solve_linear(rows, right, ideal, prefer=own, near=near)
+    if solution.free or solution.contradictory or any(i < own for i in solution.dependent):
+        raise Undetermined(solution.free)
+    return solution.values
 
 
-def _on_base(
-    forms: AffineForms, fibre: FibreSolution, base: int
-) -> tuple[list[list[Any]], list[Any]]:
-    """Forms restricted to the constraints, as forms in the base velocities alone."""
-    rows, offsets = [], []
-    for row, offset in zip(forms.matrix, forms.offset, strict=True):
-        on_fibre = row[base:]
-        rows.append(
-            [
-                row[b] + se.Add(*[w * s[b] for w, s in zip(on_fibre, fibre.matrix, strict=True)])
-                for b in range(base)
-            ]
-        )
-        offsets.append(
-            offset + se.Add(*[w * o for w, o in zip(on_fibre, fibre.offset, strict=True)])
-        )
-    return rows, offsets
+def dual_rows(frame: AffineForms, fibre: FibreSolution, base: int) -> list[list[Any]]:
+    """v_k = dual[k][b] rdot_b + ...: the frame on the constraints, in base velocities alone."""
+    return [
+        [
+            row[b] + se.Add(*[w * s[b] for w, s in zip(row[base:], fibre.matrix, strict=True)])
+            for b in range(base)
+        ]
+        for row in frame.matrix
+    ]

@@ -19,9 +19,10 @@ from voronec.algebra.normal import canonical, shortest
 from voronec.connection import (
     EhresmannConnection,
     FibreSolution,
-    Tidy,
     Undetermined,
-    connect,
+    coordinate_lift,
+    dual_rows,
+    framed_lift,
 )
 from voronec.definition import Definition
 from voronec.errors import DefinitionError
@@ -91,16 +92,35 @@ class Derivation:
 
     def _connect(self, framed: bool) -> EhresmannConnection:
         d = self.definition
-        tidy: Tidy = self.tidy
-        velocities = d.velocities if framed else d.coordinate_velocities[: d.base]
-        frame = d.frame if framed else None
+        lift = self._framed_lift() if framed else coordinate_lift(self.fibre, d.base)
+        return EhresmannConnection(
+            coordinates=d.coordinates,
+            base=d.base,
+            velocities=d.velocities if framed else d.coordinate_velocities[: d.base],
+            time=d.time,
+            lift=tuple(tuple(row) for row in lift),
+        )
+
+    def _framed_lift(self) -> list[list[Any]]:
+        d = self.definition
+        assert d.frame is not None
         try:
-            return connect(
-                d.coordinates, d.base, velocities, d.time, self.fibre, frame,
-                d.differentiated, d.relations, tidy, d.near,
-            )  # fmt: skip
+            lift = framed_lift(d.constraints, d.frame, d.differentiated, d.relations, d.near)
         except Undetermined as error:
             raise _frame_error(d, error) from None
+        flat = self.tidy([e for row in lift for e in row])
+        width = len(d.velocities) + 1
+        return [flat[a * width : (a + 1) * width] for a in range(len(lift))]
+
+    @cached_property
+    def dual(self) -> list[list[Any]]:
+        """dual[k][b]: the velocities v_k in terms of base velocities."""
+        d = self.definition
+        if d.frame is None:
+            return [row[:-1] for row in coordinate_lift(self.fibre, d.base)[: d.base]]
+        rows = dual_rows(d.frame, self.fibre, d.base)
+        flat = self.tidy([e for row in rows for e in row])
+        return [flat[k * d.base : (k + 1) * d.base] for k in range(len(rows))]
 
     @cached_property
     def rates(self) -> list[Any]:
@@ -208,7 +228,7 @@ class Derivation:
 def _frame_error(d: Definition, error: Undetermined) -> DefinitionError:
     system = d.system
     given = ", ".join(map(str, d.velocities))
-    if error.free == (-1,):
+    if not error.free:
         return DefinitionError(
             f"system '{system.name}': the quasi-velocities {given} are dependent on the "
             "constraints or the relations; leave out the dependent ones"

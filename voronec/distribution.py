@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import flint
 import symengine as se
 
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import decide_zero
 from voronec.connection import EhresmannConnection
@@ -23,6 +23,7 @@ from voronec.errors import EngineLimit
 __all__ = ["Distribution", "grow"]
 
 Field = tuple[Any, ...]
+BITS = 320
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,8 @@ def grow(definition: Definition, connection: EhresmannConnection) -> Distributio
     fields = [_field(connection, i, timed) for i in range(n + 1 if timed else n)]
     frame, tops, growth = list(fields), list(fields), [len(fields)]
     rank_of = _RankOracle(definition.relations)
-    while tops and growth[-1] < len(variables):
+    dimension = len(variables) - rank_of.relations(variables)
+    while tops and growth[-1] < dimension:
         brackets = [
             _bracket(x, y, variables)
             for i, x in enumerate(fields)
@@ -65,7 +67,7 @@ def grow(definition: Definition, connection: EhresmannConnection) -> Distributio
         growth=tuple(growth),
         integrable=tuple(i for i, s in enumerate(standing) if s == "proved"),
         undecided=tuple(i for i, s in enumerate(standing) if s == "undecided"),
-        dimension=len(variables),
+        dimension=dimension,
     )
 
 
@@ -91,7 +93,7 @@ def _standing(
 
 def _witnessed(exprs: Sequence[Any], relations: Sequence[Any]) -> bool:
     """Whether ball arithmetic shows one of the expressions to be nonzero somewhere."""
-    samples = sample_evaluable(Tape(exprs), relations, 320)
+    samples = sample_evaluable(Tape(exprs), relations, BITS)
     return any(not value.contains(0) for _, values in samples for value in values)
 
 
@@ -138,33 +140,27 @@ def _bracket(x: Field, y: Field, variables: Sequence[Any]) -> Field:
 
 
 class _RankOracle:
-    """Which fields enlarge a span at a generic point, by elimination in ball arithmetic."""
+    """Ranks at a generic point, by elimination in ball arithmetic."""
 
     def __init__(self, relations: Sequence[Any]) -> None:
         self._relations = relations
 
+    def relations(self, variables: Sequence[Any]) -> int:
+        """How many of the relations are independent."""
+        if not self._relations:
+            return 0
+        return len(self._independent([[r.diff(q) for q in variables] for r in self._relations]))
+
     def enlarging(self, frame: Sequence[Field], candidates: Sequence[Field]) -> list[Field]:
         """The candidates that, one after the other, enlarge the span of the frame."""
-        fields = [*frame, *candidates]
-        tape = Tape([e for field in fields for e in field])
-        samples = sample_evaluable(tape, self._relations, 320)
+        kept = self._independent([*frame, *candidates])
+        return [candidates[i - len(frame)] for i in kept if i >= len(frame)]
+
+    def _independent(self, rows: Sequence[Sequence[Any]]) -> list[int]:
+        tape = Tape([e for row in rows for e in row])
+        samples = sample_evaluable(tape, self._relations, BITS, count=1)
         if not samples:
             raise EngineLimit("no point was found at which the distribution is defined")
-        width = len(fields[0])
-        with flint.ctx.workprec(320):
-            values = samples[0][1]
-            rows = [values[i * width : (i + 1) * width] for i in range(len(fields))]
-            reduced: list[tuple[int, list[Any]]] = []
-            new = []
-            for index, row in enumerate(rows):
-                for pivot, other in reduced:
-                    factor = row[pivot] / other[pivot]
-                    row = [a - factor * b for a, b in zip(row, other, strict=True)]
-                    row[pivot] = flint.arb(0)
-                sizes = [0.0 if e.contains(0) else abs(float(e.mid())) for e in row]
-                best = max(range(width), key=sizes.__getitem__)
-                if sizes[best] > 0:
-                    reduced.append((best, row))
-                    if index >= len(frame):
-                        new.append(fields[index])
-        return new
+        values, width = samples[0][1], len(rows[0])
+        table = [values[i * width : (i + 1) * width] for i in range(len(rows))]
+        return independent_rows(table, BITS)

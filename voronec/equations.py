@@ -188,18 +188,21 @@ class VoronecEquations:
         return self._exact_or_raw(parts)
 
     @cached_property
-    def brackets(self) -> Brackets:
-        """c_ij^k and B_ij^A of the frame in use."""
+    def _bracket_parts(self) -> dict[tuple[int, int], tuple[list[Any], list[Any]]]:
+        """c_ij^k and B_ij^A in the frame in use for i < j, the time last."""
 
         def parts(d: Derivation) -> dict[tuple[int, int], tuple[list[Any], list[Any]]]:
             connection = d.connection
             pairs = [(i, j) for j in range(connection.n + 1) for i in range(j)]
-            result = {p: connection.decompose(*p, d.tidy) for p in pairs}
+            result = {p: connection.decompose(*p, d.dual, d.tidy) for p in pairs}
             return {p: (d.polish(c), d.polish(b)) for p, (c, b) in result.items()}
 
-        table = self._exact_or_raw(parts)
-        n = len(self.velocities)
-        out = self.door.outward
+        return self._exact_or_raw(parts)
+
+    @cached_property
+    def brackets(self) -> Brackets:
+        """c_ij^k and B_ij^A of the frame in use."""
+        table, n, out = self._bracket_parts, len(self.velocities), self.door.outward
 
         def entry(part: int, k: int, i: int, j: int) -> Any:
             if i == j:
@@ -209,10 +212,8 @@ class VoronecEquations:
         arrays = []
         for part, size in ((0, n), (1, len(self.system.fibration.fibre))):
             m = range(n + 1)
-            arrays.append(
-                _array([entry(part, k, i, j) for k in range(size) for i in m for j in m],
-                       (size, n + 1, n + 1))
-            )  # fmt: skip
+            entries = [entry(part, k, i, j) for k in range(size) for i in m for j in m]
+            arrays.append(_array(entries, (size, n + 1, n + 1)))
         return Brackets(*arrays)
 
     @cached_property
@@ -220,7 +221,10 @@ class VoronecEquations:
         """``holonomic``: every B_ij^A vanishes (proved), or there is no fibre; ``chaplygin``: L,
         constraints and forces are free of the fibre coordinates; ``voronec``: neither."""
         ideal = self.definition.relations
-        flat = [x for part in self._vertical_parts.values() for x in part]
+        if self.has_coordinate_frame:
+            flat = [x for part in self._vertical_parts.values() for x in part]
+        else:
+            flat = [x for _, part in self._bracket_parts.values() for x in part]
         if _all_vanish(flat, ideal):
             return "holonomic"
         d, raw = self.definition, self.raw.fibre
@@ -232,7 +236,11 @@ class VoronecEquations:
     @cached_property
     def distribution(self) -> Distribution:
         """Growth vector and integrable constraints."""
-        return grow(self.definition, self._exact_or_raw(lambda d: d.coordinate_connection))
+        free = self.has_coordinate_frame
+        return grow(
+            self.definition,
+            self._exact_or_raw(lambda d: d.coordinate_connection if free else d.connection),
+        )
 
     @property
     def growth(self) -> tuple[int, ...]:

@@ -11,13 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import flint
 import symengine as se
 import sympy as sp
 
 from voronec.algebra.field import Fraction
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.rank import proved_rank
 from voronec.algebra.ring import Ring
 from voronec.algebra.shape import expression
 from voronec.algebra.tape import Tape
@@ -77,6 +77,7 @@ def descend(
             raise DefinitionError(f"the invariant '{name}' has the name of another symbol")
     derivation = eqs.exact
     inside = [eqs.door.inward(g) for g in chosen.values()]
+    _check_configurational(eqs, chosen, inside)
     tags = [se.Symbol(name) for name in chosen]
     n = derivation.connection.n
     labels = [f"mass[{i},{j}]" for i in range(n) for j in range(n)]
@@ -104,6 +105,19 @@ def descend(
         rates=sp.ImmutableMatrix(len(tags), 1, found[n * n + n :]),
         relations=_relations_among(eqs, ring, moving),
     )
+
+
+def _check_configurational(
+    eqs: VoronecEquations, chosen: Mapping[str, Any], inside: Sequence[Any]
+) -> None:
+    d = eqs.definition
+    moving = {*d.velocities, *d.coordinate_velocities}
+    for name, g in zip(chosen, inside, strict=True):
+        if g.free_symbols & moving:
+            raise DefinitionError(
+                f"the invariant '{name}' contains a velocity; invariants are functions of the "
+                "coordinates"
+            )
 
 
 def _coordinate_generators(ring: Ring, coordinates: Sequence[Any]) -> list[int]:
@@ -138,7 +152,7 @@ def _refuse(eqs: VoronecEquations, label: str, target: Any, invariants: Sequence
     for _, values in sample_evaluable(Tape(differentials), relations, 256):
         table = [values[i * width : (i + 1) * width] for i in range(rows + len(relations))]
         without = [*table[: rows - 1], *table[rows:]]
-        if _proved_rank(table) > _proved_rank(without):
+        if proved_rank(table, 256) > proved_rank(without, 256):
             raise DefinitionError(
                 f"system '{eqs.system.name}': {label} is not a function of the invariants; "
                 "add an invariant, or choose others"
@@ -147,27 +161,3 @@ def _refuse(eqs: VoronecEquations, label: str, target: Any, invariants: Sequence
         f"system '{eqs.system.name}': {label} depends on the invariants only, but no expression "
         "was found"
     )
-
-
-def _proved_rank(rows: Sequence[Sequence[Any]]) -> int:
-    """The number of independent rows, each pivot proved to be nonzero."""
-    rank = 0
-    work = [list(row) for row in rows]
-    with flint.ctx.workprec(256):
-        while work:
-            sizes = [
-                (0.0 if e.contains(0) else abs(float(e.mid())), i, j)
-                for i, row in enumerate(work)
-                for j, e in enumerate(row)
-            ]
-            size, i, j = max(sizes, default=(0.0, 0, 0))
-            if size == 0.0:
-                break
-            pivot = work.pop(i)
-            rank += 1
-            for row in work:
-                factor = row[j] / pivot[j]
-                for column, entry in enumerate(pivot):
-                    row[column] = row[column] - factor * entry
-                row[j] = flint.arb(0)
-    return rank

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,18 +33,20 @@ def check_claims(system: System | VoronecEquations) -> list[Claim]:
     eqs = derive(system) if isinstance(system, System) else system
     claims = []
     for name, expr in eqs.system.integrals.items():
-        defect = rate_of_change(eqs, eqs.door.inward(expr))
-        claims.append(Claim("integral", name, _vanishes(eqs, defect)))
+        claims.append(Claim("integral", name, _vanishes(eqs, rate_of_change, expr)))
     if eqs.system.measure is not None:
-        defect = measure_defect(eqs, eqs.door.inward(eqs.system.measure))
-        claims.append(Claim("measure", "density", _vanishes(eqs, defect)))
+        verdict = _vanishes(eqs, measure_defect, eqs.system.measure)
+        claims.append(Claim("measure", "density", verdict))
     if eqs.system.invariants:
         claims.append(Claim("descent", ", ".join(eqs.system.invariants), _descends(eqs)))
     return claims
 
 
-def _vanishes(eqs: VoronecEquations, defect: Any) -> Verdict:
-    return decide_zero(defect, eqs.definition.relations)
+def _vanishes(eqs: VoronecEquations, defect: Callable[..., Any], expr: Any) -> Verdict:
+    try:
+        return decide_zero(defect(eqs, eqs.door.inward(expr)), eqs.definition.relations)
+    except EngineLimit as limit:
+        return Verdict("undecided", str(limit))
 
 
 def _descends(eqs: VoronecEquations) -> Verdict:
