@@ -23,7 +23,7 @@ _FUNCTIONS = {
     name: getattr(se, name)
     for name in (
         "sin cos tan cot sec csc asin acos atan acot sinh cosh tanh coth asinh acosh atanh "
-        "log Abs sign atan2"
+        "log atan2"
     ).split()
 }
 _NUMBERS = {
@@ -110,9 +110,11 @@ class Door:
                 inner = inner.diff(self._enter(variable), int(count))
             return inner
         if isinstance(expr, sp.Subs):
-            inner = self._enter(expr.expr)
-            pairs = zip(expr.variables, expr.point, strict=True)
-            return inner.subs({self._enter(v): self._enter(p) for v, p in pairs})
+            return self._substitution(expr)
+        if isinstance(expr, (sp.Abs, sp.sign)):  # as roots they are differentiated and reduced
+            inside = self._enter(expr.args[0])
+            size = se.sqrt(inside**2)
+            return size if isinstance(expr, sp.Abs) else inside / size
         name = type(expr).__name__
         if name in _FUNCTIONS:
             return _FUNCTIONS[name](*[self._enter(a) for a in expr.args])
@@ -120,6 +122,15 @@ class Door:
             f"'{expr}' is of kind {name}, which the engine does not differentiate; "
             "write it with elementary functions or an unknown function"
         )
+
+    def _substitution(self, expr: sp.Subs) -> Any:
+        """Subs: its bound variables are nobody's symbols, whatever they are called."""
+        bound = [sp.Symbol(f"bound variable {i + 1}") for i in range(len(expr.variables))]
+        for symbol in bound:
+            self._inward.setdefault(symbol, se.Symbol(symbol.name))
+        renamed = expr.expr.xreplace(dict(zip(expr.variables, bound, strict=True)))
+        points = zip(bound, expr.point, strict=True)
+        return self._enter(renamed).subs({self._inward[b]: self._enter(p) for b, p in points})
 
     def outward(self, expr: Any) -> sp.Expr:
         """The SymPy expression, in the user's symbols, of a symengine expression."""

@@ -68,7 +68,8 @@ class Field:
             start, degrees = poly, poly.degrees()
             for generator, degree, relation in self.rules:  # outer radicals before inner ones
                 if degrees[generator] >= degree:
-                    self._spend(len(poly) * len(relation))
+                    rounds = int(degrees[generator]) // degree
+                    self._spend(len(poly) * len(relation) * rounds)
                     poly = divmod(poly, relation)[1]
                     if poly == 0:
                         return poly
@@ -194,9 +195,13 @@ class Field:
         """An integer power of a fraction."""
         if n < 0:
             return self.power(self.inverse(f), -n)
-        total = self.one
-        for _ in range(n):
-            total = self.product(total, f.num)
+        total, square, left = self.one, f.num, n
+        while left:
+            if left & 1:
+                total = self.product(total, square)
+            left >>= 1
+            if left:
+                square = self.product(square, square)
         den = {i: e * n for i, e in f.den}
         if den:
             total, den = self._cancel(total, den)

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from math import lcm
+from math import lcm, prod
 from typing import Any
 
+import flint
 import symengine as se
 
 from voronec.algebra.tape import is_atom
@@ -23,8 +24,28 @@ TRIGONOMETRIC = (se.sin, se.cos, se.tan, se.cot, se.sec, se.csc)
 HYPERBOLIC = (se.sinh, se.cosh, se.tanh, se.coth)
 
 
+EXPANSION_LIMIT = 2_000
+"""How many terms the argument of a sine or the like may expand to."""
+FACTOR_BITS = 120
+"""Integers of more bits are not factored."""
+
+
+def _expanded_size(expr: Any) -> float:
+    """A bound for the number of terms of an expanded expression."""
+    if isinstance(expr, se.Add):
+        return sum(_expanded_size(a) for a in expr.args)
+    if isinstance(expr, se.Mul):
+        return prod(_expanded_size(a) for a in expr.args)
+    if isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Integer) and expr.args[1] > 0:
+        terms, n = _expanded_size(expr.args[0]), int(expr.args[1])
+        return float(terms) ** min(n, 60) if terms > 1 else 1
+    return 1
+
+
 def linear_terms(expr: Any) -> dict[Any, Any]:
     """An expression as a sum of rational multiples: ``{term without coefficient: coefficient}``."""
+    if _expanded_size(expr) > EXPANSION_LIMIT:
+        raise EngineLimit("the argument of a function is too large to be expanded")
     expr = expr.expand()
     terms: dict[Any, Any] = {}
     for term in expr.args if isinstance(expr, se.Add) else (expr,):
@@ -40,8 +61,8 @@ def linear_terms(expr: Any) -> dict[Any, Any]:
 
 def prime_factors(n: int) -> dict[int, int]:
     """The prime factorization of a positive integer."""
-    import flint
-
+    if n.bit_length() > FACTOR_BITS:
+        raise EngineLimit(f"the integer {n} under a root is too large to be factored")
     return {int(p): e for p, e in flint.fmpz(n).factor()}
 
 

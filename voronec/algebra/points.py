@@ -33,6 +33,8 @@ def sample_point(
 
 def _onto_relations(point: dict[Any, Any], relations: Sequence[Any], bits: int) -> dict[Any, Any]:
     atoms = Tape(relations).atoms
+    if not atoms:
+        raise EngineLimit("the relations hold no variable, so no point can be found on them")
     jacobian = [[r.diff(a) for a in atoms] for r in relations]
     tape = Tape([*relations, *(entry for row in jacobian for entry in row)])
     start = _nearby_solution(tape, atoms, len(relations), point)
@@ -40,7 +42,10 @@ def _onto_relations(point: dict[Any, Any], relations: Sequence[Any], bits: int) 
     free = {a: flint.fmpq(round(v * 10**6), 10**6) for a, v in start.items()}
     bound = [atoms[c] for c in columns]
     square = Tape([relations[r] for r in rows] + [jacobian[r][c] for r in rows for c in columns])
-    return {**point, **free, **_enclose(square, free, bound, bits)}
+    try:
+        return {**point, **free, **_enclose(square, free, bound, bits)}
+    except ZeroDivisionError:
+        raise EngineLimit("the relations between the coordinates are singular") from None
 
 
 def _values(tape: Tape, point: dict[Any, Any], n: int, bits: int) -> tuple[Any, Any]:
@@ -65,7 +70,7 @@ def _nearby_solution(
             break
         step = np.linalg.lstsq(j, g, rcond=1e-10)[0]
         x = x - step
-        if np.max(np.abs(step)) < 1e-13:
+        if np.max(np.abs(step)) < 1e-13 and np.max(np.abs(g)) < 1e-9:
             return dict(zip(atoms, map(float, x), strict=True))
     raise EngineLimit("no point was found on the relations between the coordinates")
 
@@ -146,10 +151,12 @@ def _consistent(atoms: Sequence[Any], point: dict[Any, Any], bits: int) -> bool:
     f(a) and f(b) were given values of their own, which is right only where a and b differ.
     """
     places: dict[str, list[tuple[Any, ...]]] = {}
-    for atom in atoms:
-        for name, arguments in _applications(atom):
+    waiting = list(atoms)
+    while waiting:
+        for name, arguments in _applications(waiting.pop()):
             if arguments not in places.setdefault(name, []):
                 places[name].append(arguments)
+                waiting += Tape(arguments).atoms  # f(f(a)) takes f at a as well
     for several in places.values():
         if len(several) < 2:
             continue

@@ -37,8 +37,6 @@ _UNARY: dict[type, Callable[[Any], Any]] = {
     se.acosh: lambda a: a.acosh(),
     se.atanh: lambda a: a.atanh(),
     se.log: lambda a: a.log(),
-    se.Abs: abs,
-    se.sign: lambda a: a.sgn(),
 }
 _CONSTANTS: dict[Any, Callable[[], Any]] = {
     se.pi: flint.arb.pi,

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import flint
 import sympy as sp
 
 from voronec.algebra.door import Door
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.ring import Ring
 from voronec.algebra.tape import Tape
-from voronec.errors import EngineLimit
+from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Verdict", "Witness", "decide_equal", "decide_zero", "prove_equal"]
 
@@ -74,7 +75,10 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
     """
     door = Door()
     try:
-        return decide_equal(door.inward(a), door.inward(b), door.inward_all(relations))
+        ideal = door.inward_all(relations)
+        if any(r.is_Number and r != 0 for r in ideal):
+            raise DefinitionError("one of the relations is a nonzero number: nothing satisfies it")
+        return decide_equal(door.inward(a), door.inward(b), ideal)
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))
 
@@ -128,13 +132,14 @@ def decide_equal(
 
 
 def _witness(point: dict[Any, Any], left: Any, right: Any) -> Witness:
-    named = {str(atom): _digits(value) for atom, value in point.items()}
-    return Witness(named, _digits(left), _digits(right))
+    named = {str(atom): _digits(value, DIGITS) for atom, value in point.items()}
+    digits = DIGITS
+    while _digits(left, digits) == _digits(right, digits) and digits < 300:
+        digits += 10  # show where they part
+    return Witness(named, _digits(left, digits), _digits(right, digits))
 
 
-def _digits(value: Any) -> str:
-    import flint
-
+def _digits(value: Any, digits: int) -> str:
     if isinstance(value, flint.fmpq):
         return str(value)
-    return str(value.str(DIGITS, radius=False)) if isinstance(value, flint.arb) else str(value)
+    return str(value.str(digits, radius=False)) if isinstance(value, flint.arb) else str(value)
