@@ -261,7 +261,7 @@ def test_absolute_values_are_differentiated_away_from_zero():
         forces={x: -sp.sign(Dx)},
     )
     agree(system, {x: -2, Dx: 1})
-    assert vo.derive(system).acceleration({x: 2, Dx: -4})[x] == -2
+    assert abs(vo.derive(system).acceleration({x: 2, Dx: -4})[x] + 2) < sp.Float(10) ** -28
 
 
 def test_roots_of_quotients_survive_the_normal_form():

@@ -13,7 +13,8 @@ from voronec.algebra.door import Door
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
 from voronec.connection import AffineForms, FibreSolution, solve_fibre
 from voronec.errors import DefinitionError
-from voronec.system import System
+from voronec.reading import shown
+from voronec.system import System, require_system
 
 __all__ = ["Definition", "read"]
 
@@ -50,6 +51,7 @@ def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
     ``near`` is a point, by names, at which the solved constraints should be defined; by default
     the start of the default scene.
     """
+    require_system(system)
     door = Door(s for s in system.known_symbols() if s == time or _is_variable(system, s))
     coordinates = tuple(door.inward(q) for q in system.coordinates)
     dots = tuple(door.inward(velocity(q)) for q in system.coordinates)
@@ -58,12 +60,15 @@ def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
         tuple(tuple(r.diff(q) for q in coordinates) for r in relations),
         tuple(r.diff(door.inward(time)) for r in relations),
     )
-    constraints = _constraints(system, door, dots)
+    frame = _frame(system, door, dots)
+    meant = _meanings(system, door)
+    bound = [door.inward(c).xreplace(meant) for c in system.constraints]
+    constraints = _constraints(system, bound, dots)
     _count(system, len(constraints.matrix), differentiated)
     point = _start(system) if near is None else dict(near)
     fibre = _solved(system, constraints, differentiated, relations, point)
     zero = se.Integer(0)
-    forces = {q: door.inward(force) for q, force in system.forces.items()}
+    forces = {q: door.inward(force).xreplace(meant) for q, force in system.forces.items()}
     return Definition(
         system=system,
         door=door,
@@ -72,10 +77,10 @@ def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
         velocities=tuple(door.inward(v) for v in system.velocities),
         parameters=tuple(door.inward(p.symbol) for p in system.parameters),
         time=door.inward(time),
-        lagrangian=door.inward(system.lagrangian),
+        lagrangian=door.inward(system.lagrangian).xreplace(meant),
         forces=tuple(forces.get(q, zero) for q in system.coordinates),
         constraints=constraints,
-        frame=_frame(system, door, dots),
+        frame=frame,
         relations=relations,
         differentiated=differentiated,
         fibre=fibre,
@@ -102,22 +107,31 @@ def _is_variable(system: System, symbol: sp.Expr) -> bool:
     )
 
 
-def _constraints(system: System, door: Door, dots: Sequence[Any]) -> AffineForms:
-    exprs = [door.inward(c) for c in system.constraints]
+def _meanings(system: System, door: Door) -> dict[Any, Any]:
+    """Quasi-velocity -> its definition: L, forces and constraints may be written with either."""
+    if system.frame is None:
+        return {}
+    names = door.inward_all(system.frame.velocities)
+    return dict(zip(names, door.inward_all(system.frame.expressions), strict=True))
+
+
+def _constraints(system: System, exprs: Sequence[Any], dots: Sequence[Any]) -> AffineForms:
     forms = AffineForms.of(exprs, dots)
     if isinstance(forms, int):
         raise DefinitionError(
-            f"system '{system.name}': constraint {forms + 1} ({system.constraints[forms]} = 0) is "
-            "not affine in the velocities; solve it for a velocity or differentiate it first"
+            f"{_constraint(system, forms)} is not affine in the velocities; solve it for a "
+            "velocity or differentiate it first"
         )
-    for v in door.inward_all(system.frame.velocities if system.frame else ()):
-        for i, e in enumerate(exprs):
-            if se.has_symbol(e, v):
-                raise DefinitionError(
-                    f"system '{system.name}': constraint {i + 1} contains the quasi-velocity "
-                    f"'{v}'; write it with the velocities of the coordinates"
-                )
+    for i, row in enumerate(forms.matrix):
+        if any(e != 0 for e in row):
+            continue
+        mend = "differentiate it with respect to time" if exprs[i].free_symbols else "drop it"
+        raise DefinitionError(f"{_constraint(system, i)} holds no velocity; {mend}")
     return forms
+
+
+def _constraint(system: System, i: int) -> str:
+    return f"system '{system.name}': constraint {i + 1} ({shown(system.constraints[i])} = 0)"
 
 
 def _frame(system: System, door: Door, dots: Sequence[Any]) -> AffineForms | None:

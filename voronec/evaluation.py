@@ -10,10 +10,11 @@ import sympy as sp
 
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.symbols import plain_name, time
-from voronec.algebra.tape import Tape
+from voronec.algebra.tape import Tape, as_ball
 from voronec.definition import read
 from voronec.derivation import Derivation
 from voronec.errors import DefinitionError, EngineLimit
+from voronec.reading import shown
 from voronec.system import System
 
 if TYPE_CHECKING:
@@ -24,34 +25,72 @@ __all__ = ["acceleration", "check_inertia", "named_point"]
 ON_RELATIONS = 1e-9
 """How far a point may lie off the relations between redundant coordinates."""
 
+MOST_DIGITS = 10_000
+"""How many digits may be asked for."""
+
 
 def named_point(system: System, point: Mapping[Any, Any]) -> dict[str, Any]:
     """A point by plain names, completed by the parameters' default values.
 
-    Keys are symbols or names.  Raises ``DefinitionError`` for a name that the system lacks and for
-    one that has no value.
+    Keys are symbols or names.  Raises ``DefinitionError`` for a name that the system lacks, for
+    one that is named twice or has no value, and for a value that is not a finite real number.
     """
-    needed = [*system.coordinates, *system.velocities, *(p.symbol for p in system.parameters)]
+    if not isinstance(point, Mapping):
+        raise DefinitionError(
+            f"system '{system.name}': the point is '{shown(point)}'; give {{symbol: number, ...}}"
+        )
+    constants = [p for p in system.parameters if isinstance(p.symbol, sp.Symbol)]
+    needed = [*system.coordinates, *system.velocities, *(p.symbol for p in constants)]
     names = [plain_name(s) for s in needed]
     given: dict[str, Any] = {}
     for key, value in point.items():
-        name = key if isinstance(key, str) else plain_name(sp.sympify(key))
+        name = _name(system, key)
         if name not in names and name != plain_name(time):
             raise DefinitionError(
                 f"'{name}' is not a coordinate, velocity or parameter of system '{system.name}'; "
                 f"it has {', '.join(names)}"
             )
-        given[name] = value
-    for parameter in system.parameters:
+        if name in given:
+            raise DefinitionError(
+                f"system '{system.name}': the point gives '{name}' twice; give it once"
+            )
+        given[name] = _checked(system, name, value)
+    for parameter in constants:
         if parameter.value is not None:
             given.setdefault(parameter.name, parameter.value)
     missing = [name for name in names if name not in given]
     if missing:
         raise DefinitionError(
             f"the point gives no value for {', '.join(repr(m) for m in missing)} of system "
-            f"'{system.name}'"
+            f"'{system.name}'; add it to the point"
         )
     return given
+
+
+def _name(system: System, key: Any) -> str:
+    if isinstance(key, str):
+        return key
+    try:
+        return plain_name(key)
+    except DefinitionError:
+        raise DefinitionError(
+            f"system '{system.name}': the point has the key '{shown(key)}', which is neither a "
+            "symbol nor a name; give {symbol: number, ...}"
+        ) from None
+
+
+def _checked(system: System, name: str, value: Any) -> Any:
+    """A value as it stands, if it is a finite real number."""
+    try:
+        sound = as_ball(value).is_finite()
+    except (DefinitionError, EngineLimit):
+        sound = False
+    if not sound:
+        raise DefinitionError(
+            f"system '{system.name}': the point gives '{name}' = '{shown(value)}', which is not a "
+            "real number; give a finite one"
+        )
+    return value
 
 
 def acceleration(
@@ -59,6 +98,11 @@ def acceleration(
 ) -> dict[sp.Expr, sp.Float]:
     """See ``VoronecEquations.acceleration``."""
     system = eqs.system
+    if not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= MOST_DIGITS:
+        raise DefinitionError(
+            f"system '{system.name}': digits = {shown(digits)}; give a whole number from 1 to "
+            f"{MOST_DIGITS}"
+        )
     values = named_point(system, point)
     result = _accelerations(eqs.raw, values, digits)
     if result is None:  # a pivot may vanish just here: solve the constraints for this point
@@ -81,7 +125,8 @@ def _accelerations(raw: Derivation, values: dict[str, Any], digits: int) -> list
     unknown = [str(a) for a in tape.atoms if str(a) not in values]
     if unknown:
         raise DefinitionError(
-            f"system '{system.name}' cannot be evaluated without a value for '{unknown[0]}'"
+            f"system '{system.name}' cannot be evaluated without a value for '{unknown[0]}'; "
+            "give it in the point, or put a formula in the place of an unknown function"
         )
     bits = int(3.33 * digits) + 64
     for _ in range(6):

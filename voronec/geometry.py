@@ -10,6 +10,7 @@ import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name
 from voronec.errors import DefinitionError
+from voronec.reading import expression, several, shown, vanishing
 
 __all__ = ["Fibration", "Frame"]
 
@@ -20,7 +21,8 @@ class Fibration:
 
     The velocities of the base are free, those of the fibre are what the constraints determine.
     ``relations`` are expressions in the coordinates that vanish, for redundant coordinates (a
-    quaternion, a Poisson vector); the motion stays on their zero set.
+    quaternion, a Poisson vector); the motion stays on their zero set.  A single coordinate or
+    relation may stand without a tuple.
     """
 
     base: tuple[sp.Expr, ...]
@@ -30,16 +32,16 @@ class Fibration:
     def __post_init__(self) -> None:
         for part in ("base", "fibre"):
             object.__setattr__(self, part, _names(getattr(self, part), part))
-        relations = tuple(sp.sympify(r) for r in self.relations)
+        given = enumerate(several(self.relations, "relations"))
+        relations = tuple(vanishing(r, f"relation {i + 1} of the fibration") for i, r in given)
         object.__setattr__(self, "relations", relations)
-        seen: dict[str, sp.Expr] = {}
-        for coordinate in self.base + self.fibre:
-            name = plain_name(coordinate)
+        seen: set[str] = set()
+        for name in map(plain_name, self.base + self.fibre):
             if name in seen:
                 raise DefinitionError(
                     f"coordinate '{name}' is listed twice in the fibration; list it once"
                 )
-            seen[name] = coordinate
+            seen.add(name)
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,19 @@ class Frame:
 
     velocities: tuple[sp.Expr, ...]
     expressions: tuple[sp.Expr, ...]
+
+    def __post_init__(self) -> None:
+        velocities = _names(self.velocities, "frame")
+        expressions = several(self.expressions, "expressions")
+        if len(velocities) != len(expressions) or not velocities:
+            raise DefinitionError(
+                f"a frame has {len(velocities)} velocities and {len(expressions)} expressions; "
+                "write Frame.quasi({velocity: expression})"
+            )
+        pairs = zip(velocities, expressions, strict=True)
+        read = tuple(expression(e, f"the definition of '{plain_name(v)}'") for v, e in pairs)
+        object.__setattr__(self, "velocities", velocities)
+        object.__setattr__(self, "expressions", read)
 
     @classmethod
     def quasi(cls, definitions: Mapping[Any, Any]) -> Frame:
@@ -58,15 +73,15 @@ class Frame:
         """
         if not isinstance(definitions, Mapping) or not definitions:
             raise DefinitionError("Frame.quasi takes a non-empty mapping {velocity: expression}")
-        velocities = _names(tuple(definitions), "frame")
-        return cls(velocities, tuple(sp.sympify(e) for e in definitions.values()))
+        return cls(tuple(definitions), tuple(definitions.values()))
 
 
 def _names(things: Any, part: str) -> tuple[sp.Expr, ...]:
     """A tuple of symbols out of one symbol or several."""
-    if isinstance(things, sp.Basic) and not isinstance(things, sp.Tuple):
-        things = (things,)
-    for thing in things:
+    names = several(things, part)
+    for thing in names:
         if not is_symbolic_name(thing):
-            raise DefinitionError(f"'{thing}' in the {part} is not a symbol; use sympy.Symbol")
-    return tuple(things)
+            raise DefinitionError(
+                f"'{shown(thing)}' in the {part} is not a symbol; use sympy.Symbol"
+            )
+    return names

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any
 
 import sympy as sp
 
+from voronec import checks
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
 from voronec.errors import DefinitionError
 from voronec.geometry import Fibration, Frame
+from voronec.reading import expression, mapping, real_number, several, shown, vanishing
 
-__all__ = ["Parameter", "Scene", "System"]
+__all__ = ["Parameter", "Scene", "System", "require_system"]
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,12 @@ class Parameter:
 
     def __post_init__(self) -> None:
         if not is_symbolic_name(self.symbol):
-            raise DefinitionError(f"parameter '{self.symbol}' is not a symbol; use sympy.Symbol")
+            raise DefinitionError(
+                f"parameter '{shown(self.symbol)}' is not a symbol; use sympy.Symbol"
+            )
+        for bound in ("lower", "upper"):
+            if getattr(self, bound) is not None:
+                real_number(getattr(self, bound), f"parameter '{self.name}': {bound}")
         if self.value is not None:
             self.check(self.value)
 
@@ -45,9 +51,7 @@ class Parameter:
 
     def check(self, value: Any) -> None:
         """Raise ``DefinitionError`` where ``value`` lies outside the declared range."""
-        number = sp.sympify(value)
-        if not number.is_number or number.is_real is False:
-            raise DefinitionError(f"parameter '{self.name}' = {value} is not a real number")
+        number = real_number(value, f"parameter '{self.name}'")
         if self.positive and not number > 0:
             raise DefinitionError(f"parameter '{self.name}' = {value} must be positive")
         if self.lower is not None and number < sp.sympify(self.lower):
@@ -71,6 +75,10 @@ class Scene:
     parameters: Mapping[Any, Any] = field(default_factory=dict)
     outputs: tuple[Any, ...] = ()
     caption: str = ""
+
+    def __post_init__(self) -> None:
+        mapping(self.initial, "initial", "coordinate or velocity: value")
+        mapping(self.parameters, "parameters", "parameter: value")
 
 
 @dataclass(frozen=True)
@@ -127,21 +135,63 @@ class System:
     motion: Any = None
 
     def __post_init__(self) -> None:
-        store = object.__setattr__
-        store(self, "lagrangian", sp.sympify(self.lagrangian))
-        store(self, "constraints", tuple(_vanishing(c) for c in self.constraints))
-        parameters = (p if isinstance(p, Parameter) else Parameter(p) for p in self.parameters)
-        store(self, "parameters", tuple(parameters))
-        for name in ("forces", "integrals", "invariants"):
-            values = {k: sp.sympify(v) for k, v in getattr(self, name).items()}
-            store(self, name, MappingProxyType(values))
-        store(self, "scenes", MappingProxyType(dict(self.scenes)))
-        store(self, "references", tuple(self.references))
+        if not isinstance(self.name, str) or not self.name:
+            raise DefinitionError(
+                f"the name of a system is {shown(self.name)!r}, not a text; write name='my-system'"
+            )
+        self._check_kinds()
+        try:
+            self._read()
+        except DefinitionError as error:
+            raise DefinitionError(f"system '{self.name}': {error}") from None
+        checks.check_forces(self)
+        checks.check_names(self)
+        checks.check_symbols(self)
+        checks.check_frame(self)
+        checks.check_relations(self)
+
+    def _check_kinds(self) -> None:
+        """A fibration and a frame come ready made."""
+        if not isinstance(self.fibration, Fibration):
+            raise DefinitionError(
+                f"system '{self.name}': the fibration is '{shown(self.fibration)}'; "
+                "write Fibration(base=(...), fibre=(...))"
+            )
+        if self.frame is not None and not isinstance(self.frame, Frame):
+            raise DefinitionError(
+                f"system '{self.name}': the frame is '{shown(self.frame)}'; "
+                "write Frame.quasi({velocity: expression})"
+            )
+
+    def _read(self) -> None:
+        """Bring every declaration into its final form."""
+
+        def store(name: str, value: Any) -> None:
+            object.__setattr__(self, name, value)
+
+        store("lagrangian", expression(self.lagrangian, "the Lagrangian"))
+        given = enumerate(several(self.constraints, "constraints"))
+        store("constraints", tuple(vanishing(c, f"constraint {i + 1}") for i, c in given))
+        parameters = several(self.parameters, "parameters", Parameter)
+        store(
+            "parameters", tuple(p if isinstance(p, Parameter) else Parameter(p) for p in parameters)
+        )
+        entries = {"forces": "coordinate: force", "integrals": "'name': expression"}
+        entries["invariants"] = "'name': function of the coordinates"
+        for name, entry in entries.items():
+            values = mapping(getattr(self, name), name, entry)
+            read = {k: expression(v, f"{name}[{shown(k)}]") for k, v in values.items()}
+            store(name, mapping(read, name, entry))
+        scenes = mapping(self.scenes, "scenes", "'default': Scene(...)")
+        for name, scene in scenes.items():
+            if not isinstance(scene, Scene):
+                raise DefinitionError(
+                    f"scene '{name}' is '{shown(scene)}'; write Scene(initial={{...}}, times=...)"
+                )
+        store("scenes", scenes)
+        store("references", several(self.references, "references"))
         if self.measure is not None:
-            store(self, "measure", sp.sympify(self.measure))
-        self._check_forces()
-        self._check_repetitions()
-        self._check_symbols()
+            store("measure", expression(self.measure, "the measure"))
 
     @property
     def coordinates(self) -> tuple[sp.Expr, ...]:
@@ -169,90 +219,10 @@ class System:
         dots = tuple(velocity(x) for x in self.coordinates)
         return (*self.coordinates, *dots, *frame, *parameters, time)
 
-    def _check_forces(self) -> None:
-        for coordinate in self.forces:
-            if coordinate not in self.coordinates:
-                raise DefinitionError(
-                    f"system '{self.name}': a force is given for '{coordinate}', which is not a "
-                    f"coordinate; coordinates are {_listed(self.coordinates)}"
-                )
 
-    def _check_repetitions(self) -> None:
-        names: dict[str, sp.Expr] = {}
-        for thing in self.known_symbols():
-            name = plain_name(thing)
-            if name in names:
-                raise DefinitionError(
-                    f"system '{self.name}': the name '{name}' is used twice "
-                    f"({_role(self, names[name])} and {_role(self, thing)}); rename one of them"
-                )
-            names[name] = thing
-
-    def _check_symbols(self) -> None:
-        places = {"the Lagrangian": self.lagrangian}
-        places |= {f"constraint {i + 1}": c for i, c in enumerate(self.constraints)}
-        places |= {f"the force on '{q}'": force for q, force in self.forces.items()}
-        if self.frame is not None:
-            pairs = zip(self.frame.velocities, self.frame.expressions, strict=True)
-            places |= {f"the definition of '{v}'": e for v, e in pairs}
-        places |= {f"integral '{key}'": e for key, e in self.integrals.items()}
-        places |= {f"invariant '{key}'": e for key, e in self.invariants.items()}
-        if self.measure is not None:
-            places["the measure"] = self.measure
-        places |= {f"relation {i + 1}": e for i, e in enumerate(self.fibration.relations)}
-        known = set(self.known_symbols())
-        for place, expr in places.items():
-            unknown = sorted(map(str, _names_in(expr) - known))
-            if unknown:
-                raise DefinitionError(
-                    f"system '{self.name}': {place} contains '{unknown[0]}', which is neither "
-                    "coordinate, velocity nor parameter; declare it in parameters=(...) or the "
-                    "fibration" + _same_name_hint(unknown[0], known)
-                )
-
-
-def _vanishing(constraint: Any) -> sp.Expr:
-    """A constraint as an expression that vanishes; ``sympy.Eq`` is accepted."""
-    constraint = sp.sympify(constraint)
-    if isinstance(constraint, sp.Equality):
-        return constraint.lhs - constraint.rhs
-    if not isinstance(constraint, sp.Expr):
-        raise DefinitionError(f"constraint '{constraint}' is not an expression that vanishes")
-    return constraint
-
-
-def _names_in(expr: sp.Expr) -> set[sp.Expr]:
-    """The symbols, functions of time and their derivatives that occur in an expression."""
-    found: set[sp.Expr] = set()
-    stack = [expr]
-    while stack:
-        node = stack.pop()
-        if is_symbolic_name(node) or (isinstance(node, sp.Derivative) and node.variables == (time,) * len(node.variables)):
-            found.add(node)
-        elif isinstance(node, sp.Subs):
-            stack.extend(node.point)
-            stack.extend(s for s in node.expr.free_symbols - set(node.variables))
-        else:
-            stack.extend(node.args)
-    return found
-
-
-def _listed(things: tuple[Any, ...]) -> str:
-    return ", ".join(f"'{plain_name(t)}'" for t in things)
-
-
-def _role(system: System, thing: sp.Expr) -> str:
-    if thing in system.coordinates:
-        return "a coordinate"
-    if thing == time:
-        return "the time"
-    if thing in [p.symbol for p in system.parameters]:
-        return "a parameter"
-    if system.frame is not None and thing in system.frame.velocities:
-        return "a quasi-velocity"
-    return "the velocity of a coordinate"
-
-
-def _same_name_hint(name: str, known: set[sp.Expr]) -> str:
-    same = [k for k in known if str(k) == name]
-    return " (a different symbol of that name is declared: use one symbol object)" if same else ""
+def require_system(thing: Any) -> System:
+    """``thing`` itself where it is a ``System``; else ``DefinitionError``, which says the mend."""
+    if isinstance(thing, System):
+        return thing
+    mend = f"voronec.load('{thing}') may give it" if isinstance(thing, str) else "give a System"
+    raise DefinitionError(f"'{shown(thing)}' is not a voronec.System; {mend}")

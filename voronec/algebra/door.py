@@ -15,7 +15,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.symbols import plain_name
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Door"]
 
@@ -67,7 +67,10 @@ class Door:
 
     def inward(self, expr: Any) -> Any:
         """The symengine expression of a SymPy expression (or number)."""
-        expr = sp.sympify(expr)
+        try:
+            expr = sp.sympify(expr)
+        except (sp.SympifyError, AttributeError, SyntaxError, TypeError) as error:
+            raise DefinitionError(f"'{expr}' is not an expression: {_first_line(error)}") from None
         try:
             return self._enter(expr)
         except RecursionError:
@@ -105,6 +108,11 @@ class Door:
             function = se.Function(str(expr.func.__name__))
             return function(*[self._enter(a) for a in expr.args])
         if isinstance(expr, sp.Derivative):
+            by = [v for v in expr.variables if not isinstance(self._enter(v), se.Symbol)]
+            if by:  # f'(g(x)), written as the derivative by g(x)
+                bound = {v: sp.Dummy() for v in by}
+                renamed = expr.xreplace(bound)
+                return self._substitution(sp.Subs(renamed, bound.values(), bound.keys()))
             inner = self._enter(expr.expr)
             for variable, count in expr.variable_count:
                 inner = inner.diff(self._enter(variable), int(count))
@@ -130,7 +138,10 @@ class Door:
             self._inward.setdefault(symbol, se.Symbol(symbol.name))
         renamed = expr.expr.xreplace(dict(zip(expr.variables, bound, strict=True)))
         points = zip(bound, expr.point, strict=True)
-        return self._enter(renamed).subs({self._inward[b]: self._enter(p) for b, p in points})
+        at = {self._inward[b]: self._enter(p) for b, p in points}
+        inner = self._enter(renamed)
+        taken = {d: _taken_at(d, at) for d in inner.atoms(se.Derivative)}
+        return inner.xreplace(taken).xreplace(at)
 
     def outward(self, expr: Any) -> sp.Expr:
         """The SymPy expression, in the user's symbols, of a symengine expression."""
@@ -170,3 +181,25 @@ class Door:
     def _user_atoms(self) -> dict[sp.Basic, sp.Basic]:
         return {sp.Symbol(name): thing for name, thing in self._names.items()}
 
+
+
+def _taken_at(derivative: Any, at: dict[Any, Any]) -> Any:
+    """f'(b) at b = p, as the derivative of f(p + w) by w at w = 0.
+
+    symengine's own substitution into a derivative loses track of what it depends on.
+    """
+    function, *variables = derivative.args
+    shifts = {b: se.Symbol(f"shift {i + 1}") for i, b in enumerate(at)}
+    arguments = [at[a] + shifts[a] if a in at else a for a in function.args]
+    if any(v not in at or v not in function.args for v in variables):
+        raise DefinitionError(f"the derivative '{derivative}' is not one of a plain function")
+    moved = se.Function(function.get_name())(*arguments)
+    for variable in variables:
+        moved = moved.diff(shifts[variable])
+    if any(p.is_Number for p in at.values()):
+        raise EngineLimit(f"the derivative of '{function}' at a number; use a parameter for it")
+    return moved.xreplace({shift: se.Integer(0) for shift in shifts.values()})
+
+
+def _first_line(error: BaseException) -> str:
+    return (str(error).strip() or type(error).__name__).splitlines()[0]

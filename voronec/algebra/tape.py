@@ -11,6 +11,7 @@ from fractions import Fraction
 from typing import Any
 
 import flint
+import mpmath as mp
 import symengine as se
 import sympy as sp
 
@@ -52,12 +53,14 @@ def is_atom(expr: Any) -> bool:
 
 
 def as_ball(number: Any) -> Any:
-    """A ball around a number, exact for int, Fraction, float and SymPy rationals."""
+    """A ball around a number, exact for int, Fraction, float, SymPy's and mpmath's numbers."""
     if isinstance(number, (flint.arb, flint.fmpq, flint.fmpz, int, float)):
         return flint.arb(number)
     if isinstance(number, (Fraction, sp.Rational)):
         return flint.arb(flint.fmpq(int(number.numerator), int(number.denominator)))
-    if isinstance(number, sp.Float):
+    if isinstance(number, (sp.Float, mp.mpf)):
+        if not mp.isfinite(number):
+            raise DefinitionError(f"'{number}' is not a finite number")
         sign, mantissa, exponent, _ = number._mpf_
         return flint.arb(flint.fmpz(-mantissa if sign else mantissa)) * flint.arb(2) ** exponent
     if isinstance(number, se.Basic):
