@@ -1,4 +1,4 @@
-"""What a user hands in, read: expressions, numbers, tuples and mappings, or one line on the mend."""
+"""What a user hands in, read: expressions, numbers, tuples and mappings."""
 
 from __future__ import annotations
 
@@ -32,9 +32,11 @@ def expression(thing: Any, place: str) -> sp.Expr:
     expr = _scalar(_sympified(thing, place), thing, place)
     for number in _NOT_REAL:
         if expr.has(number):
-            mend = "; a quantity of that name is sympy.Symbol('I')" if number == sp.I else ""
+            mend = (
+                "a quantity of that name is sympy.Symbol('I')" if number == sp.I else "correct it"
+            )
             raise DefinitionError(
-                f"{place} contains '{number}', which is not a real number{mend or '; correct it'}"
+                f"{place} contains '{number}', which is not a real number; {mend}"
             )
     return expr
 
@@ -53,7 +55,7 @@ def vanishing(thing: Any, place: str) -> sp.Expr:
 
 
 def real_number(value: Any, place: str) -> sp.Expr:
-    """A finite real number as SymPy has it; else ``DefinitionError``: "place = value is not ..."."""
+    """A finite real number as SymPy has it; ``DefinitionError`` where it is none."""
     try:
         number = sp.sympify(value)
     except Exception:  # SymPy evaluates text: anything may come out
@@ -67,7 +69,7 @@ def real_number(value: Any, place: str) -> sp.Expr:
 def several(things: Any, place: str, kind: type | tuple[type, ...] = ()) -> tuple[Any, ...]:
     """Several things in order; a single text, expression or ``kind`` stands for a tuple of it."""
     many = isinstance(things, (sp.Tuple, sp.MatrixBase, sp.NDimArray))
-    if isinstance(things, (str, sp.Basic)) and not many or isinstance(things, kind):
+    if (isinstance(things, (str, sp.Basic)) and not many) or isinstance(things, kind):
         return (things,)
     if isinstance(things, Iterable) and not isinstance(things, (Mapping, set, frozenset)):
         return tuple(things)
@@ -80,7 +82,7 @@ def mapping(things: Any, place: str, entry: str) -> Mapping[Any, Any]:
     """A mapping that nobody can change; ``entry`` shows in messages what one holds."""
     if not isinstance(things, Mapping):
         raise DefinitionError(
-            f"{place} = {shown(things)} is not a mapping; write {place}={{{entry}}}, or leave it out"
+            f"{place} = {shown(things)} is not a mapping; write {place}={{{entry}}} or leave it out"
         )
     return MappingProxyType(dict(things))
 

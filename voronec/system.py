@@ -176,11 +176,13 @@ class System:
         store(
             "parameters", tuple(p if isinstance(p, Parameter) else Parameter(p) for p in parameters)
         )
-        entries = {"forces": "coordinate: force", "integrals": "'name': expression"}
-        entries["invariants"] = "'name': function of the coordinates"
-        for name, entry in entries.items():
+        for name, one, entry in (
+            ("forces", "the force on", "coordinate: force"),
+            ("integrals", "integral", "'name': expression"),
+            ("invariants", "invariant", "'name': expression"),
+        ):
             values = mapping(getattr(self, name), name, entry)
-            read = {k: expression(v, f"{name}[{shown(k)}]") for k, v in values.items()}
+            read = {k: expression(v, f"{one} '{shown(k)}'") for k, v in values.items()}
             store(name, mapping(read, name, entry))
         scenes = mapping(self.scenes, "scenes", "'default': Scene(...)")
         for name, scene in scenes.items():

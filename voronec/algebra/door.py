@@ -110,15 +110,13 @@ class Door:
         if isinstance(expr, sp.Derivative):
             by = [v for v in expr.variables if not isinstance(self._enter(v), se.Symbol)]
             if by:  # f'(g(x)), written as the derivative by g(x)
-                bound = {v: sp.Dummy() for v in by}
-                renamed = expr.xreplace(bound)
-                return self._substitution(sp.Subs(renamed, bound.values(), bound.keys()))
+                return self._substitution(expr, by, by)
             inner = self._enter(expr.expr)
             for variable, count in expr.variable_count:
                 inner = inner.diff(self._enter(variable), int(count))
             return inner
         if isinstance(expr, sp.Subs):
-            return self._substitution(expr)
+            return self._substitution(expr.expr, expr.variables, expr.point)
         if isinstance(expr, (sp.Abs, sp.sign)):  # as roots they are differentiated and reduced
             inside = self._enter(expr.args[0])
             size = se.sqrt(inside**2)
@@ -131,14 +129,13 @@ class Door:
             "write it with elementary functions or an unknown function"
         )
 
-    def _substitution(self, expr: sp.Subs) -> Any:
-        """Subs: its bound variables are nobody's symbols, whatever they are called."""
-        bound = [sp.Symbol(f"bound variable {i + 1}") for i in range(len(expr.variables))]
+    def _substitution(self, expr: sp.Expr, variables: Sequence[Any], points: Sequence[Any]) -> Any:
+        """An expression at points: its bound variables are nobody's symbols, whatever their names."""
+        bound = [sp.Symbol(f"bound variable {i + 1}") for i in range(len(variables))]
         for symbol in bound:
             self._inward.setdefault(symbol, se.Symbol(symbol.name))
-        renamed = expr.expr.xreplace(dict(zip(expr.variables, bound, strict=True)))
-        points = zip(bound, expr.point, strict=True)
-        at = {self._inward[b]: self._enter(p) for b, p in points}
+        renamed = expr.xreplace(dict(zip(variables, bound, strict=True)))
+        at = {self._inward[b]: self._enter(p) for b, p in zip(bound, points, strict=True)}
         inner = self._enter(renamed)
         taken = {d: _taken_at(d, at) for d in inner.atoms(se.Derivative)}
         return inner.xreplace(taken).xreplace(at)
