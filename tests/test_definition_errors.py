@@ -97,7 +97,7 @@ MEANT = {
     "impossible relation": (
         {"fibration": Fibration((x, phi), (y,), relations=(sp.Integer(1),))}, ["relation 1"],
     ),
-    "Heaviside": ({"lagrangian": KINETIC + sp.Heaviside(x)}, ["Heaviside", "elementary"]),
+    "Heaviside": ({"lagrangian": KINETIC + sp.Heaviside(x)}, ["the Lagrangian", "Heaviside", "elementary"]),
     "Piecewise": (
         {"lagrangian": KINETIC + sp.Piecewise((x, x > 0), (0, True))}, ["Piecewise"],
     ),
@@ -208,7 +208,7 @@ def test_a_quasi_velocity_in_the_lagrangian_moves_by_its_definition():
         lagrangian=(Dx**2 + Dphi**2) / 2 + v * phi,
     )
     found = vo.derive(system).acceleration({x: 1, phi: 2, v: 3, w: 4})
-    assert (round(found[x], 20), round(found[phi], 20)) == (4, 1)
+    assert abs(found[x] - 4) < 1e-25 and abs(found[phi] - 1) < 1e-25
 
 
 def test_one_thing_stands_for_a_tuple_of_it():

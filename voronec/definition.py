@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,9 @@ from voronec.reading import shown
 from voronec.system import System, require_system
 
 __all__ = ["Definition", "read"]
+
+Enter = Callable[[sp.Expr, str], Any]
+"""From an expression of the user's, and what a message calls it, to the expression inside."""
 
 
 @dataclass(frozen=True)
@@ -55,20 +58,21 @@ def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
     door = Door(s for s in system.known_symbols() if s == time or _is_variable(system, s))
     coordinates = tuple(door.inward(q) for q in system.coordinates)
     dots = tuple(door.inward(velocity(q)) for q in system.coordinates)
-    relations = tuple(door.inward(r) for r in system.fibration.relations)
+    enter = _reader(system, door)
+    relations = tuple(
+        enter(r, f"relation {i + 1}") for i, r in enumerate(system.fibration.relations)
+    )
     differentiated = AffineForms(
         tuple(tuple(r.diff(q) for q in coordinates) for r in relations),
         tuple(r.diff(door.inward(time)) for r in relations),
     )
-    frame = _frame(system, door, dots)
-    meant = _meanings(system, door)
-    bound = [door.inward(c).xreplace(meant) for c in system.constraints]
-    constraints = _constraints(system, bound, dots)
+    frame = _frame(system, enter, dots)
+    constraints = _constraints(system, enter, dots)
     _count(system, len(constraints.matrix), differentiated)
     point = _start(system) if near is None else dict(near)
     fibre = _solved(system, constraints, differentiated, relations, point)
     zero = se.Integer(0)
-    forces = {q: door.inward(force).xreplace(meant) for q, force in system.forces.items()}
+    forces = {q: enter(e, f"the force on '{plain_name(q)}'") for q, e in system.forces.items()}
     return Definition(
         system=system,
         door=door,
@@ -77,7 +81,7 @@ def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
         velocities=tuple(door.inward(v) for v in system.velocities),
         parameters=tuple(door.inward(p.symbol) for p in system.parameters),
         time=door.inward(time),
-        lagrangian=door.inward(system.lagrangian).xreplace(meant),
+        lagrangian=enter(system.lagrangian, "the Lagrangian"),
         forces=tuple(forces.get(q, zero) for q in system.coordinates),
         constraints=constraints,
         frame=frame,
@@ -107,15 +111,24 @@ def _is_variable(system: System, symbol: sp.Expr) -> bool:
     )
 
 
-def _meanings(system: System, door: Door) -> dict[Any, Any]:
-    """Quasi-velocity -> its definition: L, forces and constraints may be written with either."""
+def _reader(system: System, door: Door) -> Enter:
+    """The way in: quasi-velocities are spelled out, and what the door refuses has a place."""
+
+    def plain(expr: sp.Expr, place: str) -> Any:
+        try:
+            return door.inward(expr)
+        except DefinitionError as error:
+            raise DefinitionError(f"system '{system.name}': {place}: {error}") from None
+
     if system.frame is None:
-        return {}
-    names = door.inward_all(system.frame.velocities)
-    return dict(zip(names, door.inward_all(system.frame.expressions), strict=True))
+        return plain
+    pairs = zip(system.frame.velocities, system.frame.expressions, strict=True)
+    meanings = {door.inward(v): plain(e, f"the definition of '{plain_name(v)}'") for v, e in pairs}
+    return lambda expr, place: plain(expr, place).xreplace(meanings)
 
 
-def _constraints(system: System, exprs: Sequence[Any], dots: Sequence[Any]) -> AffineForms:
+def _constraints(system: System, enter: Enter, dots: Sequence[Any]) -> AffineForms:
+    exprs = [enter(c, f"constraint {i + 1}") for i, c in enumerate(system.constraints)]
     forms = AffineForms.of(exprs, dots)
     if isinstance(forms, int):
         raise DefinitionError(
@@ -123,10 +136,10 @@ def _constraints(system: System, exprs: Sequence[Any], dots: Sequence[Any]) -> A
             "velocity or differentiate it first"
         )
     for i, row in enumerate(forms.matrix):
-        if any(e != 0 for e in row):
-            continue
-        mend = "differentiate it with respect to time" if exprs[i].free_symbols else "drop it"
-        raise DefinitionError(f"{_constraint(system, i)} holds no velocity; {mend}")
+        if all(e == 0 for e in row):
+            binds = _mentions(system.constraints[i], {*system.coordinates})
+            mend = "differentiate it with respect to time" if binds else "drop it"
+            raise DefinitionError(f"{_constraint(system, i)} holds no velocity; {mend}")
     return forms
 
 
@@ -134,7 +147,7 @@ def _constraint(system: System, i: int) -> str:
     return f"system '{system.name}': constraint {i + 1} ({shown(system.constraints[i])} = 0)"
 
 
-def _frame(system: System, door: Door, dots: Sequence[Any]) -> AffineForms | None:
+def _frame(system: System, enter: Enter, dots: Sequence[Any]) -> AffineForms | None:
     if system.frame is None:
         if system.fibration.relations and _bound_on_base(system):
             raise DefinitionError(
@@ -142,11 +155,14 @@ def _frame(system: System, door: Door, dots: Sequence[Any]) -> AffineForms | Non
                 f"{system.fibration.relations[0]} = 0); give independent velocities with frame="
             )
         return None
-    forms = AffineForms.of([door.inward(e) for e in system.frame.expressions], dots)
+    pairs = zip(system.frame.velocities, system.frame.expressions, strict=True)
+    exprs = [enter(e, f"the definition of '{plain_name(v)}'") for v, e in pairs]
+    forms = AffineForms.of(exprs, dots)
     if isinstance(forms, int):
         name = plain_name(system.frame.velocities[forms])
         raise DefinitionError(
-            f"system '{system.name}': the quasi-velocity '{name}' is not affine in the velocities"
+            f"system '{system.name}': the quasi-velocity '{name}' is not affine in the velocities; "
+            "define it by a combination of them whose coefficients hold none"
         )
     return forms
 

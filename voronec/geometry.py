@@ -32,7 +32,7 @@ class Fibration:
     def __post_init__(self) -> None:
         for part in ("base", "fibre"):
             object.__setattr__(self, part, _names(getattr(self, part), part))
-        given = enumerate(several(self.relations, "relations"))
+        given = enumerate(several(self.relations, "relations", "expression"))
         relations = tuple(vanishing(r, f"relation {i + 1} of the fibration") for i, r in given)
         object.__setattr__(self, "relations", relations)
         seen: set[str] = set()
@@ -53,7 +53,7 @@ class Frame:
 
     def __post_init__(self) -> None:
         velocities = _names(self.velocities, "frame")
-        expressions = several(self.expressions, "expressions")
+        expressions = several(self.expressions, "expressions", "expression")
         if len(velocities) != len(expressions) or not velocities:
             raise DefinitionError(
                 f"a frame has {len(velocities)} velocities and {len(expressions)} expressions; "
@@ -78,7 +78,7 @@ class Frame:
 
 def _names(things: Any, part: str) -> tuple[sp.Expr, ...]:
     """A tuple of symbols out of one symbol or several."""
-    names = several(things, part)
+    names = several(things, part, "symbol")
     for thing in names:
         if not is_symbolic_name(thing):
             raise DefinitionError(

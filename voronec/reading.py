@@ -66,16 +66,19 @@ def real_number(value: Any, place: str) -> sp.Expr:
     return number
 
 
-def several(things: Any, place: str, kind: type | tuple[type, ...] = ()) -> tuple[Any, ...]:
-    """Several things in order; a single text, expression or ``kind`` stands for a tuple of it."""
+def several(
+    things: Any, place: str, entry: str, kind: type | tuple[type, ...] = ()
+) -> tuple[Any, ...]:
+    """Several things in order; a single text, expression or ``kind`` stands for a tuple of it.
+
+    ``entry`` shows in messages what one of them looks like.
+    """
     many = isinstance(things, (sp.Tuple, sp.MatrixBase, sp.NDimArray))
     if (isinstance(things, (str, sp.Basic)) and not many) or isinstance(things, kind):
         return (things,)
     if isinstance(things, Iterable) and not isinstance(things, (Mapping, set, frozenset)):
         return tuple(things)
-    raise DefinitionError(
-        f"{place} = {shown(things)} is not a tuple; write {place}=(a, b), or {place}=(a,) for one"
-    )
+    raise DefinitionError(f"{place} = {shown(things)} is not a tuple; write {place}=({entry}, ...)")
 
 
 def mapping(things: Any, place: str, entry: str) -> Mapping[Any, Any]:

@@ -113,8 +113,10 @@ class System:
     motion
         a closed-form solution, where there is one.
 
-    Expressions may use plain symbols or ``dynamicsymbols``.  A symbol that is none of these
-    raises ``DefinitionError``, as does a name used twice.
+    Expressions may use plain symbols or ``dynamicsymbols``; the Lagrangian, the forces and the
+    constraints may use quasi-velocities too, which stand for their definitions.  One constraint,
+    parameter or reference may stand without a tuple.  A symbol that is none of these raises
+    ``DefinitionError``, as does a name used twice.
     """
 
     name: str
@@ -170,9 +172,9 @@ class System:
             object.__setattr__(self, name, value)
 
         store("lagrangian", expression(self.lagrangian, "the Lagrangian"))
-        given = enumerate(several(self.constraints, "constraints"))
+        given = enumerate(several(self.constraints, "constraints", "expression"))
         store("constraints", tuple(vanishing(c, f"constraint {i + 1}") for i, c in given))
-        parameters = several(self.parameters, "parameters", Parameter)
+        parameters = several(self.parameters, "parameters", "Parameter(symbol, value)", Parameter)
         store(
             "parameters", tuple(p if isinstance(p, Parameter) else Parameter(p) for p in parameters)
         )
@@ -191,7 +193,7 @@ class System:
                     f"scene '{name}' is '{shown(scene)}'; write Scene(initial={{...}}, times=...)"
                 )
         store("scenes", scenes)
-        store("references", several(self.references, "references"))
+        store("references", several(self.references, "references", "'Key'"))
         if self.measure is not None:
             store("measure", expression(self.measure, "the measure"))
 

@@ -73,7 +73,7 @@ SYSTEM = System(
     scenes={
         "default": Scene(
             initial=upright(2, sp.Rational(1, 5), sp.Rational(3, 2), 1),
-            times=(0.0, 60.0),
+            times=(0.0, 40.0),
             outputs=(u, v, u1, v1, theta),
             caption="Outer rolling, R2/R1 = 1/2: the trace runs between two parallels.",
         ),
@@ -92,5 +92,6 @@ SYSTEM = System(
             caption="A shell around a sphere of half its radius.",
         ),
     },
+    drawing={"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")},
     references=("Demchenko1924", "DragovicGajicJovanovic2020", "Voronec1902", "Zhukovsky1893"),
 )

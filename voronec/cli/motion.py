@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["execute"]
 
 INSTANTS = 1001
+MOST_INSTANTS = 10_000_000
 
 
 def execute(arguments: Namespace) -> int:
@@ -78,8 +79,8 @@ def _times(text: str | None) -> Any:
         parts = ["0", *parts]
     start, end = (_float(part, "--times") for part in parts[:2])
     count = parts[2] if len(parts) == 3 else str(INSTANTS)
-    if not count.isdecimal() or int(count) < 2:
-        raise DefinitionError(f"--times {text}: the number of instants must be 2 or more")
+    if not count.isdecimal() or not 2 <= int(count) <= MOST_INSTANTS:
+        raise DefinitionError(f"--times {text}: give from 2 to {MOST_INSTANTS} instants")
     if start == end:
         raise DefinitionError(f"--times {text}: start and end are the same")
     return np.linspace(start, end, int(count))

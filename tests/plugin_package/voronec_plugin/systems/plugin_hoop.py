@@ -3,8 +3,9 @@
 import sympy as sp
 
 from voronec import Fibration, Parameter, Scene, System, velocity
+from voronec_plugin.systems._shared import R, m
 
-x, phi, m, R = sp.symbols("x phi m R")
+x, phi = sp.symbols("x phi")
 kinetic = m * (velocity(x) ** 2 + R**2 * velocity(phi) ** 2) / 2
 
 SYSTEM = System(

@@ -1,0 +1,288 @@
+"""Whatever a normal form does to an expression, its values stay: at negative points too."""
+
+from __future__ import annotations
+
+import itertools
+import time
+
+import flint
+import pytest
+import symengine as se
+import sympy as sp
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+
+from voronec import EngineLimit, prove_equal
+from voronec.algebra.door import Door
+from voronec.algebra.normal import canonical, shorten, shortest
+from voronec.algebra.tape import Tape
+
+x, y, z, v, w, k = sp.symbols("x y z v w k")
+f = sp.Function("f")
+ONE = sp.sin(x) ** 2 + sp.cos(x) ** 2
+Q = sp.Rational
+
+POINTS = [
+    (Q(3, 7), Q(5, 4), Q(8, 9)),
+    (Q(-9, 7), Q(4, 11), Q(-17, 6)),
+    (Q(-3, 11), Q(-23, 10), Q(7, 5)),
+    (Q(31, 9), Q(-2, 13), Q(-5, 8)),
+]
+
+
+def made_known(expr):
+    """The expression with f(a) = a^2/3 + sin(2 a), so that it has values."""
+    return sp.sympify(expr).replace(f, lambda a: a**2 / 3 + sp.sin(2 * a)).doit()
+
+
+def balls(exprs, point, names=(x, y, z), bits=400):
+    door = Door()
+    inside = door.inward_all([made_known(e) for e in exprs])
+    return Tape(inside).arb({str(n): p for n, p in zip(names, point, strict=True)}, bits)
+
+
+def narrow(ball):
+    return ball.is_finite() and float(ball.rad()) <= 1e-20 * (1 + abs(float(ball.mid())))
+
+
+def agree(one, other, points=POINTS):
+    """How many points there are at which the first is real; the second has its value at each."""
+    real = 0
+    for point in points:
+        a, b = balls([one, other], point)
+        if narrow(a):
+            assert narrow(b) and a.overlaps(b), (one, other, point)
+            real += 1
+    return real
+
+
+def sane(expr):
+    """Whether an expression, with f known, is free of infinities and of imaginary numbers."""
+    return not made_known(expr).has(sp.I, sp.zoo, sp.nan, sp.oo)
+
+
+def same_forms(exprs):
+    """Every function of the module, applied to expressions."""
+    door = Door()
+    inside = door.inward_all(exprs)
+    collected = [door.inward(n) for n in (x, y)]
+    yield shorten(exprs)
+    yield [door.outward(e) for e in canonical(inside)]
+    yield [door.outward(e) for e in shortest(inside, group=collected)]
+
+
+leaves = st.sampled_from([x, y, z, x, y, sp.Integer(2), Q(-1, 3), sp.Integer(-1), sp.pi])
+
+
+def grown(children):
+    pair = st.tuples(children, children)
+    return st.one_of(
+        pair.map(lambda p: p[0] + p[1]),
+        pair.map(lambda p: p[0] * p[1]),
+        pair.map(lambda p: p[0] / (p[1] + 5)),
+        pair.map(lambda p: sp.sqrt(p[0] / (p[1] - 3))),
+        pair.map(lambda p: f(p[0] - p[1])),
+        children.map(sp.sin),
+        children.map(sp.cos),
+        children.map(lambda e: sp.tan(e / 2)),
+        children.map(lambda e: sp.sqrt(e**2 + e + 3)),
+        children.map(lambda e: sp.sqrt(e)),
+        children.map(lambda e: (e**2 + 1) ** Q(-1, 3)),
+        children.map(sp.Abs),
+        children.map(lambda e: sp.exp(-e / 2)),
+        children.map(sp.sinh),
+        children.map(lambda e: f(e).diff(x)),
+    )
+
+
+terms = st.recursive(leaves, grown, max_leaves=6)
+quick = settings(
+    max_examples=70, deadline=None, suppress_health_check=[HealthCheck.filter_too_much]
+)
+
+
+@quick
+@given(st.lists(terms, min_size=1, max_size=2))
+def test_every_form_has_the_values_of_what_went_in(exprs):
+    assume(all(map(sane, exprs)))
+    try:
+        forms = list(same_forms(exprs))
+    except EngineLimit:
+        assume(False)
+    for form in forms:
+        for before, after in zip(exprs, form, strict=True):
+            agree(before, after)
+
+
+@quick
+@given(terms, terms)
+def test_a_form_is_settled(p, q):
+    expr = p * (q + x) + p
+    assume(sane(expr))
+    try:
+        once = shorten([expr])[0]
+        twice = shorten([once])[0]
+    except EngineLimit:
+        assume(False)
+    agree(once, twice)
+    assert sp.count_ops(twice) <= 2 * sp.count_ops(once) + 2
+
+
+rational = st.recursive(
+    st.sampled_from([x, y, sp.sin(x), sp.cos(x), sp.exp(y), sp.Integer(3)]),
+    lambda c: st.one_of(
+        st.tuples(c, c).map(lambda p: p[0] + p[1]),
+        st.tuples(c, c).map(lambda p: p[0] * p[1]),
+        st.tuples(c, c).map(lambda p: p[0] / (p[1] ** 2 + 7)),
+    ),
+    max_leaves=4,
+)
+
+
+@quick
+@given(rational, rational, rational)
+def test_equal_fractions_get_one_canonical_form(p, q, r):
+    door = Door()
+    pairs = [(p * (q + r), p * q + r * p), ((q * p + q * r) / (q**2 + 2), (p + r) / (q + 2 / q))]
+    for pair in pairs:
+        assume(q != 0)
+        try:
+            one, other = canonical(door.inward_all(pair))
+        except EngineLimit:
+            assume(False)
+        assert one == other
+
+
+SHORT = {
+    "pythagoras": (ONE + y, y + 1),
+    "one minus a square": ((1 - sp.cos(x) ** 2) / sp.sin(x), sp.sin(x)),
+    "tangent": (sp.tan(x) * sp.cos(x), sp.sin(x)),
+    "half angle": (2 * sp.sin(x / 2) * sp.cos(x / 2) * 3 - 3 * sp.sin(x), 0),
+    "difference of squares": ((x**2 - y**2) / (x - y), x + y),
+    "root over root": ((x**2 + 1) / sp.sqrt(x**2 + 1), sp.sqrt(x**2 + 1)),
+    "one over a root": (sp.sqrt(x**2 + 1) / (x**2 + 1), 1 / sp.sqrt(x**2 + 1)),
+    "cosecant": (sp.sin(x) / (1 - sp.cos(x) ** 2), 1 / sp.sin(x)),
+    "exponential": (sp.exp(x) * sp.exp(-x) * y, y),
+    "hyperbolic": (sp.cosh(x) - sp.sinh(x), sp.exp(-x)),
+    "a function": (f(x) * ONE - f(x), 0),
+    "factors": (x**2 + 2 * x * y + y**2, (x + y) ** 2),
+    "numbers": (sp.sqrt(8) / 2, sp.sqrt(2)),
+    "nothing": (sp.Integer(0), 0),
+}
+
+
+@pytest.mark.parametrize(("given", "short"), SHORT.values(), ids=SHORT)
+def test_short_forms_known_by_hand(given, short):
+    found = shorten([given])[0]
+    assert sp.expand(found - short) == 0 and sp.count_ops(found) <= sp.count_ops(short) + 1
+
+
+@pytest.mark.parametrize(("p", "q"), [*itertools.permutations(sp.symbols("a b c d u w"), 2)])
+def test_radicals_of_quotients_keep_their_sign(p, q):
+    """sqrt(p/q) q = sqrt(p q) |q|/q: what the names are, and so their order, does not matter."""
+    exprs = [
+        sp.sqrt(p / q) * q,
+        z * sp.sqrt(p / q) + sp.sqrt(p * q),
+        sp.sqrt(p * q) / q + sp.sqrt(p / q),
+        sp.sqrt((p + q) / q) - sp.sqrt((p + q) * q) / q,
+        (p / q) ** Q(1, 3) * q,
+        1 / (sp.sqrt(p / q) + sp.sqrt(q / p)),
+    ]
+    for expr, short in zip(exprs, shorten(exprs), strict=True):
+        real = 0
+        for point in ((Q(2), Q(3), Q(5)), (Q(-2), Q(-3), Q(5)), (Q(-7), Q(-2), Q(-1))):
+            a, b = balls([expr, short], point, (p, q, z))
+            if narrow(a):
+                real += 1
+                assert narrow(b) and a.overlaps(b)
+        assert real
+
+
+def test_collecting_by_velocities_keeps_the_coefficients_apart():
+    door = Door()
+    energy = (x + y) ** 2 * v**2 + (x - 2 * x * sp.sin(y) ** 2 - x * sp.cos(2 * y)) * v * w
+    energy += w**2 * sp.sin(x) * sp.cos(y) / (1 + y) - w**2 * sp.sin(x) + z
+    inside = shortest([door.inward(energy)], group=[door.inward(v), door.inward(w)])
+    found = door.outward(inside[0])
+    collected = sp.collect(sp.expand(found), (v, w), evaluate=False)
+    assert set(collected) == {v**2, w**2, 1} and agree(collected[v**2], (x + y) ** 2) == 4
+    assert {term.as_independent(v, w)[1] for term in sp.Add.make_args(found)} == {v**2, w**2, 1}
+
+
+SPHERE = x**2 + y**2 + z**2 - 1
+q = sp.symbols("q0:4")
+UNIT = sum(c**2 for c in q) - 1
+a, b, c, d = q
+ROTATION = sp.Matrix(
+    [
+        [a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)],
+        [2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)],
+        [2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d],
+    ]
+)
+
+
+def test_a_quaternion_turns_orthogonally():
+    assert shorten(list(ROTATION * ROTATION.T), (UNIT,)) == list(sp.eye(3))
+    assert shorten([ROTATION.det()], (UNIT,)) == [1]
+    assert shorten([ROTATION.det()]) != [1]
+
+
+SPHERICAL = {
+    "radius": (x**2 + y**2 + z**2, 1),
+    "invertible": ((1 - x**2) / (y**2 + z**2), 1),
+    "root": (sp.sqrt(x**2 + y**2 + z**2 + k**2), sp.sqrt(1 + k**2)),
+    "moment": (k * (y**2 + z**2) + k * x**2 - k, 0),
+    "stereographic": ((x**2 + y**2) / (1 - z), 1 + z),
+}
+
+
+@pytest.mark.parametrize(("given", "short"), SPHERICAL.values(), ids=SPHERICAL)
+def test_on_a_sphere(given, short):
+    assert prove_equal(shorten([given], (SPHERE,))[0], short).proved
+
+
+numbers = st.integers(-5, 5)
+monomials = st.tuples(*[st.integers(0, 3)] * 4, numbers)
+
+
+@quick
+@given(st.lists(monomials, min_size=1, max_size=5), monomials, st.tuples(numbers, numbers, numbers))
+def test_forms_modulo_a_relation_agree_on_it(many, below, place):
+    def product(exponents):
+        return exponents[4] * sp.Mul(*[n**e for n, e in zip(q, exponents, strict=False)])
+
+    expr = sp.Add(*map(product, many)) / (product(below) ** 2 + 2)
+    square = sum(p * p for p in place)
+    unit = [Q(1 - square, 1 + square), *(Q(2 * p, 1 + square) for p in place)]
+    try:
+        found = shorten([expr], (UNIT,))[0]
+    except EngineLimit:
+        assume(False)
+    at = dict(zip(q, unit, strict=True))
+    assert found.xreplace(at) == expr.xreplace(at)
+
+
+def test_a_budget_is_kept():
+    door = Door()
+    huge = (sum(sp.symbols("a b c d e f g h")) + 1) ** 30 / (x + ONE)
+    start = time.perf_counter()
+    with pytest.raises(EngineLimit):
+        canonical([door.inward(huge)])
+    assert time.perf_counter() - start < 10
+    with pytest.raises(EngineLimit):
+        shortest([door.inward((x + y) ** 9 * (x - y + z) ** 9)], work_limit=10)
+
+
+def test_dividing_by_a_hidden_zero_is_an_error_of_ours():
+    for hidden in (ONE - 1, sp.sqrt(4 * x**2 + 4) - 2 * sp.sqrt(x**2 + 1)):
+        with pytest.raises(EngineLimit):
+            shorten([y / hidden])
+
+
+def test_balls_enclose():
+    """The yardstick of this file, against a number known otherwise."""
+    value = balls([sp.sin(f(x)) * sp.sqrt(-y)], (Q(1, 2), Q(-2), Q(0)))[0]
+    with flint.ctx.workprec(400):
+        known = (flint.arb(1) / 12 + flint.arb(1).sin()).sin() * flint.arb(2).sqrt()
+    assert narrow(value) and value.overlaps(known) and se.sympify(2) == 2
