@@ -107,7 +107,7 @@ HIDDEN = {
     "pythagoras": NIL,
     "double angle": DOUBLE,
     "binomial": (x + y) ** 2 - x**2 - 2 * x * y - y**2,
-    "root": se.sqrt(4 * x**2 + 4) - 2 * se.sqrt(x**2 + 1),
+    "root": se.sqrt(x**2 + 2 * x + 2) - se.sqrt((x + 1) ** 2 + 1),
     "fraction": 1 / (x - y) - (x + y) / (x**2 - y**2),
     "hyperbolic": se.cosh(y) ** 2 - se.sinh(y) ** 2 - 1,
 }

@@ -114,9 +114,10 @@ def test_stopped_by_hand_it_ends_quietly(call: Call) -> None:
 def test_a_reader_that_leaves_early_is_no_error() -> None:
     read, write = os.pipe()
     os.close(read)
+    buffered = {k: v for k, v in os.environ.items() if k != "PYTHONUNBUFFERED"}
     done = subprocess.run(
-        [sys.executable, "-m", "voronec", "show", "bicycle"],
-        stdout=write, stderr=subprocess.PIPE, check=False,
+        [sys.executable, "-m", "voronec", "show", "sleigh"],
+        stdout=write, stderr=subprocess.PIPE, env=buffered, check=False,
     )  # fmt: skip
     os.close(write)
     assert (done.returncode, done.stderr) == (0, b"")
@@ -253,6 +254,14 @@ def test_run_takes_parameters_initial_values_and_scenes(call: Call) -> None:
         last = list(csv.DictReader(file))[-1]
     assert float(last["phi"]) == pytest.approx(0.5)
     assert float(last["theta"]) == pytest.approx(2)
+
+
+def test_a_system_without_scenes_runs_where_times_are_given(call: Call) -> None:
+    call("new", "sled")
+    text = Path("sled.py").read_text()
+    Path("sled.py").write_text(text[: text.index("    # Motions to look at")] + ")\n")
+    assert "give times" in refused(call("run", "sled.py", "--set", "w=1"))
+    assert call("run", "sled.py", "--set", "w=1", "--times", "5").out.startswith("sled: t from 0")
 
 
 @pytest.mark.parametrize(

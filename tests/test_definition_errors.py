@@ -97,7 +97,9 @@ MEANT = {
     "impossible relation": (
         {"fibration": Fibration((x, phi), (y,), relations=(sp.Integer(1),))}, ["relation 1"],
     ),
-    "Heaviside": ({"lagrangian": KINETIC + sp.Heaviside(x)}, ["the Lagrangian", "Heaviside", "elementary"]),
+    "Heaviside": (
+        {"lagrangian": KINETIC + sp.Heaviside(x)}, ["the Lagrangian", "Heaviside", "elementary"],
+    ),
     "Piecewise": (
         {"lagrangian": KINETIC + sp.Piecewise((x, x > 0), (0, True))}, ["Piecewise"],
     ),

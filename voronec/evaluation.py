@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import flint
+import mpmath as mp
 import sympy as sp
 
 from voronec.algebra.points import sample_evaluable
@@ -122,11 +123,11 @@ def _accelerations(raw: Derivation, values: dict[str, Any], digits: int) -> list
     mass = [e for row in raw.mass for e in row]
     lift = [e for row in raw.connection.lift for e in row[:n]]
     tape = Tape([*mass, *raw.force, *lift, *raw.rate_drift, *raw.definition.relations])
-    unknown = [str(a) for a in tape.atoms if str(a) not in values]
+    unknown = [a for a in tape.atoms if str(a) not in values]
     if unknown:
+        mend = "add it to the point" if unknown[0].is_Symbol else "put a formula in its place"
         raise DefinitionError(
-            f"system '{system.name}' cannot be evaluated without a value for '{unknown[0]}'; "
-            "give it in the point, or put a formula in the place of an unknown function"
+            f"system '{system.name}' cannot be evaluated without a value for '{unknown[0]}'; {mend}"
         )
     bits = int(3.33 * digits) + 64
     for _ in range(6):
@@ -139,9 +140,16 @@ def _accelerations(raw: Derivation, values: dict[str, Any], digits: int) -> list
             _check_relations(system, list(numbers))
             result = _solved(m, f, h, drift)
         if result is not None and _accurate(result, digits):
-            return [sp.Float(a.str(digits + 10, radius=False), digits) for a in result]
+            return [_float(a, digits) for a in result]
         bits *= 2
     return None
+
+
+def _float(ball: Any, digits: int) -> sp.Float:
+    """The middle of a ball, bit by bit: Python reads no text of more than 4300 digits."""
+    mantissa, exponent = (int(part) for part in ball.mid().man_exp())
+    with mp.workdps(digits):
+        return sp.Float(mp.ldexp(mp.mpf(mantissa), exponent), digits)
 
 
 def _solved(m: Any, f: Any, h: Any, drift: Any) -> list[Any] | None:

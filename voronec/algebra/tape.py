@@ -58,7 +58,7 @@ def as_ball(number: Any) -> Any:
         return flint.arb(number)
     if isinstance(number, (Fraction, sp.Rational)):
         return flint.arb(flint.fmpq(int(number.numerator), int(number.denominator)))
-    if isinstance(number, (sp.Float, mp.mpf)):
+    if hasattr(number, "_mpf_"):  # SymPy's and mpmath's binary numbers
         if not mp.isfinite(number):
             raise DefinitionError(f"'{number}' is not a finite number")
         sign, mantissa, exponent, _ = number._mpf_
@@ -71,7 +71,7 @@ def as_ball(number: Any) -> Any:
         return as_ball(Door().inward(number))
     try:
         return as_ball(sp.Rational(str(number)))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, ZeroDivisionError):
         raise DefinitionError(f"'{number}' is not a number") from None
 
 

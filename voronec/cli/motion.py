@@ -51,10 +51,8 @@ def execute(arguments: Namespace) -> int:
     return 130 if trajectory.interrupted else 0
 
 
-def _first_scene(system: System) -> str:
-    if "default" in system.scenes or not system.scenes:
-        return "default"
-    return next(iter(system.scenes))
+def _first_scene(system: System) -> str | None:
+    return "default" if "default" in system.scenes else next(iter(system.scenes), None)
 
 
 def _tolerance(text: str | None) -> float:
@@ -138,7 +136,7 @@ def _write(trajectory: Trajectory, folder: Path) -> list[Path]:
     return [folder / name for name in written]
 
 
-def _report(trajectory: Trajectory, scene: str, files: list[Path], as_json: bool) -> None:
+def _report(trajectory: Trajectory, scene: str | None, files: list[Path], as_json: bool) -> None:
     cost = trajectory.cost
     if as_json:
         print_json({
@@ -152,7 +150,8 @@ def _report(trajectory: Trajectory, scene: str, files: list[Path], as_json: bool
             "files": [str(f) for f in files],
         })  # fmt: skip
         return
-    print(f"{trajectory.system.name}, scene {scene}: {_span(trajectory)}")
+    what = f"{trajectory.system.name}, scene {scene}" if scene else trajectory.system.name
+    print(f"{what}: {_span(trajectory)}")
     print(cost)
     rows = [["drift of", name, f"{value:.1e}"] for name, value in trajectory.drift.items()]
     rows += [["residual of", name, f"{value:.1e}"] for name, value in trajectory.residuals.items()]

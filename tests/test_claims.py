@@ -1,0 +1,264 @@
+"""Every claim of every system of the catalogue, and claims that are false."""
+
+from __future__ import annotations
+
+import random
+import time as clock
+from dataclasses import replace
+from functools import cache
+
+import mpmath as mp
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec import Fibration, Frame, System, kinematics, prove_equal, velocity
+from voronec.analysis.claims import check_claims, measure_defect, rate_of_change
+
+NAMES = vo.names()
+LARGE = {("bicycle", "energy")}
+"""Claims whose normal form is beyond the budget: never refuted, and true in numbers."""
+
+
+@cache
+def derived(name):
+    return vo.derive(vo.load(name))
+
+
+def verdict_on(system, **claims):
+    """The only verdict on a system of which these are the only claims."""
+    bare = replace(system, integrals={}, measure=None, invariants={})
+    (claim,) = check_claims(replace(bare, **claims))
+    return claim.verdict
+
+
+def number(source):
+    return sp.Rational(source.choice((-1, 1)) * source.randint(200, 1500), 1009)
+
+
+def on_relations(system, point):
+    """The point, moved onto the relations of redundant coordinates: Newton's steps, 90 digits."""
+    names, relations = system.coordinates, sp.Matrix(system.fibration.relations)
+    if not relations:
+        return point
+    with mp.workdps(90):
+        for _ in range(12):
+            at = {k: sp.N(v, 90) for k, v in point.items()}
+            slope = relations.jacobian(names).xreplace(at).evalf(90)
+            residual = relations.xreplace(at).evalf(90)
+            step = slope.T * (slope * slope.T).LUsolve(residual)
+            point = point | {n: at[n] - d for n, d in zip(names, step, strict=True)}
+    return point
+
+
+def values_of(system):
+    return {p.symbol: p.value for p in system.parameters if p.value is not None}
+
+
+def random_point(system, seed):
+    """Random coordinates and velocities of either sign; positive parameters stay positive."""
+    source = random.Random(f"{system.name} {seed}")
+    point = {s: number(source) for s in (*system.coordinates, *system.velocities)}
+    scaled = {k: v * (1 + abs(number(source)) / 4) for k, v in values_of(system).items()}
+    return on_relations(system, scaled | point)
+
+
+def scene_start(system, scene):
+    given = {**scene.parameters, **scene.initial}
+    named = {k if isinstance(k, str) else sp.sympify(k): v for k, v in given.items()}
+    start = dict.fromkeys((*system.coordinates, *system.velocities), 0) | values_of(system)
+    return {s: named.get(s, named.get(str(s), v)) for s, v in start.items()}
+
+
+def routes_agree(name, point):
+    ours = derived(name).acceleration(point, digits=50)
+    theirs = vo.multiplier_acceleration(vo.load(name), point, digits=50)
+    assert list(ours) == list(theirs) == list(vo.load(name).coordinates)
+    size = 1 + max(abs(a) for a in theirs.values())
+    for q, value in theirs.items():
+        assert abs(ours[q] - value) <= size * sp.Float("1e-40", 50), (q, ours[q], value)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_claim_of_the_catalogue_is_proved(name):
+    system = vo.load(name)
+    claims = check_claims(derived(name))
+    kinds = [c.kind for c in claims]
+    assert kinds.count("integral") == len(system.integrals)
+    assert kinds.count("measure") == (system.measure is not None)
+    assert kinds.count("descent") == bool(system.invariants)
+    for claim in claims:
+        if (name, claim.name) in LARGE:
+            assert claim.verdict.proved or "agree to 200 digits" in claim.verdict.method
+        else:
+            assert claim.verdict.proved, (claim.name, claim.verdict)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_both_routes_agree_to_forty_digits_at_random_points(name):
+    for seed in range(4):
+        routes_agree(name, random_point(vo.load(name), seed))
+
+
+@pytest.mark.parametrize(
+    ("name", "scene"), [(n, s) for n in NAMES for s in vo.load(n).scenes], ids="-".join
+)
+def test_both_routes_agree_to_forty_digits_where_scenes_start(name, scene):
+    system = vo.load(name)
+    routes_agree(name, scene_start(system, system.scenes[scene]))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_claim_that_is_off_is_refuted_at_a_point(name):
+    """With a coordinate added to the energy, the rate is that coordinate's."""
+    system, eqs = vo.load(name), derived(name)
+    moving = next(q for q, r in zip(system.coordinates, eqs.rates, strict=True) if r != 0)
+    energy = system.integrals["energy"]
+    verdict = verdict_on(system, integrals={"off": energy + moving})
+    assert verdict.refuted and verdict.witness.left != verdict.witness.right == "0"
+    rate = eqs.rates[system.coordinates.index(moving)]
+    at = {s: sp.Rational(verdict.witness.point.get(str(s), 0)) for s in rate.free_symbols}
+    assert abs(sp.N(rate.xreplace(at), 30) - sp.Float(verdict.witness.left, 30)) < 1e-20
+
+
+MEASURED = [n for n in NAMES if vo.load(n).measure is not None]
+
+
+@pytest.mark.parametrize("name", MEASURED)
+def test_a_density_times_an_integral_is_a_density_and_times_another_function_is_none(name):
+    system, eqs = vo.load(name), derived(name)
+    for integral in system.integrals.values():
+        assert verdict_on(system, measure=system.measure * integral).proved
+    moving = next(q for q, r in zip(system.coordinates, eqs.rates, strict=True) if r != 0)
+    wrong = verdict_on(system, measure=system.measure * (2 + sp.sin(moving)))
+    assert wrong.refuted and wrong.witness.left != wrong.witness.right
+
+
+def test_the_measure_of_chaplygins_ball_needs_its_root():
+    """Chaplygin's multiplier sqrt(1 - D (gamma, (I + D)^-1 gamma)) and sin(theta), both."""
+    ball = vo.load("chaplygin-ball")
+    volume = sp.sin(sp.Symbol("theta"))
+    assert verdict_on(ball, measure=ball.measure).proved
+    for wrong in (1, volume, ball.measure / volume, volume / ball.measure, ball.measure**2):
+        assert verdict_on(ball, measure=wrong).refuted
+
+
+def test_demchenkos_measure_is_the_volume_of_both_spheres():
+    ball = vo.load("demchenko")
+    u, u1 = sp.symbols("u u1")
+    assert verdict_on(ball, measure=3 * sp.sin(u) * sp.sin(u1)).proved
+    for wrong in (1, sp.sin(u), sp.sin(u1), sp.sin(u) ** 2 * sp.sin(u1)):
+        assert verdict_on(ball, measure=wrong).refuted
+
+
+def test_the_sleigh_has_no_simple_measure():
+    """Its equilibria v > 0 attract: only a density that is singular where w = 0 is invariant."""
+    sleigh = vo.load("sleigh")
+    v, w, phi, a = sp.symbols("v w phi a")
+    for naive in (1, v**2 + 1, sp.cos(phi), sp.exp(phi), 1 + w**2, sp.exp(-v)):
+        verdict = verdict_on(sleigh, measure=naive)
+        assert verdict.refuted and verdict.witness.left != "0"
+    assert verdict_on(sleigh, measure=1 / w).proved
+    balanced = replace(
+        sleigh,
+        lagrangian=sleigh.lagrangian.xreplace({a: sp.Integer(0)}),
+        parameters=sleigh.parameters[:2],
+        integrals={},
+        scenes={},
+    )
+    assert verdict_on(balanced, integrals={"v": v}).proved
+    assert verdict_on(balanced, measure=1).proved
+
+
+def test_the_divergence_is_the_divergence():
+    """vdot = -(k v + x v^2)/(1 + x^2), xdot = v: by hand, and d(v^2)/dt."""
+    x, k = sp.symbols("x k")
+    v = velocity(x)
+    system = System(
+        name="drag",
+        fibration=Fibration((x,)),
+        lagrangian=(1 + x**2) * v**2 / 2,
+        forces={x: -k * v},
+        parameters=(k,),
+    )
+    eqs = vo.derive(system)
+    vdot = -(k * v + x * v**2) / (1 + x**2)
+    for density in (sp.Integer(1), x**2 * v, sp.exp(x)):
+        found = eqs.door.outward(measure_defect(eqs, eqs.door.inward(density)))
+        expected = (density * v).diff(x) + (density * vdot).diff(v)
+        assert prove_equal(found, expected).proved
+    rate = eqs.door.outward(rate_of_change(eqs, eqs.door.inward(v**2 * x)))
+    assert prove_equal(rate, 2 * x * v * vdot + v**3).proved
+
+
+def test_time_and_moving_constraints_count():
+    """A bead on a turning rod: not the energy but Jacobi's integral stays."""
+    r, phi, big = sp.symbols("r phi Omega")
+    energy = (velocity(r) ** 2 + r**2 * velocity(phi) ** 2) / 2
+    system = System(
+        name="rod",
+        fibration=Fibration((r,), (phi,)),
+        lagrangian=energy,
+        constraints=(velocity(phi) - big,),
+        parameters=(big,),
+    )
+    assert verdict_on(system, integrals={"energy": energy}).refuted
+    jacobi = (velocity(r) ** 2 - r**2 * big**2) / 2
+    assert verdict_on(system, integrals={"jacobi": jacobi}).proved
+    assert verdict_on(system, integrals={"angle": phi - big * vo.time}).proved
+    assert verdict_on(system, integrals={"angle": phi}).refuted
+    growing = (velocity(r) - big * r) * sp.exp(big * vo.time)
+    assert verdict_on(system, integrals={"growing": growing}).proved
+
+
+def quaternion_ball():
+    rotation = kinematics.Rotation.quaternion(*sp.symbols("q0:4"))
+    x, y, m, R = sp.symbols("x y m R")
+    omega, inertia = sp.symbols("omega1:4"), sp.symbols("I1:4")
+    gamma, spin = sp.Matrix(rotation.matrix.row(2)).T, sp.Matrix(omega)
+    momentum = sp.diag(*inertia) * spin + m * R**2 * (spin - gamma * gamma.dot(spin))
+    return System(
+        name="ball",
+        fibration=Fibration(rotation.coordinates, (x, y), relations=rotation.relations),
+        frame=Frame.quasi(dict(zip(omega, rotation.body_rates, strict=True))),
+        lagrangian=kinematics.kinetic_energy(
+            m, (velocity(x), velocity(y), 0), inertia, rotation.body_rates
+        ),
+        constraints=(
+            velocity(x) - R * rotation.space_rates[1], velocity(y) + R * rotation.space_rates[0],
+        ),
+        parameters=(m, R, *inertia),
+        integrals={"squared": momentum.dot(momentum), "along": momentum.dot(gamma)},
+        measure=sp.sqrt(
+            1 - sum(m * R**2 * g**2 / (i + m * R**2) for g, i in zip(gamma, inertia, strict=True))
+        ),
+    )  # fmt: skip
+
+
+def test_claims_in_redundant_coordinates_hold_on_the_relations():
+    ball = quaternion_ball()
+    assert [c.verdict.status for c in check_claims(ball)] == ["proved"] * 3
+    q0 = sp.Symbol("q0")
+    wrong = verdict_on(ball, integrals={"wrong": ball.integrals["squared"] + q0})
+    place = [sp.Rational(wrong.witness.point[f"q{i}"]) for i in range(4)]
+    assert wrong.refuted and abs(sum(c**2 for c in place) - 1) < 1e-25
+    assert not verdict_on(ball, measure=1).proved
+
+
+def test_a_false_descent_is_refuted():
+    ball = vo.load("chaplygin-ball")
+    verdict = verdict_on(ball, invariants={"height": sp.cos(sp.Symbol("theta"))})
+    assert verdict.refuted and "not a function of the invariants" in verdict.method
+
+
+def test_a_claim_beyond_the_budget_is_undecided_in_bounded_time():
+    sleigh = vo.load("sleigh")
+    phi, x, y, w = sp.symbols("phi x y w")
+    huge = (sum(p.symbol for p in sleigh.parameters) + phi + x + y + sp.sin(phi)) ** 60
+    energy = sleigh.integrals["energy"]
+    hidden = energy + huge * (sp.sin(phi + w) ** 2 + sp.cos(phi + w) ** 2) - huge
+    start = clock.perf_counter()
+    for claim in (energy * sp.exp(huge) ** 0 + hidden, sp.sqrt(energy**2 + 1) * energy**40):
+        assert not verdict_on(sleigh, integrals={"huge": claim}).refuted
+    assert not verdict_on(sleigh, measure=1 / (huge + 1) + hidden).proved
+    assert clock.perf_counter() - start < 20
