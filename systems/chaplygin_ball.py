@@ -43,9 +43,8 @@ SYSTEM = System(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),
         *(
-            Parameter(i, value, positive=True, meaning="principal moment of inertia")
-            for i, value in zip(inertia, (sp.Rational(2, 5), sp.Rational(1, 2), sp.Rational(7, 10)),
-                                strict=True)
+            Parameter(i, sp.Rational(tenths, 10), positive=True, meaning="principal moment")
+            for i, tenths in zip(inertia, (4, 5, 7), strict=True)
         ),
     ),
     invariants={f"gamma{i + 1}": g for i, g in enumerate(vertical)},
@@ -58,7 +57,7 @@ SYSTEM = System(
     measure=sp.sqrt(1 - share) * sp.sin(theta),
     scenes={
         "default": Scene(
-            initial={theta: 1, omega[0]: sp.Rational(1, 2), omega[1]: 2, omega[2]: sp.Rational(1, 5)},
+            initial={theta: 1, **dict(zip(omega, (sp.Rational(1, 2), 2, 0.2), strict=True))},
             times=(0.0, 40.0),
             outputs=(x, y, *omega),
             caption="The ball spins about a direction close to its middle axis, and wanders.",

@@ -5,9 +5,7 @@ from __future__ import annotations
 import itertools
 import time
 
-import flint
 import pytest
-import symengine as se
 import sympy as sp
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
@@ -293,11 +291,3 @@ def test_dividing_by_a_hidden_zero_is_an_error_of_ours(hidden):
     with pytest.raises(VoronecError) as caught:
         shorten([y / hidden])
     assert "\n" not in str(caught.value)
-
-
-def test_balls_enclose():
-    """The yardstick of this file, against a number known otherwise."""
-    value = balls([sp.sin(f(x)) * sp.sqrt(-y)], (Q(1, 2), Q(-2), Q(0)))[0]
-    with flint.ctx.workprec(400):
-        known = (flint.arb(1) / 12 + flint.arb(1).sin()).sin() * flint.arb(2).sqrt()
-    assert narrow(value) and value.overlaps(known) and se.sympify(2) == 2

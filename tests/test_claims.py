@@ -262,3 +262,10 @@ def test_a_claim_beyond_the_budget_is_undecided_in_bounded_time():
         assert not verdict_on(sleigh, integrals={"huge": claim}).refuted
     assert not verdict_on(sleigh, measure=1 / (huge + 1) + hidden).proved
     assert clock.perf_counter() - start < 20
+
+
+def test_a_claim_that_divides_by_a_hidden_zero_has_an_answer():
+    sleigh, phi = vo.load("sleigh"), sp.Symbol("phi")
+    nowhere = 1 / (sp.sin(phi) ** 2 + sp.cos(phi) ** 2 - 1)
+    assert not verdict_on(sleigh, integrals={"nowhere": nowhere}).proved
+    assert not verdict_on(sleigh, measure=nowhere).proved

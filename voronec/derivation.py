@@ -35,7 +35,8 @@ class FirstOrderForm:
     """qdot = rates(q, v, t),  mass * vdot = force(q, v, t), all in symengine inside the door.
 
     ``coordinates`` base then fibre; ``definitions`` gives v in terms of q, qdot, t, with
-    ``velocity_symbols`` the symbols of qdot; ``relations`` vanish along the motion.
+    ``velocity_symbols`` the symbols of qdot; ``relations`` vanish along the motion.  ``stages``
+    are pairs (name, expression), in order, that rates, mass and force may use.
     """
 
     coordinates: tuple[Any, ...]
@@ -48,6 +49,7 @@ class FirstOrderForm:
     definitions: tuple[Any, ...]
     velocity_symbols: tuple[Any, ...]
     relations: tuple[Any, ...] = ()
+    stages: tuple[tuple[Any, Any], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ numbers) and as exact normal forms (short, made where asked, given up where too 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,7 +27,11 @@ from voronec.definition import Definition, read
 from voronec.derivation import Derivation, FirstOrderForm
 from voronec.distribution import Distribution, grow
 from voronec.errors import EngineLimit
+from voronec.lean import lean_form
 from voronec.system import System
+
+SHORT = 200
+"""Normal forms that cost no more operations are taken without looking for a shorter form."""
 
 __all__ = ["Brackets", "Curvature", "VoronecEquations", "derive"]
 
@@ -108,13 +113,18 @@ class VoronecEquations:
 
     @cached_property
     def form(self) -> FirstOrderForm:
-        """The first-order form that costs fewer operations, inside the door."""
-        if not self.in_normal_form:
-            return self.raw.form
-        forms = (self.exact.form, self.raw.form)
-        return min(
-            forms, key=lambda f: operations([*f.rates, *f.force, *(m for r in f.mass for m in r)])
-        )
+        """The first-order form that costs the fewest operations, inside the door.
+
+        Where normal forms are beyond the budget, or long, it is a straight-line program.
+        """
+        if self.in_normal_form and _cost(self.exact.form) <= SHORT:
+            return self.exact.form
+        forms = [self.raw.form]
+        if self.in_normal_form:
+            forms.append(self.exact.form)
+        with suppress(EngineLimit):
+            forms.append(lean_form(self.raw))
+        return min(forms, key=_cost)
 
     @cached_property
     def mass(self) -> sp.ImmutableMatrix:
@@ -293,6 +303,12 @@ class VoronecEquations:
             return make(self.exact)
         except EngineLimit:
             return make(self.raw)
+
+
+def _cost(form: FirstOrderForm) -> int:
+    """The operations of a first-order form, shared subexpressions counted once."""
+    rows = [e for row in form.mass for e in row]
+    return operations([*(e for _, e in form.stages), *form.rates, *form.force, *rows])
 
 
 def _array(entries: list[Any], shape: tuple[int, ...]) -> sp.ImmutableDenseNDimArray:

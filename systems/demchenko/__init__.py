@@ -48,8 +48,8 @@ def upright(radius: object, spin: object, normal: object, turn: object) -> dict[
 SYSTEM = System(
     name="demchenko",
     title="Demchenko's gyroscopic ball on a sphere",
-    description="A ball with a rotor along its axis of symmetry, under Zhukovsky's condition, rolls "
-    "without slipping over a fixed sphere: outside, inside, or around it as a shell.",
+    description="A ball with a rotor along its axis of symmetry, under Zhukovsky's condition, "
+    "rolls without slipping over a fixed sphere: outside, inside, or around it as a shell.",
     fibration=Fibration(base=(u, v, theta), fibre=(u1, v1)),
     frame=Frame.quasi(dict(zip((s, tau, n), contact.spin, strict=True))),
     lagrangian=kinetic + rotor,

@@ -130,7 +130,7 @@ class Door:
         )
 
     def _substitution(self, expr: sp.Expr, variables: Sequence[Any], points: Sequence[Any]) -> Any:
-        """An expression at points: its bound variables are nobody's symbols, whatever their names."""
+        """An expression at points; its bound variables are nobody's symbols."""
         bound = [sp.Symbol(f"bound variable {i + 1}") for i in range(len(variables))]
         for symbol in bound:
             self._inward.setdefault(symbol, se.Symbol(symbol.name))
@@ -177,7 +177,6 @@ class Door:
 
     def _user_atoms(self) -> dict[sp.Basic, sp.Basic]:
         return {sp.Symbol(name): thing for name, thing in self._names.items()}
-
 
 
 def _taken_at(derivative: Any, at: dict[Any, Any]) -> Any:

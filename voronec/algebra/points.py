@@ -144,7 +144,6 @@ def sample_evaluable(
     return found
 
 
-
 def _consistent(atoms: Sequence[Any], point: dict[Any, Any], bits: int) -> bool:
     """Whether the values given to unknown functions are those of some functions.
 

@@ -15,9 +15,9 @@ __all__ = ["Sequenced"]
 Operation = Callable[..., Any]
 
 _NAMES = (
-    ("sin", "cos", "tan", "cot", "sec", "csc", "asin", "acos", "atan", "acot", "atan2")
-    + ("sinh", "cosh", "tanh", "coth", "asinh", "acosh", "atanh", "log", "sign")
-)  # fmt: skip
+    "sin cos tan cot sec csc asin acos atan acot atan2 "
+    "sinh cosh tanh coth asinh acosh atanh log sign"
+).split()
 _FUNCTIONS: dict[str, Operation] = {name: getattr(mp, name) for name in _NAMES} | {"Abs": mp.fabs}
 _CONSTANTS: dict[Any, Operation] = {se.pi: lambda: +mp.pi, se.E: lambda: +mp.e}
 

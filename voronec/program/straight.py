@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import symengine as se
 
+from voronec.algebra.stages import needed
 from voronec.algebra.tape import is_atom
 from voronec.errors import DefinitionError
 from voronec.program.triangular import coupled_rows, solve_symmetric
@@ -71,9 +72,12 @@ class Program:
         rates = dict(zip(form.velocity_symbols, form.rates, strict=True))
         observed = [se.sympify(e).xreplace(rates) for e in wanted.values()]
         matrix = [e for row in form.mass for e in row]
-        _check("the equations of motion", [*form.rates, *matrix, *form.force], known)
+        names = [name for name, _ in form.stages]
+        inner = [e for _, e in form.stages]
+        moving = [*inner, *form.rates, *matrix, *form.force]
+        _check("the equations of motion", moving, [*known, *names])
         for name, expr in zip(wanted, observed, strict=True):
-            _check(f"'{name}'", [expr], known)
+            _check(f"'{name}'", [expr], [*known, *names])
         return cls(
             time=form.time,
             coordinates=tuple(form.coordinates),
@@ -81,7 +85,7 @@ class Program:
             parameters=tuple(form.parameters),
             derivative=_derivative(form, known),
             names=tuple(wanted),
-            extras=_shared(observed, _fresh(known)),
+            extras=_shared(observed, _fresh(known), form.stages),
         )
 
     @property
@@ -107,8 +111,8 @@ def _derivative(form: FirstOrderForm, known: Sequence[Any]) -> Block:
     pairs = [(i, j) for i in left for j in left if j <= i]
     entries = [form.mass[i][j] for i, j in pairs]
     fresh = _fresh(known)
-    forces = [form.force[i] for i in left]
-    block = _shared([*form.rates, *single.values(), *forces, *entries], fresh)
+    results = [*form.rates, *single.values(), *(form.force[i] for i in left), *entries]
+    block = _shared(results, fresh, form.stages)
     results, assignments = list(block.results), list(block.assignments)
 
     def name(expr: Any) -> Any:
@@ -135,17 +139,25 @@ def _fresh(known: Iterable[Any]) -> Any:
     return (se.Symbol(f"{prefix}{i}") for i in count())
 
 
-def _shared(exprs: Sequence[Any], fresh: Any) -> Block:
-    """Common subexpressions of several expressions, under fresh names."""
+def _shared(exprs: Sequence[Any], fresh: Any, stages: Sequence[tuple[Any, Any]] = ()) -> Block:
+    """Common subexpressions of several expressions and of the stages they need, freshly named."""
+    stages = _pruned(stages, exprs).assignments
     if not exprs:
         return Block((), ())
-    replacements, reduced = se.cse(list(exprs))
+    replacements, reduced = se.cse([*(e for _, e in stages), *exprs])
+    inner = [name for name, _ in stages]
+    pending = dict([*replacements, *zip(inner, reduced, strict=False)])
+    results = reduced[len(stages) :]
     names: dict[Any, Any] = {}
     assignments = []
-    for old, expr in replacements:
-        names[old] = next(fresh)
-        assignments.append((names[old], expr.xreplace(names)))
-    return Block(tuple(assignments), tuple(se.sympify(e).xreplace(names) for e in reduced))
+    for old in needed(pending, [*inner, *results]):
+        expr = se.sympify(pending[old]).xreplace(names)
+        if expr.args:
+            names[old] = next(fresh)
+            assignments.append((names[old], expr))
+        else:
+            names[old] = expr
+    return Block(tuple(assignments), tuple(se.sympify(e).xreplace(names) for e in results))
 
 
 def _pruned(assignments: Sequence[tuple[Any, Any]], results: Sequence[Any]) -> Block:
