@@ -265,7 +265,9 @@ def test_a_claim_beyond_the_budget_is_undecided_in_bounded_time():
 
 
 def test_a_claim_that_divides_by_a_hidden_zero_has_an_answer():
-    sleigh, phi = vo.load("sleigh"), sp.Symbol("phi")
-    nowhere = 1 / (sp.sin(phi) ** 2 + sp.cos(phi) ** 2 - 1)
-    assert not verdict_on(sleigh, integrals={"nowhere": nowhere}).proved
-    assert not verdict_on(sleigh, measure=nowhere).proved
+    sleigh, w, phi = vo.load("sleigh"), *sp.symbols("w phi")
+    nowhere = w / (sp.sin(phi) ** 2 + sp.cos(phi) ** 2 - 1)
+    assert verdict_on(sleigh, integrals={"nowhere": nowhere}).undecided
+    assert verdict_on(sleigh, measure=nowhere).undecided
+    potential = replace(sleigh, lagrangian=sleigh.lagrangian + 1 / nowhere + nowhere)
+    assert not verdict_on(potential, integrals={"w": w}).proved

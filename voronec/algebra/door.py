@@ -23,7 +23,7 @@ _FUNCTIONS = {
     name: getattr(se, name)
     for name in (
         "sin cos tan cot sec csc asin acos atan acot sinh cosh tanh coth asinh acosh atanh "
-        "log atan2"
+        "log sign atan2"
     ).split()
 }
 _NUMBERS = {
@@ -117,10 +117,8 @@ class Door:
             return inner
         if isinstance(expr, sp.Subs):
             return self._substitution(expr.expr, expr.variables, expr.point)
-        if isinstance(expr, (sp.Abs, sp.sign)):  # as roots they are differentiated and reduced
-            inside = self._enter(expr.args[0])
-            size = se.sqrt(inside**2)
-            return size if isinstance(expr, sp.Abs) else inside / size
+        if isinstance(expr, sp.Abs):  # as a root it is differentiated and reduced
+            return se.sqrt(self._enter(expr.args[0]) ** 2)
         name = type(expr).__name__
         if name in _FUNCTIONS:
             return _FUNCTIONS[name](*[self._enter(a) for a in expr.args])

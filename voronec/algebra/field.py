@@ -210,7 +210,7 @@ class Field:
     def inverse(self, f: Fraction) -> Fraction:
         """1/f; the numerator is factored, bare sines and radicals go up."""
         if f.num == 0:
-            raise ZeroDivisionError
+            raise EngineLimit("an expression divides by zero")
         self._spend(20 * len(f.num) ** 2)
         content, parts = f.num.factor()
         up = [Fraction(self.denominator(f.den) / content)]

@@ -15,7 +15,7 @@ from typing import Any
 import flint
 import symengine as se
 
-from voronec.algebra.tape import is_atom
+from voronec.algebra.tape import is_atom, is_flat
 from voronec.errors import EngineLimit
 
 __all__ = ["Generators", "linear_terms", "prime_factors"]
@@ -92,6 +92,8 @@ class Generators:
         self._seen.add(expr)
         if is_atom(expr) or expr == se.pi or expr == se.E:
             self.atoms.setdefault(expr)
+        elif is_flat(expr):
+            return
         elif expr.is_Number:
             if not isinstance(expr, se.Rational):
                 raise EngineLimit(f"the number '{expr}' is not rational")

@@ -23,8 +23,13 @@ from voronec.algebra.generators import (
     pi_multiple,
     prime_factors,
 )
+from voronec.algebra.tape import is_flat
+from voronec.errors import EngineLimit
 
 __all__ = ["Monomial", "Ring", "sparse_terms"]
+
+MANY_FOLD = 60
+"""Multiples of an angle beyond this are not expanded."""
 
 Monomial = tuple[tuple[int, int], ...]
 """((generator, exponent), ...), exponents positive."""
@@ -130,6 +135,8 @@ class Ring:
     def _convert(self, expr: Any) -> Fraction:
         if expr in self._plain:
             return Fraction(self.field.reduce(self._gen(expr)))
+        if is_flat(expr):
+            return self.field.constant(0)
         if expr.is_Number:
             return self.field.constant(int(expr.p), int(expr.q))
         if isinstance(expr, se.Add):
@@ -206,6 +213,8 @@ class Ring:
             else:
                 c, s = (self._gen(g) for g in self.pairs[term])
                 n = int(coefficient * self.found.angles[term])
+                if abs(n) > MANY_FOLD:
+                    raise EngineLimit(f"the {abs(n)}-fold angle of '{term}' is not expanded")
                 steps, sign = abs(n), 1 if n > 0 else -1
             for _ in range(steps):
                 cosine, sine = (

@@ -17,7 +17,7 @@ import sympy as sp
 
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Tape", "as_ball", "is_atom"]
+__all__ = ["Tape", "as_ball", "is_atom", "is_flat"]
 
 _UNARY: dict[type, Callable[[Any], Any]] = {
     se.sin: lambda a: a.sin(),
@@ -38,6 +38,7 @@ _UNARY: dict[type, Callable[[Any], Any]] = {
     se.acosh: lambda a: a.acosh(),
     se.atanh: lambda a: a.atanh(),
     se.log: lambda a: a.log(),
+    se.sign: lambda a: a.sgn(),
 }
 _CONSTANTS: dict[Any, Callable[[], Any]] = {
     se.pi: flint.arb.pi,
@@ -47,9 +48,17 @@ _CONSTANTS: dict[Any, Callable[[], Any]] = {
 Instruction = tuple[Callable[..., Any], tuple[int, ...]]
 
 
+def is_flat(expr: Any) -> bool:
+    """Whether an expression is a derivative of a sign, which is zero where it exists."""
+    if isinstance(expr, se.Subs):
+        return is_flat(expr.expr)
+    return isinstance(expr, se.Derivative) and isinstance(expr.args[0], se.sign)
+
+
 def is_atom(expr: Any) -> bool:
     """Whether a symengine expression is a symbol, an unknown function or a derivative of one."""
-    return isinstance(expr, (se.Symbol, se.FunctionSymbol, se.Derivative, se.Subs))
+    kinds = (se.Symbol, se.FunctionSymbol, se.Derivative, se.Subs)
+    return isinstance(expr, kinds) and not is_flat(expr)
 
 
 def as_ball(number: Any) -> Any:
@@ -120,6 +129,8 @@ class Tape:
             self.atoms.append(expr)
             self._atom_slots.append(self._new(expr))
             return self._atom_slots[-1]
+        if is_flat(expr):
+            return self._constant(expr, flint.fmpq(0))
         if expr.is_Number:
             return self._constant(expr, _rational(expr))
         if expr in _CONSTANTS:

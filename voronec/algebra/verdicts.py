@@ -117,8 +117,6 @@ def decide_equal(
         reason = "the normal form of the difference is not zero"
     except EngineLimit as limit:
         reason = str(limit)
-    except ZeroDivisionError:
-        reason = "one side divides by zero"
     if tape is not None:
         for point, (left, right) in sample_evaluable(tape, relations, 800, 24, 12):
             if not left.overlaps(right):
