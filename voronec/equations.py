@@ -9,7 +9,6 @@ numbers) and as exact normal forms (short, made where asked, given up where too 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -119,12 +118,11 @@ class VoronecEquations:
         """
         if self.in_normal_form and _cost(self.exact.form) <= SHORT:
             return self.exact.form
-        forms = [self.raw.form]
-        if self.in_normal_form:
-            forms.append(self.exact.form)
-        with suppress(EngineLimit):
-            forms.append(lean_form(self.raw))
-        return min(forms, key=_cost)
+        try:
+            lean = lean_form(self.raw)
+        except EngineLimit:
+            return self.best.form
+        return min(lean, self.exact.form, key=_cost) if self.in_normal_form else lean
 
     @cached_property
     def mass(self) -> sp.ImmutableMatrix:
