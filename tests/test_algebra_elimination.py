@@ -152,12 +152,15 @@ def test_pivots_avoid_what_vanishes_near_a_point(entry):
 
 
 def test_pivots_that_vanish_later_are_avoided_too():
-    """After the first step the entry (2, 2) is x: it vanishes at the point, (3, 2) does not."""
-    rows = [[1, 1, 0], [1, 1 + x, 1], [y, 2 * y, x]]
-    at = {"x": 0, "y": 3}
+    """After the first step the second row begins with x, which vanishes at the point; z does not.
+
+    The multiple of the first row is 1/2 there, so a product of 2 and 1 would not see that.
+    """
+    rows = [[2, 4, 0], [1, 2 + x, z], [y, 3 * y, x]]
+    at = {"x": 0, "y": 3, "z": 5}
     rows, right, found = solved(rows, column(1, y, 2), near=at)
     assert solves(rows, right, found)
-    values = Tape([v[0] for v in found.values]).arb({"x": 0, "y": 3}, 128)
+    values = Tape([v[0] for v in found.values]).arb(at, 128)
     assert all(v.is_finite() for v in values)
 
 

@@ -170,19 +170,20 @@ def test_the_sleigh_has_no_simple_measure():
     assert verdict_on(balanced, measure=1).proved
 
 
-def test_the_divergence_is_the_divergence():
-    """vdot = -(k v + x v^2)/(1 + x^2), xdot = v: by hand, and d(v^2)/dt."""
+@pytest.mark.parametrize("bent", [0, 1], ids=["quadratic", "quartic"])
+def test_the_divergence_is_the_divergence(bent):
+    """(1 + x^2 + bent v^2) vdot = -k v - x v^2, xdot = v: by hand, and d(v^2 x)/dt."""
     x, k = sp.symbols("x k")
     v = velocity(x)
     system = System(
         name="drag",
         fibration=Fibration((x,)),
-        lagrangian=(1 + x**2) * v**2 / 2,
+        lagrangian=(1 + x**2) * v**2 / 2 + bent * v**4 / 12,
         forces={x: -k * v},
         parameters=(k,),
     )
     eqs = vo.derive(system)
-    vdot = -(k * v + x * v**2) / (1 + x**2)
+    vdot = -(k * v + x * v**2) / (1 + x**2 + bent * v**2)
     for density in (sp.Integer(1), x**2 * v, sp.exp(x)):
         found = eqs.door.outward(measure_defect(eqs, eqs.door.inward(density)))
         expected = (density * v).diff(x) + (density * vdot).diff(v)
@@ -243,6 +244,19 @@ def test_claims_in_redundant_coordinates_hold_on_the_relations():
     place = [sp.Rational(wrong.witness.point[f"q{i}"]) for i in range(4)]
     assert wrong.refuted and abs(sum(c**2 for c in place) - 1) < 1e-25
     assert not verdict_on(ball, measure=1).proved
+
+
+def test_a_true_measure_on_a_circle_is_never_refuted():
+    """With w = angular velocity / x the density is x; off the circle the field may be anything."""
+    x, y, w = sp.symbols("x y w")
+    system = System(
+        name="circle",
+        fibration=Fibration((x, y), relations=(x**2 + y**2 - 1,)),
+        frame=Frame.quasi({w: (x * velocity(y) - y * velocity(x)) / x}),
+        lagrangian=(velocity(x) ** 2 + velocity(y) ** 2) / 2,
+    )
+    assert not verdict_on(system, measure=x).refuted
+    assert not verdict_on(system, measure=1).proved
 
 
 def test_a_false_descent_is_refuted():

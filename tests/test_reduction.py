@@ -216,11 +216,24 @@ def test_the_refusal_names_the_equation():
         descend(free)
 
 
-def test_a_branch_is_not_guessed():
+@pytest.mark.parametrize("chart", ["euler zxz", "quaternion"])
+def test_a_branch_is_not_guessed(chart):
     """gamma3 is +-sqrt(1 - gamma1^2 - gamma2^2): a function of the others, but two-valued."""
-    vertical = CHARTS["euler zxz"].matrix.row(2)
+    vertical = CHARTS[chart].matrix.row(2)
     with pytest.raises(EngineLimit, match="no expression was found"):
-        descend(rolling_ball(CHARTS["euler zxz"], {"a": vertical[0], "b": vertical[1]}))
+        descend(rolling_ball(CHARTS[chart], {"a": vertical[0], "b": vertical[1]}))
+
+
+def test_a_coordinate_in_a_denominator_is_a_coordinate():
+    system = System(
+        name="below",
+        fibration=Fibration((x, y)),
+        lagrangian=(velocity(x) ** 2 + velocity(y) ** 2) / 2,
+        forces={x: 1 / (2 + y**2)},
+    )
+    with pytest.raises(DefinitionError, match=r"force\[0\] is not a function"):
+        descend(system, {"X": x})
+    assert descend(system, {"Y": y}).force[0] == 1 / (2 + sp.Symbol("Y") ** 2)
 
 
 @pytest.mark.parametrize("name", ["omega1", "theta", "thetadot", "m", "t"])

@@ -13,15 +13,20 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
-from voronec.algebra.points import sample_evaluable
 from voronec.algebra.shape import operations
 from voronec.algebra.symbols import velocity
-from voronec.algebra.tape import Tape
-from voronec.algebra.verdicts import decide_zero
+from voronec.algebra.verdicts import all_vanish
+from voronec.curvature import (
+    Brackets,
+    Curvature,
+    bracket_parts,
+    brackets_of,
+    curvature_of,
+    vertical_parts,
+)
 from voronec.definition import Definition, read
 from voronec.derivation import Derivation, FirstOrderForm
 from voronec.distribution import Distribution, grow
@@ -33,33 +38,6 @@ SHORT = 200
 """Normal forms that cost no more operations are taken without looking for a shorter form."""
 
 __all__ = ["Brackets", "Curvature", "VoronecEquations", "derive"]
-
-
-@dataclass(frozen=True)
-class Curvature:
-    """The curvature of the constraint connection in the coordinate frame, in the paper's sign.
-
-    ``curvature[nu, i, j]`` is A_ij^(nu) and ``curvature.time[nu, i]`` is A_i^(nu), with nu over the
-    fibre and i, j over the base, from 0; A = -B of the Ehresmann connection
-    [Demchenko1924, the display after eq. (v4)].
-    """
-
-    space: sp.ImmutableDenseNDimArray
-    time: sp.ImmutableDenseNDimArray
-
-    def __getitem__(self, index: tuple[int, int, int]) -> sp.Expr:
-        return self.space[index]
-
-
-@dataclass(frozen=True)
-class Brackets:
-    """[h_i, h_j] = c_ij^k h_k + B_ij^A d_A in the frame in use.
-
-    ``c[k, i, j]`` and ``B[A, i, j]``; the index n of i or j, after the velocities, is the time.
-    """
-
-    c: sp.ImmutableDenseNDimArray
-    B: sp.ImmutableDenseNDimArray
 
 
 @dataclass(frozen=True)
@@ -141,7 +119,8 @@ class VoronecEquations:
 
     @cached_property
     def theta(self) -> sp.Expr:
-        """The Lagrangian on the constraints: Theta of [Demchenko1924] without a potential."""
+        """The Lagrangian on the constraints; without a potential, Theta of
+        [DragovicGajicJovanovic2020, eq. (v2)]."""
         return self.door.outward(self.best.polish([self.best.constrained_lagrangian])[0])
 
     @cached_property
@@ -163,7 +142,7 @@ class VoronecEquations:
 
     @cached_property
     def coefficients(self) -> tuple[sp.ImmutableMatrix, sp.ImmutableMatrix]:
-        """a_(nu i) and a_nu of sdot = a rdot + a_0 [Demchenko1924, eq. (v1)]."""
+        """a_(nu i) and a_nu of sdot = a rdot + a_0 [DragovicGajicJovanovic2020, eq. (v1)]."""
         fibre = self._exact_or_raw(lambda d: d.fibre)
         rows = [self.best.polish(row) for row in fibre.matrix]
         return self.door.outward_matrix(rows), self._column(self.best.polish(fibre.offset))
@@ -171,58 +150,21 @@ class VoronecEquations:
     @cached_property
     def curvature(self) -> Curvature:
         """A_ij^(nu) and A_i^(nu), always in the coordinate frame."""
-        b = self._vertical_parts
-        n, fibre = self.definition.base, len(self.system.fibration.fibre)
-        out = self.door.outward
-
-        def a(nu: int, i: int, j: int) -> Any:
-            return out(-b[i, j][nu]) if i < j else out(b[j, i][nu]) if j < i else 0
-
-        space = [a(nu, i, j) for nu in range(fibre) for i in range(n) for j in range(n)]
-        time = [a(nu, i, n) for nu in range(fibre) for i in range(n)]
-        return Curvature(_array(space, (fibre, n, n)), _array(time, (fibre, n)))
+        parts = self._vertical_parts
+        return curvature_of(parts, self.definition, self.door.outward)
 
     @cached_property
     def _vertical_parts(self) -> dict[tuple[int, int], list[Any]]:
-        """B_ij^A in the coordinate frame for i < j, the time last."""
-
-        def parts(d: Derivation) -> dict[tuple[int, int], list[Any]]:
-            connection, n = d.coordinate_connection, d.definition.base
-            pairs = [(i, j) for j in range(n + 1) for i in range(j)]
-            fibre = len(connection.coordinates) - n
-            flat = d.polish([x for i, j in pairs for x in connection.bracket(i, j)[n:]])
-            return {p: flat[m * fibre : (m + 1) * fibre] for m, p in enumerate(pairs)}
-
-        return self._exact_or_raw(parts)
+        return self._exact_or_raw(vertical_parts)
 
     @cached_property
     def _bracket_parts(self) -> dict[tuple[int, int], tuple[list[Any], list[Any]]]:
-        """c_ij^k and B_ij^A in the frame in use for i < j, the time last."""
-
-        def parts(d: Derivation) -> dict[tuple[int, int], tuple[list[Any], list[Any]]]:
-            connection = d.connection
-            pairs = [(i, j) for j in range(connection.n + 1) for i in range(j)]
-            result = {p: connection.decompose(*p, d.dual, d.tidy) for p in pairs}
-            return {p: (d.polish(c), d.polish(b)) for p, (c, b) in result.items()}
-
-        return self._exact_or_raw(parts)
+        return self._exact_or_raw(bracket_parts)
 
     @cached_property
     def brackets(self) -> Brackets:
         """c_ij^k and B_ij^A of the frame in use."""
-        table, n, out = self._bracket_parts, len(self.velocities), self.door.outward
-
-        def entry(part: int, k: int, i: int, j: int) -> Any:
-            if i == j:
-                return 0
-            return out(table[i, j][part][k]) if i < j else -out(table[j, i][part][k])
-
-        arrays = []
-        for part, size in ((0, n), (1, len(self.system.fibration.fibre))):
-            m = range(n + 1)
-            entries = [entry(part, k, i, j) for k in range(size) for i in m for j in m]
-            arrays.append(_array(entries, (size, n + 1, n + 1)))
-        return Brackets(*arrays)
+        return brackets_of(self._bracket_parts, self.definition, self.door.outward)
 
     @cached_property
     def kind(self) -> str:
@@ -233,12 +175,12 @@ class VoronecEquations:
             flat = [x for part in self._vertical_parts.values() for x in part]
         else:
             flat = [x for _, part in self._bracket_parts.values() for x in part]
-        if _all_vanish(flat, ideal):
+        if all_vanish(flat, ideal):
             return "holonomic"
         d, raw = self.definition, self.raw.fibre
         exprs = [d.lagrangian, *d.forces, *raw.offset, *(e for row in raw.matrix for e in row)]
         fibre = d.coordinates[d.base :]
-        free = _all_vanish([e.diff(s) for e in exprs for s in fibre], ideal)
+        free = all_vanish([e.diff(s) for e in exprs for s in fibre], ideal)
         return "chaplygin" if free else "voronec"
 
     @cached_property
@@ -307,25 +249,6 @@ def _cost(form: FirstOrderForm) -> int:
     """The operations of a first-order form, shared subexpressions counted once."""
     rows = [e for row in form.mass for e in row]
     return operations([*(e for _, e in form.stages), *form.rates, *form.force, *rows])
-
-
-def _array(entries: list[Any], shape: tuple[int, ...]) -> sp.ImmutableDenseNDimArray:
-    return sp.ImmutableDenseNDimArray([sp.sympify(e) for e in entries], shape)
-
-
-def _all_vanish(exprs: list[Any], relations: Any) -> bool:
-    """Whether all expressions vanish; ``EngineLimit`` where that stays undecided."""
-    exprs = [se.sympify(e) for e in exprs if e != 0]
-    for _, values in sample_evaluable(Tape(exprs), relations, tries=4):
-        if any(not value.contains(0) for value in values):
-            return False
-    for expr in exprs:
-        verdict = decide_zero(expr, relations)
-        if verdict.refuted:
-            return False
-        if verdict.undecided:
-            raise EngineLimit(f"the kind of the system is undecided: {verdict.method}")
-    return True
 
 
 def derive(system: System) -> VoronecEquations:

@@ -15,7 +15,7 @@ from voronec.algebra.ring import Ring
 from voronec.algebra.tape import Tape
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Verdict", "Witness", "decide_equal", "decide_zero", "prove_equal"]
+__all__ = ["Verdict", "Witness", "all_vanish", "decide_equal", "decide_zero", "prove_equal"]
 
 DIGITS = 30
 PROOF_LIMIT = 20_000_000
@@ -127,6 +127,23 @@ def decide_equal(
         else "no point was found at which both sides have real values"
     )
     return Verdict("undecided", f"{reason}; {evidence}")
+
+
+def all_vanish(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> bool:
+    """Whether all expressions vanish; ``EngineLimit`` where that stays undecided."""
+    exprs = [e for e in exprs if e != 0]
+    for _, values in sample_evaluable(Tape(exprs), relations, tries=4):
+        if any(not value.contains(0) for value in values):
+            return False
+    for expr in exprs:
+        verdict = decide_zero(expr, relations)
+        if verdict.refuted:
+            return False
+        if verdict.undecided:
+            raise EngineLimit(
+                f"whether all of several expressions vanish is undecided: {verdict.method}"
+            )
+    return True
 
 
 def _witness(point: dict[Any, Any], left: Any, right: Any) -> Witness:
