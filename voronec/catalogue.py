@@ -12,7 +12,6 @@ folder may have a paper beside it, the module ``paper`` that defines ``PAPER``.
 
 from __future__ import annotations
 
-import difflib
 import pkgutil
 import sys
 from collections.abc import Iterable, Iterator
@@ -22,7 +21,7 @@ from importlib.machinery import ModuleSpec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, did_you_mean
 from voronec.execution import failure, run_file
 
 if TYPE_CHECKING:
@@ -133,12 +132,7 @@ def load_file(path: str | Path) -> System:
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> str:
     """The message for a name that is none of the known ones: the nearest, else all of them."""
-    listed = sorted(known)
-    near = difflib.get_close_matches(name.lower(), listed, n=3, cutoff=0.5)
-    near += [other for other in listed if name and name.lower() in other and other not in near]
-    if near:
-        return f"there is no {kind} '{name}'; did you mean {' or '.join(map(repr, near))}?"
-    return f"there is no {kind} '{name}'; there are: {', '.join(listed) or 'none'}"
+    return f"there is no {kind} '{name}'" + did_you_mean(name, known)
 
 
 def _registered() -> Iterator[Entry]:

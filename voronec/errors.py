@@ -6,7 +6,10 @@ what the engine decides.  ``IntegrationError``: the numbers failed on the way.
 
 from __future__ import annotations
 
-__all__ = ["DefinitionError", "EngineLimit", "IntegrationError", "VoronecError"]
+import difflib
+from collections.abc import Iterable
+
+__all__ = ["DefinitionError", "EngineLimit", "IntegrationError", "VoronecError", "did_you_mean"]
 
 
 class VoronecError(Exception):
@@ -28,3 +31,14 @@ class IntegrationError(VoronecError):
         super().__init__(message)
         self.time = time
         self.state = state
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """``; did you mean 'theta'?`` where known names are near, else which names there are."""
+    listed = sorted(set(known))
+    near = difflib.get_close_matches(name, listed, n=3, cutoff=0.5)
+    near = near or difflib.get_close_matches(name.lower(), listed, n=3, cutoff=0.5)
+    near += [other for other in listed if name and name.lower() in other and other not in near]
+    if near:
+        return f"; did you mean {' or '.join(map(repr, near))}?"
+    return f"; there are: {', '.join(listed) or 'none'}"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.algebra.typeset import latex_of
+from voronec.algebra.typeset import latex_of, text_of
 
 if TYPE_CHECKING:
     from voronec.equations import VoronecEquations
@@ -46,13 +46,13 @@ def equations_dict(eqs: VoronecEquations) -> dict[str, Any]:
         "growth": list(eqs.growth),
         "integrable_constraints": [i + 1 for i in eqs.integrable],
         "normal_form": eqs.in_normal_form,
-        "rates": dict(zip(base + fibre, map(_text, eqs.rates), strict=True)),
-        "mass": [[_text(e) for e in eqs.mass.row(i)] for i in range(eqs.mass.rows)],
-        "force": [_text(e) for e in eqs.force],
-        "left": [_text(e) for e in eqs.left],
-        "right": [_text(e) for e in eqs.right],
-        "lagrangian_on_constraints": _text(eqs.theta),
-        "momenta": dict(zip(fibre, map(_text, eqs.momenta), strict=True)),
+        "rates": dict(zip(base + fibre, map(text_of, eqs.rates), strict=True)),
+        "mass": [[text_of(e) for e in eqs.mass.row(i)] for i in range(eqs.mass.rows)],
+        "force": [text_of(e) for e in eqs.force],
+        "left": [text_of(e) for e in eqs.left],
+        "right": [text_of(e) for e in eqs.right],
+        "lagrangian_on_constraints": text_of(eqs.theta),
+        "momenta": dict(zip(fibre, map(text_of, eqs.momenta), strict=True)),
     }
     if eqs.has_coordinate_frame:
         data["coefficients"] = _coefficients(eqs, fibre, base)
@@ -60,25 +60,12 @@ def equations_dict(eqs: VoronecEquations) -> dict[str, Any]:
     return data
 
 
-def _text(expr: sp.Expr) -> str:
-    """An expression as Python text, coordinates by their bare names."""
-    functions = expr.atoms(sp.core.function.AppliedUndef) | expr.atoms(sp.Derivative)
-    bare = {f: sp.Symbol(plain_name(f)) for f in functions if _is_motion(f)}
-    return str(expr.xreplace(bare))
-
-
-def _is_motion(thing: sp.Basic) -> bool:
-    if isinstance(thing, sp.Derivative):
-        return all(str(v) == "t" for v in thing.variables) and _is_motion(thing.expr)
-    return tuple(map(str, thing.args)) == ("t",)
-
-
 def _coefficients(eqs: VoronecEquations, fibre: list[str], base: list[str]) -> dict[str, Any]:
     matrix, offset = eqs.coefficients
     return {
         name: {
-            **{b: _text(matrix[nu, i]) for i, b in enumerate(base)},
-            "1": _text(offset[nu]),
+            **{b: text_of(matrix[nu, i]) for i, b in enumerate(base)},
+            "1": text_of(offset[nu]),
         }
         for nu, name in enumerate(fibre)
     }
@@ -89,11 +76,11 @@ def _curvature(eqs: VoronecEquations, fibre: list[str], base: list[str]) -> dict
     table: dict[str, Any] = {}
     for nu, name in enumerate(fibre):
         entries = {
-            f"{p},{q}": _text(a[nu, i, j])
+            f"{p},{q}": text_of(a[nu, i, j])
             for i, p in enumerate(base)
             for j, q in enumerate(base)
             if i < j
         }
-        entries |= {f"{p},t": _text(a.time[nu, i]) for i, p in enumerate(base)}
+        entries |= {f"{p},t": text_of(a.time[nu, i]) for i, p in enumerate(base)}
         table[name] = {key: value for key, value in entries.items() if value != "0"}
     return table

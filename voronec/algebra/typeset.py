@@ -7,10 +7,11 @@ from collections.abc import Iterable
 from typing import Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
-from voronec.algebra.symbols import plain_name, time, velocity
+from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
 
-__all__ = ["latex_of", "symbol_latex"]
+__all__ = ["latex_of", "symbol_latex", "text_of"]
 
 _GREEK = (
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau "
@@ -53,3 +54,11 @@ def latex_of(expr: Any, coordinates: Iterable[sp.Expr], velocities: Iterable[sp.
         names.setdefault(symbol, symbol_latex(symbol.name))
     names[time] = "t"
     return str(sp.latex(expr, symbol_names=names))
+
+
+def text_of(expr: Any) -> str:
+    """An expression in one line of Python, coordinates ``x(t)`` and velocities by bare names."""
+    expr = sp.sympify(expr, strict=not isinstance(expr, str))
+    motions = expr.atoms(AppliedUndef, sp.Derivative)
+    bare = {f: sp.Symbol(plain_name(f)) for f in motions if is_symbolic_name(getattr(f, "expr", f))}
+    return str(expr.xreplace(bare))

@@ -12,6 +12,7 @@ from voronec.cli.subject import resolve
 
 if TYPE_CHECKING:
     from voronec.equations import VoronecEquations
+    from voronec.reduction import Reduction
 
 __all__ = ["execute"]
 
@@ -27,11 +28,38 @@ def execute(arguments: Namespace) -> int:
             text = getattr(eqs, language)()
             print_json({language: text}) if arguments.json else print(text.rstrip("\n"))
             return 0
+    reduction = _reduction(eqs)
     if arguments.json:
-        print_json(eqs.as_dict())
+        descent = {} if reduction is None else {"descent": reduction.as_dict()}
+        print_json(eqs.as_dict() | descent)
     else:
-        print("\n".join(_lines(eqs)))
+        print("\n".join([*_lines(eqs), *_descent(eqs, reduction)]))
     return 0
+
+
+def _reduction(eqs: VoronecEquations) -> Reduction | None:
+    """The descent to the invariants that a system declares, where it declares some."""
+    if not eqs.system.invariants:
+        return None
+    from voronec.reduction import descend
+
+    return descend(eqs)
+
+
+def _descent(eqs: VoronecEquations, reduction: Reduction | None) -> list[str]:
+    if reduction is None:
+        return []
+    size = range(len(eqs.velocities))
+    names = ", ".join(map(str, reduction.invariants))
+    lines = ["", f"descent to {names}: closed equations, proved"]
+    pairs = zip(reduction.invariants, reduction.definitions, strict=True)
+    rows = [(str(g), plain(definition)) for g, definition in pairs]
+    rows += [("0", plain(relation)) for relation in reduction.relations]
+    mass = [(i, j, reduction.mass[i, j]) for i in size for j in size if i <= j]
+    rows += [(f"mass[{i + 1}, {j + 1}]", plain(e)) for i, j, e in mass if e != 0]
+    rows += [(f"force[{i + 1}]", plain(reduction.force[i])) for i in size]
+    rates = zip(reduction.invariants, reduction.rates, strict=True)
+    return lines + _equations(rows + [(f"d{g}/dt", plain(rate)) for g, rate in rates])
 
 
 def _lines(eqs: VoronecEquations) -> list[str]:

@@ -27,15 +27,9 @@ def columns(rows: Iterable[Sequence[str]], indent: str = "") -> list[str]:
 
 def plain(expr: Any) -> str:
     """A SymPy expression in one line, coordinates by their bare names, powers as ``x^2``."""
-    import sympy as sp
-    from sympy.core.function import AppliedUndef
+    from voronec.algebra.typeset import text_of
 
-    from voronec.algebra.symbols import is_symbolic_name, plain_name
-
-    expr = sp.sympify(expr, strict=not isinstance(expr, str))
-    motions = expr.atoms(AppliedUndef, sp.Derivative)
-    bare = {f: sp.Symbol(plain_name(f)) for f in motions if is_symbolic_name(getattr(f, "expr", f))}
-    return str(expr.xreplace(bare)).replace("**", "^")
+    return text_of(expr).replace("**", "^")
 
 
 def warn(message: str) -> None:

@@ -11,13 +11,13 @@ import numpy as np
 import sympy as sp
 
 from voronec.equations import VoronecEquations, derive
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 from voronec.flow.observing import observed, watched
 from voronec.flow.probe import Probe
 from voronec.flow.start import initial_state, named, parameter_values
 from voronec.flow.steppers import FINEST, Stepper, dop853, taylor
 from voronec.flow.trajectory import Cost, Trajectory
-from voronec.flow.vocabulary import Vocabulary, nearest, number
+from voronec.flow.vocabulary import Vocabulary, number
 from voronec.program import Program
 from voronec.system import Scene, System
 
@@ -142,7 +142,7 @@ def _scene(system: System, scene: str | Scene | None, needed: bool) -> Scene | N
         return system.scenes["default"]
     if scene not in system.scenes:
         raise DefinitionError(
-            f"system '{system.name}' has no scene '{scene}'{nearest(scene, system.scenes)}"
+            f"system '{system.name}' has no scene '{scene}'{did_you_mean(scene, system.scenes)}"
         )
     return system.scenes[scene]
 

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.errors import DefinitionError
-from voronec.flow.vocabulary import label, nearest
+from voronec.errors import DefinitionError, did_you_mean
+from voronec.flow.vocabulary import label
 from voronec.system import System
 
 __all__ = ["Cost", "Trajectory"]
@@ -87,7 +87,8 @@ class Trajectory:
             return self.integrals[name]
         known = [*self.series, *self.names, *self.integrals]
         raise DefinitionError(
-            f"the trajectory holds no '{name}'{nearest(name, known)}; ask for it in outputs=(...)"
+            f"the trajectory holds no '{name}', ask for it in outputs=(...)"
+            + did_you_mean(name, known)
         )
 
     def __len__(self) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -10,21 +9,12 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, did_you_mean
 
 if TYPE_CHECKING:
     from voronec.equations import VoronecEquations
 
-__all__ = ["Vocabulary", "label", "nearest", "number"]
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """``; did you mean 'theta'?`` where a known name is near, else the names there are."""
-    names = sorted(set(known))
-    near = difflib.get_close_matches(name, names, n=3)
-    if near:
-        return "; did you mean " + " or ".join(f"'{n}'" for n in near) + "?"
-    return f"; there are {', '.join(names)}" if names else "; there are none"
+__all__ = ["Vocabulary", "label", "number"]
 
 
 def number(value: Any, place: str) -> float:
@@ -68,7 +58,7 @@ class Vocabulary:
         if name not in allowed:
             raise DefinitionError(
                 f"system '{self.equations.system.name}' has no {role} '{name}'"
-                f"{nearest(name, allowed)}"
+                f"{did_you_mean(name, allowed)}"
             )
         return name
 
@@ -86,7 +76,7 @@ class Vocabulary:
             if str(symbol) not in self.symbols:
                 raise DefinitionError(
                     f"system '{system.name}': the output '{expr}' contains '{symbol}'"
-                    f"{nearest(str(symbol), self.symbols)}"
+                    f"{did_you_mean(str(symbol), self.symbols)}"
                 )
         name = label(expr)
         if name != str(expr) or name in self.symbols:
