@@ -54,9 +54,12 @@ def agree(one, other, points=POINTS):
     return real
 
 
+STRANGE = (sp.I, sp.oo, -sp.oo, sp.zoo, sp.nan, sp.re, sp.im, sp.AccumBounds)
+
+
 def sane(expr):
-    """Whether an expression, with f known, is free of infinities and of imaginary numbers."""
-    return not made_known(expr).has(sp.I, sp.zoo, sp.nan, sp.oo, sp.re, sp.im)
+    """Whether SymPy made nothing infinite or imaginary of an expression, with f known or not."""
+    return not expr.has(*STRANGE) and not made_known(expr).has(*STRANGE)
 
 
 def same_forms(exprs):

@@ -109,7 +109,8 @@ class System:
     references
         keys of a bibliography; ``title`` and ``description`` say what it is in words.
     drawing
-        optional: a function of a trajectory that returns a matplotlib figure.
+        optional: a function of a trajectory that returns a matplotlib figure, or a mapping of
+        titles to pairs (colatitude, longitude) of coordinates, drawn as traces on spheres.
     motion
         a closed-form solution, where there is one.
 
