@@ -29,7 +29,7 @@ POINTS = [
 
 
 def made_known(expr):
-    """The expression with f(a) = a^2/3 + sin(2 a), so that it has values."""
+    """The expression with f(a) = a^2/3 + sin(2 a)."""
     return sp.sympify(expr).replace(f, lambda a: a**2 / 3 + sp.sin(2 * a)).doit()
 
 
@@ -140,8 +140,7 @@ wavy = fractions(x, sp.sin(x), sp.cos(x), sp.sqrt(y), sp.sin(2 * x), sp.tan(x / 
 @given(plain, plain, plain)
 def test_equal_fractions_get_one_canonical_form(p, q, r):
     for pair in written_twice(p, q, r):
-        one, other = canonical(Door().inward_all(pair))
-        assert one == other
+        assert len(set(canonical(Door().inward_all(pair)))) == 1
 
 
 @quick
@@ -172,9 +171,8 @@ SHORT = {
     "pythagoras": (ONE + y, y + 1),
     "one minus a square": ((1 - sp.cos(x) ** 2) / sp.sin(x), sp.sin(x)),
     "tangent": (sp.tan(x) * sp.cos(x), sp.sin(x)),
-    "difference of angles": (
-        sp.sin(x - 2 * y) + sp.cos(x) * sp.sin(2 * y), sp.sin(x) * sp.cos(2 * y),
-    ),
+    "difference": (sp.sin(x - 2 * y) + sp.cos(x) * sp.sin(2 * y), sp.sin(x) * sp.cos(2 * y)),
+    "cosecant squared": ((y + sp.sin(x)) / (1 - sp.cos(x) ** 2), (y + sp.sin(x)) / sp.sin(x) ** 2),
     "sines below": ((y * sp.sin(x) + z * (1 - sp.cos(x) ** 2)) / sp.sin(x) ** 2, z + y / sp.sin(x)),
     "half angle": (2 * sp.sin(x / 2) * sp.cos(x / 2) * 3 - 3 * sp.sin(x), 0),
     "difference of squares": ((x**2 - y**2) / (x - y), x + y),
@@ -187,7 +185,6 @@ SHORT = {
     "a function": (f(x) * ONE - f(x), 0),
     "factors": (x**2 + 2 * x * y + y**2, (x + y) ** 2),
     "numbers": (sp.sqrt(8) / 2, sp.sqrt(2)),
-    "nothing": (sp.Integer(0), 0),
 }  # fmt: skip
 
 
@@ -292,7 +289,7 @@ def test_a_budget_is_kept():
         canonical([door.inward(huge)])
     assert time.perf_counter() - start < 10
     with pytest.raises(EngineLimit):
-        shortest([door.inward((x + y) ** 9 * (x - y + z) ** 9)], work_limit=10)
+        shortest([door.inward((x + y) ** 9 * (x - y) ** 9)], work_limit=10)
 
 
 @pytest.mark.parametrize("hidden", [ONE - 1, (x + y) ** 2 - x**2 - 2 * x * y - y**2])

@@ -8,7 +8,6 @@ import os
 import re
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -64,7 +63,7 @@ def refused(answer: Answer) -> str:
 # -- the whole ---------------------------------------------------------------------------------
 
 
-def test_help_is_quick_and_loads_nothing_heavy(tmp_path: Path) -> None:
+def test_help_loads_nothing_heavy(tmp_path: Path) -> None:
     code = (
         "import sys\nfrom voronec.cli import main\n"
         "try:\n    main(['--help'])\n"
@@ -72,15 +71,10 @@ def test_help_is_quick_and_loads_nothing_heavy(tmp_path: Path) -> None:
         "heavy = {'sympy', 'numpy', 'symengine', 'flint', 'matplotlib'} & set(sys.modules)\n"
         "assert not heavy, heavy\n"
     )
-    seconds = []
-    for _ in range(3):
-        start = time.perf_counter()
-        done = subprocess.run(
-            [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
-        )
-        seconds.append(time.perf_counter() - start)
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
     assert "regenerate" in done.stdout
-    assert min(seconds) < 0.3
 
 
 @pytest.mark.parametrize(

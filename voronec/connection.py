@@ -4,7 +4,7 @@
     h_i = E_i^b d_b + a_i^A d_A,   h_0 = d_t + e0^b d_b + a0^A d_A          horizontal lift
     [h_i, h_j] = c_ij^k h_k + B_ij^A d_A                   frame coefficients c, curvature B
 
-Indices: i = 0..n-1 are the velocities v, index n is the time (v^n = 1).  See docs/theory.md.
+Indices: i = 0..n-1 are the velocities v, index n is the time (v^n = 1) [Theory, eqs. (4)-(6)].
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.elimination import Solution, solve_linear
+from voronec.algebra.verdicts import decide_zero
 from voronec.errors import DefinitionError
 
 __all__ = [
@@ -58,11 +59,16 @@ class AffineForms:
             offsets.append(expr.xreplace(at_rest))
         return cls(tuple(rows), tuple(offsets))
 
+    def expressions(self, velocities: Sequence[Any]) -> list[Any]:
+        """The forms as expressions in the velocities."""
+        return [
+            se.Add(o, *[e * v for e, v in zip(row, velocities, strict=True)])
+            for row, o in zip(self.matrix, self.offset, strict=True)
+        ]
+
 
 def _plain(coefficient: Any, velocities: Sequence[Any]) -> Any:
     """A coefficient freed of velocities that only seem to occur, or None where they do."""
-    from voronec.algebra.verdicts import decide_zero
-
     for v in velocities:
         if se.has_symbol(coefficient, v) and not decide_zero(coefficient.diff(v)).proved:
             return None

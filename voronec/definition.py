@@ -10,6 +10,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
+from voronec.algebra.elimination import solve_linear
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
 from voronec.connection import AffineForms, FibreSolution, solve_fibre
 from voronec.errors import DefinitionError
@@ -221,8 +222,6 @@ def _solved(
 
 def _explain_dependence(system: System, constraints: AffineForms, ideal: Sequence[Any]) -> None:
     """Raise where the constraints themselves are dependent or contradictory."""
-    from voronec.algebra.elimination import solve_linear
-
     right = [[-o] for o in constraints.offset]
     whole = solve_linear(constraints.matrix, right, ideal)
     if whole.contradictory:
@@ -241,8 +240,6 @@ def _working_split(
     system: System, constraints: AffineForms, ideal: Sequence[Any]
 ) -> tuple[list[str], list[str]]:
     """A choice of fibre coordinates for which the constraints can be solved, near the given one."""
-    from voronec.algebra.elimination import solve_linear
-
     total, base = len(system.coordinates), len(system.fibration.base)
     order = [*range(base, total), *range(base)]
     chosen: list[int] = []

@@ -2,8 +2,8 @@
 
     d/dt dLc/dv^i - h_i(Lc) + (c_ij^k dLc/dv^k + B_ij^A p_A) v^j = E_i^b Q_b + a_i^A Q_A
 
-One pipeline, run with one of two ways to tidy intermediate results: not at all (the shared
-expression graph, made in milliseconds), or by exact normal forms (short equations).
+[Theory, eq. (9)].  One pipeline, run with one of two ways to tidy intermediate results: not at all
+(the shared expression graph, made in milliseconds), or by exact normal forms (short equations).
 """
 
 from __future__ import annotations
@@ -203,16 +203,18 @@ class Derivation:
         """d/dt of the rates at fixed v; qddot is this plus the lift of vdot."""
         return [self.connection.flow_derivative(rate, self.rates) for rate in self.rates]
 
+    @property
+    def definitions(self) -> tuple[Any, ...]:
+        """The velocities v in terms of q, qdot, t."""
+        d = self.definition
+        if d.frame is None:
+            return d.coordinate_velocities[: d.base]
+        return tuple(d.frame.expressions(d.coordinate_velocities))
+
     @cached_property
     def form(self) -> FirstOrderForm:
         """The first-order form."""
         d = self.definition
-        definitions = d.coordinate_velocities[: d.base]
-        if d.frame is not None:
-            definitions = tuple(
-                se.Add(o, *[w * x for w, x in zip(row, d.coordinate_velocities, strict=True)])
-                for row, o in zip(d.frame.matrix, d.frame.offset, strict=True)
-            )
         return FirstOrderForm(
             coordinates=d.coordinates,
             velocities=d.velocities,
@@ -221,7 +223,7 @@ class Derivation:
             rates=tuple(self.polish(self.rates)),
             mass=tuple(tuple(row) for row in self.mass),
             force=tuple(self.force),
-            definitions=tuple(definitions),
+            definitions=self.definitions,
             velocity_symbols=d.coordinate_velocities,
             relations=d.relations,
         )

@@ -6,7 +6,6 @@ what the engine decides.  ``IntegrationError``: the numbers failed on the way.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 
 __all__ = ["DefinitionError", "EngineLimit", "IntegrationError", "VoronecError", "did_you_mean"]
@@ -35,6 +34,8 @@ class IntegrationError(VoronecError):
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """``; did you mean 'theta'?`` where known names are near, else which names there are."""
+    import difflib  # `voronec --help` has no need of it
+
     listed = sorted(set(known))
     near = difflib.get_close_matches(name, listed, n=3, cutoff=0.5)
     near = near or difflib.get_close_matches(name.lower(), listed, n=3, cutoff=0.5)

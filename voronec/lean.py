@@ -4,9 +4,9 @@
     mass = H^T L_qdot,qdot H
     force = H^T (Q + L_q - d/dt L_qdot)                  at vdot = 0, that is, qddot = gamma
 
-These are Voronec's equations: the bracket terms are the derivatives of H, and gamma, which solves
-the differentiated constraints, holds them.  The Lagrangian and the constraints are stages (named
-sums); forward differentiation along the columns of H and along the motion, and one reverse sweep
+[Theory, eq. (14)].  These are Voronec's equations: the bracket terms are the derivatives of H, and
+gamma, which solves the differentiated constraints, holds them.  The Lagrangian and the constraints
+are stages (named sums); forward differentiation along the columns of H and along the motion, and one reverse sweep
 for L_q and L_qdot with its derivative along the motion, add stages and open none.
 """
 
@@ -27,11 +27,11 @@ from voronec.algebra.stages import ONE, ZERO, Stages, needed
 from voronec.definition import Definition
 from voronec.derivation import Derivation, FirstOrderForm
 
-__all__ = ["Motion", "lean_form"]
+__all__ = ["StagedMotion", "lean_form"]
 
 
 @dataclass(frozen=True)
-class Structure:
+class StagedSystem:
     """The Lagrangian, the forces and the conditions on velocities as one program of stages.
 
     ``conditions`` are affine in the velocities: constraints, quasi-velocities of the frame,
@@ -46,16 +46,16 @@ class Structure:
     right: tuple[Any, ...]
 
     @classmethod
-    def of(cls, d: Definition, prefix: str) -> Structure:
+    def of(cls, d: Definition, prefix: str) -> StagedSystem:
         """Name the sums of a definition, and the parts that sums share."""
         stages = Stages(prefix)
         dots = d.coordinate_velocities
         constraints = [d.door.inward(c) for c in d.system.constraints]
         affine = _is_affine(constraints, dots)
-        conditions = constraints if affine else _affine(d.constraints, dots)
+        conditions = constraints if affine else d.constraints.expressions(dots)
         right = [ZERO] * len(conditions) + list(d.velocities)
-        conditions += _affine(d.frame, dots) if d.frame else dots[: d.base]
-        conditions += _affine(d.differentiated, dots)
+        conditions += d.frame.expressions(dots) if d.frame else dots[: d.base]
+        conditions += d.differentiated.expressions(dots)
         right += [ZERO] * len(d.relations)
         named = [stages.name(e) for e in (d.lagrangian, *d.forces, *conditions)]
         stages.replaced(shared_sums(stages.definitions, stages.fresh))
@@ -90,17 +90,10 @@ def _is_affine(exprs: Sequence[Any], dots: Sequence[Any]) -> bool:
     return not any(se.has_symbol(e.diff(v), w) for e in exprs for v in dots for w in dots)
 
 
-def _affine(forms: Any, dots: Sequence[Any]) -> list[Any]:
-    return [
-        se.Add(o, *[e * v for e, v in zip(row, dots, strict=True)])
-        for row, o in zip(forms.matrix, forms.offset, strict=True)
-    ]
-
-
-class Motion:
+class StagedMotion:
     """Everything along a motion, as one program ``stages`` in q, v, t."""
 
-    def __init__(self, structure: Structure, prefix: str) -> None:
+    def __init__(self, structure: StagedSystem, prefix: str) -> None:
         self.structure = structure
         d = self.definition = structure.definition
         self.stages = Stages(prefix, Cyclic(d.coordinates))
@@ -273,7 +266,7 @@ def lean_form(raw: Derivation) -> FirstOrderForm:
     prefix = "z"
     while any(name.startswith(prefix) for name in taken):
         prefix += "z"
-    motion = Motion(Structure.of(d, prefix + "_"), prefix)
+    motion = StagedMotion(StagedSystem.of(d, prefix + "_"), prefix)
     mass, force = motion.equations()
     results = [*motion.rates, *force, *(e for row in mass for e in row)]
     used = needed(motion.stages.definitions, results)
@@ -286,7 +279,7 @@ def lean_form(raw: Derivation) -> FirstOrderForm:
         rates=tuple(motion.rates),
         mass=tuple(map(tuple, mass)),
         force=tuple(force),
-        definitions=raw.form.definitions,
+        definitions=raw.definitions,
         velocity_symbols=d.coordinate_velocities,
         relations=d.relations,
         stages=tuple(definitions.items()),

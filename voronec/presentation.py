@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.algebra.typeset import latex_of, text_of
+from voronec.algebra.typeset import latex_of, plain_text
 
 if TYPE_CHECKING:
     from voronec.equations import VoronecEquations
@@ -46,13 +46,13 @@ def equations_dict(eqs: VoronecEquations) -> dict[str, Any]:
         "growth": list(eqs.growth),
         "integrable_constraints": [i + 1 for i in eqs.integrable],
         "normal_form": eqs.in_normal_form,
-        "rates": dict(zip(base + fibre, map(text_of, eqs.rates), strict=True)),
-        "mass": [[text_of(e) for e in eqs.mass.row(i)] for i in range(eqs.mass.rows)],
-        "force": [text_of(e) for e in eqs.force],
-        "left": [text_of(e) for e in eqs.left],
-        "right": [text_of(e) for e in eqs.right],
-        "lagrangian_on_constraints": text_of(eqs.theta),
-        "momenta": dict(zip(fibre, map(text_of, eqs.momenta), strict=True)),
+        "rates": dict(zip(base + fibre, map(plain_text, eqs.rates), strict=True)),
+        "mass": [[plain_text(e) for e in eqs.mass.row(i)] for i in range(eqs.mass.rows)],
+        "force": [plain_text(e) for e in eqs.force],
+        "left": [plain_text(e) for e in eqs.left],
+        "right": [plain_text(e) for e in eqs.right],
+        "lagrangian_on_constraints": plain_text(eqs.theta),
+        "momenta": dict(zip(fibre, map(plain_text, eqs.momenta), strict=True)),
     }
     if eqs.has_coordinate_frame:
         data["coefficients"] = _coefficients(eqs, fibre, base)
@@ -64,8 +64,8 @@ def _coefficients(eqs: VoronecEquations, fibre: list[str], base: list[str]) -> d
     matrix, offset = eqs.coefficients
     return {
         name: {
-            **{b: text_of(matrix[nu, i]) for i, b in enumerate(base)},
-            "1": text_of(offset[nu]),
+            **{b: plain_text(matrix[nu, i]) for i, b in enumerate(base)},
+            "1": plain_text(offset[nu]),
         }
         for nu, name in enumerate(fibre)
     }
@@ -76,11 +76,11 @@ def _curvature(eqs: VoronecEquations, fibre: list[str], base: list[str]) -> dict
     table: dict[str, Any] = {}
     for nu, name in enumerate(fibre):
         entries = {
-            f"{p},{q}": text_of(a[nu, i, j])
+            f"{p},{q}": plain_text(a[nu, i, j])
             for i, p in enumerate(base)
             for j, q in enumerate(base)
             if i < j
         }
-        entries |= {f"{p},t": text_of(a.time[nu, i]) for i, p in enumerate(base)}
+        entries |= {f"{p},t": plain_text(a.time[nu, i]) for i, p in enumerate(base)}
         table[name] = {key: value for key, value in entries.items() if value != "0"}
     return table

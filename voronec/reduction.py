@@ -21,7 +21,7 @@ from voronec.algebra.rank import proved_rank
 from voronec.algebra.ring import Ring
 from voronec.algebra.shape import expression
 from voronec.algebra.tape import Tape
-from voronec.algebra.typeset import text_of
+from voronec.algebra.typeset import plain_text
 from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.system import System
@@ -63,11 +63,11 @@ class Reduction:
         """The reduced equations as text that JSON can hold."""
         names = [str(g) for g in self.invariants]
         return {
-            "invariants": dict(zip(names, map(text_of, self.definitions), strict=True)),
-            "relations": [text_of(r) for r in self.relations],
-            "mass": [[text_of(e) for e in self.mass.row(i)] for i in range(self.mass.rows)],
-            "force": [text_of(e) for e in self.force],
-            "rates": dict(zip(names, map(text_of, self.rates), strict=True)),
+            "invariants": dict(zip(names, map(plain_text, self.definitions), strict=True)),
+            "relations": [plain_text(r) for r in self.relations],
+            "mass": [[plain_text(e) for e in self.mass.row(i)] for i in range(self.mass.rows)],
+            "force": [plain_text(e) for e in self.force],
+            "rates": dict(zip(names, map(plain_text, self.rates), strict=True)),
         }
 
 

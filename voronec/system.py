@@ -210,13 +210,6 @@ class System:
             return self.frame.velocities
         return tuple(velocity(x) for x in self.fibration.base)
 
-    def parameter(self, name: str) -> Parameter:
-        """The parameter of that name."""
-        for parameter in self.parameters:
-            if parameter.name == name:
-                return parameter
-        raise DefinitionError(f"system '{self.name}' has no parameter '{name}'")
-
     def known_symbols(self) -> tuple[sp.Expr, ...]:
         """Everything expressions may be made of, each once."""
         frame = self.frame.velocities if self.frame is not None else ()

@@ -33,7 +33,7 @@ momentum = sp.Matrix([P * s, P * tau, A * n]) + k * axis.T
 in_space = contact.fixed.frame * contact.turn * momentum
 
 
-def upright(radius: object, spin: object, normal: object, turn: object) -> dict[sp.Expr, object]:
+def turning_point(spin: object, normal: object, turn: object) -> dict[sp.Expr, object]:
     """Initial data at a turning point, u = 1, whose momentum lies along the fixed axis z."""
     values = {u: turn, s: spin, tau: 0, n: normal, R2: 1, M: 1, A: sp.Rational(2, 5), k: 3}
     along_u, _, along_n = (sp.sympify(e).subs(values) for e in momentum)
@@ -72,20 +72,20 @@ SYSTEM = System(
     measure=sp.sin(u) * sp.sin(u1),
     scenes={
         "default": Scene(
-            initial=upright(2, sp.Rational(1, 5), sp.Rational(3, 2), 1),
+            initial=turning_point(sp.Rational(1, 5), sp.Rational(3, 2), 1),
             times=(0.0, 40.0),
             outputs=(u, v, u1, v1, theta),
             caption="Outer rolling, R2/R1 = 1/2: the trace runs between two parallels.",
         ),
         "inner": Scene(
-            initial=upright(-3, sp.Rational(1, 5), sp.Rational(3, 2), 1),
+            initial=turning_point(sp.Rational(1, 5), sp.Rational(3, 2), 1),
             times=(0.0, 60.0),
             parameters={R1: -3},
             outputs=(u, v, u1, v1, theta),
             caption="Inside a sphere three times as large.",
         ),
         "shell": Scene(
-            initial=upright(-sp.Rational(1, 2), sp.Rational(1, 5), sp.Rational(3, 2), 1),
+            initial=turning_point(sp.Rational(1, 5), sp.Rational(3, 2), 1),
             times=(0.0, 60.0),
             parameters={R1: -sp.Rational(1, 2)},
             outputs=(u, v, u1, v1, theta),

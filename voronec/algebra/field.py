@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import lcm
 from typing import Any
 
 import flint
 
+from voronec.algebra.groebner import groebner_basis, reduce_by
 from voronec.errors import EngineLimit
 
-__all__ = ["WORK_LIMIT", "Field", "Fraction", "groebner_basis"]
+__all__ = ["WORK_LIMIT", "Field", "Fraction"]
 
 WORK_LIMIT = 3_000_000
 """Term products a field may spend before it gives up with ``EngineLimit``: about a second."""
@@ -267,39 +267,3 @@ class Field:
             keys = [(str(p / p.leading_coefficient()), e) for p, e in parts]
             self._rule_factors[generator] = (keys, rest)
         return self._rule_factors[generator]
-
-
-def reduce_by(poly: Any, basis: Sequence[Any]) -> Any:
-    """The remainder of a polynomial by a Groebner basis."""
-    start = None
-    while poly != start:
-        start = poly
-        for element in basis:
-            poly = divmod(poly, element)[1]
-    return poly
-
-
-GROEBNER_LIMITS = (120, 400, 4000)
-"""How many polynomials, how many terms in one, and how many bits in a coefficient."""
-
-
-def groebner_basis(polynomials: Sequence[Any], context: Any) -> list[Any]:
-    """A Groebner basis over Q of polynomials in a flint context.
-
-    Raises ``EngineLimit`` where it grows past ``GROEBNER_LIMITS``.
-    """
-    if not polynomials:
-        return []
-    integral = flint.fmpz_mpoly_ctx.get(context.names(), context.ordering())
-    cleared = []
-    for p in polynomials:
-        scale = lcm(*(int(c.q) for c in p.coeffs()))
-        cleared.append(integral.from_dict({m: int((c * scale).p) for m, c in p.to_dict().items()}))
-    found = flint.fmpz_mpoly_vec(cleared, integral).buchberger_naive(limits=GROEBNER_LIMITS)
-    basis, complete = found
-    if not complete:
-        raise EngineLimit("the Groebner basis of the relations grows too large")
-    rational = []
-    for p in basis.autoreduction():
-        rational.append(context.from_dict({m: flint.fmpq(c) for m, c in p.to_dict().items()}))
-    return rational

@@ -14,7 +14,7 @@ import flint
 import symengine as se
 from flint.utils.flint_exceptions import DomainError
 
-from voronec.algebra.field import WORK_LIMIT, Field, Fraction, groebner_basis
+from voronec.algebra.field import WORK_LIMIT, Field, Fraction
 from voronec.algebra.generators import (
     HYPERBOLIC,
     TRIGONOMETRIC,
@@ -23,6 +23,7 @@ from voronec.algebra.generators import (
     pi_multiple,
     prime_factors,
 )
+from voronec.algebra.groebner import groebner_basis
 from voronec.algebra.tape import is_flat
 from voronec.errors import EngineLimit
 

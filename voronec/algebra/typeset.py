@@ -11,7 +11,7 @@ from sympy.core.function import AppliedUndef
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
 
-__all__ = ["latex_of", "symbol_latex", "text_of"]
+__all__ = ["latex_of", "plain_text", "symbol_latex"]
 
 _GREEK = (
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau "
@@ -56,7 +56,7 @@ def latex_of(expr: Any, coordinates: Iterable[sp.Expr], velocities: Iterable[sp.
     return str(sp.latex(expr, symbol_names=names))
 
 
-def text_of(expr: Any) -> str:
+def plain_text(expr: Any) -> str:
     """An expression in one line of Python, coordinates ``x(t)`` and velocities by bare names."""
     expr = sp.sympify(expr, strict=not isinstance(expr, str))
     motions = expr.atoms(AppliedUndef, sp.Derivative)

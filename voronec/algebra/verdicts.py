@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import flint
+import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
@@ -96,8 +97,6 @@ def decide_equal(
     A witness is looked for first, in ball arithmetic at sample points; then the normal form of
     the difference is made, within a bound on the work.
     """
-    import symengine as se
-
     a, b = se.sympify(a), se.sympify(b)
     if a == b:
         return Verdict("proved", "identical expressions")

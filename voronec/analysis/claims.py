@@ -77,7 +77,7 @@ def _solve_mass(d: Derivation, right: Sequence[Sequence[Any]]) -> list[list[Any]
 def rate_of_change(eqs: VoronecEquations, function: Any) -> Any:
     """d/dt along the motion of a function of q, v, t (all inside the door).
 
-    dF/dv . mass^-1 force is computed as y . force with mass y = dF/dv.
+    dF/dv . mass^-1 force is computed as y . force with mass y = dF/dv [Theory, eq. (13)].
     """
     d = eqs.best
     function = _in_velocities(d, function)

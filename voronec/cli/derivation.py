@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from voronec.cli.output import columns, plain, print_json
 from voronec.cli.subject import resolve
+from voronec.errors import DefinitionError, EngineLimit, VoronecError
 
 if TYPE_CHECKING:
     from voronec.equations import VoronecEquations
@@ -30,25 +31,38 @@ def execute(arguments: Namespace) -> int:
             return 0
     reduction = _reduction(eqs)
     if arguments.json:
-        descent = {} if reduction is None else {"descent": reduction.as_dict()}
-        print_json(eqs.as_dict() | descent)
+        print_json(eqs.as_dict() | _descent_data(reduction))
     else:
         print("\n".join([*_lines(eqs), *_descent(eqs, reduction)]))
     return 0
 
 
-def _reduction(eqs: VoronecEquations) -> Reduction | None:
-    """The descent to the invariants that a system declares, where it declares some."""
+def _reduction(eqs: VoronecEquations) -> Reduction | VoronecError | None:
+    """The descent to the invariants that a system declares; the refusal where there is none."""
     if not eqs.system.invariants:
         return None
     from voronec.reduction import descend
 
-    return descend(eqs)
+    try:
+        return descend(eqs)
+    except (DefinitionError, EngineLimit) as refusal:
+        return refusal
 
 
-def _descent(eqs: VoronecEquations, reduction: Reduction | None) -> list[str]:
+def _descent_data(reduction: Reduction | VoronecError | None) -> dict[str, Any]:
+    if reduction is None:
+        return {}
+    if isinstance(reduction, VoronecError):
+        return {"descent": {"refused": str(reduction)}}
+    return {"descent": reduction.as_dict()}
+
+
+def _descent(eqs: VoronecEquations, reduction: Reduction | VoronecError | None) -> list[str]:
     if reduction is None:
         return []
+    if isinstance(reduction, VoronecError):
+        verdict = "undecided" if isinstance(reduction, EngineLimit) else "refuted"
+        return ["", f"descent to {', '.join(eqs.system.invariants)}: {verdict}", f"  {reduction}"]
     size = range(len(eqs.velocities))
     names = ", ".join(map(str, reduction.invariants))
     lines = ["", f"descent to {names}: closed equations, proved"]

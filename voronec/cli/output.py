@@ -27,9 +27,9 @@ def columns(rows: Iterable[Sequence[str]], indent: str = "") -> list[str]:
 
 def plain(expr: Any) -> str:
     """A SymPy expression in one line, coordinates by their bare names, powers as ``x^2``."""
-    from voronec.algebra.typeset import text_of
+    from voronec.algebra.typeset import plain_text
 
-    return text_of(expr).replace("**", "^")
+    return plain_text(expr).replace("**", "^")
 
 
 def warn(message: str) -> None:

@@ -82,7 +82,7 @@ class RollingContact:
 
         Q^T Omega1 - (0, 0, dtheta/dt) - Omega, with the ``frame_rates`` Omega of the surfaces.
         Since R^T dR/dt = B (Q^T hat(Omega1) Q + Q^T dQ/dt - hat(Omega)) B^T, that is what
-        vee(R^T dR/dt) gives.  For lines of curvature: [DragovicGajicJovanovic2020, eq:n].
+        vee(R^T dR/dt) gives.  For lines of curvature: [DragovicGajicJovanovic2020, eq. (eq:n)].
         """
         s, tau, n = self._turned(self.fixed.frame_rates)
         a, b, c = self.body.frame_rates
@@ -119,7 +119,7 @@ class RollingContact:
         The slip along u1 and v1.  For orthogonal coordinates it is
         L_u1 du1/dt + L_u du/dt sin theta - L_v dv/dt cos theta and
         L_v1 dv1/dt - L_u du/dt cos theta - L_v dv/dt sin theta
-        [DragovicGajicJovanovic2020, eq:nosliding2].
+        [DragovicGajicJovanovic2020, eq. (eq:nosliding2)].
         """
         x, y, _ = self._turned(self.body.trace_velocity)
         a, b, _ = self.fixed.trace_velocity
