@@ -6,8 +6,8 @@
 
 [Theory, eq. (14)].  These are Voronec's equations: the bracket terms are the derivatives of H, and
 gamma, which solves the differentiated constraints, holds them.  The Lagrangian and the constraints
-are stages (named sums); forward differentiation along the columns of H and along the motion, and one reverse sweep
-for L_q and L_qdot with its derivative along the motion, add stages and open none.
+are stages (named sums); forward differentiation along the columns of H and along the motion, and
+one reverse sweep for L_q and L_qdot with its derivative along the motion, add stages and open none.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ expression is zero only if the expression vanishes wherever it is defined: that 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import gcd, lcm
 from typing import Any
 
 import flint
@@ -173,17 +174,22 @@ class Ring:
         return self.field.power(self._roots[base], int(exponent * q))
 
     def _introduce(self, base: Any, root: Any, q: int) -> Fraction:
-        """base**(1/q) as g/den, with a generator g that stands for den * base**(1/q)."""
+        """base**(1/q) as scale*g/den, where g stands for den * base**(1/q) / scale.
+
+        ``scale`` takes a perfect power out of the numbers, so that sqrt(4x + 4) is 2 sqrt(x + 1).
+        """
         field, value = self.field, self.fraction(base)
         den = field.denominator(value.den)
         power = field.reduce(value.num * den ** (q - 1))
-        below = Fraction(field.one, value.den)
+        scale = _root_of_content(power, q)
+        power = power / scale**q
+        below = Fraction(field.one * scale, value.den)
         for degree, num, other, other_power, g in self._radicands:
             if degree == q and power == other_power and _same_sign(q, num, den, other):
                 return field.mul([Fraction(g), below])
         index, g = self._index[root], self._gen(root)
-        if den != 1:
-            self.meaning[index] = root * self.polynomial(den)
+        if den != 1 or scale != 1:
+            self.meaning[index] = root * self.polynomial(den / scale)
         field.add_rule(index, q, power)
         self._radicands.append((q, value.num, den, power, g))
         return field.mul([Fraction(g), below])
@@ -248,6 +254,19 @@ class Ring:
         if isinstance(expr, se.tanh):
             return self.field.mul([twice_sinh, self.field.inverse(twice_cosh)])
         return self.field.mul([twice_cosh, self.field.inverse(twice_sinh)])
+
+
+def _root_of_content(poly: Any, q: int) -> Any:
+    """r where r**q is the common rational factor of the coefficients; 1 if it is no such power."""
+    coefficients = poly.coeffs()
+    if not coefficients:
+        return flint.fmpq(1)
+    above = gcd(*(abs(int(c.p)) for c in coefficients))
+    below = lcm(*(int(c.q) for c in coefficients))
+    roots = [flint.fmpz(n).root(q) for n in (above, below)]
+    if any(int(r) ** q != n for r, n in zip(roots, (above, below), strict=True)):
+        return flint.fmpq(1)
+    return flint.fmpq(int(roots[0]), int(roots[1]))
 
 
 def _same_sign(q: int, num: Any, den: Any, other: Any) -> bool:
