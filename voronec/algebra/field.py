@@ -49,6 +49,7 @@ class Field:
         self._factors: list[Any] = []
         self._factor_index: dict[str, int] = {}
         self._local: dict[int, list[Any]] = {}
+        self._conjugates: dict[int, tuple[Any, Any]] = {}
         self._rule_factors: dict[int, tuple[list[tuple[str, int]], Any]] = {}
 
     def add_rule(self, generator: int, degree: int, f: Any) -> None:
@@ -149,12 +150,12 @@ class Field:
         return Fraction(num, tuple(sorted(den.items())))
 
     def absorbed(self, f: Fraction) -> Fraction:
-        """A fraction without the denominators that the ideal makes invertible, where it can.
+        """A fraction without the denominators that divide modulo the relations, where it can.
 
-        num/d is a polynomial P modulo the ideal where num * t reduces to P modulo the ideal and
-        t*d - 1, in an order with t above all other generators.
+        Sines and square roots are settled by conjugates.  As for the ideal, num/d is a polynomial P
+        where num * t reduces to P modulo the ideal and t*d - 1, with t above all generators.
         """
-        num, den = f.num, dict(f.den)
+        num, den = self._divided(f.num, dict(f.den))
         for i in list(den) if self.ideal else ():
             basis = self._localized(i)
             while basis and den[i]:
@@ -163,6 +164,35 @@ class Field:
                     break
                 num, den[i] = rest, den[i] - 1
         return Fraction(num, tuple((i, e) for i, e in sorted(den.items()) if e))
+
+    def _divided(self, num: Any, den: dict[int, int]) -> tuple[Any, dict[int, int]]:
+        """Divide by factors that hold generators g with g**2 = f.
+
+        num/d = num*conj/norm, where norm = d*conj is free of every such g; so d divides where the
+        polynomial norm does.
+        """
+        for i in list(den):
+            conjugate, norm = self._conjugate(i)
+            while conjugate is not None and den[i]:
+                quotient, rest = divmod(self.product(num, conjugate), norm)
+                if rest != 0:
+                    break
+                num, den[i] = quotient, den[i] - 1
+        return num, den
+
+    def _conjugate(self, i: int) -> tuple[Any, Any]:
+        """conj and norm = d*conj of a denominator d, or None where d holds no square root."""
+        if i not in self._conjugates:
+            norm, conjugate = self._factors[i], self.one
+            for generator, degree, _ in self.rules:
+                if degree == 2 and norm.degrees()[generator]:
+                    mirrored = norm.compose(
+                        *[-g if k == generator else g for k, g in enumerate(self.gens)]
+                    )
+                    conjugate = self.product(conjugate, mirrored)
+                    norm = self.product(norm, mirrored)
+            self._conjugates[i] = (None if conjugate == 1 else conjugate, norm)
+        return self._conjugates[i]
 
     def _localized(self, i: int) -> list[Any]:
         """A Groebner basis of the ideal with t*d - 1 for a denominator d; empty if too large."""
