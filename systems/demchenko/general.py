@@ -17,7 +17,7 @@ import sympy as sp
 import voronec as vo
 from voronec.audit import Motion, Study, Transcript
 
-BASE, FIBRE = 2, 2
+BASE, FIBRE = 3, 2
 TOTAL = BASE + FIBRE
 
 Q = sp.symbols(f"q1:{TOTAL + 1}")

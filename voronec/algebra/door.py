@@ -92,7 +92,8 @@ class Door:
         if isinstance(expr, sp.Rational):
             return se.Integer(int(expr.p)) / se.Integer(int(expr.q))
         if isinstance(expr, sp.Float):
-            exact = sp.Rational(str(expr))
+            decimal = repr(float(expr)) if expr._prec <= 53 else str(expr)
+            exact = sp.Rational(decimal)  # the decimal it was written as
             return se.Integer(int(exact.p)) / se.Integer(int(exact.q))
         if expr in _NUMBERS:
             return _NUMBERS[expr]
@@ -186,7 +187,7 @@ def _taken_at(derivative: Any, at: dict[Any, Any]) -> Any:
     shifts = {b: se.Symbol(f"shift {i + 1}") for i, b in enumerate(at)}
     arguments = [at[a] + shifts[a] if a in at else a for a in function.args]
     if any(v not in at or v not in function.args for v in variables):
-        raise DefinitionError(f"the derivative '{derivative}' is not one of a plain function")
+        raise EngineLimit(f"the derivative '{derivative}' is not one of a plain function")
     moved = se.Function(function.get_name())(*arguments)
     for variable in variables:
         moved = moved.diff(shifts[variable])

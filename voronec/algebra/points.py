@@ -33,6 +33,8 @@ def sample_point(
 
 def _onto_relations(point: dict[Any, Any], relations: Sequence[Any], bits: int) -> dict[Any, Any]:
     atoms = Tape(relations).atoms
+    if any(not isinstance(a, se.Symbol) for a in atoms):
+        raise EngineLimit("no point is looked for on relations between unknown functions")
     if not atoms:
         raise EngineLimit("the relations hold no variable, so no point can be found on them")
     jacobian = [[r.diff(a) for a in atoms] for r in relations]
@@ -43,9 +45,12 @@ def _onto_relations(point: dict[Any, Any], relations: Sequence[Any], bits: int) 
     bound = [atoms[c] for c in columns]
     square = Tape([relations[r] for r in rows] + [jacobian[r][c] for r in rows for c in columns])
     try:
-        return {**point, **free, **_enclose(square, free, bound, bits)}
+        found = {**point, **free, **_enclose(square, free, bound, bits)}
     except ZeroDivisionError:
         raise EngineLimit("the relations between the coordinates are singular") from None
+    if not all(v.contains(0) for v in tape.arb(found, bits)[: len(relations)]):
+        raise EngineLimit("no point was found on all the relations between the coordinates")
+    return found
 
 
 def _values(tape: Tape, point: dict[Any, Any], n: int, bits: int) -> tuple[Any, Any]:

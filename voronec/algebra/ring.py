@@ -26,7 +26,7 @@ from voronec.algebra.generators import (
 )
 from voronec.algebra.groebner import groebner_basis
 from voronec.algebra.tape import is_flat
-from voronec.errors import EngineLimit
+from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Monomial", "Ring", "sparse_terms"]
 
@@ -125,6 +125,8 @@ class Ring:
         polynomials = [p for p in polynomials if p != 0]
         polynomials += [relation for _, _, relation in self.field.rules]
         self.field.ideal = groebner_basis(polynomials, self.field.context)
+        if any(p.is_constant() for p in self.field.ideal):
+            raise DefinitionError("the relations contradict each other: nothing satisfies them")
         self._memo.clear()
 
     def fraction(self, expr: Any) -> Fraction:

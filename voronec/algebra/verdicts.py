@@ -75,6 +75,8 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
     square root for its non-negative value.  Never "equal up to 1e-6": see ``Verdict``.
     """
     door = Door()
+    if sp.sympify(a) == sp.sympify(b):
+        return Verdict("proved", "identical expressions")
     try:
         ideal = door.inward_all(relations)
         if any(r.is_Number and r != 0 for r in ideal):

@@ -120,7 +120,8 @@ def _examine(formula: Formula, bench: _Bench, ordinal: int) -> Examined:
         record = _judge(formula, chain, check, study, Spare.of(bench.transcript, study))
         record = _elsewhere(record, formula, check, bench)
         record = replace(record, method=_with_note(record, study))
-    except VoronecError as error:
+    except (VoronecError, ArithmeticError, LookupError, TypeError, ValueError) as error:
+        # a formula may make no sense, such as the sum of a vector and a number
         record = FormulaRecord(formula.printed, "undecided", str(error))
     marks = tuple(formula.unit.display[q[0].start : q[-1].end] for q in formula.piece.quantifiers)
     record = replace(record, quantifiers=marks, seconds=clock.perf_counter() - started)
