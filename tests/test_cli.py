@@ -174,7 +174,7 @@ def test_derive_tells_kind_growth_equations_and_curvature(call: Call) -> None:
     lines = call("derive", "sleigh").out.splitlines()
     for line in (
         "kind                    chaplygin",
-        "growth vector           (2, 3)",
+        "growth vector           (2, 3) of 3",
         "integrable constraints  none of 1",
         "  dx/dt    = v*cos(phi)",
         "  m*dv/dt            = a*m*w^2",

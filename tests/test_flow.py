@@ -107,7 +107,7 @@ def test_the_time_may_appear(method: str) -> None:
 def test_two_integrators_agree_and_say_what_they_did() -> None:
     first, second = (vo.integrate(SLEIGH, method=name) for name in (METHODS[-1], METHODS[0]))
     assert np.abs(first.state - second.state).max() < 1e-10
-    assert len(first.t) == 1000 and first.t[-1] == 5
+    assert len(first.t) == 1001 and first.t[-1] == 5
     for traj in (first, second):
         assert max(traj.drift.values()) < 1e-11
         assert traj.cost.evaluations >= traj.cost.steps

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from voronec.algebra.symbols import time, velocity
     from voronec.algebra.verdicts import Verdict, prove_equal
+    from voronec.analysis import Claim, check_claims
     from voronec.catalogue import load, names
     from voronec.equations import VoronecEquations, derive
     from voronec.errors import (
@@ -46,6 +47,8 @@ _HOME = {
     "Frame": "voronec.geometry",
     "multiplier_acceleration": "voronec.multipliers",
     "reaction_forces": "voronec.multipliers",
+    "Claim": "voronec.analysis",
+    "check_claims": "voronec.analysis",
     "Reduction": "voronec.reduction",
     "descend": "voronec.reduction",
     "Parameter": "voronec.system",
@@ -55,6 +58,7 @@ _HOME = {
 }
 
 __all__ = [
+    "Claim",
     "DefinitionError",
     "EngineLimit",
     "Fibration",
@@ -68,6 +72,7 @@ __all__ = [
     "Verdict",
     "VoronecEquations",
     "VoronecError",
+    "check_claims",
     "derive",
     "descend",
     "integrate",

@@ -32,13 +32,15 @@ class Distribution:
 
     ``growth``: dimensions of D_1, D_2, ... until they stay.  ``integrable``: positions of the
     constraints proved to annihilate the closure; ``undecided``: of those that do so in numbers
-    only.  ``dimension``: of the space, time included where the constraints move or are affine.
+    only.  ``dimension``: of the space; ``timed``: whether the time is one of its coordinates, as it
+    is where the constraints move or are affine.
     """
 
     growth: tuple[int, ...]
     integrable: tuple[int, ...]
     undecided: tuple[int, ...]
     dimension: int
+    timed: bool
 
 
 def grow(definition: Definition, connection: EhresmannConnection) -> Distribution:
@@ -68,6 +70,7 @@ def grow(definition: Definition, connection: EhresmannConnection) -> Distributio
         integrable=tuple(i for i, s in enumerate(standing) if s == "proved"),
         undecided=tuple(i for i, s in enumerate(standing) if s == "undecided"),
         dimension=dimension,
+        timed=timed,
     )
 
 

@@ -102,6 +102,11 @@ class VoronecEquations:
             return self.best.form
         return min(lean, self.exact.form, key=_cost) if self.in_normal_form else lean
 
+    @property
+    def operations(self) -> int:
+        """How many operations ``form`` costs, what is shared counted once."""
+        return _cost(self.form)
+
     @cached_property
     def mass(self) -> sp.ImmutableMatrix:
         """The mass matrix d2Lc/dv2, n x n."""

@@ -8,6 +8,7 @@ import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.typeset import latex_of, plain_text
+from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
     from voronec.equations import VoronecEquations
@@ -33,7 +34,10 @@ def _latex(eqs: VoronecEquations, expr: sp.Expr) -> str:
 
 
 def equations_dict(eqs: VoronecEquations) -> dict[str, Any]:
-    """What was derived: names, kind, growth, coefficients, curvature, mass, force, rates."""
+    """What was derived: names, kind, growth, coefficients, curvature, mass, force, rates.
+
+    For a system beyond the exact normal form, the Python source of its program instead.
+    """
     fibre = [plain_name(s) for s in eqs.system.fibration.fibre]
     base = [plain_name(s) for s in eqs.system.fibration.base]
     data: dict[str, Any] = {
@@ -46,6 +50,10 @@ def equations_dict(eqs: VoronecEquations) -> dict[str, Any]:
         "growth": list(eqs.growth),
         "integrable_constraints": [i + 1 for i in eqs.integrable],
         "normal_form": eqs.in_normal_form,
+    }
+    if not eqs.in_normal_form:  # written out, a shared graph is endless
+        return data | {"program": _program(eqs), "operations": eqs.operations}
+    data |= {
         "rates": dict(zip(base + fibre, map(plain_text, eqs.rates), strict=True)),
         "mass": [[plain_text(e) for e in eqs.mass.row(i)] for i in range(eqs.mass.rows)],
         "force": [plain_text(e) for e in eqs.force],
@@ -58,6 +66,14 @@ def equations_dict(eqs: VoronecEquations) -> dict[str, Any]:
         data["coefficients"] = _coefficients(eqs, fibre, base)
         data["curvature"] = _curvature(eqs, fibre, base)
     return data
+
+
+def _program(eqs: VoronecEquations) -> str | None:
+    """Python source, where the system holds no unknown function."""
+    try:
+        return eqs.python()
+    except DefinitionError:
+        return None
 
 
 def _coefficients(eqs: VoronecEquations, fibre: list[str], base: list[str]) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from argparse import Namespace
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from voronec.cli.output import columns, plain, print_json
@@ -12,6 +12,7 @@ from voronec.cli.subject import resolve
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 
 if TYPE_CHECKING:
+    from voronec.analysis import Claim
     from voronec.equations import VoronecEquations
     from voronec.reduction import Reduction
 
@@ -20,6 +21,7 @@ __all__ = ["execute"]
 
 def execute(arguments: Namespace) -> int:
     """Derive and print; ``--latex``, ``--python`` and ``--c`` print source only."""
+    from voronec.analysis import check_claims
     from voronec.equations import derive
 
     system, _ = resolve(arguments.system)
@@ -30,11 +32,21 @@ def execute(arguments: Namespace) -> int:
             print_json({language: text}) if arguments.json else print(text.rstrip("\n"))
             return 0
     reduction = _reduction(eqs)
+    claims = check_claims(eqs)
     if arguments.json:
-        print_json(eqs.as_dict() | _descent_data(reduction))
+        found = [
+            {"kind": c.kind, "name": c.name, "verdict": c.verdict.status, "why": c.verdict.method}
+            for c in claims
+        ]
+        print_json(eqs.as_dict() | _descent_data(reduction) | {"claims": found})
     else:
-        print("\n".join([*_lines(eqs), *_descent(eqs, reduction)]))
-    return 0
+        print("\n".join([*_lines(eqs), *_descent(eqs, reduction), *_claims(claims)]))
+    return 1 if any(claim.verdict.refuted for claim in claims) else 0
+
+
+def _claims(claims: Sequence[Claim]) -> list[str]:
+    rows = [[claim.kind, claim.name, claim.verdict.status] for claim in claims]
+    return ["", "claims", *columns(rows, "  ")] if rows else []
 
 
 def _reduction(eqs: VoronecEquations) -> Reduction | VoronecError | None:
@@ -79,21 +91,30 @@ def _descent(eqs: VoronecEquations, reduction: Reduction | VoronecError | None) 
 def _lines(eqs: VoronecEquations) -> list[str]:
     system = eqs.system
     lines = [f"{system.name}: {system.title}" if system.title else system.name, ""]
-    lines += [*columns(_facts(eqs)), "", "motion of the coordinates"]
+    lines += columns(_facts(eqs))
+    if not eqs.in_normal_form:
+        return [
+            *lines,
+            "",
+            f"too large for the exact normal form: a program of {eqs.operations} operations, "
+            "printed by --python or --c",
+        ]
+    lines += ["", "motion of the coordinates"]
     rates = zip(eqs.coordinates, eqs.rates, strict=True)
     lines += _equations((f"d{plain(q)}/dt", plain(rate)) for q, rate in rates)
     lines += ["", f"equations of motion, mass * d({_names(eqs)})/dt = force", *_motion(eqs)]
     if eqs.has_coordinate_frame:
         lines += ["", "curvature", *_curvature(eqs)]
-    if not eqs.in_normal_form:
-        lines += ["", "too large for the exact normal form: left as derived"]
     return lines
 
 
 def _facts(eqs: VoronecEquations) -> list[list[str]]:
     count = len(eqs.system.constraints)
     whole = ", ".join(f"{i + 1}" for i in eqs.integrable)
-    rows = [["kind", eqs.kind], ["growth vector", "(" + ", ".join(map(str, eqs.growth)) + ")"]]
+    growth = "(" + ", ".join(map(str, eqs.growth)) + ")"
+    timed = ", the time included" if eqs.distribution.timed else ""
+    rows = [["kind", eqs.kind]]
+    rows.append(["growth vector", f"{growth} of {eqs.distribution.dimension}{timed}"])
     if count:
         rows.append(["integrable constraints", whole or f"none of {count}"])
     frame = eqs.system.frame

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.cli.files import delivery, refuse_file
-from voronec.cli.output import columns, print_json, progress
+from voronec.cli.output import columns, print_json, progress, warn
 from voronec.cli.subject import resolve
 from voronec.errors import DefinitionError
 
@@ -48,6 +48,9 @@ def execute(arguments: Namespace) -> int:
         progress("")
     files = _write(trajectory, folder)
     _report(trajectory, scene, files, arguments.json)
+    if _unsound(trajectory):
+        warn("an integral drifts far beyond the tolerance: it is none, or the motion is not sound")
+        return 1
     return 130 if trajectory.interrupted else 0
 
 
@@ -157,6 +160,12 @@ def _report(trajectory: Trajectory, scene: str | None, files: list[Path], as_jso
     rows += [["residual of", name, f"{value:.1e}"] for name, value in trajectory.residuals.items()]
     print("\n".join(columns(rows) or ["no integral is declared, so no drift is known"]))
     print("wrote " + ", ".join(str(f) for f in files))
+
+
+def _unsound(trajectory: Trajectory) -> bool:
+    """Whether a declared integral moves by more than the tolerance can excuse."""
+    bound = max(1e-6, 1e5 * trajectory.cost.tolerance)
+    return any(not value <= bound for value in trajectory.drift.values())
 
 
 def _span(trajectory: Trajectory) -> str:

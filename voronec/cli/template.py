@@ -46,7 +46,7 @@ x, y, phi = sp.symbols("x y phi")  # the point of contact (x points downhill), t
 m, J, g, alpha = sp.symbols("m J g alpha")
 Dx, Dy, Dphi = velocity(x), velocity(y), velocity(phi)
 
-# 2. Energies: any expression of coordinates, velocities, constants and vo.time.
+# 2. Energies: any expression of coordinates, velocities, constants and voronec.time.
 kinetic = m * (Dx**2 + Dy**2) / 2 + J * Dphi**2 / 2
 potential = -m * g * sp.sin(alpha) * x
 

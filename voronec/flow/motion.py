@@ -23,7 +23,7 @@ from voronec.system import Scene, System
 
 __all__ = ["integrate"]
 
-POINTS = 1000
+POINTS = 1001
 """How many points a scene's span is seen at."""
 METHODS = ("auto", "heyoka", "scipy")
 
@@ -46,7 +46,7 @@ def integrate(
         name of one of the system's scenes (or a ``Scene``): initial data, span, parameters and
         outputs.  Where neither scene nor ``initial`` is given, the one called ``default``.
     times
-        a strictly monotonic array; it may run backwards.  By default 1000 points over the span of
+        a strictly monotonic array; it may run backwards.  By default 1001 points over the span of
         the scene (or of the scene ``default``).
     outputs
         names, symbols or expressions; by default all coordinates and velocities.

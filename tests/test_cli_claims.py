@@ -1,0 +1,78 @@
+"""Claims on the command line: a false one is shown, and the exit status tells."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from voronec.cli import main
+
+SOURCE = """
+import sympy as sp
+from voronec import Fibration, Scene, System, velocity
+
+x, y, phi = sp.symbols("x y phi")
+m = sp.Symbol("m")
+Dx, Dy, Dphi = map(velocity, (x, y, phi))
+energy = (Dx**2 + Dy**2 + Dphi**2) / 2
+SYSTEM = System(
+    name="skate",
+    fibration=Fibration(base=(x, phi), fibre=(y,)),
+    lagrangian=energy,
+    constraints=(Dy - Dx * sp.sin(phi),),
+    integrals={"energy": energy, %s},
+    invariants={"c": %s},
+    scenes={"default": Scene(initial={Dx: 1, Dphi: 2}, times=(0.0, 1.0))},
+)
+"""
+
+
+def write(folder: Path, integral: str, invariant: str) -> str:
+    path = folder / "skate.py"
+    path.write_text(SOURCE % (integral, invariant))
+    return str(path)
+
+
+def test_a_refuted_claim_is_shown_and_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = write(tmp_path, '"place": x', "sp.cos(phi)")
+    assert main(["derive", path]) == 1
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["integral", "energy", "proved"] in lines and ["integral", "place", "refuted"] in lines
+    assert main(["derive", path, "--json"]) == 1
+    claims = {c["name"]: c["verdict"] for c in json.loads(capsys.readouterr().out)["claims"]}
+    assert claims["energy"] == "proved" and claims["place"] == "refuted"
+
+
+def test_what_does_not_descend_hides_no_equations(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = write(tmp_path, '"spin": Dphi', "sp.cos(y)")
+    main(["derive", path])
+    out = capsys.readouterr().out
+    assert "equations of motion" in out and "descent to c: refuted" in out
+    main(["derive", path, "--json"])
+    data = json.loads(capsys.readouterr().out)
+    assert data["mass"] and "not a function of the invariants" in data["descent"]["refused"]
+
+
+def test_a_run_whose_integral_is_none_fails(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = write(tmp_path, '"place": 1 + x', "sp.cos(phi)")
+    assert main(["run", path, "--method", "scipy"]) == 1
+    assert "drifts far beyond the tolerance" in capsys.readouterr().err
+    assert main(["run", write(tmp_path, '"spin": Dphi', "sp.cos(phi)"), "--method", "scipy"]) == 0
+
+
+def test_a_large_system_is_told_by_its_size(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["derive", "bicycle"]) == 0
+    out = capsys.readouterr().out
+    assert "too large for the exact normal form" in out and len(out) < 3000
+    assert main(["derive", "bicycle", "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["operations"] < 1500 and "def " in data["program"] and "mass" not in data
