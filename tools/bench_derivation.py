@@ -194,9 +194,9 @@ PAGE = """# Benchmarks
 Written by `python tools/bench_derivation.py --page docs/benchmarks.md`: every figure comes from one
 run on one machine; the engine's times are medians, SymPy's is a single run, and ratios compare two
 times of the same run. SymPy's side is `LagrangesMethod` on the same Lagrangian and constraints, in
-coordinate velocities and with its multipliers, its cache emptied. Operations are SymPy's `count_ops`
-after common subexpressions are taken out, on both sides; the engine's for Demchenko's ball are those
-of the velocities (s, tau, n).
+coordinate velocities and with its multipliers, its cache emptied. Operations are SymPy's
+`count_ops` after common subexpressions are taken out, on both sides; the engine's for Demchenko's
+ball are those of the velocities (s, tau, n).
 
 {table}
 

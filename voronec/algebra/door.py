@@ -17,7 +17,7 @@ from sympy.core.function import AppliedUndef
 from voronec.algebra.symbols import plain_name
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Door"]
+__all__ = ["Door", "sympified"]
 
 _FUNCTIONS = {
     name: getattr(se, name)
@@ -68,11 +68,7 @@ class Door:
     def inward(self, expr: Any) -> Any:
         """The symengine expression of a SymPy expression (or number)."""
         try:
-            expr = sp.sympify(expr)
-        except (sp.SympifyError, AttributeError, SyntaxError, TypeError) as error:
-            raise DefinitionError(f"'{expr}' is not an expression: {_first_line(error)}") from None
-        try:
-            return self._enter(expr)
+            return self._enter(sympified(expr))
         except RecursionError:
             raise DefinitionError("an expression is nested too deeply to be read") from None
 
@@ -92,7 +88,7 @@ class Door:
         if isinstance(expr, sp.Rational):
             return se.Integer(int(expr.p)) / se.Integer(int(expr.q))
         if isinstance(expr, sp.Float):
-            decimal = repr(float(expr)) if expr._prec <= 53 else str(expr)
+            decimal = repr(float(expr)) if expr._prec == 53 else str(expr)
             exact = sp.Rational(decimal)  # the decimal it was written as
             return se.Integer(int(exact.p)) / se.Integer(int(exact.q))
         if expr in _NUMBERS:
@@ -194,6 +190,14 @@ def _taken_at(derivative: Any, at: dict[Any, Any]) -> Any:
     if any(p.is_Number for p in at.values()):
         raise EngineLimit(f"the derivative of '{function}' at a number; use a parameter for it")
     return moved.xreplace({shift: se.Integer(0) for shift in shifts.values()})
+
+
+def sympified(expr: Any) -> sp.Expr:
+    """A SymPy expression of what was handed in; ``DefinitionError`` where it is none."""
+    try:
+        return sp.sympify(expr)
+    except (sp.SympifyError, AttributeError, SyntaxError, TypeError) as error:
+        raise DefinitionError(f"'{expr}' is not an expression: {_first_line(error)}") from None
 
 
 def _first_line(error: BaseException) -> str:

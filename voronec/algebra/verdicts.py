@@ -10,7 +10,7 @@ import flint
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.door import Door
+from voronec.algebra.door import Door, sympified
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.ring import Ring
 from voronec.algebra.tape import Tape
@@ -75,7 +75,7 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
     square root for its non-negative value.  Never "equal up to 1e-6": see ``Verdict``.
     """
     door = Door()
-    if sp.sympify(a) == sp.sympify(b):
+    if sympified(a) == sympified(b):
         return Verdict("proved", "identical expressions")
     try:
         ideal = door.inward_all(relations)

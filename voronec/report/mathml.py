@@ -100,7 +100,8 @@ class _Setter:
                 below = self.argument()
             else:
                 above = self.argument()
-        above = (f"<mo>{'′' * primes}</mo>" if primes else "") + above
+        if primes:  # the glyph is raised by itself: as a superscript it would float
+            base = f'<mrow>{base}<mo lspace="0" rspace="0">{"′" * primes}</mo></mrow>'
         if not (below or above):
             return base
         limits = start in ("\\sum",)
@@ -165,7 +166,8 @@ class _Setter:
         if name in _OPERATORS:
             return self.leaf("mo", _OPERATORS[name], token)
         if name in _FUNCTIONS:
-            return self.leaf("mi", name, token) + "<mo>&#x2061;</mo>"
+            space = '<mspace width="0.17em"/>'  # browsers leave none around a function's name
+            return space + self.leaf("mi", name, token) + "<mo>&#x2061;</mo>" + space
         if name in ("frac", "dfrac", "tfrac"):
             top = self.argument()
             return f"<mfrac><mrow>{top}</mrow><mrow>{self.argument()}</mrow></mfrac>"
