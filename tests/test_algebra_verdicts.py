@@ -51,7 +51,7 @@ TRUE = {
     "numbers": (sp.sqrt(6) / sp.sqrt(2) + 1 / sp.sqrt(3), 4 / sp.sqrt(3)),
     "golden": (sp.cos(sp.pi / 5) - sp.cos(2 * sp.pi / 5), half),
     "constants": (x * sp.pi * sp.E - sp.E * sp.pi * x * (sp.sin(y) ** 2 + sp.cos(y) ** 2), 0),
-    "decimals": (0.1 * x + 0.2 * x, 0.3 * x),
+    "decimals": (0.1 * x + y / 4, x / 10 + 0.25 * y),
     "leibniz": (sp.diff(f(x) * g(x), x), f(x) * g(x).diff(x) + f(x).diff(x) * g(x)),
     "mixed derivatives": (g(x, y).diff(x, y) * sp.sin(x) ** 2,
                           g(x, y).diff(y, x) * (1 - sp.cos(x) ** 2)),

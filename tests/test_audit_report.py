@@ -90,7 +90,7 @@ def test_a_group_stays_a_group_when_it_is_coloured():
     [
         (r"\frac12", "<mfrac><mrow><mn>1</mn></mrow><mrow><mn>2</mn></mrow></mfrac>"),
         (r"q_{ij}^{2}", "<msubsup><mi>q</mi><mrow>"),
-        (r"\mu'", "<msup><mi>μ</mi><mrow><mo>′</mo></mrow></msup>"),
+        (r"\mu'", '<mrow><mi>μ</mi><mo lspace="0" rspace="0">′</mo></mrow>'),
         (r"\sum_{i=1}^n", "<munderover><mo>∑</mo>"),
         (r"\dot u", '<mover accent="true"><mi>u</mi><mo>˙</mo></mover>'),
         (r"\mathbf M", "<mi>\U0001d40c</mi>"),
