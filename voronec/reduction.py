@@ -80,13 +80,7 @@ def descend(
     every invariant changes it), ``EngineLimit`` where no expression was found.
     """
     eqs = derive(system) if isinstance(system, System) else system
-    chosen = dict(eqs.system.invariants if invariants is None else invariants)
-    if not chosen:
-        raise DefinitionError(f"system '{eqs.system.name}' declares no invariants; give some")
-    names = {str(s) for s in eqs.system.known_symbols()}
-    for name in chosen:
-        if name in names:
-            raise DefinitionError(f"the invariant '{name}' has the name of another symbol")
+    chosen = _chosen(eqs, invariants)
     derivation = eqs.exact
     inside = [eqs.door.inward(g) for g in chosen.values()]
     _check_configurational(eqs, chosen, inside)
@@ -117,6 +111,17 @@ def descend(
         rates=sp.ImmutableMatrix(len(tags), 1, found[n * n + n :]),
         relations=_relations_among(eqs, ring, moving),
     )
+
+
+def _chosen(eqs: VoronecEquations, invariants: Mapping[str, Any] | None) -> dict[str, Any]:
+    chosen = dict(eqs.system.invariants if invariants is None else invariants)
+    if not chosen:
+        raise DefinitionError(f"system '{eqs.system.name}' declares no invariants; give some")
+    names = {str(s) for s in eqs.system.known_symbols()}
+    for name in chosen:
+        if name in names:
+            raise DefinitionError(f"the invariant '{name}' has the name of another symbol")
+    return chosen
 
 
 def _check_configurational(

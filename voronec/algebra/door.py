@@ -105,13 +105,7 @@ class Door:
             function = se.Function(str(expr.func.__name__))
             return function(*[self._enter(a) for a in expr.args])
         if isinstance(expr, sp.Derivative):
-            by = [v for v in expr.variables if not isinstance(self._enter(v), se.Symbol)]
-            if by:  # f'(g(x)), written as the derivative by g(x)
-                return self._substitution(expr, by, by)
-            inner = self._enter(expr.expr)
-            for variable, count in expr.variable_count:
-                inner = inner.diff(self._enter(variable), int(count))
-            return inner
+            return self._derivative(expr)
         if isinstance(expr, sp.Subs):
             return self._substitution(expr.expr, expr.variables, expr.point)
         if isinstance(expr, sp.Abs):  # as a root it is differentiated and reduced
@@ -123,6 +117,15 @@ class Door:
             f"'{expr}' is of kind {name}, which the engine does not differentiate; "
             "write it with elementary functions or an unknown function"
         )
+
+    def _derivative(self, expr: sp.Derivative) -> Any:
+        by = [v for v in expr.variables if not isinstance(self._enter(v), se.Symbol)]
+        if by:  # f'(g(x)), written as the derivative by g(x)
+            return self._substitution(expr, by, by)
+        inner = self._enter(expr.expr)
+        for variable, count in expr.variable_count:
+            inner = inner.diff(self._enter(variable), int(count))
+        return inner
 
     def _substitution(self, expr: sp.Expr, variables: Sequence[Any], points: Sequence[Any]) -> Any:
         """An expression at points; its bound variables are nobody's symbols."""
