@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from voronec import DefinitionError, prove_equal
+from voronec.algebra.normal import shorten
 
 x, y, z, a, b, k = sp.symbols("x y z a b k")
 f, g = sp.Function("f"), sp.Function("g")
@@ -268,3 +269,10 @@ def test_what_is_no_expression_is_refused_in_one_line(bad):
 def test_a_verdict_is_not_a_truth_value():
     with pytest.raises(TypeError, match="three values"):
         bool(prove_equal(x, x))
+
+
+def test_a_denominator_whose_conjugate_vanishes_is_answered():
+    root = sp.sqrt(x**2)
+    (found,) = shorten([1 / (root + x)])
+    assert found.subs(x, 3) == sp.Rational(1, 6)
+    assert prove_equal(x / (root + x) + root / (root + x), 1).proved

@@ -10,6 +10,7 @@ from functools import cache
 import mpmath as mp
 import pytest
 import sympy as sp
+from balls import R, inertia, m, omega, rolling_ball
 
 import voronec as vo
 from voronec import Fibration, Frame, System, kinematics, prove_equal, velocity
@@ -214,26 +215,14 @@ def test_time_and_moving_constraints_count():
 
 def quaternion_ball():
     rotation = kinematics.Rotation.quaternion(*sp.symbols("q0:4"))
-    x, y, m, R = sp.symbols("x y m R")
-    omega, inertia = sp.symbols("omega1:4"), sp.symbols("I1:4")
     gamma, spin = sp.Matrix(rotation.matrix.row(2)).T, sp.Matrix(omega)
     momentum = sp.diag(*inertia) * spin + m * R**2 * (spin - gamma * gamma.dot(spin))
-    return System(
-        name="ball",
-        fibration=Fibration(rotation.coordinates, (x, y), relations=rotation.relations),
-        frame=Frame.quasi(dict(zip(omega, rotation.body_rates, strict=True))),
-        lagrangian=kinematics.kinetic_energy(
-            m, (velocity(x), velocity(y), 0), inertia, rotation.body_rates
-        ),
-        constraints=(
-            velocity(x) - R * rotation.space_rates[1], velocity(y) + R * rotation.space_rates[0],
-        ),
-        parameters=(m, R, *inertia),
+    share = sum(m * R**2 * g**2 / (i + m * R**2) for g, i in zip(gamma, inertia, strict=True))
+    return replace(
+        rolling_ball(rotation, {}),
         integrals={"squared": momentum.dot(momentum), "along": momentum.dot(gamma)},
-        measure=sp.sqrt(
-            1 - sum(m * R**2 * g**2 / (i + m * R**2) for g, i in zip(gamma, inertia, strict=True))
-        ),
-    )  # fmt: skip
+        measure=sp.sqrt(1 - share),
+    )
 
 
 def test_claims_in_redundant_coordinates_hold_on_the_relations():

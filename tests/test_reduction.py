@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 import sympy as sp
+from balls import R, gamma, inertia, m, omega, rolling_ball, x, y
 from sympy.physics.mechanics import dynamicsymbols
 
 import voronec as vo
@@ -21,11 +22,7 @@ from voronec import (
     velocity,
 )
 
-x, y, phi, theta, psi, u, v = sp.symbols("x y phi theta psi u v")
-omega = sp.symbols("omega1:4")
-inertia = sp.symbols("I1:4")
-gamma = sp.symbols("gamma1:4")
-m, R, g, length = sp.symbols("m R g l")
+phi, theta, psi, u, v, g, length = sp.symbols("phi theta psi u v g l")
 q = sp.symbols("q0:4")
 TURN, VERTICAL = sp.Matrix(omega), sp.Matrix(gamma)
 SPHERE = VERTICAL.dot(VERTICAL) - 1
@@ -36,24 +33,6 @@ CHARTS = {
     "quaternion": kinematics.Rotation.quaternion(*q),
     "dynamicsymbols": kinematics.Rotation.euler("zxz", *dynamicsymbols("phi theta psi")),
 }
-
-
-def rolling_ball(rotation, invariants=None):
-    vertical = rotation.matrix.row(2)
-    named = dict(zip(map(str, gamma), vertical, strict=True))
-    return System(
-        name="ball",
-        fibration=Fibration(rotation.coordinates, (x, y), relations=rotation.relations),
-        frame=Frame.quasi(dict(zip(omega, rotation.body_rates, strict=True))),
-        lagrangian=kinematics.kinetic_energy(
-            m, (velocity(x), velocity(y), 0), inertia, rotation.body_rates
-        ),
-        constraints=(
-            velocity(x) - R * rotation.space_rates[1], velocity(y) + R * rotation.space_rates[0],
-        ),
-        parameters=(m, R, *inertia),
-        invariants=named if invariants is None else invariants,
-    )  # fmt: skip
 
 
 def heavy_top(rotation, moments=(inertia[0], inertia[0], inertia[2]), invariants=None):

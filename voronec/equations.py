@@ -31,7 +31,9 @@ from voronec.definition import Definition, read
 from voronec.derivation import Derivation, FirstOrderForm
 from voronec.distribution import Distribution, grow
 from voronec.errors import EngineLimit
+from voronec.evaluation import acceleration, check_inertia
 from voronec.lean import lean_form
+from voronec.presentation import equations_dict, equations_latex
 from voronec.system import System
 
 SHORT = 200
@@ -120,7 +122,7 @@ class VoronecEquations:
     @cached_property
     def rates(self) -> sp.ImmutableMatrix:
         """The time derivatives of the coordinates in terms of q, v, t."""
-        return self._column(self.best.polish(self.best.rates))
+        return self._column(self.best.form.rates)
 
     @cached_property
     def theta(self) -> sp.Expr:
@@ -212,14 +214,10 @@ class VoronecEquations:
 
         ``point`` gives coordinates, velocities v, parameters (defaults stand in) and ``time``.
         """
-        from voronec.evaluation import acceleration
-
         return acceleration(self, point, digits)
 
     def latex(self) -> str:
         """The equations as a LaTeX ``aligned`` block."""
-        from voronec.presentation import equations_latex
-
         return equations_latex(self)
 
     def python(self) -> str:
@@ -236,8 +234,6 @@ class VoronecEquations:
 
     def as_dict(self) -> dict[str, Any]:
         """Everything derived, as strings and numbers that JSON can hold."""
-        from voronec.presentation import equations_dict
-
         return equations_dict(self)
 
     def _column(self, entries: Any) -> sp.ImmutableMatrix:
@@ -265,7 +261,5 @@ def derive(system: System) -> VoronecEquations:
     definition = read(system)
     raw, exact = Derivation(definition, False), Derivation(definition, True)
     _ = raw.connection
-    from voronec.evaluation import check_inertia
-
     check_inertia(raw)
     return VoronecEquations(system, definition, raw, exact)

@@ -181,17 +181,21 @@ class Field:
         return num, den
 
     def _conjugate(self, i: int) -> tuple[Any, Any]:
-        """conj and norm = d*conj of a denominator d, or None where d holds no square root."""
+        """conj and norm = d*conj of a denominator d; no conj where d holds no square root.
+
+        Nor where the norm vanishes: then a radicand is a square, as in 1/(sqrt(x**2) + x).
+        """
         if i not in self._conjugates:
             norm, conjugate = self._factors[i], self.one
             for generator, degree, _ in self.rules:
-                if degree == 2 and norm.degrees()[generator]:
+                if degree == 2 and norm != 0 and norm.degrees()[generator]:
                     mirrored = norm.compose(
                         *[-g if k == generator else g for k, g in enumerate(self.gens)]
                     )
                     conjugate = self.product(conjugate, mirrored)
                     norm = self.product(norm, mirrored)
-            self._conjugates[i] = (None if conjugate == 1 else conjugate, norm)
+            useless = conjugate == 1 or norm == 0
+            self._conjugates[i] = (None if useless else conjugate, norm)
         return self._conjugates[i]
 
     def _localized(self, i: int) -> list[Any]:

@@ -45,8 +45,6 @@ _CONSTANTS: dict[Any, Callable[[], Any]] = {
     se.E: flint.arb.const_e,
 }
 
-Instruction = tuple[Callable[..., Any], tuple[int, ...]]
-
 
 def is_flat(expr: Any) -> bool:
     """Whether an expression is a derivative of a sign, which is zero where it exists."""

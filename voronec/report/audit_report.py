@@ -45,11 +45,6 @@ def _table_line(record: Record, width: int) -> str:
     return head + _cut("; ".join(f.printed for f in record.formulas), width - len(head))
 
 
-def _formula_line(formula: FormulaRecord, width: int) -> str:
-    head = " " * 16 + f"{formula.verdict:<10}  "
-    return head + _cut(formula.printed, width - len(head))
-
-
 def _cut(latex: str, width: int) -> str:
     text = " ".join(latex.split())
     return text if len(text) <= width else text[: max(width - 3, 10)] + "..."
