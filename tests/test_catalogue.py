@@ -53,7 +53,7 @@ def test_names_are_listed_without_loading_sympy_or_a_system() -> None:
 
 
 def test_papers_are_found_beside_their_systems() -> None:
-    assert catalogue.papers() == ["demchenko"]
+    assert catalogue.papers() == ["chaplygin-ball", "demchenko"]
     assert catalogue.load_paper("demchenko").name == "demchenko"
     with pytest.raises(vo.DefinitionError, match=r"no paper 'demchenk'.*'demchenko'"):
         catalogue.load_paper("demchenk")

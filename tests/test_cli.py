@@ -8,57 +8,12 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from command_line import Call, refused
 
 import voronec as vo
-from voronec.cli import main
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What a command said."""
-
-    status: int
-    out: str
-    err: str
-
-
-Call = Callable[..., Answer]
-
-
-@pytest.fixture
-def call(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Call:
-    """Call ``voronec`` with words, in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-
-    def command(*words: str) -> Answer:
-        capsys.readouterr()
-        try:
-            status = main(words)
-        except SystemExit as end:  # argparse
-            status = int(str(end.code))
-        said = capsys.readouterr()
-        return Answer(status, said.out, said.err)
-
-    return command
-
-
-def refused(answer: Answer) -> str:
-    """The one line of a refusal."""
-    assert answer.status == 2
-    assert answer.out == ""
-    assert "Traceback" not in answer.err
-    (line,) = answer.err.splitlines()
-    assert line.startswith("voronec")
-    assert not [p for p in Path().iterdir() if p.suffix != ".py"], "something was written"
-    return line
-
 
 # -- the whole ---------------------------------------------------------------------------------
 
@@ -389,22 +344,8 @@ def test_a_file_that_does_not_parse_is_told_with_its_line(call: Call) -> None:
 def test_an_unknown_system_is_answered_with_the_nearest(call: Call) -> None:
     for command in ("show", "derive", "run", "cite"):
         assert "did you mean 'sleigh'?" in refused(call(command, "slegh"))
-    assert "did you mean 'demchenko'?" in refused(call("regenerate", "demchenco"))
 
 
 def test_a_file_called_without_its_ending_is_recognised(call: Call) -> None:
     call("new", "sled")
     assert "'sled.py'" in refused(call("derive", "sled"))
-
-
-# -- regenerate --------------------------------------------------------------------------------
-
-
-def test_regenerate_writes_the_report_or_nothing(call: Call) -> None:
-    Path("taken.py").write_text("mine")
-    assert "'taken.py' is a file" in refused(call("regenerate", "demchenko", "--out", "taken.py"))
-    answer = call("regenerate", "demchenko", "--out", "report", "--json")
-    assert answer.status in (0, 1)
-    assert json.loads(answer.out) == json.loads(Path("report/report.json").read_text())
-    assert "<html" in Path("report/report.html").read_text()
-    assert Path("report/report.tex").is_file()

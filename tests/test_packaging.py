@@ -102,7 +102,7 @@ def test_the_wheel_brings_systems_bibliography_and_types(wheel_home: Path) -> No
     assert "voronec" in inside
     assert not {"systems", "docs", "tests", "tools"} & inside
     assert (site / "voronec" / "py.typed").is_file()
-    assert (site / "voronec" / "systems" / "demchenko" / "paper.py").is_file()
+    assert (site / "voronec" / "systems" / "demchenko" / "paper" / "__init__.py").is_file()
     docs = {p.name for p in (site / "voronec" / "docs").iterdir()} - {"__pycache__"}
     assert docs == {"__init__.py", "references.bib"}
 

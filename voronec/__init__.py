@@ -9,8 +9,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from voronec.algebra.signs import prove_inequality
     from voronec.algebra.symbols import time, velocity
-    from voronec.algebra.verdicts import Verdict, prove_equal
+    from voronec.algebra.verdicts import Verdict, Witness, prove_equal
     from voronec.analysis import Claim, check_claims
     from voronec.catalogue import load, names
     from voronec.equations import VoronecEquations, derive
@@ -31,7 +32,9 @@ __version__ = "0.1.0"
 _HOME = {
     "time": "voronec.algebra.symbols",
     "velocity": "voronec.algebra.symbols",
+    "prove_inequality": "voronec.algebra.signs",
     "Verdict": "voronec.algebra.verdicts",
+    "Witness": "voronec.algebra.verdicts",
     "prove_equal": "voronec.algebra.verdicts",
     "load": "voronec.catalogue",
     "names": "voronec.catalogue",
@@ -72,6 +75,7 @@ __all__ = [
     "Verdict",
     "VoronecEquations",
     "VoronecError",
+    "Witness",
     "check_claims",
     "derive",
     "descend",
@@ -80,6 +84,7 @@ __all__ = [
     "multiplier_acceleration",
     "names",
     "prove_equal",
+    "prove_inequality",
     "reaction_forces",
     "time",
     "velocity",

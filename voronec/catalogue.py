@@ -27,7 +27,16 @@ from voronec.execution import failure, run_file
 if TYPE_CHECKING:
     from voronec.system import System
 
-__all__ = ["Entry", "entries", "load", "load_file", "load_paper", "names", "papers"]
+__all__ = [
+    "Entry",
+    "entries",
+    "load",
+    "load_file",
+    "load_paper",
+    "load_paper_file",
+    "names",
+    "papers",
+]
 
 GROUP = "voronec.systems"
 OWN = "voronec"
@@ -127,6 +136,16 @@ def load_file(path: str | Path) -> System:
     if not isinstance(found, System):
         what = "no SYSTEM" if found is None else f"SYSTEM as a {type(found).__name__}"
         raise DefinitionError(f"{path} defines {what}; end it with SYSTEM = voronec.System(...)")
+    return found
+
+
+def load_paper_file(path: str | Path) -> Any:
+    """What a Python file defines as ``PAPER``; ``DefinitionError`` as ``load_file`` has it."""
+    found = run_file(Path(path)).get("PAPER")
+    if found is None:
+        raise DefinitionError(
+            f"{path} defines no PAPER; end it with PAPER = voronec.audit.Paper(...)"
+        )
     return found
 
 

@@ -3,24 +3,32 @@
 from __future__ import annotations
 
 from voronec.algebra.normal import shorten
-from voronec.audit.paper import Check, Convention, Display, Paper, Section
+from voronec.algebra.verdicts import Verdict
+from voronec.audit.cache import Cache
+from voronec.audit.meaning import direction
+from voronec.audit.paper import Check, Convention, Display, Paper, Section, Sentence
 from voronec.audit.record import Audit, FormulaRecord, Record
 from voronec.audit.run import audit_paper
-from voronec.audit.study import Motion, Study
+from voronec.audit.study import Motion, Range, Study
 from voronec.audit.transcript import Transcript
 
 __all__ = [
     "Audit",
+    "Cache",
     "Check",
     "Convention",
     "Display",
     "FormulaRecord",
     "Motion",
     "Paper",
+    "Range",
     "Record",
     "Section",
+    "Sentence",
     "Study",
     "Transcript",
+    "Verdict",
     "audit_paper",
+    "direction",
     "shorten",
 ]

@@ -6,46 +6,49 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from voronec.audit.nodes import Call, Chain, Dot, Name, Variation, walk
-from voronec.audit.paper import Check
+from voronec.audit.latex.nodes import Call, Chain, Dot, Name, Variation, walk
 from voronec.audit.record import FormulaRecord
 from voronec.audit.study import key_of
-from voronec.audit.transcript import Formula
 from voronec.errors import DefinitionError
 
-__all__ = ["Examined", "with_uses"]
+__all__ = ["Examined", "defined", "families", "with_uses"]
 
 
 @dataclass(frozen=True)
 class Examined:
-    """A formula with its verdict; ``chain`` is ``None`` where it could not be read.
+    """A formula with its verdict, and what others need to know of it: plain data.
 
-    ``ordinal`` is the place of its unit in the section.
+    called
+        the label, or the place, of its unit; ``label`` is the label alone.
+    defines
+        the key of the name that a definition defines, whatever its indices.
+    uses
+        the keys of the names in the formula.
+    given
+        labels of the conditions that are in force.
+    condition
+        whether the formula is such a condition.
     """
 
-    formula: Formula
-    check: Check
-    chain: Chain | None
     record: FormulaRecord
-    ordinal: int
-
-    @property
-    def called(self) -> str:
-        """The label in parentheses, or the place."""
-        label = self.formula.unit.label
-        return f"({label})" if label else f"display {self.ordinal}"
+    called: str
+    label: str | None = None
+    defines: str = ""
+    uses: tuple[str, ...] = ()
+    given: tuple[str, ...] = ()
+    condition: bool = False
 
 
 def with_uses(examined: Examined, everything: Sequence[Examined]) -> FormulaRecord:
     """The record of a formula; for a definition it names the formulas that are proved with it."""
-    record, chain = examined.record, examined.chain
-    if record.verdict != "definition" or chain is None:
+    record = examined.record
+    if record.verdict != "definition" or not (examined.defines or examined.condition):
         return record
-    others = [e for e in everything if e is not examined and e.chain is not None]
-    if examined.check.role == "condition":
-        users = [e for e in others if examined.formula.unit.label in e.check.given]
+    others = [e for e in everything if e is not examined]
+    if examined.condition:
+        users = [e for e in others if examined.label in e.given]
     else:
-        users = [e for e in others if _defined(chain) in _families(e.chain)]
+        users = [e for e in others if examined.defines in e.uses]
     good = [e.called for e in users if e.record.verdict == "proved"]
     good += [f"{e.called} as corrected" for e in users if e.record.correction]
     called = ", ".join(dict.fromkeys(good))
@@ -53,7 +56,7 @@ def with_uses(examined: Examined, everything: Sequence[Examined]) -> FormulaReco
     return replace(record, method=f"{record.method}; {text}")
 
 
-def _defined(chain: Chain) -> str:
+def defined(chain: Chain) -> str:
     """What a formula defines: its left side, or the last thing there that is varied."""
     left = chain.parts[0]
     if isinstance(left, Call):
@@ -62,12 +65,13 @@ def _defined(chain: Chain) -> str:
         return _family(left)
     varied = [part for part in walk(left) if isinstance(part, (Variation, Name))]
     last = [part for part in varied if isinstance(part, Variation)][-1:]
-    return _family((last or varied)[0])
+    return _family((last or varied)[0]) if varied else ""
 
 
-def _families(chain: Chain | None) -> set[str]:
+def families(chain: Chain | None) -> tuple[str, ...]:
     """Keys of the names, velocities and variations in a formula, whatever their indices."""
-    return {_family(part) for part in walk(chain) if isinstance(part, (Name, Dot, Variation))}
+    found = [_family(part) for part in walk(chain) if isinstance(part, (Name, Dot, Variation))]
+    return tuple(dict.fromkeys(found))
 
 
 def _family(node: Any) -> str:

@@ -8,8 +8,8 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.normal import shorten
+from voronec.audit.latex.nodes import Call, Chain, Dot, Node, walk
 from voronec.audit.meaning import evaluate
-from voronec.audit.nodes import Call, Chain, Dot, Node, walk
 from voronec.audit.paper import Check
 from voronec.audit.structure import mentions, names_constant, whole_name
 from voronec.audit.study import Study
@@ -83,10 +83,24 @@ def _value(chain: Chain, source: str, study: Study, constant: bool) -> str | Non
     where, value = _first_value(known[0], chain, study)
     if any(isinstance(part, Dot) for part in walk(chain)):
         value = value.xreplace(dict(study.in_velocities))
-    if isinstance(value, sp.MatrixBase):
-        return None
-    left = instance(known[0].function if isinstance(known[0], Call) else known[0], source, where)
-    return f"{left} = {print_latex(value, chain, study)}"
+    left = instance(_without_arguments(known[0], study), source, where)
+    return f"{left} = {_entry_or_column(value, chain, study)}"
+
+
+def _without_arguments(part: Node, study: Study) -> Node:
+    """``K_i`` for ``K_i(t, q)``, where the list only says what K_i depends on."""
+    if not isinstance(part, Call) or callable(study.table.get(study.key(part.function))):
+        return part
+    return part.function
+
+
+def _entry_or_column(value: Any, chain: Chain, study: Study) -> str:
+    if not isinstance(value, sp.MatrixBase):
+        return print_latex(value, chain, study)
+    rows = " \\\\ ".join(print_latex(entry, chain, study) for entry in value)
+    if value.cols > 1 or len(rows) > LONGEST // 5:
+        raise EngineLimit("a matrix, or a long vector, is not worth printing")
+    return f"\\begin{{pmatrix}} {rows} \\end{{pmatrix}}"
 
 
 def _first_value(part: Node, chain: Chain, study: Study) -> tuple[dict[str, int], Any]:

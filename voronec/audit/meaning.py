@@ -1,4 +1,20 @@
-"""From the tree of a formula to SymPy, under the dictionary of a study."""
+r"""From the tree of a formula to SymPy, under the dictionary of a study.
+
+Differentials, forms and vector fields have values by these rules:
+
+* ``dx`` is the time derivative of x (the differential over dt), so that an equality of
+  differentials, or of integrals without limits, compares rates, and a one-form is linear in the
+  velocities;
+* ``\partial x`` outside a derivative is a number of which nothing is known;
+* ``\alpha\wedge\beta`` is the value of the two-form on the velocities and the variations:
+  alpha(velocity) beta(variation) - alpha(variation) beta(velocity);
+* ``\frac{\partial}{\partial x}`` with nothing behind it is ``direction(x)``, a formal symbol, in
+  which vector fields are linear;
+* ``\pm`` is a name of the dictionary, a factor of what follows it; ``\oplus`` and ``\ker`` are
+  functions of the dictionary.
+
+``\frac{\partial f}{\partial x^I}``, where ``I`` is a label, is the derivative by x taken at x^I.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +23,17 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.symbols import time, velocity
-from voronec.audit.nodes import (
+from voronec.algebra.symbols import plain_name, time, velocity
+from voronec.audit.calls import call, called, is_named
+from voronec.audit.latex.nodes import (
     Bound,
     Call,
     Cross,
     Derivative,
+    Differential,
     Dot,
-    Dots,
     Elementary,
+    Integral,
     Listing,
     Name,
     Node,
@@ -27,12 +45,12 @@ from voronec.audit.nodes import (
     Root,
     Sum,
     Variation,
+    Wedge,
 )
-from voronec.audit.structure import free_indices
 from voronec.audit.study import Study, key_of, spell
 from voronec.errors import DefinitionError
 
-__all__ = ["UnknownName", "evaluate"]
+__all__ = ["UnknownName", "direction", "evaluate", "rate"]
 
 Where = Mapping[str, int]
 
@@ -116,17 +134,11 @@ def _known(node: Node, study: Study, where: Where) -> Any | None:
         return None
 
 
-def _named(node: Node) -> bool:
-    while isinstance(node, (Dot, Variation)):
-        node = node.body
-    return isinstance(node, Name)
-
-
 # -- rules --------------------------------------------------------------------------------
 
 
 def _dot(node: Dot, study: Study, where: Where) -> Any:
-    known = _known(node, study, where) if _named(node) else None
+    known = _known(node, study, where) if is_named(node) else None
     if known is not None:
         return known
     value = evaluate(node.body, study, where)
@@ -140,28 +152,63 @@ def _dot(node: Dot, study: Study, where: Where) -> Any:
 
 
 def _variation(node: Variation, study: Study, where: Where) -> Any:
-    known = _known(node, study, where) if _named(node) else None
+    known = _known(node, study, where) if is_named(node) else None
     if known is not None:
         return known
     value = study.motion.restrict(evaluate(node.body, study, where))
     return sp.Add(*[sp.diff(value, x) * d for x, d in study.variations.items() if value.has(x)])
 
 
-def _partial(node: Partial, study: Study, where: Where) -> Any:
-    if node.body is None:
-        raise DefinitionError("a partial derivative of nothing has no value")
-    value = evaluate(node.body, study, where)
-    for variable in node.variables:
-        symbol = evaluate(variable, study, where)
-        if not isinstance(symbol, sp.Symbol):
-            raise DefinitionError(f"'{_called(variable)}' is not a variable to differentiate by")
-        value = sp.diff(value, symbol)
+def direction(coordinate: sp.Expr) -> sp.Symbol:
+    """The vector field of a coordinate, as a formal symbol."""
+    return sp.Symbol(f"{{\\partial_{{{plain_name(coordinate)}}}}}")
+
+
+def rate(node: Node, study: Study, where: Where | None = None) -> Any:
+    """The time derivative of a value; of an integral without limits, its integrand.
+
+    Such an integral has no value, but an equality with it compares rates.
+    """
+    if isinstance(node, Integral) and node.upper is None:
+        return evaluate(node.body, study, where)
+    return study.motion.derivative(evaluate(node, study, where))
+
+
+def _differential(node: Differential, study: Study, where: Where) -> Any:
+    if node.sign != "d":
+        return sp.Symbol(f"{{\\partial {called(node.body)}}}")
+    value = _dot(Dot(node.body), study, where)
+    if value == 0:
+        raise DefinitionError(f"'d{called(node.body)}' has no value: its rate is not known")
     return value
 
 
-def _called(node: Node) -> str:
-    """The key of a name, or the kind of any other node."""
-    return key_of(node) if _named(node) else type(node).__name__
+def _wedge(node: Wedge, study: Study, where: Where) -> Any:
+    left, right = evaluate(node.left, study, where), evaluate(node.right, study, where)
+    varied = {study.motion.rates.get(x, velocity(x)): d for x, d in study.variations.items()}
+    return left * right.xreplace(varied) - left.xreplace(varied) * right
+
+
+def _partial(node: Partial, study: Study, where: Where) -> Any:
+    if node.body is None:
+        fields = [direction(_variable(v, study, where)) for v in node.variables]
+        return sp.Mul(*fields)
+    value = evaluate(node.body, study, where)
+    places: dict[sp.Expr, Any] = {}
+    for variable in node.variables:
+        symbol = _variable(variable, study, where)
+        if isinstance(variable, Name) and variable.sup and not value.has(symbol):
+            place, symbol = symbol, _variable(Name(variable.head, variable.sub), study, where)
+            places[symbol] = place
+        value = sp.diff(value, symbol)
+    return value.xreplace(places)
+
+
+def _variable(node: Node, study: Study, where: Where) -> sp.Symbol:
+    symbol = evaluate(node, study, where)
+    if not isinstance(symbol, sp.Symbol):
+        raise DefinitionError(f"'{called(node)}' is not a variable to differentiate by")
+    return symbol
 
 
 def _derivative(node: Derivative, study: Study, where: Where) -> Any:
@@ -181,59 +228,15 @@ def _bound(node: Bound, study: Study, where: Where) -> Any:
     return _add(list(values))
 
 
-def _call(node: Call, study: Study, where: Where) -> Any:
-    if isinstance(node.function, Name) and not node.function.sub:
-        function = study.table.get(key_of(node.function))
-        if callable(function) and not isinstance(function, sp.Basic):
-            return function(*[evaluate(a, study, where) for a in node.arguments])
-    value = evaluate(node.function, study, where)
-    listed = _listed_symbols(node.arguments, study, where)
-    variables = set(study.motion.rates) | set(study.motion.constrained) | {time}
-    missing = (value.free_symbols & variables) - listed
-    if missing:
-        raise DefinitionError(
-            f"'{_called(node.function)}' depends on '{sorted(map(str, missing))[0]}', which its "
-            "list of arguments leaves out"
-        )
-    return value
-
-
-def _listed_symbols(items: tuple[Node, ...], study: Study, where: Where) -> set[sp.Expr]:
-    """The symbols that a list of arguments names; dots and bare families are filled in."""
-    found: set[sp.Expr] = set()
-    for position, item in enumerate(items):
-        if isinstance(item, Dots):
-            found |= _between(items[position - 1], items[position + 1], study, where)
-            continue
-        letters = [x for x in free_indices(item, study) if x not in where]
-        if letters:
-            for value in range(1, study.indices[letters[0]] + 1):
-                found |= evaluate(item, study, {**where, letters[0]: value}).free_symbols
-        elif isinstance(item, Name) and f"{item.head}_#" in study.table and not item.sub:
-            top = max(study.indices.values())
-            found |= {study.table[f"{item.head}_#"](i) for i in range(1, top + 1)}
-        else:
-            found |= evaluate(item, study, where).free_symbols
-    return found
-
-
-def _between(first: Node, last: Node, study: Study, where: Where) -> set[sp.Expr]:
-    inner_first, inner_last = first, last
-    while isinstance(inner_first, Dot):
-        inner_first, inner_last = inner_first.body, inner_last.body
-    low = _integer(inner_first.sub[0], study, where)
-    high = _integer(inner_last.sub[0], study, where)
-    family = study.table[key_of(first, lambda _: "#")]
-    return {family(i) for i in range(low, high + 1)}
-
-
 def _power(node: Power, study: Study, where: Where) -> Any:
     base = evaluate(node.base, study, where)
     exponent = evaluate(node.exponent, study, where)
-    if isinstance(base, sp.MatrixBase):
+    if isinstance(base, sp.MatrixBase) and not base.is_square:
         if exponent != 2:
             raise DefinitionError("a vector has a square, but no other power")
         return base.dot(base)
+    if isinstance(base, sp.MatrixBase) and not exponent.is_Integer:
+        raise DefinitionError("the power of a matrix must be an integer")
     return base**exponent
 
 
@@ -246,6 +249,7 @@ def _product(node: Product, study: Study, where: Where) -> Any:
 
 def _add(values: list[Any]) -> Any:
     if any(isinstance(v, sp.MatrixBase) for v in values):
+        values = [v for v in values if v != 0]  # an empty sum may stand beside vectors
         return sum(values[1:], values[0])
     return sp.Add(*values)
 
@@ -278,10 +282,12 @@ _RULES: dict[type, Callable[[Any, Study, Where], Any]] = {
         evaluate(n.body, s, w), 2 if n.index is None else evaluate(n.index, s, w)
     ),
     Elementary: lambda n, s, w: _ELEMENTARY[n.function](evaluate(n.argument, s, w)),
-    Call: _call,
+    Call: lambda n, s, w: call(n, s, w, evaluate),
     Cross: lambda n, s, w: evaluate(n.left, s, w).cross(evaluate(n.right, s, w)),
     Listing: _listing,
     Partial: _partial,
     Derivative: _derivative,
+    Differential: _differential,
+    Wedge: _wedge,
     Bound: _bound,
 }

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from voronec.audit.displays import Unit, split_display
-from voronec.audit.study import Study
+from voronec.algebra.verdicts import Verdict
+from voronec.audit.latex.displays import Unit, split_display
+from voronec.audit.study import Range, Study
 from voronec.errors import DefinitionError
 
-__all__ = ["Check", "Convention", "Display", "Paper", "Section"]
+__all__ = ["Check", "Convention", "Display", "Paper", "Section", "Sentence"]
 
-ROLES = ("claim", "definition", "condition", "cited")
+ROLES = ("claim", "definition", "condition", "cited", "words")
 
 
 @dataclass(frozen=True)
@@ -28,13 +29,18 @@ class Convention:
     names: Mapping[str, Any]
 
 
+Decision = Callable[[Study, Range], Verdict]
+"""Decides a sentence for one range of the parameters."""
+
+
 @dataclass(frozen=True)
 class Check:
     """How one formula is compared with what is derived; the defaults suit an identity.
 
     role
         ``claim``; ``definition``: it introduces a name whose meaning the dictionary derives;
-        ``condition``: an assumption; ``cited``: a fact that is quoted.
+        ``condition``: an assumption; ``cited``: a fact that is quoted; ``words``: a definition
+        in words, which is not read.
     study
         which dictionary of the section; the first one by default.
     also
@@ -43,6 +49,9 @@ class Check:
         for an equation of motion: function of the study and the values ``{letter: value}`` of its
         free indices (``{"i": ...}`` for a variation), which returns the derived expression that
         vanishes; left minus right of the formula must be that, up to a factor that is not zero.
+    value
+        for a formula without a relation, or to be compared as a whole: function of the same that
+        returns the derived value; the first part of the formula must equal it.
     stationary
         the formula is an integral that is stationary; ``truth`` as above, for each variation.
     given
@@ -52,16 +61,29 @@ class Check:
         print; by default the formula's left side with its derived value.
     convention
         another reading to be tried where the formula is refuted.
+    decide
+        for a formula that is a condition in a sentence: function of the study and one of its
+        ranges that decides the sentence; ``says`` is that sentence in words of our own.
+    within
+        names of the ranges to which the sentence itself is restricted; all where there are none.
+    proposal
+        a corrected formula, tried where no small change that the machine finds is proved; it is
+        accepted only if it is proved.
     """
 
     role: str = "claim"
     study: str = ""
     also: tuple[str, ...] = ()
     truth: Callable[..., Any] | None = None
+    value: Callable[..., Any] | None = None
     stationary: bool = False
     given: tuple[str, ...] = ()
     derived: Callable[..., Any] | None = None
     convention: Convention | None = None
+    decide: Decision | None = None
+    says: str = ""
+    within: tuple[str, ...] = ()
+    proposal: str | None = None
 
     def __post_init__(self) -> None:
         if self.role not in ROLES:
@@ -91,18 +113,50 @@ class Display:
 
 
 @dataclass(frozen=True)
+class Sentence:
+    """A sentence of the running text that can be decided.
+
+    says
+        the sentence in words of our own, with mathematics between dollar signs.
+    decide
+        function of the study and one of its ranges (``Range()`` where there are none); proved,
+        refuted with a witness, or undecided.
+    study
+        which dictionary of the section; the first one by default.
+    within
+        names of the ranges to which the sentence itself is restricted; all where there are none.
+    derived
+        function of the study that returns LaTeX: what was derived instead of, or beside it.
+    """
+
+    says: str
+    decide: Decision
+    study: str = ""
+    within: tuple[str, ...] = ()
+    derived: Callable[[Study], str] | None = None
+
+
+@dataclass(frozen=True)
 class Section:
     """A section or subsection of the paper.
 
-    ``studies`` takes the transcript and returns the dictionaries by name.  ``asides`` are
-    formulas of the running text that define names, as LaTeX with its dollar signs.
+    studies
+        takes the transcript and returns the dictionaries by name.
+    inline
+        formulas of the running text, as LaTeX with its dollar signs.
+    sentences
+        claims that the running text makes in words.
+    inherits
+        earlier sections whose definitions and conditions hold here too.
     """
 
     title: str
     displays: tuple[Display, ...]
     studies: Callable[[Any], Mapping[str, Study]]
     label: str | None = None
-    asides: tuple[str, ...] = ()
+    inline: tuple[Display, ...] = ()
+    sentences: tuple[Sentence, ...] = ()
+    inherits: tuple[Section, ...] = ()
 
 
 @dataclass(frozen=True)

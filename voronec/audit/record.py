@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-__all__ = ["VERDICTS", "Audit", "FormulaRecord", "Record", "worst"]
+__all__ = ["VERDICTS", "Audit", "FormulaRecord", "Record", "called", "worst"]
 
 VERDICTS = ("definition", "proved", "cited", "convention", "undecided", "misprint")
 """From harmless to worst; a display takes the worst of its formulas."""
@@ -19,7 +19,9 @@ class FormulaRecord:
     ``printed``, ``derived`` and ``correction`` are LaTeX.  ``correction`` is ``None`` unless the
     verdict is misprint; ``changes`` are the ranges of characters of it that differ from print,
     ``struck`` those of ``printed`` that they replace.  ``witness`` gives a point and the values of
-    both sides there.  ``quantifiers`` are the ranges of indices as printed.
+    both sides there.  ``quantifiers`` are the ranges of indices as printed.  ``says`` is the claim
+    in words, where there is one.  ``ranges`` has an entry for each range of the parameters in which
+    the claim was decided: range, statement, verdict (proved, refuted, undecided), method, witness.
     """
 
     printed: str
@@ -31,18 +33,30 @@ class FormulaRecord:
     struck: tuple[tuple[int, int], ...] = ()
     witness: dict[str, Any] | None = None
     quantifiers: tuple[str, ...] = ()
+    says: str = ""
+    ranges: tuple[dict[str, Any], ...] = ()
     seconds: float = field(default=0.0, compare=False)
 
 
 @dataclass(frozen=True)
 class Record:
-    """What bears one number in print: the worst verdict of its formulas, and all of them."""
+    """What bears one number in print: the worst verdict of its formulas, and all of them.
+
+    ``kind`` is ``display``, or ``text`` for a formula or a claim of the running text; ``ordinal``
+    counts the records of a section, displays first.
+    """
 
     label: str | None
     section: str
     ordinal: int
     printed: str
     formulas: tuple[FormulaRecord, ...]
+    kind: str = "display"
+
+    @property
+    def called(self) -> str:
+        """The label in parentheses, or the place."""
+        return called(self.label, self.kind, self.ordinal)
 
     @property
     def verdict(self) -> str:
@@ -62,14 +76,20 @@ class Record:
             "label": self.label,
             "section": self.section,
             "ordinal": self.ordinal,
+            "kind": self.kind,
             "printed": self.printed,
             "derived": " \\\\ ".join(derived) or None,
             "verdict": self.verdict,
             "correction": head.correction,
             "witness": head.witness,
             "method": head.method,
-            "formulas": [asdict(f) for f in several],
+            "formulas": [_plain(f) for f in several],
         }
+
+
+def _plain(formula: FormulaRecord) -> dict[str, Any]:
+    """A formula as JSON can hold it; how long it took is no result."""
+    return {name: value for name, value in asdict(formula).items() if name != "seconds"}
 
 
 @dataclass(frozen=True)
@@ -99,6 +119,11 @@ class Audit:
     def as_list(self) -> list[dict[str, Any]]:
         """The records as JSON can hold them."""
         return [r.as_dict() for r in self.records]
+
+
+def called(label: str | None, kind: str, ordinal: int) -> str:
+    """How a record is called: by its label in parentheses, or by its place."""
+    return f"({label})" if label else f"{kind} {ordinal}"
 
 
 def worst(verdicts: Iterable[str]) -> str:

@@ -2,248 +2,185 @@
 
 from __future__ import annotations
 
-import re
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
-import sympy as sp
-
-from voronec.audit.consistency import Examined, with_uses
-from voronec.audit.correction import Spare, correct
-from voronec.audit.derived import derived_latex
-from voronec.audit.meaning import UnknownName, evaluate
-from voronec.audit.nodes import Chain
-from voronec.audit.paper import Check, Paper, Section
-from voronec.audit.record import Audit, FormulaRecord, Record, worst
-from voronec.audit.structure import (
-    definitions_in,
-    free_indices,
-    names_constant,
-    new_names,
-)
+from voronec.audit.cache import Cache, section_key
+from voronec.audit.consistency import Examined, defined, families, with_uses
+from voronec.audit.judge import Bench, judge_formula, judge_sentence
+from voronec.audit.paper import Paper, Section, Sentence
+from voronec.audit.record import Audit, Record, called, worst
+from voronec.audit.structure import definitions_in, mentions
 from voronec.audit.study import Study
 from voronec.audit.transcript import Formula, Transcript
-from voronec.audit.verify import Finding, verify
-from voronec.errors import DefinitionError, VoronecError
+from voronec.errors import DefinitionError, did_you_mean
 
 __all__ = ["audit_paper", "audit_section"]
 
 Progress = Callable[[str, str], None]
 
 
-def audit_paper(paper: Paper, progress: Progress | None = None) -> Audit:
+def audit_paper(
+    paper: Paper,
+    progress: Progress | None = None,
+    cache: Cache | None = None,
+    label: str | None = None,
+) -> Audit:
     """A verdict for every formula of a paper.
 
-    ``progress`` is called with the label (or the place) of each unit and its verdict.
+    progress
+        called with the label (or the place) of each unit and its verdict.
+    cache
+        where finished verdicts are kept; those whose transcription, dictionary and engine are
+        unchanged are taken from there, and the others are put there as they come.
+    label
+        audit only the section of this label, and return only what bears it; an unknown label
+        raises ``DefinitionError``.
     """
-    records = [r for s in paper.sections for r in audit_section(s, progress)]
+    sections = paper.sections if label is None else _sections_with(paper, label)
+    records = [r for s in sections for r in audit_section(s, progress, cache)]
+    if label is not None:
+        records = [r for r in records if r.label == label]
     return Audit(paper.name, paper.title, tuple(records), paper.references, paper.authors)
 
 
+def _sections_with(paper: Paper, label: str) -> list[Section]:
+    labels = {u.label: s for s in paper.sections for d in s.displays for u in d.units if u.label}
+    if label not in labels:
+        hint = did_you_mean(label, list(labels))
+        raise DefinitionError(f"no display of the paper '{paper.name}' is labelled '{label}'{hint}")
+    return [labels[label]]
+
+
 @dataclass(frozen=True)
-class _Bench:
-    """What the formulas of one section are checked with."""
+class _Item:
+    """What gets one record: the formulas of a unit, or a sentence."""
 
-    transcript: Transcript
-    studies: Mapping[str, Study]
+    kind: str
+    ordinal: int
+    formulas: tuple[Formula, ...] = ()
+    sentence: Sentence | None = None
 
-    def study(self, check: Check, name: str = "") -> Study:
-        """The dictionary that a check asks for, or the one called ``name``."""
-        name = name or check.study or next(iter(self.studies))
-        if name not in self.studies:
-            raise DefinitionError(f"a check asks for the study '{name}', which is not defined")
-        study = self.studies[name]
-        return replace(study, given=self._given(check, study)) if check.given else study
+    @property
+    def label(self) -> str | None:
+        return self.formulas[0].unit.label if self.formulas else None
 
-    def _given(self, check: Check, study: Study) -> dict[sp.Expr, sp.Expr]:
-        """Conditions that the paper states as equations ``symbol = expression``."""
-        found: dict[sp.Expr, sp.Expr] = {}
-        for label in check.given:
-            chain = self.transcript.labelled(label).tree(study.vocabulary)
-            try:
-                symbol, value = (evaluate(part, study) for part in chain.parts)
-            except UnknownName:
-                continue  # the system has the condition built in
-            found[symbol] = value
-        return found
+    @property
+    def called(self) -> str:
+        return called(self.label, self.kind, self.ordinal)
+
+    @property
+    def printed(self) -> str:
+        if self.sentence is not None:
+            return self.sentence.says
+        return self.formulas[0].unit.source
 
 
-def audit_section(section: Section, progress: Progress | None = None) -> tuple[Record, ...]:
-    """The records of one section."""
-    transcript = Transcript(section)
-    studies = {
-        name: _with_definitions(study, transcript)
-        for name, study in section.studies(transcript).items()
-    }
-    bench = _Bench(transcript, studies)
-    units: dict[int, list[Examined]] = {}
+def audit_section(
+    section: Section, progress: Progress | None = None, cache: Cache | None = None
+) -> tuple[Record, ...]:
+    """The records of one section; the dictionaries are made only if something is to be done."""
+    work = _Work(section)
+    key = section_key(section) if cache is not None else ""
+    done: list[tuple[_Item, list[Examined]]] = []
+    for item in _items(work.transcript):
+        found = cache.load(key, item.ordinal) if cache is not None else None
+        if found is None:
+            found = work.examine(item)
+            if cache is not None:
+                cache.store(key, item.ordinal, found)
+        done.append((item, found))
+        if progress is not None:
+            progress(item.called, worst(e.record.verdict for e in found))
+    everything = [e for _, found in done for e in found]
+    return tuple(_record(section, item, found, everything) for item, found in done)
+
+
+def _items(transcript: Transcript) -> Iterator[_Item]:
+    """Units in the order of print, then the formulas of the text, then the sentences."""
+    units: dict[int, list[Formula]] = {}
     for formula in transcript.formulas():
-        unit = units.setdefault(id(formula.unit), [])
-        unit.append(_examine(formula, bench, ordinal=len(units)))
-        if progress is not None and formula.piece is formula.unit.pieces[-1]:
-            progress(unit[0].called, worst(e.record.verdict for e in unit))
-    everything = [e for unit in units.values() for e in unit]
-    return tuple(_record(section, unit, everything) for unit in units.values())
+        units.setdefault(id(formula.unit), []).append(formula)
+    ordinal = 0
+    for ordinal, formulas in enumerate(units.values(), start=1):
+        yield _Item(formulas[0].kind, ordinal, tuple(formulas))
+    for number, sentence in enumerate(transcript.section.sentences, start=ordinal + 1):
+        yield _Item("text", number, sentence=sentence)
 
 
-def _record(section: Section, unit: Sequence[Examined], everything: Sequence[Examined]) -> Record:
-    formulas = tuple(with_uses(e, everything) for e in unit)
-    first = unit[0].formula.unit
-    return Record(first.label, section.title, unit[0].ordinal, first.source, formulas)
+def _record(
+    section: Section, item: _Item, found: Sequence[Examined], everything: Sequence[Examined]
+) -> Record:
+    formulas = tuple(with_uses(e, everything) for e in found)
+    return Record(item.label, section.title, item.ordinal, item.printed, formulas, item.kind)
+
+
+@dataclass(frozen=True)
+class _Work:
+    """The work on one section."""
+
+    section: Section
+
+    @cached_property
+    def transcript(self) -> Transcript:
+        return Transcript(self.section)
+
+    @cached_property
+    def bench(self) -> Bench:
+        studies = self.section.studies(self.transcript)
+        return Bench(
+            self.transcript, {n: _with_definitions(s, self.transcript) for n, s in studies.items()}
+        )
+
+    def examine(self, item: _Item) -> list[Examined]:
+        """The verdicts of an item."""
+        if item.sentence is not None:
+            return [Examined(judge_sentence(item.sentence, self.bench), item.called)]
+        return [self._formula(formula, item) for formula in item.formulas]
+
+    def _formula(self, formula: Formula, item: _Item) -> Examined:
+        started = clock.perf_counter()
+        check = formula.display.check(formula.position)
+        record, chain = judge_formula(formula, check, self.bench)
+        marks = formula.piece.quantifiers
+        texts = tuple(formula.unit.display[q[0].start : q[-1].end] for q in marks)
+        record = replace(record, quantifiers=texts, seconds=clock.perf_counter() - started)
+        return Examined(
+            record,
+            item.called,
+            item.label,
+            "" if chain is None else defined(chain),
+            () if chain is None else families(chain),
+            check.given,
+            check.role == "condition",
+        )
 
 
 def _with_definitions(study: Study, transcript: Transcript) -> Study:
-    """Add the names that asides and displays of the section define."""
-    chains = transcript.asides(study.vocabulary)
-    for formula in transcript.formulas():
+    """Add the names that the section, and those it inherits from, define."""
+    found: dict[str, Any] = {}
+    for formula in transcript.reachable():
         try:
-            chains.append(formula.tree(study.vocabulary))
+            chain = formula.tree(study.vocabulary)
         except DefinitionError:
             continue  # reported where the formula gets its verdict
-    found: dict[str, Any] = {}
-    for chain in chains:
         for key, node in definitions_in(chain, study).items():
-            found.setdefault(key, node)
+            if key not in found and not _circular(key, node, found):
+                found[key] = node
     return study.join(found)
 
 
-def _examine(formula: Formula, bench: _Bench, ordinal: int) -> Examined:
-    """One formula: its verdict, and what was derived."""
-    started = clock.perf_counter()
-    check = formula.display.check(formula.position)
-    chain: Chain | None = None
-    try:
-        study = bench.study(check)
-        chain = formula.tree(study.vocabulary)
-        record = _judge(formula, chain, check, study, Spare.of(bench.transcript, study))
-        record = _elsewhere(record, formula, check, bench)
-        record = replace(record, method=_with_note(record, study))
-    except (VoronecError, ArithmeticError, LookupError, TypeError, ValueError) as error:
-        # a formula may make no sense, such as the sum of a vector and a number
-        record = FormulaRecord(formula.printed, "undecided", str(error))
-    marks = tuple(formula.unit.display[q[0].start : q[-1].end] for q in formula.piece.quantifiers)
-    record = replace(record, quantifiers=marks, seconds=clock.perf_counter() - started)
-    return Examined(formula, check, chain, record, ordinal)
-
-
-def _elsewhere(
-    record: FormulaRecord, formula: Formula, check: Check, bench: _Bench
-) -> FormulaRecord:
-    """A proved formula under the further dictionaries; what fails there takes over."""
-    for name in check.also if record.verdict == "proved" else ():
-        study = bench.study(check, name)
-        other = _judge(
-            formula, formula.tree(study.vocabulary), check, study, Spare.of(bench.transcript, study)
-        )
-        if other.verdict != "proved":
-            return other
-        record = replace(record, method=f"{record.method}; proved for '{name}' too")
-    return record
-
-
-def _judge(
-    formula: Formula, chain: Chain, check: Check, study: Study, spare: Spare
-) -> FormulaRecord:
-    printed = formula.printed
-    if check.role == "condition":
-        return FormulaRecord(printed, "definition", "a condition")
-    finding = verify(chain, check, study)
-    proved = finding.verdict.proved
-    derived = derived_latex(chain, formula.unit.display, check, study, proved)
-    if proved:
-        verdict = "proved"
-        if check.role == "definition" or (finding.count == 0 and new_names(chain, study)):
-            verdict = "definition"
-        return FormulaRecord(printed, verdict, _method(finding, chain, check), derived)
-    if finding.verdict.undecided:
-        status = "cited" if check.role == "cited" else "undecided"
-        return FormulaRecord(printed, status, finding.verdict.method, derived)
-    return _refuted(formula, chain, check, study, finding, derived, spare)
-
-
-def _refuted(
-    formula: Formula,
-    chain: Chain,
-    check: Check,
-    study: Study,
-    finding: Finding,
-    derived: str | None,
-    spare: Spare,
-) -> FormulaRecord:
-    """Not an identity as printed: another reading, another convention, or a misprint."""
-    printed, witness = formula.printed, _witness(finding)
-    wide = replace(study.vocabulary, wide_sums=True)
-    if verify(formula.tree(wide), check, study).verdict.proved:
-        method = "proved with the sum sign reaching to the end of its group"
-        return FormulaRecord(printed, "proved", method, derived)
-    if check.convention is not None:
-        other = replace(study, names={**study.names, **check.convention.names})
-        if verify(chain, check, other).verdict.proved:
-            method = f"true if {check.convention.statement}; against ({check.convention.against})"
-            return FormulaRecord(printed, "convention", method, derived, witness=witness)
-    correction = correct(formula, check, study, spare)
-    if correction is None:
-        loose = _loose(formula, chain, study)
-        method = f"refuted as printed{loose}; no correction by a single change was found"
-        return FormulaRecord(printed, "misprint", method, derived, witness=witness)
-    return FormulaRecord(
-        printed,
-        "misprint",
-        f"refuted as printed{_loose(formula, chain, study)}; the corrected formula is proved "
-        f"({correction.method})",
-        derived,
-        correction.latex,
-        correction.changes,
-        correction.struck,
-        witness,
-    )
-
-
-def _method(finding: Finding, chain: Chain, check: Check) -> str:
-    parts = [finding.verdict.method]
-    if finding.count > 1:
-        parts.append(f"{finding.count} comparisons")
-    if check.stationary:
-        parts.append("variations integrated by parts, compared with the d'Alembert equations")
-    elif check.truth is not None:
-        parts.append("compared with the derived equation of motion")
-    elif names_constant(chain.parts[-1]):
-        parts.append("its derivative along the motion vanishes")
-    if check.given:
-        parts.append("given " + ", ".join(f"({label})" for label in check.given))
-    return "; ".join(parts)
-
-
-def _witness(finding: Finding) -> dict[str, Any] | None:
-    comparison, witness = finding.comparison, finding.verdict.witness
-    if comparison is None or witness is None:
-        return None
-    found: dict[str, Any] = {
-        "point": {_plain(name): value for name, value in witness.point.items()},
-        "printed": witness.left,
-        "derived": witness.right,
-    }
-    if comparison.where:
-        found["indices"] = {letter.lstrip("\\"): i for letter, i in comparison.where.items()}
-    if comparison.about:
-        found["about"] = comparison.about
-    return found
-
-
-def _plain(name: str) -> str:
-    """An atom's name without the arguments of unknown functions."""
-    return re.sub(r"(?<=\w)\((?:[\w ]+,\s*)+\w+\)", "", name)
-
-
-def _loose(formula: Formula, chain: Chain, study: Study) -> str:
-    """Say it where an index is bound by nothing."""
-    bound = {w.text for words in formula.piece.quantifiers for w in words}
-    bound |= set(free_indices(chain.parts[0], study))
-    loose = [letter for letter in free_indices(chain, study) if letter not in bound]
-    return f", where nothing binds the index {loose[0]}" if loose else ""
-
-
-def _with_note(record: FormulaRecord, study: Study) -> str:
-    return f"{record.method}; {study.note}" if study.note else record.method
+def _circular(key: str, node: Any, found: Mapping[str, Any]) -> bool:
+    """Whether a definition would lead back to itself through those that are there."""
+    waiting, seen = set(mentions(node)), set[str]()
+    while waiting:
+        name = waiting.pop()
+        if name == key:
+            return True
+        seen.add(name)
+        if name in found:
+            waiting |= mentions(found[name]) - seen
+    return False

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
-from voronec.audit.nodes import (
+from voronec.audit.latex.nodes import (
     Bound,
     Call,
     Chain,
@@ -90,10 +91,11 @@ def whole_name(part: Node, study: Study) -> str | None:
 def definitions_in(chain: Chain, study: Study) -> dict[str, Node]:
     """The names that a chain of equalities defines, each with the part that defines it."""
     found: dict[str, Node] = {}
-    for position, part in enumerate(chain.parts):
-        key = whole_name(part, study)
-        if key is not None and len(chain.parts) > 1:
-            found.setdefault(key, chain.parts[position + 1 if position == 0 else position - 1])
+    for (left, right), relation in zip(pairwise(chain.parts), chain.relations, strict=True):
+        for part, other in ((left, right), (right, left)):
+            key = whole_name(part, study)
+            if key is not None and relation == "=":
+                found.setdefault(key, other)
     return found
 
 

@@ -16,12 +16,29 @@ import sympy as sp
 
 from voronec.algebra.door import Door
 from voronec.algebra.symbols import time, velocity
-from voronec.audit.nodes import Dot, Name, Node, Number, Product, Sum, Variation
-from voronec.audit.reader import read_name
-from voronec.audit.vocabulary import Vocabulary
+from voronec.audit.latex.nodes import Dot, Name, Node, Number, Product, Sum, Variation
+from voronec.audit.latex.reader import read_name
+from voronec.audit.latex.vocabulary import Vocabulary
 from voronec.errors import DefinitionError
 
-__all__ = ["Motion", "Study", "key_of", "spell"]
+__all__ = ["Motion", "Range", "Study", "key_of", "spell"]
+
+
+@dataclass(frozen=True)
+class Range:
+    """A range of the parameters, written so that it is covered by positive numbers.
+
+    ``values``: parameter -> expression in ``positive`` symbols, which run over all positive
+    numbers, and ``real`` ones.  ``statement`` is the range in LaTeX, ``source`` the label of the
+    formula by which the paper admits it.
+    """
+
+    name: str = ""
+    statement: str = ""
+    values: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+    positive: tuple[sp.Symbol, ...] = ()
+    real: tuple[sp.Symbol, ...] = ()
+    source: str = ""
 
 
 @dataclass(frozen=True)
@@ -98,6 +115,10 @@ class Study:
         names that the paper itself defines, as trees; filled by the audit.
     given
         conditions in force: symbol -> expression.
+    relations
+        expressions that vanish, wherever two values are compared.
+    ranges
+        ranges of the parameters, for inequalities; the first is the one that the paper has in mind.
     in_velocities
         quasi-velocity -> its value in coordinate velocities, for print.
     context
@@ -114,6 +135,8 @@ class Study:
     functions: frozenset[str] = frozenset()
     defined: Mapping[str, Node] = field(default_factory=dict)
     given: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+    relations: tuple[sp.Expr, ...] = ()
+    ranges: tuple[Range, ...] = ()
     in_velocities: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     context: Any = None
     note: str = ""
@@ -149,11 +172,10 @@ class Study:
             for latex, entry in self._members(name, value):
                 if isinstance(entry, (sp.Symbol, sp.core.function.AppliedUndef)):
                     found.setdefault(entry, latex)
-        for symbol in list(found):
+        for symbol in [x for x in found if isinstance(x, sp.Symbol)]:
             for order in ("\\dot", "\\ddot"):
                 dotted = velocity(symbol) if order == "\\dot" else velocity(velocity(symbol))
-                if isinstance(symbol, sp.Symbol):
-                    found.setdefault(dotted, _dotted(order, found[symbol]))
+                found.setdefault(dotted, _dotted(order, found[symbol]))
         return found
 
     def _members(self, name: str, value: Any) -> Iterator[tuple[str, Any]]:

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from voronec.audit.displays import Piece, Unit, script_ranges, split_display
+from voronec.audit.latex.displays import Piece, Unit, script_ranges
+from voronec.audit.latex.nodes import Chain, Node
+from voronec.audit.latex.reader import read_tokens
+from voronec.audit.latex.vocabulary import Vocabulary
 from voronec.audit.meaning import evaluate
-from voronec.audit.nodes import Chain, Node
 from voronec.audit.paper import Display, Section
-from voronec.audit.reader import read_tokens
 from voronec.audit.structure import free_indices
 from voronec.audit.study import Study
-from voronec.audit.vocabulary import Vocabulary
 from voronec.errors import DefinitionError
 
 __all__ = ["Formula", "Transcript", "assignments", "instance", "text_of"]
@@ -29,6 +29,7 @@ class Formula:
     unit: Unit
     piece: Piece
     position: int
+    kind: str = "display"
 
     @property
     def printed(self) -> str:
@@ -47,17 +48,24 @@ class Transcript:
     section: Section
 
     def formulas(self) -> Iterator[Formula]:
-        """All formulas in the order of print."""
-        for display in self.section.displays:
-            position = 0
-            for unit in display.units:
-                for piece in unit.pieces:
-                    yield Formula(display, unit, piece, position)
-                    position += 1
+        """All formulas: those of the displays in the order of print, then those of the text."""
+        for kind, several in (("display", self.section.displays), ("text", self.section.inline)):
+            for display in several:
+                position = 0
+                for unit in display.units:
+                    for piece in unit.pieces:
+                        yield Formula(display, unit, piece, position, kind)
+                        position += 1
+
+    def reachable(self) -> Iterator[Formula]:
+        """All formulas of this section, then those of the sections from which it inherits."""
+        yield from self.formulas()
+        for section in self.section.inherits:
+            yield from Transcript(section).reachable()
 
     def labelled(self, label: str) -> Formula:
-        """The first formula of the unit with that label."""
-        for formula in self.formulas():
+        """The first formula of the unit with that label, here or in a section inherited from."""
+        for formula in self.reachable():
             if formula.unit.label == label:
                 return formula
         raise DefinitionError(f"no display of '{self.section.title}' is labelled '{label}'")
@@ -85,14 +93,6 @@ class Transcript:
                     a, b = words[start].start, words[end - 1].end
                     found.setdefault(formula.unit.display[a:b])
         return tuple(found)
-
-    def asides(self, vocabulary: Vocabulary) -> list[Chain]:
-        """The defining formulas of the running text, parsed."""
-        found = []
-        for text in self.section.asides:
-            for unit in split_display(text):
-                found += [read_tokens(p.tokens, unit.display, vocabulary) for p in unit.pieces]
-        return found
 
 
 def assignments(chain: Chain, study: Study) -> list[dict[str, int]]:

@@ -71,10 +71,14 @@ def _derive(commands: Any) -> None:
 def _regenerate(commands: Any) -> None:
     summary = "derive every formula of a paper and compare it with print"
     parser = _command(commands, "regenerate", "regeneration", summary)
-    parser.add_argument("paper", metavar="PAPER", help="name of a paper, see 'voronec list'")
+    parser.add_argument(
+        "paper", metavar="NAME|FILE", help="a paper of 'voronec list', or a file that defines PAPER"
+    )
     parser.add_argument(
         "--out", metavar="DIR", help="write HTML, LaTeX, report.json and pictures there"
     )
+    parser.add_argument("--label", metavar="L", help="only the display with this label")
+    parser.add_argument("--fresh", action="store_true", help="reuse no verdict of an earlier audit")
 
 
 def _run(commands: Any) -> None:

@@ -11,9 +11,10 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from voronec.catalogue import load, load_paper, names
+from voronec.catalogue import load, load_paper, load_paper_file, names
 from voronec.cli.files import delivery, refuse_file
 from voronec.cli.output import print_json, progress
+from voronec.cli.subject import is_file
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -24,16 +25,21 @@ __all__ = ["execute"]
 
 def execute(arguments: Namespace) -> int:
     """Audit, print the table, and write the report where a folder is given."""
-    from voronec.audit import Paper, audit_paper
+    from voronec.audit import Cache, Paper, audit_paper
     from voronec.report.audit_report import audit_table
 
     if arguments.out:
         refuse_file(Path(arguments.out))
-    paper = load_paper(arguments.paper)
+    paper = (
+        load_paper_file(arguments.paper)
+        if is_file(arguments.paper)
+        else load_paper(arguments.paper)
+    )
     if not isinstance(paper, Paper):
         raise DefinitionError(f"the PAPER of '{arguments.paper}' is not a voronec.audit.Paper")
+    cache = None if arguments.fresh else Cache.of_user()
     try:
-        audit = audit_paper(paper, lambda label, verdict: progress(f"{label}: {verdict}"))
+        audit = audit_paper(paper, _announce, cache, arguments.label)
         files = _write(audit, arguments.paper, Path(arguments.out)) if arguments.out else []
     finally:
         progress("")
@@ -44,6 +50,10 @@ def execute(arguments: Namespace) -> int:
         if files:
             print("\nwrote " + ", ".join(str(f) for f in files))
     return 1 if audit.count()["undecided"] else 0
+
+
+def _announce(place: str, verdict: str) -> None:
+    progress(f"{place}: {verdict}")
 
 
 def _write(audit: Audit, name: str, folder: Path) -> list[Path]:

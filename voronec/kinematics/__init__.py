@@ -9,6 +9,7 @@ from voronec.kinematics.bodies import (
     point_velocity,
     uniform_field_energy,
 )
+from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.surfaces import Surface
@@ -17,6 +18,7 @@ __all__ = [
     "RollingContact",
     "Rotation",
     "Surface",
+    "SurfaceForms",
     "axial_rotor",
     "kinetic_energy",
     "point_velocity",

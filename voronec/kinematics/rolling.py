@@ -17,6 +17,7 @@ import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.errors import DefinitionError
+from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, cross
@@ -32,17 +33,20 @@ class RollingContact:
     symbol.  Nothing is assumed about slipping: all expressions are in the five Neumann
     coordinates (u, v, u1, v1, theta) and linear in their velocities; ``no_slip`` and ``no_twist``
     are the constraints.  A symbol used twice raises ``DefinitionError``.
+
+    Surfaces known by their fundamental forms only serve for all that is seen along (u, v, n):
+    ``arm``, ``spin``, ``slip``, ``centre_velocity`` and the constraints.
     """
 
-    body: Surface
-    fixed: Surface
+    body: Surface | SurfaceForms
+    fixed: Surface | SurfaceForms
     theta: sp.Expr
 
     def __post_init__(self) -> None:
         distinct_names(self.coordinates, 5, "the rolling contact")
         for surface, role in ((self.body, "body"), (self.fixed, "fixed")):
             for name in set(self.coordinates) - set(surface.coordinates):
-                if any(component.has(name) for component in surface.position):
+                if any(component.has(name) for component in _content(surface)):
                     raise DefinitionError(
                         f"the {role} surface contains '{plain_name(name)}', which is another "
                         "coordinate of the rolling contact; rename it there"
@@ -67,13 +71,13 @@ class RollingContact:
     @property
     def arm(self) -> Vector:
         """The vector OM from the body's origin to the contact, along (u, v, n)."""
-        return self.body.support
+        return _support(self.body)
 
     @cached_property
     def centre(self) -> sp.ImmutableMatrix:
         """O = r1 - R r, the body's origin in space; (R1 + R2) n1 for a ball on a sphere."""
         turned = self._turned(self.arm)
-        reach = [a - b for a, b in zip(self.fixed.support, turned, strict=True)]
+        reach = [a - b for a, b in zip(_support(self.fixed), turned, strict=True)]
         return self.fixed.frame * sp.ImmutableMatrix(reach)
 
     @cached_property
@@ -135,3 +139,16 @@ class RollingContact:
         c, s = sp.cos(self.theta), sp.sin(self.theta)
         a, b, n = vector
         return b * c - a * s, a * c + b * s, -n
+
+
+def _content(surface: Surface | SurfaceForms) -> tuple[sp.Expr, ...]:
+    """The expressions that a surface is given by."""
+    if isinstance(surface, Surface):
+        return surface.position
+    return (*surface.first, *surface.second, *(surface.support or ()))
+
+
+def _support(surface: Surface | SurfaceForms) -> Vector:
+    if surface.support is None:
+        raise DefinitionError("the support of a surface is not known; give it to SurfaceForms")
+    return surface.support

@@ -1,106 +1,156 @@
-"""The report of an audit as a LaTeX article."""
+"""The report of an audit as a LaTeX article, for plain pdflatex."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from voronec.audit.record import Audit, FormulaRecord, Record
+from voronec.audit.record import VERDICTS, Audit, FormulaRecord, Record
+from voronec.report.audit_words import (
+    KINDS,
+    MEANING,
+    about,
+    counts,
+    point,
+    short,
+    sides,
+    with_verdict,
+)
+from voronec.report.latex import display, escape_text, inline, own_commands
 
 __all__ = ["audit_latex"]
 
 _HEAD = r"""\documentclass[11pt]{article}
 \usepackage[utf8]{inputenc}
-\usepackage[T1]{fontenc}
 \usepackage{amsmath,amssymb}
 \usepackage{xcolor,graphicx}
+\usepackage{longtable}
 \usepackage[margin=25mm]{geometry}
 \definecolor{misprint}{RGB}{178,34,34}
-\definecolor{mended}{RGB}{0,110,60}
-\newcommand{\verdict}[1]{\textsc{#1}}
+\definecolor{proved}{RGB}{0,100,55}
+\definecolor{convention}{RGB}{138,90,0}
+\definecolor{definition}{RGB}{67,84,154}
+\definecolor{undecided}{RGB}{122,62,157}
+\definecolor{cited}{RGB}{70,96,109}
+\colorlet{refuted}{misprint}
+\newcommand{\verdict}[1]{{\color{#1}\textsc{#1}}}
+\newcommand{\mended}[1]{{\color{proved}#1}}
+\newcommand{\struck}[1]{\mathpalette\struckin{#1}}
+% a red line through the formula: plain TeX, so that no further package is needed
+\newcommand{\struckin}[2]{{\color{misprint}\setbox0\hbox{$#1#2$}%
+  \rlap{\raise\dimexpr(\ht0-\dp0)/2\relax\hbox to\wd0{\leaders\hrule height.5pt\hfill}}\box0}}
 \setlength{\parindent}{0pt}
+\setlength{\parskip}{.35\baselineskip}
+\emergencystretch=3em
 \allowdisplaybreaks
-\title{Machine-checked formulas of\\\emph{%s}}
-\author{}
-\date{}
-\begin{document}
-\maketitle
 """
 
 
 def audit_latex(audit: Audit) -> str:
-    """Errata first, then every display by section: printed, derived, verdict."""
-    parts = [_HEAD % escape_text(audit.title)]
+    """Counts, errata and conventions first, then every record by section."""
+    parts = [_HEAD, *_commands(audit)]
+    parts += [f"\\title{{Machine-checked formulas of\\\\\\emph{{{escape_text(audit.title)}}}}}\n"]
+    parts += ["\\author{}\n\\date{}\n\\begin{document}\n\\maketitle\n"]
     if audit.authors:
-        parts.append(f"The paper: {escape_text(audit.authors)}.\n")
-    count = ", ".join(f"{n}~{verdict}" for verdict, n in audit.count().items() if n)
-    parts.append(f"{len(audit.records)} displays: {count}.\n")
+        parts.append(f"The paper: {escape_text(audit.authors)}.\n\n")
+    parts.append(_summary(audit))
     parts.append("\\section*{Errata}\n")
-    parts += [_erratum(r) for r in audit.errata] or ["None.\n"]
+    parts += [_erratum(r, f) for r, f in with_verdict(audit, "misprint")] or ["None.\n"]
+    held = [_convention(r, f) for r, f in with_verdict(audit, "convention")]
+    parts += ["\\section*{Conventions and ranges}\n", *held] if held else []
     for section in audit.sections:
         parts.append(f"\\section*{{{escape_text(section)}}}\n")
         parts += [_record(r) for r in audit.records if r.section == section]
     return "".join(parts) + "\\end{document}\n"
 
 
-def _name(record: Record) -> str:
-    if record.label:
-        return f"\\texttt{{({escape_text(record.label)})}}"
-    return f"display {record.ordinal}"
+def _commands(audit: Audit) -> list[str]:
+    """Definitions of the paper's own commands, such as ``\\diag``."""
+    found: set[str] = set()
+    for formula in (f for r in audit.records for f in r.formulas):
+        for latex in (formula.printed, formula.correction, formula.derived, *formula.quantifiers):
+            found |= own_commands(latex or "")
+        found |= {c for piece in formula.says.split("$")[1::2] for c in own_commands(piece)}
+    return [f"\\providecommand{{{c}}}{{\\operatorname{{{c[1:]}}}}}\n" for c in sorted(found)]
 
 
-def _erratum(record: Record) -> str:
-    formula = record.decisive
-    text = f"\\paragraph{{{_name(record)}}} {escape_text(record.section)}. For\n"
-    text += _display(coloured(formula.printed, formula.struck, "misprint"))
-    if formula.correction is None:
-        return text + "no correction by a single change was found.\n"
-    text += "read\n" + _display(coloured(formula.correction, formula.changes, "mended"))
-    return text + _witness(formula)
+def _summary(audit: Audit) -> str:
+    found = counts(audit)
+    heads = " & ".join(KINDS[kind] for kind in found)
+    rows = []
+    for verdict in reversed(VERDICTS):
+        numbers = [str(found[kind][verdict]) for kind in found]
+        if any(n != "0" for n in numbers):
+            rows.append(f"\\verdict{{{verdict}}} & {' & '.join(numbers)} & {MEANING[verdict]}")
+    totals = " & ".join(str(sum(found[kind].values())) for kind in found)
+    body = "\\\\\n".join([f"& {heads} &", *rows, f"all & {totals} &"])
+    columns = f"l{'r' * len(found)}p{{.55\\linewidth}}"
+    return f"\\begin{{longtable}}{{{columns}}}\n{body}\n\\end{{longtable}}\n\n"
+
+
+def _place(record: Record) -> str:
+    return f"\\paragraph{{\\texttt{{{escape_text(record.called)}}}}}"
+
+
+def _erratum(record: Record, formula: FormulaRecord) -> str:
+    text = f"{_place(record)} {escape_text(record.section)}.\n"
+    if not formula.printed:
+        text += f"Not true: {inline(formula.says)}\n\n"
+    else:
+        text += f"{inline(formula.says)} For\n" + display(formula.printed, formula.struck, "struck")
+    if formula.correction is not None:
+        text += "read\n" + display(formula.correction, formula.changes, "mended")
+        return text + _witness(formula)
+    if formula.derived:
+        text += "Instead\n" + display(formula.derived)
+    return text + _method(formula) + _witness(formula)
+
+
+def _convention(record: Record, formula: FormulaRecord) -> str:
+    text = f"{_place(record)} {escape_text(record.section)}.\n{inline(formula.says)}\n"
+    return text + (display(formula.printed) if formula.printed else "\n") + _method(formula)
 
 
 def _record(record: Record) -> str:
-    parts = [f"\\paragraph{{{_name(record)}}}\n"]
+    tag = f" {record.kind}" if record.label else ""
+    parts = [f"{_place(record)}{tag}\n"]
     for formula in record.formulas:
-        parts.append(f"\\verdict{{{formula.verdict}}}\n")
-        parts.append(_display(coloured(formula.printed, formula.struck, "misprint")))
+        parts.append(f"\\verdict{{{formula.verdict}}} {inline(formula.says)}\n")
+        if formula.printed:
+            parts.append(display(formula.printed, formula.struck, "struck"))
         if formula.correction is not None:
-            parts.append("corrected\n")
-            parts.append(_display(coloured(formula.correction, formula.changes, "mended")))
-        if formula.derived is not None:
-            parts.append("derived\n" + _display(formula.derived))
-        parts.append(f"{{\\small {escape_text(formula.method)}.}}\n\n")
+            parts.append("corrected\n" + display(formula.correction, formula.changes, "mended"))
+        if formula.derived:
+            parts.append("derived\n" + display(formula.derived))
+        parts += [_method(formula), _ranges(formula), _witness(formula)]
     return "".join(parts)
 
 
-def _witness(formula: FormulaRecord) -> str:
-    if formula.witness is None:
+def _method(formula: FormulaRecord) -> str:
+    quantifiers = ", ".join(f"${q}$" for q in formula.quantifiers)
+    text = f"For {quantifiers}. " if quantifiers else ""
+    return f"\n{{\\small {text}{inline(short(formula.method))}.\\par}}\n\n"
+
+
+def _ranges(formula: FormulaRecord) -> str:
+    if not formula.ranges:
         return ""
-    left, right = formula.witness["printed"], formula.witness["derived"]
-    return f"{{\\small At a point: as printed ${left}$, derived ${right}$.}}\n\n"
+    rows = []
+    for entry in formula.ranges:
+        statement = entry["statement"]
+        where = inline(statement if "$" in statement or not statement else f"${statement}$")
+        at = entry["witness"]
+        said = escape_text(f"not at {point(at)}") if at else inline(short(entry["method"]))
+        cells = (escape_text(entry["range"]), where, f"\\verdict{{{entry['verdict']}}}", said)
+        rows.append(" & ".join(cells))
+    columns = "p{.2\\linewidth}lp{.13\\linewidth}p{.42\\linewidth}"
+    body = "\\\\\n".join(rows)
+    return f"\\begin{{longtable}}{{{columns}}}\n{body}\n\\end{{longtable}}\n\n"
 
 
-def _display(latex: str) -> str:
-    """Long lines are shrunk to the width of the page."""
-    if len(latex) < 220:
-        return f"\\[\n{latex}\n\\]\n"
-    return (
-        "\\begin{center}\\resizebox{\\linewidth}{!}{$\\displaystyle\n"
-        f"{latex}\n$}}\\end{{center}}\n"
-    )
-
-
-def coloured(latex: str, ranges: Sequence[tuple[int, int]], colour: str) -> str:
-    """The formula with ranges of its source in colour."""
-    for start, end in sorted(ranges, reverse=True):
-        inner = latex[start:end]
-        if inner.startswith("{") and inner.endswith("}"):
-            inner = inner[1:-1]
-        latex = latex[:start] + f"{{\\color{{{colour}}}{inner}}}" + latex[end:]
-    return latex
-
-
-def escape_text(text: str) -> str:
-    """Plain text for LaTeX."""
-    replaced = {"\\": "\\textbackslash{}", "_": "\\_", "&": "\\&", "%": "\\%", "#": "\\#"}
-    replaced |= {"$": "\\$", "{": "\\{", "}": "\\}", "^": "\\^{}", "*": "*"}
-    return "".join(replaced.get(c, c) for c in text)
+def _witness(formula: FormulaRecord) -> str:
+    witness = formula.witness
+    if witness is None:
+        return ""
+    first, second = sides(formula)
+    what = f" ({escape_text(about(witness))})" if about(witness) else ""
+    left, right = (escape_text(short(str(witness[key]))) for key in ("printed", "derived"))
+    values = f"{first} \\texttt{{{left}}}{what}, {second} \\texttt{{{right}}}"
+    return f"{{\\small At a point: {values}.\\par}}\n\n"

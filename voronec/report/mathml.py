@@ -1,206 +1,235 @@
-"""LaTeX mathematics as MathML: typeset formulas that need neither network nor script.
-
-This is layout only; it understands no formula.  What it does not know it shows as its source.
-"""
+"""LaTeX mathematics as MathML: typeset formulas that need neither network nor script."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from html import escape
 
-from voronec.audit.tokens import Token, tokenize
 from voronec.errors import DefinitionError
+from voronec.report.boxes import Box, read_boxes
+from voronec.report.breaking import BINARY, RELATIONS, Broken, break_lines
+from voronec.report.marks import Marks
 
-__all__ = ["mathml"]
+__all__ = ["fits", "mathml", "prose"]
 
-_GREEK = dict(
-    zip(
-        "alpha beta gamma delta epsilon varepsilon zeta eta theta vartheta iota kappa lambda mu nu"
-        " xi pi rho sigma tau upsilon phi varphi chi psi omega Gamma Delta Theta Lambda Xi Pi"
-        " Sigma Phi Psi Omega wp ell partial".split(),
-        "αβγδϵεζηθϑικλμνξπρστυϕφχψωΓΔΘΛΞΠΣΦΨΩ℘ℓ∂",
-        strict=True,
-    )
-)
-_OPERATORS = {
-    "cdot": "⋅",
-    "times": "×",
-    "dots": "…",
-    "ldots": "…",
-    "cdots": "⋯",
-    "ne": "≠",
-    "neq": "≠",
-    "le": "≤",
-    "leq": "≤",
-    "ge": "≥",
-    "geq": "≥",
-    "pm": "±",
-    "in": "∈",
-    "to": "→",
-    "int": "∫",
-    "sum": "∑",
-    "infty": "∞",
-    "{": "{",
-    "}": "}",
-}
-_FUNCTIONS = set("sin cos tan cot ln log exp sinh cosh tanh arcsin arccos".split())
-_ACCENTS = {"dot": "˙", "ddot": "¨", "tilde": "~", "bar": "¯", "hat": "^", "vec": "→"}
-_FONTS = {  # where the alphabet starts: capitals, small letters
-    "mathbf": (0x1D400, 0x1D41A),
-    "mathcal": (0x1D4D0, 0x1D4EA),
-    "mathfrak": (0x1D504, 0x1D51E),
-    "mathbb": (0x1D538, 0x1D552),
-}
-_DOUBLE_STRUCK = dict(zip("CHNPQRZ", "ℂℍℕℙℚℝℤ", strict=True))
-_FRAKTUR = dict(zip("CHIRZ", "ℭℌℑℜℨ", strict=True))
-_PAIRS = {"(": ")", "[": "]"}
-_SPACES = {"quad": "1em", "qquad": "2em"}
+_SIDES = {"r": "right", "c": "center", "l": "left"}
+_CLOSING = frozenset(")]}|!⟩")
+_TALL = frozenset({"fraction", "table"})
+SMALLEST = 0.6
+"""The smallest size of a wide formula, against that of the others."""
+_THIN = '<mspace width="0.17em"/>'
 
 
-def mathml(latex: str, marks: Sequence[tuple[int, int]] = (), mark: str = "changed") -> str:
-    """A ``<math>`` element; characters of ``latex`` in ``marks`` get the class ``mark``."""
+def mathml(
+    latex: str,
+    marks: Sequence[tuple[int, int]] = (),
+    mark: str = "changed",
+    limit: float = float("inf"),
+    inline: bool = False,
+) -> str:
+    """A ``<math>`` element for a formula, or for a display with its delimiters.
+
+    Characters of ``latex`` in ``marks`` get the class ``mark``.  What is wider than ``limit``, in
+    em, is broken into lines.  What is no formula is shown as its source.
+    """
     try:
-        body = _Setter(tokenize(latex), marks, mark).row(())
-    except (DefinitionError, IndexError):
+        box = read_boxes(latex)
+    except DefinitionError:
         return f'<code class="latex">{escape(latex)}</code>'
-    return f'<math display="block"><mrow>{body}</mrow></math>'
+    setter = _Setter(Marks(marks), mark)
+    broken = break_lines(box, limit)
+    display = "" if inline else ' display="block"'
+    return f"<math{display}{_shrunk(broken, limit)}>{setter.lines(box, broken)}</math>"
 
 
+def fits(latex: str, limit: float) -> bool:
+    """Whether a formula has room in lines of ``limit`` em, or nearly so."""
+    try:
+        return break_lines(read_boxes(latex), limit).width <= 1.15 * limit
+    except DefinitionError:
+        return True
+
+
+def prose(text: str) -> str:
+    """Words with formulas between dollar signs, as HTML."""
+    pieces = text.split("$")
+    if len(pieces) % 2 == 0 or "" in pieces[1::2]:  # signs that enclose no formula
+        return escape(text)
+    return "".join(
+        mathml(piece, inline=True) if number % 2 else escape(piece)
+        for number, piece in enumerate(pieces)
+    )
+
+
+@dataclass(frozen=True)
 class _Setter:
-    """Recursive descent over the words; every method returns MathML."""
+    """Turns boxes into MathML; ``small`` is in force in scripts."""
 
-    def __init__(self, tokens: list[Token], marks: Sequence[tuple[int, int]], mark: str) -> None:
-        self.tokens, self.marks, self.mark = tokens, marks, mark
-        self.position, self.font = 0, ""
+    marks: Marks
+    mark: str
+    small: bool = False
 
-    def peek(self) -> str:
-        return self.tokens[self.position].text if self.position < len(self.tokens) else ""
+    def lines(self, box: Box, broken: Broken) -> str:
+        """A formula, on several lines where it is too wide."""
+        if len(broken.lines) == 1:
+            return f"<mrow>{self.set(box)}</mrow>"
+        rows = []
+        for number, parts in enumerate(broken.lines):
+            indent = '<mspace width="2em"/>' if number else ""
+            before = broken.lines[number - 1][-1] if number else None
+            body = f"<mrow>{indent}{self.run(parts, before)}</mrow>"
+            rows.append(f"<mtr>{_cell('l', body)}</mtr>")
+        return f'<mtable displaystyle="true">{"".join(rows)}</mtable>'
 
-    def take(self) -> Token:
-        self.position += 1
-        return self.tokens[self.position - 1]
+    def set(self, box: Box) -> str:
+        """The MathML of one box."""
+        methods = {
+            "row": self.element,
+            "sign": self.sign,
+            "fence": self.fence,
+            "scripts": self.scripts,
+            "primed": self.primed,
+            "fraction": self.fraction,
+            "root": self.root,
+            "accent": self.accent,
+            "over": self.accent,
+            "table": self.table,
+        }
+        return methods.get(box.kind, _leaf)(box)
 
-    def row(self, stops: Sequence[str]) -> str:
-        parts = []
-        while self.position < len(self.tokens) and self.peek() not in stops:
-            parts.append(self.item())
-        return "".join(parts)
+    def element(self, box: Box) -> str:
+        """A box as exactly one element."""
+        parts = box.parts if box.kind == "row" else (box,)
+        body = self.run(parts)
+        single = len(parts) == 1 and parts[0].kind not in ("row", "function", "scripts")
+        return body if single else f"<mrow>{body}</mrow>"
 
-    def item(self) -> str:
-        """An atom with its scripts."""
-        start = self.peek()
-        base = self.atom()
-        below = above = ""
-        primes = 0
-        while self.peek() in ("_", "^", "'"):
-            sign = self.take().text
-            if sign == "'":
-                primes += 1
-            elif sign == "_":
-                below = self.argument()
-            else:
-                above = self.argument()
-        if primes:  # the glyph is raised by itself: as a superscript it would float
-            base = f'<mrow>{base}<mo lspace="0" rspace="0">{"′" * primes}</mo></mrow>'
-        if not (below or above):
-            return base
-        limits = start in ("\\sum",)
-        names = ("munderover", "munder", "mover") if limits else ("msubsup", "msub", "msup")
-        inside = [f"<mrow>{x}</mrow>" for x in (below, above) if x]
-        name = names[0] if below and above else names[1] if below else names[2]
-        return f"<{name}>{base}{''.join(inside)}</{name}>"
+    def run(self, parts: Sequence[Box], before: Box | None = None) -> str:
+        """Boxes one after the other; what is marked as a whole is one element of that class."""
+        found = []
+        for group, marked in self.marks.groups(parts):
+            setter = replace(self, marks=Marks(())) if marked else self
+            body = ""
+            for box in group:
+                body += setter.placed(box, before)
+                before = box
+            found.append(f'<mrow class="{self.mark}">{body}</mrow>' if marked else body)
+        return "".join(found)
 
-    def argument(self) -> str:
-        if self.peek() == "{":
-            self.take()
-            body = self.row(("}",))
-            self.take()
-            return f"<mrow>{body}</mrow>"
-        token = self.tokens[self.position]
-        if token.kind == "number" and len(token.text) > 1:
-            head = Token("number", token.text[0], token.start, token.start + 1)
-            tail = Token("number", token.text[1:], token.start + 1, token.end)
-            self.tokens[self.position : self.position + 1] = [head, tail]
-        return self.atom()
+    def placed(self, box: Box, before: Box | None) -> str:
+        """A box in a row: signs between two things keep their spaces wherever they stand."""
+        if box.kind == "sign" and box.text in BINARY | RELATIONS:
+            first = before is None or (before.kind == "sign" and before.text not in _CLOSING)
+            form = "prefix" if first and box.text in BINARY else "infix"
+            tight = ' lspace="0.1em" rspace="0.1em"' if self.small and form == "infix" else ""
+            return f'<mo form="{form}"{tight}>{escape(box.text)}</mo>'
+        name = box.parts[0] if box.kind == "scripts" else box
+        if name.kind == "function":  # browsers leave no space around a function's name
+            space = "" if before is None or before.kind == "sign" else _THIN
+            return f"{space}{self.set(box)}<mo>&#x2061;</mo>{_THIN}"
+        return self.set(box)
 
-    def atom(self) -> str:
-        token = self.take()
-        text = token.text
-        if text == "{":
-            body = self.row(("}",))
-            self.take()
-            return f"<mrow>{body}</mrow>"
-        if text in _PAIRS and self.closed(text):
-            return self.fenced(token)
-        if token.kind == "number":
-            return self.leaf("mn", text, token)
-        if token.kind == "text":
-            return self.leaf("mtext", text, token)
-        if token.kind == "letter":
-            return self.leaf("mi", text, token)
-        if token.kind == "command":
-            return self.command(token)
-        return self.leaf("mo", "−" if text == "-" else text, token)
+    def sign(self, box: Box) -> str:
+        """A sign by itself; brackets and dots keep their size and take no space."""
+        alone = box.text in "()[]{}|‖⟨⟩" and box.text
+        quiet = ' lspace="0" rspace="0"' if alone or box.text in "…⋯" else ""
+        still = ' stretchy="false"' if alone else ""
+        return f"<mo{still}{quiet}>{escape(box.text)}</mo>"
 
-    def closed(self, opening: str) -> bool:
-        """Whether the bracket just taken is closed before the group it stands in ends."""
-        depth, braces = 1, 0
-        for token in self.tokens[self.position :]:
-            braces += (token.text == "{") - (token.text == "}")
-            depth += (token.text == opening) - (token.text == _PAIRS[opening])
-            if depth == 0 or braces < 0:
-                break
-        return depth == 0 and braces == 0
+    def fence(self, box: Box) -> str:
+        """Brackets that grow with what they enclose, where that is tall."""
+        opening, body, closing = box.parts
+        if not _tall(body):
+            return f"<mrow>{self.sign(opening)}{self.run(_row(body))}{self.sign(closing)}</mrow>"
+        signs = [
+            f'<mo stretchy="true" form="{form}" lspace="0" rspace="0">{escape(sign.text)}</mo>'
+            if sign.text
+            else ""
+            for form, sign in (("prefix", opening), ("postfix", closing))
+        ]
+        return f"<mrow>{signs[0]}{self.run(_row(body))}{signs[1]}</mrow>"
 
-    def fenced(self, token: Token) -> str:
-        """A row of its own, so that the brackets grow with what they enclose, and no further."""
-        body = self.row((_PAIRS[token.text],))
-        closing = self.take()
-        opening, end = self.leaf("mo", token.text, token), self.leaf("mo", closing.text, closing)
-        return f"<mrow>{opening}{body}{end}</mrow>"
+    def scripts(self, box: Box) -> str:
+        """A base with what stands below and above it."""
+        base, below, above = box.parts
+        primes = ""
+        if base.kind == "primed" and above.end == above.start:
+            base, primes = base.parts[0], _primes(base.text)
+        small = replace(self, small=True)
+        names = ("msub", "msup", "msubsup")
+        if box.text == "limits":
+            names = ("munder", "mover", "munderover")
+        inside = [_leaf(base) if base.kind == "function" else self.element(base)]
+        inside += [small.element(x) for x in (below, above) if x.end > x.start]
+        name = names[2] if len(inside) == 3 else names[below.end == below.start]
+        found = f"<{name}>{''.join(inside)}</{name}>"
+        return f"<mrow>{found}{primes}</mrow>" if primes else found
 
-    def command(self, token: Token) -> str:
-        name = token.text[1:]
-        if name in _GREEK:
-            return self.leaf("mi", _GREEK[name], token)
-        if name in _OPERATORS:
-            return self.leaf("mo", _OPERATORS[name], token)
-        if name in _FUNCTIONS:
-            space = '<mspace width="0.17em"/>'  # browsers leave none around a function's name
-            return space + self.leaf("mi", name, token) + "<mo>&#x2061;</mo>" + space
-        if name in ("frac", "dfrac", "tfrac"):
-            top = self.argument()
-            return f"<mfrac><mrow>{top}</mrow><mrow>{self.argument()}</mrow></mfrac>"
-        if name == "sqrt":
-            return f"<msqrt>{self.argument()}</msqrt>"
-        if name in _ACCENTS:
-            return f'<mover accent="true">{self.argument()}<mo>{_ACCENTS[name]}</mo></mover>'
-        if name in (*_FONTS, "boldsymbol"):
-            return self.in_font(name)
-        if name in _SPACES:
-            return f'<mspace width="{_SPACES[name]}"/>'
-        return self.leaf("mtext", token.text, token)
+    def primed(self, box: Box) -> str:
+        return f"<mrow>{self.element(box.parts[0])}{_primes(box.text)}</mrow>"
 
-    def in_font(self, name: str) -> str:
-        outer, self.font = self.font, name
-        body = self.argument()
-        self.font = outer
-        return f"<mrow>{body}</mrow>"
+    def fraction(self, box: Box) -> str:
+        top, bottom = box.parts
+        return f"<mfrac>{self.element(top)}{self.element(bottom)}</mfrac>"
 
-    def leaf(self, element: str, text: str, token: Token) -> str:
-        marked = any(a <= token.start and token.end <= b for a, b in self.marks)
-        kind = f' class="{self.mark}"' if marked else ""
-        if element == "mi" and self.font:
-            text = _lettered(text, self.font)
-        return f"<{element}{kind}>{escape(text)}</{element}>"
+    def root(self, box: Box) -> str:
+        parts = "".join(self.element(part) for part in box.parts)
+        return f"<msqrt>{parts}</msqrt>" if len(box.parts) == 1 else f"<mroot>{parts}</mroot>"
+
+    def accent(self, box: Box) -> str:
+        grows = "true" if box.kind == "over" else "false"
+        sign = f'<mo class="accent" stretchy="{grows}">{box.text}</mo>'
+        return f'<mover accent="true">{self.element(box.parts[0])}{sign}</mover>'
+
+    def table(self, box: Box) -> str:
+        rows = []
+        for row in box.parts:
+            cells = (
+                _cell(box.text[column % len(box.text)], self.element(cell))
+                for column, cell in enumerate(row.parts)
+            )
+            rows.append(f"<mtr>{''.join(cells)}</mtr>")
+        return f'<mtable displaystyle="true">{"".join(rows)}</mtable>'
 
 
-def _lettered(text: str, font: str) -> str:
-    """A letter in another alphabet."""
-    special = {"mathbb": _DOUBLE_STRUCK, "mathfrak": _FRAKTUR}.get(font, {})
-    if text in special:
-        return special[text]
-    capitals, small = _FONTS.get(font, (0, 0))
-    if not capitals or not (text.isascii() and text.isalpha() and len(text) == 1):
-        return text
-    return chr(ord(text) + (capitals - 65 if text.isupper() else small - 97))
+def _shrunk(broken: Broken, limit: float) -> str:
+    """A smaller size for what cannot be broken, as a long fraction."""
+    scale = max(limit / max(broken.width, 1.0), SMALLEST)
+    return f' style="font-size:{scale:.2f}em"' if scale < 1 else ""
+
+
+def _row(box: Box) -> tuple[Box, ...]:
+    return box.parts if box.kind == "row" else (box,)
+
+
+def _tall(box: Box) -> bool:
+    """Whether a box is much higher than a line."""
+    if box.kind in _TALL or (box.kind == "scripts" and box.text == "limits"):
+        return True
+    inside = box.parts[:1] if box.kind == "scripts" else box.parts
+    return any(_tall(part) for part in inside)
+
+
+def _primes(text: str) -> str:
+    # the glyph is raised by itself: as a superscript it would float
+    return f'<mo lspace="0" rspace="0">{text}</mo>'
+
+
+def _cell(side: str, body: str) -> str:
+    return f'<mtd style="text-align:{_SIDES[side]}">{body}</mtd>'
+
+
+def _leaf(box: Box) -> str:
+    text = escape(box.text)
+    if box.kind == "space":
+        return f'<mspace width="{text}em"/>'
+    if box.kind == "letter":
+        return f"<mi>{text}</mi>"
+    if box.kind in ("upright", "function"):
+        return f'<mi mathvariant="normal">{text}</mi>'
+    if box.kind == "number":
+        return f"<mn>{text}</mn>"
+    if box.kind == "unknown":  # a command of the paper's own, as \diag
+        return f'<mi mathvariant="normal">{text.lstrip(chr(92))}</mi>'
+    return f"<mtext>{text.replace(' ', '&#xa0;')}</mtext>"

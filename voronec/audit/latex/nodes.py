@@ -32,6 +32,7 @@ __all__ = [
     "Root",
     "Sum",
     "Variation",
+    "Wedge",
     "walk",
 ]
 
@@ -117,6 +118,15 @@ class Product:
 @dataclass(frozen=True)
 class Cross:
     r"""``a \times b``."""
+
+    left: Node
+    right: Node
+    at: Place = _place()
+
+
+@dataclass(frozen=True)
+class Wedge:
+    r"""``a \wedge b``."""
 
     left: Node
     right: Node

@@ -6,12 +6,13 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from voronec.audit.tokens import Token, tokenize
+from voronec.audit.latex.tokens import ELLIPSES, Token, tokenize
 from voronec.errors import DefinitionError
 
 __all__ = ["RELATIONS", "Piece", "Unit", "script_ranges", "split_display"]
 
-RELATIONS = {"=", "<", ">", "\\ne", "\\neq", "\\le", "\\leq", "\\ge", "\\geq"}
+_PLACES = {"\\in", "\\colon", "\\longmapsto", "\\mapsto"}
+RELATIONS = {"=", "<", ">", "\\ne", "\\neq", "\\le", "\\leq", "\\ge", "\\geq"} | _PLACES
 _OPENING = re.compile(r"\s*(?:\\begin\{([a-zA-Z]+\*?)\}|(\\\[)|(\$\$)|(\$))", re.DOTALL)
 _CLOSING = {"\\[": "\\]", "$$": "$$", "$": "$"}
 _LABEL = re.compile(r"\\label\s*\{([^}]*)\}")
@@ -52,8 +53,8 @@ def split_display(latex: str) -> tuple[Unit, ...]:
     """The numbered units of a display, given with its delimiters, each with its formulas.
 
     In ``eqnarray`` and its like every line without ``\\nonumber`` closes a unit; else the whole
-    display is one.  A line that starts with a relation, or that has none, goes on with the
-    formula before it.
+    display is one.  A line that starts with a relation goes on with the formula before it, and so
+    does a line without a relation, unless the line before ends with a comma or a stop.
     """
     environment, start, end = _body(latex)
     lines = _lines(latex, start, end)
@@ -103,27 +104,45 @@ def _unit(latex: str, lines: list[tuple[int, int]]) -> Unit:
     inside = [m.group(1) for a, b in lines for m in _LABEL.finditer(latex, a, b)]
     label = inside[-1] if inside else (labels[0] if len(set(labels)) == 1 else None)
     pieces: list[Piece] = []
+    said: tuple[Token, ...] = ()
+    ended = False
     for a, b in lines:
-        for words in _listed(tokenize(latex, a, b)):
-            _append(pieces, words)
+        tokens = tokenize(latex, a, b)
+        for words in _listed(tokens):
+            if not _is_text(words):
+                _append(pieces, words, said, ended)
+            said, ended = words, True
+        ended = bool(tokens) and tokens[-1].text in _SEPARATORS
     source = "\\\\ ".join(_LABEL.sub("", latex[a:b]).strip() for a, b in lines)
     return Unit(label, source, tuple(pieces), latex)
 
 
-def _append(pieces: list[Piece], words: tuple[Token, ...]) -> None:
-    """Add a formula; join it to the last one where it goes on with that, or quantifies it."""
-    if pieces and _is_quantifier(words):
-        last = pieces.pop()
-        pieces.append(Piece(last.tokens, (*last.quantifiers, words[1:-1])))
-    elif pieces and (words[0].text in RELATIONS or not _has_relation(words)):
-        last = pieces.pop()
-        pieces.append(Piece(last.tokens + words, last.quantifiers))
+def _append(
+    pieces: list[Piece], words: tuple[Token, ...], said: tuple[Token, ...], ended: bool
+) -> None:
+    """Add a formula; join it to the last one where it goes on with that, or quantifies it.
+
+    ``said`` is what stands before it, ``ended`` whether a comma, a stop or a wide space does.
+    """
+    last = pieces[-1] if pieces else None
+    if last and _is_quantifier(words, said):
+        inside = words[1:-1] if words[0].text == "(" else words
+        pieces[-1] = Piece(last.tokens, (*last.quantifiers, inside))
+    elif last and (words[0].text in RELATIONS or not (ended or _has_relation(words))):
+        pieces[-1] = Piece(last.tokens + words, last.quantifiers)
     else:
         pieces.append(Piece(words))
 
 
-def _is_quantifier(words: tuple[Token, ...]) -> bool:
-    return words[0].text == "(" and words[-1].text == ")" and "\\dots" in {w.text for w in words}
+def _is_quantifier(words: tuple[Token, ...], said: tuple[Token, ...]) -> bool:
+    r"""``(i=1,\dots,n)``, or what stands after words such as "for all"."""
+    if words[0].text == "(" and words[-1].text == ")":
+        return not ELLIPSES.isdisjoint(w.text for w in words)
+    return _is_text(said) and "\\in" in {w.text for w in words}
+
+
+def _is_text(words: tuple[Token, ...]) -> bool:
+    return len(words) == 1 and words[0].kind == "text"
 
 
 def _has_relation(words: tuple[Token, ...]) -> bool:
@@ -131,19 +150,33 @@ def _has_relation(words: tuple[Token, ...]) -> bool:
 
 
 def _listed(tokens: list[Token]) -> list[tuple[Token, ...]]:
-    """Split at top-level commas, wide spaces, stops and words of text."""
+    r"""Split at top-level commas, wide spaces, stops and words of text.
+
+    Text stands by itself, but for "const" and what follows a colon; dots between formulas, and
+    a stop behind a formula with an open bracket, are left out.
+    """
     parts: list[list[Token]] = [[]]
     depth = 0
     for token in tokens:
         depth += (token.text in _OPEN) - (token.text in _CLOSE)
-        separates = token.text in (",", ".", ";", "\\quad", "\\qquad") or (
-            token.kind == "text" and token.text != "const"
-        )
-        if depth == 0 and separates:
+        if depth == 0 and _is_word(token, parts[-1]):
+            parts += [[token], []]
+        elif depth == 0 and token.text in _SEPARATORS:
             parts.append([])
         else:
             parts[-1].append(token)
-    return [tuple(p) for p in parts if p]
+    if depth != 0 and parts[-1] and parts[-1][-1].text in _SEPARATORS:
+        parts[-1].pop()
+    return [tuple(p) for p in parts if p and not (len(p) == 1 and p[0].text in ELLIPSES)]
+
+
+_SEPARATORS = {",", ".", ";", "\\quad", "\\qquad"}
+
+
+def _is_word(token: Token, before: list[Token]) -> bool:
+    """Whether a word of text stands between formulas."""
+    told = bool(before) and before[-1].text == "\\colon"
+    return token.kind == "text" and token.text != "const" and not told
 
 
 def script_ranges(words: Sequence[Token]) -> Iterator[tuple[int, int]]:

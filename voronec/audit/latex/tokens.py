@@ -7,7 +7,16 @@ from dataclasses import dataclass
 
 from voronec.errors import DefinitionError
 
-__all__ = ["ACCENTS", "ELEMENTARY", "GREEK", "Token", "complain", "tokenize"]
+__all__ = [
+    "ACCENTS",
+    "ELEMENTARY",
+    "ELLIPSES",
+    "FUNCTIONS",
+    "GREEK",
+    "Token",
+    "complain",
+    "tokenize",
+]
 
 ELEMENTARY = frozenset(
     r"\sin \cos \tan \cot \ln \log \exp \sinh \cosh \tanh \arcsin \arccos".split()
@@ -21,6 +30,9 @@ GREEK = frozenset(
     r" \Theta \Lambda \Xi \Pi \Sigma \Phi \Psi \Omega \wp \ell".split()
 )
 """Commands that are letters by themselves."""
+FUNCTIONS = frozenset(r"\diag \det \tr".split())
+"""Commands that are names of functions, to be followed by their arguments."""
+ELLIPSES = frozenset(r"\dots \ldots \cdots".split())
 
 
 _WORD = re.compile(
@@ -29,9 +41,9 @@ _WORD = re.compile(
     re.DOTALL,
 )
 _SILENT = set(
-    r"\, \; \! \: \> \  ~ & \big \Big \bigg \Bigg \bigl \bigr \Bigl \Bigr \biggl \biggr \left"
-    r" \right \nonumber \notag \displaystyle \textstyle \limits \nolimits".split()
+    r"\, \; \! \: \> \  ~ & \nonumber \notag \displaystyle \textstyle \limits \nolimits".split()
 ) | {"\\ "}
+_SIZES = set(r"\big \Big \bigg \Bigg \bigl \bigr \Bigl \Bigr \biggl \biggr \left \right".split())
 _WITH_ARGUMENT = {"\\label", "\\tag"}
 
 
@@ -55,9 +67,11 @@ def complain(source: str, at: int, what: str) -> DefinitionError:
 def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token]:
     """The words of ``source[offset:end]``; a label with its argument and spacing are skipped.
 
-    ``\\text{...}`` and ``\\mathrm{...}`` become one word of kind text.
+    ``\\text{...}`` and ``\\mathrm{...}`` become one word of kind text.  A bracket starts where the
+    command for its size does.
     """
     found: list[Token] = []
+    size: int | None = None
     position, end = offset, len(source) if end is None else end
     while position < end:
         match = _WORD.match(source, position, end)
@@ -67,7 +81,9 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
             )
         text, position = match.group(), match.end()
         kind = str(match.lastgroup)
-        if kind == "space" or text in _SILENT:
+        if text in _SIZES:
+            size = match.start()
+        if kind == "space" or text in _SILENT or text in _SIZES:
             continue
         if text in _WITH_ARGUMENT:
             position = _argument(source, position, end)[1]
@@ -80,7 +96,8 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
             position = match.start() + 5
             found.append(Token("text", "const", match.start(), position))
             continue
-        found.append(Token(kind, text, match.start(), position))
+        start, size = match.start() if size is None else size, None
+        found.append(Token(kind, text, start, position))
     return found
 
 

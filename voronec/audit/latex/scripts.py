@@ -5,23 +5,27 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from voronec.audit.nodes import Dot, Name, Node, Power, Product, Variation
+from voronec.audit.latex.nodes import Dot, Name, Node, Power, Product, Variation
 
 if TYPE_CHECKING:
-    from voronec.audit.reader import Reader
+    from voronec.audit.latex.reader import Reader
 
 __all__ = ["scripts"]
 
 
 def scripts(reader: Reader, node: Node, start: int) -> Node:
     """Read what stands below and above ``node``, in any order; ``start`` is where it begins."""
-    primes, sub, sup, exponent = 0, (), (), None
+    primes, exponent = 0, None
+    sub: tuple[Node, ...] = ()
+    sup: tuple[Node, ...] = ()
     while reader.peek() in ("_", "^", "'", '"'):
         mark = reader.take().text
         if mark in ("'", '"'):
             primes += 1 if mark == "'" else 2
         elif mark == "_":
             sub = _indices(reader)
+        elif _is_numeral(reader, node):
+            sup, exponent = _numeral(reader)
         elif _labels(reader, node):
             sup = _indices(reader)
         else:
@@ -58,6 +62,39 @@ def _labels(reader: Reader, node: Node) -> bool:
     if reader.all_labels or node.head in reader.vocabulary.labelled:
         return True
     return (reader.peek(), reader.peek(1)) == ("{", "(") and _lone_parenthesis(reader)
+
+
+def _is_numeral(reader: Reader, node: Node) -> bool:
+    r"""Whether the superscript ahead is a Roman numeral: ``x^{II}``, ``x^I``, ``x^{I2}``."""
+    if not isinstance(node, Name):
+        return False
+    text = _inside(reader)
+    return text.rstrip("0123456789") != "" and set(text.rstrip("0123456789")) <= set("IV")
+
+
+def _inside(reader: Reader) -> str:
+    """The words of the group, or the single word, ahead."""
+    if reader.peek() != "{":
+        return reader.peek()
+    ahead = 1
+    while reader.peek(ahead) not in ("}", ""):
+        ahead += 1
+    return "".join(reader.peek(i) for i in range(1, ahead))
+
+
+def _numeral(reader: Reader) -> tuple[tuple[Node, ...], Node | None]:
+    """A Roman numeral is a label; a number after it is an exponent."""
+    braced = reader.peek() == "{"
+    if braced:
+        reader.take()
+    letters = [reader.take()]
+    while braced and reader.kind() == "letter":
+        letters.append(reader.take())
+    label = Name("".join(t.text for t in letters), at=(letters[0].start, letters[-1].end))
+    exponent = reader.atom() if braced and reader.kind() == "number" else None
+    if braced:
+        reader.take("}")
+    return (label,), exponent
 
 
 def _lone_parenthesis(reader: Reader) -> bool:

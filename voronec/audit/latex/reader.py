@@ -9,38 +9,38 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import NoReturn
 
-from voronec.audit.constructs import bound, fraction, integral, root
-from voronec.audit.displays import RELATIONS
-from voronec.audit.nodes import (
+from voronec.audit.latex.atoms import atom
+from voronec.audit.latex.displays import RELATIONS
+from voronec.audit.latex.nodes import (
     Call,
     Chain,
     Cross,
-    Differential,
-    Dot,
     Dots,
-    Elementary,
-    Listing,
     Name,
     Node,
-    Number,
     Partial,
-    Power,
     Product,
     Quotient,
     Sum,
-    Variation,
+    Wedge,
 )
-from voronec.audit.scripts import scripts
-from voronec.audit.tokens import ACCENTS, ELEMENTARY, GREEK, Token, complain, tokenize
-from voronec.audit.vocabulary import Vocabulary
+from voronec.audit.latex.scripts import scripts
+from voronec.audit.latex.tokens import ELLIPSES, Token, complain, tokenize
+from voronec.audit.latex.vocabulary import APPLIED, Vocabulary
 
 __all__ = ["read", "read_name", "read_tokens"]
 
 _CLOSERS = {")": "(", "]": "[", "}": "{"}
-_STOP = {")", "]", "}", ",", "+", "-", "\\quad", "\\qquad"} | RELATIONS
+_SIGNS = {"+": 1, "-": -1, "\\pm": 1, "\\mp": -1}
+_STOP = {")", "]", "}", ",", "\\quad", "\\qquad"} | RELATIONS | set(_SIGNS)
+_SIGN_NAMES = {"\\pm", "\\oplus", "\\ker"}
+_BETWEEN: dict[str, Callable[[Node, Node, tuple[int, int]], Node]] = {
+    "\\times": Cross,
+    "/": Quotient,
+    "\\wedge": Wedge,
+}
 
 
 def read(source: str, vocabulary: Vocabulary | None = None) -> Chain:
@@ -54,11 +54,18 @@ def read_tokens(tokens: Sequence[Token], source: str, vocabulary: Vocabulary) ->
 
 
 def read_name(source: str) -> Node:
-    """The tree of a single name, as dictionaries spell their keys; any superscript is a label."""
-    reader = Reader(tokenize(source), source, Vocabulary(), all_labels=True)
+    r"""The tree of a single name, as dictionaries spell their keys; any superscript is a label.
+
+    ``\zeta(\cdot)`` is the function ``\zeta`` beside a variable of the same name.
+    """
+    applied = source.endswith(APPLIED)
+    bare = source.removesuffix(APPLIED)
+    if bare in _SIGN_NAMES:
+        return Name(bare)
+    reader = Reader(tokenize(bare), bare, Vocabulary(), all_labels=True)
     node = reader.factor()
     reader.expect_end()
-    return node
+    return replace(node, head=node.head + APPLIED) if applied else node
 
 
 class Reader:
@@ -117,42 +124,49 @@ class Reader:
         return Chain(tuple(parts), tuple(relations), self.since(start))
 
     def sum(self) -> Node:
-        start, terms = self.begin(), []
-        sign = self._sign(first=True)
-        while sign is not None:
-            terms.append((sign, self.term()))
-            sign = self._sign(first=False)
+        r"""Terms with signs; ``a \pm b`` is a plus a name ``\pm`` times b."""
+        start = self.begin()
+        terms: list[tuple[int, Node]] = []
+        while self.peek() in _SIGNS or not terms:
+            mark = self.take() if self.peek() in _SIGNS else None
+            term = self.term()
+            if mark is not None and mark.text in ("\\pm", "\\mp"):
+                term = Product((Name("\\pm", at=(mark.start, mark.end)), term), term.at)
+            terms.append((1 if mark is None else _SIGNS[mark.text], term))
         if len(terms) == 1 and terms[0][0] == 1:
             return terms[0][1]
         return Sum(tuple(terms), self.since(start))
 
-    def _sign(self, first: bool) -> int | None:
-        if self.peek() in ("+", "-"):
-            return 1 if self.take().text == "+" else -1
-        return 1 if first else None
-
     def term(self) -> Node:
         start = self.begin()
         factors: list[Node] = []
-        while True:
+        while not self.ends_term():
             text = self.peek()
-            if text == "" or text in _STOP:
-                break
             if text == "\\cdot":
                 self.take()
-            elif text == "\\times":
-                self.take()
-                left = _product(factors, self.since(start))
-                factors = [Cross(left, self.factor(), self.since(start))]
-            elif text == "/":
-                self.take()
-                left = _product(factors, self.since(start))
-                factors = [Quotient(left, self.factor(), self.since(start))]
+            elif text in _BETWEEN or text == "\\oplus":
+                factors = [self._joined(text, factors, start)]
             else:
                 factors.append(self.factor())
         if not factors:
             self.fail("a term is missing")
         return _product(factors, self.since(start))
+
+    def ends_term(self) -> bool:
+        """Whether no further factor follows."""
+        return self.peek() == "" or self.peek() in _STOP
+
+    def _joined(self, sign: str, factors: list[Node], start: int) -> Node:
+        """A sign between all factors before it and the one behind it."""
+        if not factors:
+            self.fail(f"a factor before '{sign}' is missing")
+        left = _product(factors, self.since(start))
+        token = self.take()
+        right = self.factor()
+        if sign in _BETWEEN:
+            return _BETWEEN[sign](left, right, self.since(start))
+        name = Name(sign, at=(token.start, token.end))
+        return Call(name, (left, right), self.since(start))
 
     # -- factors --------------------------------------------------------------------------
 
@@ -160,8 +174,7 @@ class Reader:
         start = self.begin()
         node = scripts(self, self.atom(), start)
         if self.peek() == "(" and self._applies(node):
-            self.take()
-            node = Call(node, self._list(")"), self.since(start))
+            node = Call(node, self.group(self.take()), self.since(start))
         return scripts(self, node, start) if self.peek() in ("^", "_", "'") else node
 
     def _applies(self, node: Node) -> bool:
@@ -169,7 +182,7 @@ class Reader:
             return self._holds_list()
         if not isinstance(node, Name):
             return False
-        return node.head in self.vocabulary.functions or self._holds_list()
+        return self.vocabulary.applies(node.head) or self._holds_list()
 
     def _holds_list(self) -> bool:
         """Whether the parenthesis ahead holds a comma of its own."""
@@ -182,73 +195,38 @@ class Reader:
                 return True
         return False
 
-    def _list(self, closer: str) -> tuple[Node, ...]:
+    def group(self, opening: Token) -> tuple[Node, ...]:
+        """What stands between the bracket ``opening``, already taken, and its counterpart."""
+        closer = next(c for c, o in _CLOSERS.items() if o == opening.text)
         items = [self._item()]
         while self.peek() == ",":
             self.take()
             items.append(self._item())
+        if self.peek() == "" or (self.peek() in _CLOSERS and self.peek() != closer):
+            what = f"the '{opening.text}' here is not closed: '{closer}' is missing"
+            raise complain(self.source, opening.start, what)
         self.take(closer)
         return tuple(items)
 
     def _item(self) -> Node:
-        if self.peek() in ("\\dots", "\\ldots", "\\cdots"):
+        if self.peek() in ELLIPSES:
             token = self.take()
             return Dots((token.start, token.end))
         return self.sum()
 
     def atom(self) -> Node:
-        token = self.take()
-        text, at = token.text, (token.start, token.end)
-        if token.kind == "number":
-            return Number(text, at)
-        if text == "d" and self._starts_name():
-            return Differential(self.factor(), "d", self.since(token.start))
-        if token.kind == "letter" or text in GREEK - {"\\delta"}:
-            return Name(text, at=at)
-        if token.kind == "text":
-            return Name(text, at=at)
-        if text in ("(", "[", "{"):
-            return self._group(token)
-        special: dict[str, Callable[[Token], Node]] = {
-            "\\frac": partial(fraction, self),
-            "\\dfrac": partial(fraction, self),
-            "\\tfrac": partial(fraction, self),
-            "\\sqrt": partial(root, self),
-            "\\sum": partial(bound, self),
-            "\\int": partial(integral, self),
-            "\\delta": self._variation,
-            "\\partial": self._lone_partial,
-        }
-        if text in special:
-            return special[text](token)
-        if text in ("\\dot", "\\ddot"):
-            return self._dotted(token)
-        if text in ELEMENTARY:
-            return self._elementary(token)
-        if text in ACCENTS:
-            return self._accented(token)
-        raise complain(self.source, token.start, f"'{text}' is not understood")
-
-    def _starts_name(self) -> bool:
-        following = self.peek()
-        return self.kind() == "letter" or following in GREEK | ACCENTS | {"\\dot"}
-
-    def _group(self, token: Token) -> Node:
-        closer = {"(": ")", "[": "]", "{": "}"}[token.text]
-        items = self._list(closer)
-        if len(items) == 1:
-            return items[0]
-        if token.text == "{":
-            self.fail("a comma between braces is not understood")
-        return Listing(items, token.text, self.since(token.start))
+        return atom(self, self.take())
 
     def argument(self) -> Node:
         """The argument of a command: a group in braces, or the next single word."""
         if self.peek() == "{":
-            self.take()
-            node = self.sum()
-            self.take("}")
-            return node
+            opening = self.take()
+            items = self.group(opening)
+            if len(items) > 1:
+                raise complain(
+                    self.source, opening.start, "a comma between braces is not understood"
+                )
+            return items[0]
         token = self.tokens[self.position] if self.position < len(self.tokens) else None
         if token is not None and token.kind == "number" and len(token.text) > 1:
             self._split_number(token)
@@ -259,38 +237,6 @@ class Reader:
         head = Token("number", token.text[0], token.start, token.start + 1)
         tail = Token("number", token.text[1:], token.start + 1, token.end)
         self.tokens[self.position : self.position + 1] = [head, tail]
-
-    def _elementary(self, token: Token) -> Node:
-        power = None
-        if self.peek() == "^":
-            self.take()
-            power = self.argument()
-        start = self.begin()
-        if self.kind() == "number":
-            argument = Product((self.factor(), self.factor()), self.since(start))
-        else:
-            argument = scripts(self, self.atom(), start)
-        node: Node = Elementary(token.text[1:], argument, self.since(token.start))
-        return node if power is None else Power(node, power, self.since(token.start))
-
-    def _accented(self, token: Token) -> Node:
-        inner = self.argument()
-        if isinstance(inner, Dot):  # \bar{\dot U}: a name of its own
-            inner = Name(f"\\dot{{{inner.body.head}}}", inner.body.sub, inner.body.sup)
-        if not isinstance(inner, Name):
-            self.fail(f"'{token.text}' must stand over a name")
-        return replace(inner, head=f"{token.text}{{{inner.head}}}", at=self.since(token.start))
-
-    def _dotted(self, token: Token) -> Node:
-        order = len(token.text) - len("\\ot")
-        body = self.argument()
-        return Dot(body, order, self.since(token.start))
-
-    def _variation(self, token: Token) -> Node:
-        return Variation(self.factor(), self.since(token.start))
-
-    def _lone_partial(self, token: Token) -> Node:
-        return Differential(self.factor(), "\\partial", self.since(token.start))
 
 
 def _product(factors: list[Node], at: tuple[int, int]) -> Node:

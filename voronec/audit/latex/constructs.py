@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from voronec.audit.nodes import (
+from voronec.audit.latex.nodes import (
     Bound,
     Derivative,
     Integral,
@@ -15,11 +15,12 @@ from voronec.audit.nodes import (
     Power,
     Quotient,
     Root,
+    Sum,
 )
-from voronec.audit.tokens import Token
+from voronec.audit.latex.tokens import Token
 
 if TYPE_CHECKING:
-    from voronec.audit.reader import Reader
+    from voronec.audit.latex.reader import Reader
 
 __all__ = ["bound", "fraction", "integral", "root"]
 
@@ -41,19 +42,53 @@ def integral(reader: Reader, token: Token) -> Node:
 
 
 def bound(reader: Reader, token: Token) -> Node:
-    r"""``\sum_{i=1}^n f``."""
+    r"""``\sum_{i=1}^n f``, ``\sum_{1\le i<j\le n} f``."""
     reader.take("_")
     reader.take("{")
-    index = reader.factor()
+    first = reader.sum()
+    if reader.peek() in _ORDERS:
+        return _ordered_sum(reader, token, first)
     reader.take("=")
     lower = reader.sum()
     reader.take("}")
     reader.take("^")
     upper = reader.argument()
-    if not isinstance(index, Name):
+    if not isinstance(first, Name):
         reader.fail("a sum runs over an index")
-    body = reader.sum() if reader.vocabulary.wide_sums else reader.term()
-    return Bound(index, lower, upper, body, reader.since(token.start))
+    return Bound(first, lower, upper, _summand(reader), reader.since(token.start))
+
+
+_ORDERS = {"<": 1, "\\le": 0, "\\leq": 0}
+"""What is to be added to the left side of an order, to reach the smallest right side."""
+
+
+def _ordered_sum(reader: Reader, token: Token, first: Node) -> Node:
+    """Sums inside one another: the last index runs up to the end, each other up to the next."""
+    parts, steps = [first], []
+    while reader.peek() in _ORDERS:
+        steps.append(_ORDERS[reader.take().text])
+        parts.append(reader.sum())
+    reader.take("}")
+    lower, *indices, upper = parts
+    if not indices or not all(isinstance(i, Name) for i in indices):
+        reader.fail("a sum runs over indices between bounds")
+    body = _summand(reader)
+    at = reader.since(token.start)
+    least = _shifted(lower, sum(steps[:1]))
+    for position, index in enumerate(indices):
+        most = _shifted(([*indices, upper])[position + 1], -steps[position + 1])
+        body = Bound(index, least, most, body, at)
+    return body
+
+
+def _shifted(node: Node, step: int) -> Node:
+    if step == 0:
+        return node
+    return Sum(((1, node), (1 if step > 0 else -1, Number("1"))), node.at)
+
+
+def _summand(reader: Reader) -> Node:
+    return reader.sum() if reader.vocabulary.wide_sums else reader.term()
 
 
 def _limits(reader: Reader) -> tuple[Node | None, Node | None]:
@@ -76,13 +111,11 @@ def fraction(reader: Reader, token: Token) -> Node:
 
 
 def _partial_fraction(reader: Reader, token: Token) -> Node | None:
-    r"""``\frac{\partial^2 f}{\partial x^2}``; the numerator may hold nothing but the sign."""
+    r"""``\frac{\partial^2 f}{\partial x^2}``; f may also follow, or be missing altogether."""
     if (reader.peek(), reader.peek(1)) != ("{", "\\partial"):
         return None
     reader.position += 2
-    if reader.peek() == "^":
-        reader.take()
-        reader.argument()
+    _order(reader)
     body = None if reader.peek() == "}" else reader.term()
     reader.take("}")
     reader.take("{")
@@ -93,14 +126,17 @@ def _partial_fraction(reader: Reader, token: Token) -> Node | None:
     reader.take("}")
     if not variables:
         reader.fail("a partial derivative needs a variable")
+    if body is None and not reader.ends_term():
+        body = reader.term()
     return Partial(body, tuple(variables), reader.since(token.start))
 
 
 def _total_fraction(reader: Reader, token: Token) -> Node | None:
-    r"""``\frac{d}{dt} f`` and ``\frac{dx}{dt}``."""
+    r"""``\frac{d}{dt} f``, ``\frac{dx}{dt}``, ``\frac{d^2x}{dt^2}``."""
     if (reader.peek(), reader.peek(1)) != ("{", "d") or not _denominator_is_differential(reader):
         return None
     reader.position += 2
+    order = _order(reader)
     body = None if reader.peek() == "}" else reader.term()
     reader.take("}")
     reader.take("{")
@@ -109,7 +145,18 @@ def _total_fraction(reader: Reader, token: Token) -> Node | None:
     reader.take("}")
     if body is None:
         body = reader.term()
-    return Derivative(body, variable, 1, reader.since(token.start))
+    return Derivative(body, _repeated(variable)[0], order, reader.since(token.start))
+
+
+def _order(reader: Reader) -> int:
+    """The exponent of a sign of differentiation."""
+    if reader.peek() != "^":
+        return 1
+    reader.take()
+    order = reader.argument()
+    if not isinstance(order, Number):
+        reader.fail("the order of a derivative must be a number")
+    return int(order.text)
 
 
 def _denominator_is_differential(reader: Reader) -> bool:

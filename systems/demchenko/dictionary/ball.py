@@ -129,6 +129,8 @@ class WithRotor:
             r"\tilde{\mathbf{T}}": roll.energy,
             r"\mathbf{w}": roll.axes * roll.centre,
             r"\tilde{\mathbf{G}}^{(M)}": roll.axes * roll.momentum,
+            r"\mathfrak{v}": self.motion.derivative(place),
+            r"\mathfrak{M}": M * roll.axes * roll.centre,
         }
         vectors = {
             ("p_1", "q_1", "r_1"): roll.ball,
@@ -182,7 +184,7 @@ class Reduced:
     @classmethod
     def derived(cls) -> Reduced:
         """Derive it."""
-        from . import SYSTEM
+        from .. import SYSTEM
 
         return cls(vo.derive(SYSTEM))
 

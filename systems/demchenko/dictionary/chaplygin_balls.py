@@ -1,0 +1,289 @@
+"""A dynamically non-symmetric ball, with or without a gyroscope, on a sphere or on a plane.
+
+The ball is derived in Neumann's coordinates and brought down to omega and gamma, the normal of the
+fixed surface, both along the ball's principal axes.  A sphere of negative radius is one that is
+touched from inside, or that lies within the ball.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Motion, Range, Study, Verdict, shorten
+from voronec.kinematics import RollingContact, Surface, kinetic_energy
+
+from .measures import density, divergence, quadratic
+
+u, v, theta, u1, v1 = sp.symbols("u v theta u1 v1")
+OMEGA = sp.Matrix(sp.symbols("omega1:4"))
+GAMMA = sp.Matrix(sp.symbols("gamma1:4"))
+KAPPA = sp.Matrix(sp.symbols("kappa1:4"))
+MOMENTS = sp.symbols("I1:4", positive=True)
+R1, R2, M = sp.symbols("R1 R2 M", positive=True)
+SIGNED = sp.Symbol("R")
+D = M * R2**2
+POINT, OTHER = (
+    dict(zip((*GAMMA, *OMEGA), sp.sympify(numbers.split()), strict=True))
+    for numbers in ("2/7 3/7 6/7 1 5 -3", "1/9 -4/9 8/9 2 1 7")
+)
+
+_p, _q = sp.symbols("p q", positive=True)
+CONFIGURATIONS = (
+    Range("outer rolling", r"\epsilon=R_1/(R_1+R_2)", {SIGNED: _p}, (_p,)),
+    Range("inner rolling", r"\epsilon=R_1/(R_1-R_2), R_1>R_2", {SIGNED: -R2 - _p}, (_p,)),
+    Range(
+        "shell rolling", r"\epsilon=R_1/(R_1-R_2), R_1<R_2", {SIGNED: -_p, R2: _p + _q}, (_p, _q)
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """The ball before it is brought down: contact, energy, and a gyroscope's momentum."""
+
+    contact: RollingContact
+    kappa: sp.Matrix
+
+    @classmethod
+    def on(cls, fixed: Surface, kappa: sp.Matrix | None = None) -> Rolling:
+        """On a fixed surface in the coordinates u1, v1."""
+        contact = RollingContact(Surface.sphere(R2, u, v), fixed, theta)
+        return cls(contact, sp.zeros(3, 1) if kappa is None else kappa)
+
+    @property
+    def spin(self) -> sp.Matrix:
+        """The angular velocity along the ball's axes."""
+        return sp.Matrix(self.contact.angular_velocity)
+
+    @property
+    def normal(self) -> sp.Matrix:
+        """The normal of the fixed surface along the ball's axes."""
+        return sp.Matrix(-self.contact.body.frame[:, 2])
+
+    @property
+    def energy(self) -> sp.Expr:
+        """The kinetic energy."""
+        return kinetic_energy(M, self.contact.centre_velocity, MOMENTS, self.spin)
+
+    @property
+    def momentum(self) -> sp.Matrix:
+        """The angular momentum of the ball about the point of contact, along the ball's axes."""
+        lever = sp.Matrix(self.contact.arm).cross(sp.Matrix(self.contact.centre_velocity))
+        return sp.diag(*MOMENTS) * self.spin - M * sp.Matrix(self.contact.body.frame) * lever
+
+    def system(self) -> vo.System:
+        """The declaration."""
+        return vo.System(
+            name="ball",
+            fibration=vo.Fibration((u, v, theta), (u1, v1)),
+            frame=vo.Frame.quasi(dict(zip(OMEGA, self.spin, strict=True))),
+            lagrangian=self.energy + self.kappa.dot(self.spin),
+            constraints=self.contact.no_slip,
+            parameters=tuple(x for x in (R1, R2, M, *MOMENTS, SIGNED, *KAPPA) if self._holds(x)),
+            invariants=dict(zip(map(str, GAMMA), self.normal, strict=True)),
+        )
+
+    def _holds(self, symbol: sp.Symbol) -> bool:
+        return any(e.has(symbol) for e in (self.energy, *self.contact.no_slip, *self.kappa))
+
+
+@dataclass(frozen=True)
+class Ball:
+    """The equations in omega and gamma."""
+
+    reduced: Any
+    kappa: sp.Matrix
+    more: Mapping[str, sp.Expr] = field(default_factory=dict)
+
+    @classmethod
+    def on(cls, fixed: Surface, kappa: sp.Matrix | None = None) -> Ball:
+        """Derive them."""
+        rolling = Rolling.on(fixed, kappa)
+        return cls(vo.descend(rolling.system()), rolling.kappa)
+
+    @classmethod
+    def on_sphere(cls, radius: Any, kappa: sp.Matrix | None = None) -> Ball:
+        """Rolling on a sphere; a negative radius as said above."""
+        return cls.on(Surface.sphere(radius, u1, v1), kappa)
+
+    @classmethod
+    def on_plane(cls, kappa: sp.Matrix | None = None) -> Ball:
+        """Rolling on a plane."""
+        return cls.on(Surface.plane(u1, v1), kappa)
+
+    @property
+    def relations(self) -> tuple[sp.Expr, ...]:
+        """gamma is a unit vector."""
+        return tuple(self.reduced.relations)
+
+    @cached_property
+    def momentum(self) -> sp.Matrix:
+        """G, without the gyroscope."""
+        return sp.Matrix(self.reduced.momenta)
+
+    @cached_property
+    def epsilon(self) -> sp.Expr:
+        """The factor in gammadot: the coefficient of gamma_2 omega_3 in the rate of gamma_1."""
+        return shorten([sp.diff(self.reduced.rates[0], GAMMA[1], OMEGA[2])])[0]
+
+    @cached_property
+    def motion(self) -> Motion:
+        """How omega and gamma change."""
+        dots = [vo.velocity(w) for w in OMEGA]
+        accelerations = self.reduced.mass.LUsolve(self.reduced.force)
+        return Motion(
+            rates=dict(zip((*GAMMA, *OMEGA), (*self.reduced.rates, *dots), strict=True)),
+            accelerations=dict(zip(dots, accelerations, strict=True)),
+        )
+
+    @cached_property
+    def flow(self) -> dict[sp.Expr, sp.Expr]:
+        """The vector field in the space of gamma and omega."""
+        return {x: self.motion.along(rate) for x, rate in self.motion.rates.items()}
+
+    @cached_property
+    def density(self) -> sp.Expr:
+        """Of an invariant measure: a power of det(I^-1 dG/domega), the power found."""
+        base = quadratic(self.reduced.mass.det() / tensor().det(), GAMMA, self.relations)
+        return density(base, self.flow, POINT)
+
+    def measure(self, where: Range | None = None) -> Verdict:
+        """Whether that is invariant, in a range of the parameters."""
+        return self._vanishes(divergence(self.density, self.flow), where)
+
+    def _vanishes(self, value: sp.Expr, where: Range | None) -> Verdict:
+        values = {} if where is None else dict(where.values)
+        return vo.prove_equal(value.xreplace(values), 0, self.relations)
+
+    def wider_density(self) -> str:
+        """The density where gamma is not a unit vector, for the equations that G = I omega -
+        D (omega, gamma) gamma defines there; proved."""
+        momentum = tensor() * OMEGA - D * OMEGA.dot(GAMMA) * GAMMA
+        turned = self.epsilon * GAMMA.cross(OMEGA)
+        right = momentum.cross(OMEGA) - momentum.jacobian(GAMMA) * turned
+        rates = momentum.jacobian(OMEGA).LUsolve(right)
+        weight = sp.sqrt(1 - D * (tensor().inv() * GAMMA).dot(GAMMA))
+        flow = dict(zip((*GAMMA, *OMEGA), (*turned, *rates), strict=True))
+        proved = vo.prove_equal(divergence(weight, flow), 0).proved
+        return r"\mu=\sqrt{1-D(\mathbf I^{-1}\gamma,\gamma)}\quad\text{for all }\gamma" * proved
+
+    @cached_property
+    def integrals(self) -> dict[str, sp.Expr]:
+        """|gamma|^2, the energy, the square and the normal part of the whole momentum."""
+        whole = self.momentum + self.kappa
+        return {
+            "F_1": GAMMA.dot(GAMMA),
+            "F_2": self.momentum.dot(OMEGA) / 2,
+            "F_3": whole.dot(whole),
+            "F_4": whole.dot(GAMMA),
+            **self.more,
+        }
+
+    def constant(self, value: sp.Expr, where: Range | None = None) -> Verdict:
+        """Whether a function of the state is an integral, in a range of the parameters."""
+        return self._vanishes(self.motion.along(self.motion.derivative(value)), where)
+
+    def still(self, name: str) -> list[tuple[str, sp.Expr]]:
+        """For print: the rate of an integral along the motion, in normal form."""
+        rate = self.motion.along(self.motion.derivative(self.integrals[name]))
+        return [(rf"\frac{{d}}{{dt}}{name}", shorten([rate], self.relations)[0])]
+
+    def constants(self, names: Sequence[str], where: Range | None = None) -> Verdict:
+        """Whether several of the integrals are ones."""
+        return worst(self.constant(self.integrals[name], where) for name in names)
+
+    @cached_property
+    def weighted(self) -> sp.Expr:
+        """The only sum b_i G_i gamma_i, up to a factor, that can be an integral.
+
+        Its rate is linear in b; at two points that leaves one direction.  Whether the rate
+        vanishes everywhere remains to be proved.
+        """
+        rates = zip(
+            self.reduced.momentum_rates, GAMMA, self.momentum, self.reduced.rates, strict=True
+        )
+        row = [a * b + c * d for a, b, c, d in rates]
+        first, second = (sp.Matrix(shorten([e.xreplace(p) for e in row])) for p in (POINT, OTHER))
+        factors = zip(least(first.cross(second)), self.momentum, GAMMA, strict=True)
+        return sp.Add(*[b * g * x for b, g, x in factors])
+
+    def names(self) -> dict[str, Any]:
+        """What the paper's letters stand for."""
+        found: dict[str, Any] = {
+            "t": vo.time,
+            "R_1": R1,
+            "R_2": R2,
+            r"\mathbf M": M,
+            r"D(\cdot)": lambda a, b: D * a.dot(b),  # a list behind D is a scalar product
+            r"\epsilon": self.epsilon,
+            r"\omega": OMEGA,
+            r"\gamma": GAMMA,
+            r"\kappa": self.kappa,
+            r"\mathbf G": self.momentum,
+            r"\mathbb I": sp.diag(*MOMENTS),
+            r"\mathbf I": tensor(),
+            r"\mathbb E": sp.eye(3),
+            r"\mu(\cdot)": lambda _: self.density,
+        }
+        for i in (1, 2, 3):
+            found[f"I_{i}"] = MOMENTS[i - 1]
+            found[rf"\gamma_{i}"] = GAMMA[i - 1]
+            found[rf"\omega_{i}"] = OMEGA[i - 1]
+            found[rf"\mathbf G_{i}"] = self.momentum[i - 1]
+        return found | self.integrals
+
+    def study(self, more: Mapping[str, Any] | None = None, ranges: Any = ()) -> Study:
+        """The dictionary; ``more`` adds names."""
+        names = {**self.names(), **(more or {})}
+        return Study(
+            names,
+            motion=self.motion,
+            relations=self.relations,
+            ranges=ranges,
+            context=self,
+            note="where (gamma, gamma) = 1",
+        )
+
+    def with_weighted(self) -> Study:
+        """The dictionary with the integral linear in the momentum and in the normal."""
+        found = {r"\tilde F_4": self.weighted}
+        return replace(self.study(found), context=replace(self, more=found))
+
+
+def momentum_is_about_contact() -> Verdict:
+    """Whether mass times omega is the angular momentum about the point of contact."""
+    rolling = Rolling.on(Surface.sphere(SIGNED, u1, v1))
+    eqs = vo.derive(rolling.system())
+    found = Motion.of(eqs).restrict(rolling.momentum)
+    return all_proved(zip(eqs.mass * OMEGA, found, strict=True))
+
+
+def least(direction: sp.Matrix) -> tuple[sp.Expr, ...]:
+    """Its shortest multiple whose entries are polynomials, positive where all moments are small."""
+    entries = shorten([x / direction[2] for x in direction])
+    scale = sp.lcm_list([sp.fraction(x)[1] for x in entries])
+    found = shorten([x * scale for x in entries])
+    small = found[2].xreplace(dict.fromkeys(MOMENTS, sp.Integer(0)))
+    return tuple(-x if small.is_negative else x for x in found)
+
+
+def tensor() -> sp.Matrix:
+    """The inertia of the ball about its centre, with D added to each moment."""
+    return sp.diag(*(moment + D for moment in MOMENTS))
+
+
+def all_proved(pairs: Any, relations: Sequence[sp.Expr] = ()) -> Verdict:
+    """Whether all pairs are equal; the first that is not decides."""
+    return worst(vo.prove_equal(a, b, relations) for a, b in pairs)
+
+
+def worst(verdicts: Iterable[Verdict]) -> Verdict:
+    """The first of some verdicts that is not "proved", else the first."""
+    found = list(verdicts)
+    return next((verdict for verdict in found if not verdict.proved), found[0])

@@ -1,0 +1,250 @@
+"""The dictionaries of the section on a body with a gyroscope.
+
+``WithGyroscope`` has arbitrary surfaces and an arbitrary inertia: the gyroscope's angle is a
+coordinate of the engine's system, whose equations are projected on the fields that define s, tau,
+n; the balance of moments, made apart from that, is proved to say the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Motion, Study
+from voronec.kinematics import kinetic_energy
+
+from .body import DOTS, U, tensor
+from .neumann import AXES
+from .rotor import AXIAL, COSINES, LETTERS, chi
+from .surfaces import (
+    BASE,
+    COORDINATES,
+    FIBRE,
+    MASS,
+    NOTE,
+    QUASI,
+    SLIP,
+    Surfaces,
+    nonzero,
+    vector,
+    worst,
+)
+
+SPEED = sp.Symbol("omega~")
+
+
+@dataclass(frozen=True)
+class Balance:
+    """d/dt momentum + turning x momentum + trace x push = drive - k omega x axis."""
+
+    rate: sp.Matrix
+    momentum: sp.Matrix
+    omega: sp.Matrix
+    body: sp.Matrix
+    trace: sp.Matrix
+    push: sp.Matrix
+    drive: sp.Matrix
+    axial: sp.Expr
+    axis: sp.Matrix
+
+    @property
+    def left(self) -> sp.Matrix:
+        """What changes: the axes turn by omega - omega_1, and M moves."""
+        turning = self.omega - self.body
+        return self.rate + turning.cross(self.momentum) + self.trace.cross(self.push)
+
+    @property
+    def right(self) -> sp.Matrix:
+        """What drives it."""
+        return self.drive - self.axial * self.omega.cross(self.axis)
+
+    @classmethod
+    def spelled(cls) -> Balance:
+        """In the paper's names."""
+
+        def triple(text: str, letters: tuple[str, ...] = LETTERS) -> sp.Matrix:
+            return vector(sp.Symbol(text.replace("#", x)) for x in letters)
+
+        return cls(
+            triple(r"\frac{d}{dt}\frac{\partial\Theta}{\partial #}"),
+            triple(r"\frac{\partial\Theta}{\partial #}"),
+            triple("{#}"),
+            triple("{#_1}"),
+            triple(r"\mathfrak v_{#}", AXES),
+            triple(r"\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_{#}}", AXES),
+            triple(r"\frac{\partial\bar{\dot{U}}}{\partial #}"),
+            sp.Symbol("{k}"),
+            triple("{#}", COSINES),
+        )
+
+
+@dataclass(frozen=True)
+class WithGyroscope:
+    """Body and gyroscope on arbitrary surfaces."""
+
+    surfaces: Surfaces
+    eqs: Any
+    axis: sp.Matrix
+
+    @classmethod
+    def derived(cls) -> WithGyroscope:
+        """Derive the equations; the gyroscope's angle chi is a coordinate of the base."""
+        surfaces = Surfaces.arbitrary()
+        contact = surfaces.contact
+        axis = vector(sp.Function(x)(*COORDINATES[:2]) for x in ("alpha''", "beta''", "gamma''"))
+        axial = axis.dot(surfaces.spin) + vo.velocity(chi)
+        body = kinetic_energy(MASS, contact.centre_velocity, tensor(), contact.spin)
+        system = vo.System(
+            name="body-with-gyroscope",
+            fibration=vo.Fibration(base=(*BASE, chi), fibre=FIBRE),
+            lagrangian=body + AXIAL * axial**2 / 2 + U,
+            constraints=contact.no_slip,
+            parameters=(MASS, AXIAL),
+        )
+        return cls(surfaces, vo.derive(system), axis)
+
+    @cached_property
+    def spin(self) -> sp.Matrix:
+        """(s, tau, n) on the constraints."""
+        return self.surfaces.motion.restrict(self.surfaces.spin)
+
+    @cached_property
+    def slopes(self) -> sp.Matrix:
+        """(s, tau, n) = slopes * (du/dt, dv/dt, dtheta/dt)."""
+        return self.spin.jacobian(DOTS)
+
+    @cached_property
+    def rules(self) -> dict[sp.Expr, sp.Expr]:
+        """Derivatives of the unknown functions."""
+        body, fixed = self.surfaces.forms
+        return {**fixed.rules(), **body.rules(vectors=(self.axis,), tensors=(tensor(),))}
+
+    @cached_property
+    def given(self) -> dict[sp.Expr, sp.Expr]:
+        """What the symbols of a formula are on the constraints."""
+        spin = dict(zip(QUASI, self.spin, strict=True))
+        return {**self.surfaces.roots, **self.rules, **spin, **dict.fromkeys(SLIP, sp.Integer(0))}
+
+    @cached_property
+    def motion(self) -> Motion:
+        """s, tau, n change as their values in velocities do."""
+        motion = self.surfaces.motion
+        rates = zip(QUASI, motion.derivative(self.spin), strict=True)
+        return Motion({**motion.rates, **dict(rates)}, motion.constrained)
+
+    @property
+    def energies(self) -> tuple[sp.Expr, sp.Expr]:
+        """T-bar in the slip and s, tau, n; Theta, where nothing slips."""
+        centre = vector(SLIP) - vector(QUASI).cross(self.surfaces.arm)
+        energy = kinetic_energy(MASS, centre, tensor(), QUASI)
+        return energy, energy.xreplace(dict.fromkeys(SLIP, sp.Integer(0)))
+
+    @cached_property
+    def power(self) -> sp.Expr:
+        """dU/dt in s, tau, n."""
+        return sp.Matrix([U]).jacobian(COORDINATES).dot(self.surfaces.fields * vector(QUASI))
+
+    @cached_property
+    def balance(self) -> Balance:
+        """The moments about M along (u, v, n), from positions and energies alone."""
+        bar, theta = self.energies
+        momentum = vector(sp.diff(theta, w) for w in QUASI)
+        return Balance(
+            rate=self.motion.derivative(momentum),
+            momentum=momentum,
+            omega=vector(QUASI),
+            body=-self.surfaces.body_frame,
+            trace=vector(self.surfaces.contact.body.trace_velocity),
+            push=vector(sp.diff(bar, m) for m in SLIP),
+            drive=vector(sp.diff(self.power, w) for w in QUASI),
+            axial=AXIAL * SPEED,
+            axis=self.axis,
+        )
+
+    @cached_property
+    def residuals(self) -> tuple[sp.Expr, ...]:
+        """The engine's mass * vdot - force for u, v, theta, chi."""
+        raw, out = self.eqs.raw, self.eqs.door.outward_matrix
+        dots = vector(vo.velocity(w) for w in (*DOTS, vo.velocity(chi)))
+        return tuple(out(raw.mass) * dots - out([[x] for x in raw.force]))
+
+    @cached_property
+    def spun(self) -> tuple[sp.Expr, ...]:
+        """The residuals of u, v, theta where the gyroscope's speed omega~ is constant; what turns
+        chi by -axis . omega keeps that speed, and is part of s, tau and n."""
+        carried = self.axis.dot(self.spin)
+        rates = {
+            vo.velocity(vo.velocity(chi)): -self.surfaces.motion.derivative(carried),
+            vo.velocity(chi): SPEED - carried,
+        }
+        turned = [sp.diff(carried, w) for w in DOTS]
+        rows = zip(self.residuals, turned, strict=False)
+        return tuple((row - t * self.residuals[3]).xreplace(rates) for row, t in rows)
+
+    @cached_property
+    def rows(self) -> sp.Matrix:
+        """The balance of moments, proved to be the engine's equations along s, tau, n.
+
+        The engine's rows are slopes^T times those; comparing in that direction needs no inverse.
+        """
+        balance = (self.balance.left - self.balance.right).xreplace(self.given)
+        for mine, theirs in zip(self.slopes.T * balance, self.spun, strict=True):
+            verdict = vo.prove_equal(mine, theirs.xreplace(self.given))
+            if not verdict.proved:
+                raise vo.DefinitionError(f"the balance of moments differs: {verdict.method}")
+        return balance
+
+    def terms(self, position: int) -> list[tuple[Any, Any]]:
+        """A row as it stands in the balance of moments, in names."""
+        spelled = Balance.spelled()
+        return [(spelled.left[position], spelled.right[position])]
+
+    def constant_speed(self) -> vo.Verdict:
+        """Whether the equation of chi says that omega~ is constant."""
+        speed = self.axis.dot(self.spin) + vo.velocity(chi)
+        rate = self.surfaces.motion.derivative(speed - vo.velocity(chi))
+        rate += vo.velocity(vo.velocity(chi))
+        return vo.prove_equal(self.residuals[3], AXIAL * rate)
+
+    def cosines(self) -> vo.Verdict:
+        """Whether all three cosines follow the kinematic equations."""
+        turned = (-self.surfaces.body_frame).cross(self.axis)
+        rates = self.motion.derivative(self.axis).xreplace(self.rules)
+        return worst(vo.prove_equal(a, b) for a, b in zip(rates, turned, strict=True))
+
+    def commutators(self) -> vo.Verdict:
+        """Whether the fields of s, tau, n are dual to these, and have the brackets of rotations."""
+        return self.surfaces.commutators()
+
+    def eight(self) -> vo.Verdict:
+        """Whether coordinates and s, tau, n have determined derivatives."""
+        _ = self.rows
+        inertia = vector(sp.diff(self.energies[1], w) for w in QUASI).jacobian(QUASI)
+        a, b, c = (vector(row) for row in inertia.tolist())
+        return worst(nonzero(x) for x in (a.dot(b.cross(c)), self.slopes.det(method="berkowitz")))
+
+    def study(self) -> Study:
+        """The dictionary."""
+        bar, theta = self.energies
+        trace = self.surfaces.contact.body.trace_velocity
+        names: dict[str, Any] = {
+            **self.surfaces.names(),
+            "U": U,
+            **dict(zip(LETTERS, QUASI, strict=True)),
+            **dict(zip(("s_1", r"\tau_1", "n_1"), -self.surfaces.body_frame, strict=True)),
+            **dict(zip((rf"\mathfrak v_{x}" for x in AXES), trace, strict=True)),
+            **dict(zip((rf"\mathfrak m_{x}" for x in AXES), SLIP, strict=True)),
+            **dict(zip(COSINES, self.axis, strict=True)),
+            r"\bar{\mathbf T}": bar,
+            r"\Theta": theta,
+            r"\bar{\dot{U}}": self.power,
+            r"\tilde C": AXIAL,
+            r"\tilde\omega": SPEED,
+            "k": AXIAL * SPEED,
+        }
+        note = f"{NOTE}, any inertia and any force function"
+        return Study(names, motion=self.motion, given=self.given, context=self, note=note)

@@ -1,0 +1,92 @@
+"""What a gyroscope adds to a ball: from a rotor with a coordinate of its own, to Demchenko's."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Verdict
+from voronec.kinematics import Surface
+
+from .chaplygin_balls import (
+    GAMMA,
+    KAPPA,
+    MOMENTS,
+    OMEGA,
+    R1,
+    R2,
+    SIGNED,
+    Ball,
+    M,
+    Rolling,
+    all_proved,
+    theta,
+    u,
+    u1,
+    v,
+    v1,
+    worst,
+)
+
+chi, C, W = sp.symbols("chi C W")
+AXIS = sp.Matrix(sp.symbols("e1:4"))
+
+
+def rotor_is_kappa() -> Verdict:
+    """A rotor of axial moment C about the fixed axis e of the ball, as a coordinate chi.
+
+    With W = (e, omega) + dchi/dt the equations are those of the ball with kappa = C W e, and W is
+    constant.  The rotor's transverse moments belong to the ball.
+    """
+    rolling = Rolling.on(Surface.sphere(SIGNED, u1, v1))
+    turn = AXIS.dot(rolling.spin) + vo.velocity(chi)
+    frame = dict(zip((*OMEGA, W), (*rolling.spin, turn), strict=True))
+    system = vo.System(
+        name="ball-with-rotor",
+        fibration=vo.Fibration((u, v, theta, chi), (u1, v1)),
+        frame=vo.Frame.quasi(frame),
+        lagrangian=rolling.energy + C * turn**2 / 2,
+        constraints=rolling.contact.no_slip,
+        parameters=(SIGNED, R2, M, C, *MOMENTS, *AXIS),
+        invariants=dict(zip(map(str, GAMMA), rolling.normal, strict=True)),
+    )
+    full = vo.descend(system)
+    ball = Ball.on_sphere(SIGNED, KAPPA).reduced
+    carried = dict(zip(KAPPA, C * W * AXIS, strict=True))
+    pairs = [(full.force[3], 0), *zip(full.mass[3, :], (0, 0, 0, C), strict=True)]
+    pairs += zip(full.mass[:3, :3], ball.mass, strict=True)
+    pairs += zip(full.force[:3], ball.force.xreplace(carried), strict=True)
+    return all_proved(pairs, ball.relations)
+
+
+def is_demchenkos(system: vo.System) -> Verdict:
+    """Whether the ball with equal moments A and kappa along its third axis is that system.
+
+    Under Zhukovsky's condition the moments A_1 + A_2, A_1 + A_2, C_1 of ball and rotor are equal.
+    """
+    rolling = Rolling.on(Surface.sphere(R1, u1, v1), sp.Matrix([0, 0, KAPPA[2]]))
+    known = {p.name: p.symbol for p in system.parameters}
+    to_theirs = {R1: known["R1"], R2: known["R2"], M: known["M"]}
+    to_theirs |= {**dict.fromkeys(MOMENTS, known["A"]), KAPPA[2]: known["k"]}
+    mine = rolling.system()
+    pairs: list[tuple[Any, Any]] = [(mine.lagrangian, system.lagrangian)]
+    pairs += zip(mine.constraints, system.constraints, strict=True)
+    return worst(vo.prove_equal(sp.sympify(a).xreplace(to_theirs), b) for a, b in pairs)
+
+
+def on_the_plane(sphere: Ball, plane: Ball) -> Verdict:
+    """Whether the equations on a sphere become those on a plane as its radius grows."""
+    curvature = sp.Symbol("h")
+
+    def flat(value: sp.Expr) -> sp.Expr:
+        return sp.cancel(sp.together(value.xreplace({R1: 1 / curvature}))).xreplace(
+            {curvature: sp.Integer(0)}
+        )
+
+    pairs: list[tuple[Any, Any]] = [(flat(sphere.epsilon), 1), (plane.epsilon, 1)]
+    for name in ("mass", "force", "rates"):
+        ours, theirs = getattr(sphere.reduced, name), getattr(plane.reduced, name)
+        pairs += zip(map(flat, ours), theirs, strict=True)
+    return all_proved(pairs, plane.relations)

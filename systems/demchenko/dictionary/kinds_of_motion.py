@@ -1,0 +1,252 @@
+"""What can be decided about the constants of the paper, and about the kinds of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Range, Study
+
+from .. import A, k, n, s, tau, u, u1, v, v1
+from .quadratures import C5, GAMMA, INERTIA, RATIO, h, level, p, x
+
+Decide = Callable[[Study, Range], vo.Verdict]
+
+
+def always(value: Callable[[], Any], relation: str) -> Decide:
+    """Whether an expression in the parameters and in k > 0 has a sign in a range."""
+
+    def decide(_: Study, where: Range) -> vo.Verdict:
+        return signed(value(), relation, where)
+
+    return decide
+
+
+def signed(value: Any, relation: str, where: Range) -> vo.Verdict:
+    """The sign of an expression in a range, k being positive: else the axis is turned round."""
+    inside = sp.sympify(value).xreplace(dict(where.values))
+    return vo.prove_inequality(inside, relation, 0, (*where.positive, k))
+
+
+def chained(*steps: tuple[str, vo.Verdict]) -> vo.Verdict:
+    """Proved where all steps are; else the first that is not."""
+    for what, verdict in steps:
+        if not verdict.proved:
+            return vo.Verdict(verdict.status, f"{what}: {verdict.method}", verdict.witness)
+    return vo.Verdict("proved", "; ".join(f"{what} ({v.method})" for what, v in steps))
+
+
+def equal(left: Any, right: Any) -> vo.Verdict:
+    """Equality by the state: constants are replaced by what they are along the motion."""
+    given = level().integrals
+    sides = [sp.sympify(e).subs(x, sp.cos(u)).xreplace(given) for e in (left, right)]
+    return vo.prove_equal(*sides)
+
+
+def refuted(method: str, point: Mapping[Any, Any], left: Any, right: Any) -> vo.Verdict:
+    """Refuted by exact values."""
+    named = {str(name): str(value) for name, value in point.items()}
+    return vo.Verdict("refuted", method, vo.Witness(named, str(left), str(right)))
+
+
+# -- the polynomial X -----------------------------------------------------------------------
+
+
+def leading() -> Any:
+    """The coefficient of x^4 in X."""
+    return sp.Poly(level().X, x).LC()
+
+
+def leading_printed(_: Study) -> str:
+    """The same as LaTeX."""
+    proved(leading(), -INERTIA * (INERTIA * level().mu ** 2 + 4 * A * RATIO))
+    return r"a_0=-I(I\mu^2+4A\mu')"
+
+
+def proved(left: Any, right: Any) -> None:
+    """What is printed as derived must be proved."""
+    if not vo.prove_equal(left, right).proved:
+        raise vo.DefinitionError(f"'{left}' is to be printed as '{right}', which it is not")
+
+
+def ordered(_: Study, where: Range) -> vo.Verdict:
+    """b_0 > b_1 > P."""
+    names = level().names()
+    return chained(
+        ("b_0 > b_1", signed(names["b_0"] - names["b_1"], ">", where)),
+        ("b_1 > P", signed(names["b_1"] - names["P"], ">", where)),
+    )
+
+
+def quadratic(_: Study, __: Range) -> vo.Verdict:
+    """Degrees of phi, psi, F, theta; X by phi and psi; the printed forms."""
+    own = level()
+    degrees = [sp.Poly(q, x).degree() for q in (own.phi, own.psi, own.F, own.theta)]
+    if max(degrees) > 2:
+        return refuted("a degree is larger", {}, max(degrees), 2)
+    form = vo.prove_equal(own.X, (1 - x**2) * own.psi - own.phi**2)
+    return chained(("phi, psi, F, theta have degree two; X = (1 - x^2) psi - phi^2", form))
+
+
+def quadratic_printed(_: Study) -> str:
+    """phi, psi, theta and F as LaTeX."""
+    return r",\quad ".join(f"{left}={right}" for left, right in forms())
+
+
+def forms(*wanted: str) -> list[tuple[str, str]]:
+    """The proved forms of some of phi, psi, theta, F: LaTeX of both sides."""
+    for _, _, value, form in printed():
+        proved(value, form)
+    return [(left, right) for left, right, _, _ in printed() if not wanted or left in wanted]
+
+
+def in_seconds(_: Study, __: Any) -> list[tuple[str, str]]:
+    """The square of the rate of x by X, X by the state."""
+    own = level()
+    left = (own.rate(sp.cos(u)) * own.pace) ** 2
+    if not equal(left, own.X).proved:
+        raise vo.DefinitionError("the square of the rate of x is not X / pace^2")
+    return [(r"\big(\frac{dx}{dt}\big)^2", r"\frac{k^2}{b_2^2}X(x)")]
+
+
+def by_state(_: Study, __: Any) -> list[tuple[str, str]]:
+    """X by the state."""
+    own = level()
+    if not equal(own.X, (own.pace * tau * sp.sin(u) / own.mu) ** 2).proved:
+        raise vo.DefinitionError("X is not what the state gives")
+    return [("X", r"\frac{b_2^2\tau^2\sin^2u}{k^2\mu^2}")]
+
+
+def printed() -> list[tuple[str, str, Any, Any]]:
+    """phi, psi, theta, F in the letters of the paper: LaTeX of both sides, and their values."""
+    own, names = level(), level().names()
+    P, mu, x0 = own.P, own.mu, names["x_0"]
+    spin = C5 - k * mu * x
+    speed = 2 * P / (k * mu) * (2 * h * A - spin**2)
+    width = 2 * h * A / (k * mu) ** 2
+    b0, b1, b2, area = (names[b] for b in ("b_0", "b_1", "b_2", r"\bar\Gamma"))
+    return [
+        (
+            r"\phi(x)",
+            r"-b_0x^2+2b_1x_0x-\bar\Gamma",
+            own.phi,
+            -b0 * x**2 + 2 * b1 * x0 * x - area,
+        ),
+        (r"\psi(x)", r"2b_2\left(h'^2-(x-x_0)^2\right)", own.psi, 2 * b2 * (width - (x - x0) ** 2)),
+        (
+            r"\theta(x)",
+            r"\Gamma^2-(C_5-k\mu'x)^2",
+            own.theta,
+            GAMMA**2 - (C5 - k * RATIO * x) ** 2,
+        ),
+        (
+            "F(x)",
+            r"\mu'\Gamma\left(\tfrac{2P}{k\mu}\left(2hA-(C_5-k\mu x)^2\right)-k\phi(x)\right)",
+            own.F,
+            RATIO * GAMMA * (speed - k * own.phi),
+        ),
+    ]
+
+
+def even_count(_: Study, __: Range) -> vo.Verdict:
+    """Roots that are not real come in pairs; the degree is even unless a_0 = 0."""
+    if vo.prove_equal(leading(), 0).refuted and sp.Poly(level().X, x).degree() == 4:
+        return vo.Verdict("proved", "X has degree four unless a_0 = 0, and complex roots in pairs")
+    return vo.Verdict("undecided", "X has not the degree four")
+
+
+def without_roots(_: Study, __: Range) -> vo.Verdict:
+    """A polynomial X without real roots is negative, since X(1) is not positive."""
+    own = level()
+    ends = own.X.subs(x, 1), -(own.phi.subs(x, 1) ** 2)
+    return chained(("X(1) = -phi(1)^2, so that X < 0 if it has no root", vo.prove_equal(*ends)))
+
+
+def outer_gaps(_: Study, where: Range) -> vo.Verdict:
+    """With four real roots x lies between the two largest, or the two smallest."""
+    negative = signed(leading(), "<", where)
+    if not negative.proved:
+        return _between_the_middle_roots(where)
+    q = sp.symbols("q1:5", positive=True)
+    roots = [0, q[0], q[0] + q[1], q[0] + q[1] + q[2]]
+    places = {"below all roots": -q[3], "above all roots": roots[3] + q[3]}
+    places["between the middle roots"] = roots[1] + q[1] * q[3] / (1 + q[3])
+    steps = [
+        (f"{name} X < 0", vo.prove_inequality(-sp.prod(place - r for r in roots), "<", 0))
+        for name, place in places.items()
+    ]
+    return chained(("a_0 < 0", negative), *steps)
+
+
+def _between_the_middle_roots(where: Range) -> vo.Verdict:
+    """Data with a_0 > 0: X < 0 at the ends, X > 0 at x; so one root on each side of each."""
+    state = {INERTIA: 1, A: sp.Rational(2, 5), p: 1, k: 1, s: sp.Rational(1, 5), n: 1, tau: 1}
+    numbers = {**state, sp.cos(u): sp.Rational(3, 5), sp.sin(u): sp.Rational(4, 5)}
+    values = {symbol: e.xreplace(numbers) for symbol, e in where.values.items()}
+    numbers |= values
+    constants = {c: e.xreplace(numbers) for c, e in level().integrals.items()}
+    X = sp.Poly(level().X.xreplace(constants).xreplace(numbers), x)
+    place = numbers[sp.cos(u)]
+    below = X.count_roots(None, place)
+    if X.LC() > 0 and X.eval(place) > 0 and X.count_roots() == 4 and below == 2:
+        point = {**state, **values, "cos u": place, "sin u": numbers[sp.sin(u)]}
+        method = "a_0 > 0 there, and the motion runs between the second and the third root"
+        return refuted(method, point, f"{below} roots below x", "1 or 3 roots below x")
+    return vo.Verdict("undecided", "a_0 may be positive")
+
+
+# -- shapes of the trajectories -------------------------------------------------------------
+
+
+def equal_steps(_: Study, __: Range) -> vo.Verdict:
+    """The rates of v and v1 are functions of x alone, that of x is one up to its sign."""
+    own = level()
+    square = equal((own.rate(sp.cos(u)) * own.pace) ** 2, own.X)
+    return chained(*_turning(), ("(dx/dt)^2 = (k/b_2)^2 X(x)", square))
+
+
+def turns(_: Study, __: Range) -> vo.Verdict:
+    """The denominators in the rates of v and v1 do not change their signs."""
+    return chained(*_turning())
+
+
+def _turning() -> list[tuple[str, vo.Verdict]]:
+    own = level()
+    ball = own.rate(v) * sp.sin(u) ** 2 * own.pace
+    sphere = (own.rate(v1) * sp.sin(u1) ** 2).xreplace(own.upright) * GAMMA**2 * own.pace
+    return [
+        ("dv/dt = k phi(x) / (b_2 sin^2 u)", equal(ball, own.phi)),
+        ("dv_1/dt = k F(x) / (b_2 Gamma^2 sin^2 u_1)", equal(sphere, own.F)),
+    ]
+
+
+def rests(_: Study, __: Range) -> vo.Verdict:
+    """The speed of the contact point on both spheres is that of psi."""
+    own = level()
+    names = own.names()
+    ball = own.rate(u) ** 2 + (sp.sin(u) * own.rate(v)) ** 2
+    sphere = own.rate(u1) ** 2 + (sp.sin(u1) * own.rate(v1)) ** 2
+    outer = sphere * names["R_1"] ** 2
+    return chained(
+        ("(b_2/k)^2 (udot^2 + sin^2 u vdot^2) = psi", equal(ball * own.pace**2, own.psi)),
+        ("the speed on the sphere is the same", equal(outer, ball * names["R_2"] ** 2)),
+        (
+            "a root of X and of psi is one of phi",
+            vo.prove_equal(own.phi**2, (1 - x**2) * own.psi - own.X),
+        ),
+    )
+
+
+def regular_at_poles(_: Study, __: Range) -> vo.Verdict:
+    """Where X vanishes at x = 1 or -1 so does phi; X' is there -2 psi, or 2 psi."""
+    own = level()
+    slope = sp.diff(own.X, x)
+    steps = []
+    for end in (1, -1):
+        turned = -2 * end * own.psi - 2 * own.phi * sp.diff(own.phi, x)
+        left, right = slope.subs(x, end), turned.subs(x, end)
+        steps.append((f"X'({end}) = {-2 * end} psi({end}) where phi({end}) = 0", (left, right)))
+    return chained(*((what, vo.prove_equal(*sides)) for what, sides in steps))

@@ -1,0 +1,82 @@
+"""Body and gyroscope taken apart, each with moments of its own, at one moment of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Study
+from voronec.kinematics import kinetic_energy
+
+from .neumann import Attitude
+from .surfaces import MASS, QUASI, vector
+
+chi = sp.Symbol("chi")
+AXIAL = sp.Symbol("C~", positive=True)
+LETTERS = ("s", r"\tau", "n")
+COSINES = (r"\alpha''", r"\beta''", r"\gamma''")
+
+
+@dataclass(frozen=True)
+class Rotor:
+    """Body and gyroscope with moments of their own; the gyroscope is turned by chi about z."""
+
+    attitude: Attitude
+    body: tuple[sp.Symbol, ...]
+    gyroscope: tuple[sp.Symbol, ...]
+
+    @classmethod
+    def arbitrary(cls) -> Rotor:
+        """All moments in symbols; the gyroscope is symmetric about its axis."""
+        across = sp.Symbol("A_2", positive=True)
+        moments = sp.symbols("A_1 B_1 C", positive=True)
+        return cls(Attitude.arbitrary(), moments, (across, across, AXIAL))
+
+    @property
+    def carried(self) -> sp.Matrix:
+        """Angular velocity of the gyroscope along x, y, z."""
+        return self.attitude.principal[1] + vector((0, 0, vo.velocity(chi)))
+
+    @property
+    def energy(self) -> sp.Expr:
+        """The kinetic energy of both."""
+        w, p = self.attitude.principal
+        c, s = sp.cos(chi), sp.sin(chi)
+        turned = sp.Matrix([[c, s, 0], [-s, c, 0], [0, 0, 1]]) * self.carried
+        own = kinetic_energy(MASS, w, self.body, p)
+        return own + kinetic_energy(0, (0, 0, 0), self.gyroscope, turned)
+
+    @property
+    def moment(self) -> sp.Matrix:
+        """Angular momentum of both about M along (u, v, n)."""
+        spins = sp.diag(*self.body) * self.attitude.principal[1]
+        spins += sp.diag(*self.gyroscope) * self.carried
+        orbital = self.attitude.arm.cross(MASS * self.attitude.centre)
+        return self.attitude.matrix.T * spins - orbital
+
+    def study(self) -> Study:
+        """The dictionary; A and B are those of body and gyroscope together, C is the body's."""
+        (w, p), matrix = self.attitude.principal, self.attitude.matrix
+        a, b, c = self.body
+        moments = (a + self.gyroscope[0], b + self.gyroscope[1], c)
+        inertia = matrix.T * sp.diag(*moments) * matrix
+        along = kinetic_energy(MASS, self.attitude.centre, (inertia + inertia.T) / 2, QUASI)
+        names: dict[str, Any] = {
+            **dict(zip(("A", "B", "C"), moments, strict=True)),
+            **dict(zip(LETTERS, QUASI, strict=True)),
+            **dict(zip(("p", "q", "r"), p, strict=True)),
+            **dict(zip(COSINES, matrix.row(2), strict=True)),
+            r"\mathbf M": MASS,
+            r"\tilde C": AXIAL,
+            r"\tilde\omega": self.carried[2],
+            r"\mathbf z": matrix.row(2).T,
+            r"\mathbf T": kinetic_energy(MASS, w, moments, p),
+            r"\bar{\mathbf T}": along,
+            r"\tilde{\mathbf T}": self.energy,
+            r"\tilde{\mathbf G}^{(M)}": self.moment,
+            r"\mathbf G^{(M)}": self.moment.xreplace({vo.velocity(chi): -p[2]}),
+        }
+        return Study(names, context=self)

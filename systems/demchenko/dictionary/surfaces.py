@@ -1,0 +1,180 @@
+"""Two arbitrary surfaces in contact: what the sections on rolling bodies have in common.
+
+Both surfaces are known by their fundamental forms only, along lines of curvature; E, G, D, D'' and
+the support are unknown functions, so that what is proved here holds for every pair of surfaces.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Motion
+from voronec.kinematics import RollingContact, SurfaceForms
+
+u, v, theta, u1, v1 = COORDINATES = sp.symbols("u v theta u_1 v_1")
+BASE, FIBRE = COORDINATES[:3], COORDINATES[3:]
+QUASI = s, tau, n = sp.symbols("s tau n")
+SLIP = sp.symbols("m_u m_v m_n")
+MASS = sp.Symbol("mass", positive=True)
+NOTE = "for arbitrary surfaces"
+SPELLED = ("u", "v", r"\vartheta", "u_1", "v_1")
+
+
+def velocities(coordinates: tuple[sp.Symbol, ...]) -> tuple[sp.Expr, ...]:
+    """The velocity symbols of coordinates."""
+    return tuple(vo.velocity(q) for q in coordinates)
+
+
+def vector(components: Any) -> sp.Matrix:
+    """A column of SymPy's."""
+    return sp.Matrix(list(components))
+
+
+def worst(verdicts: Any) -> vo.Verdict:
+    """The first verdict that is not a proof, or the last one."""
+    found = vo.Verdict("proved", "nothing to prove")
+    for verdict in verdicts:
+        found = verdict
+        if not verdict.proved:
+            break
+    return found
+
+
+def nonzero(expr: sp.Expr) -> vo.Verdict:
+    """Whether an expression is not identically zero: proved by a point."""
+    verdict = vo.prove_equal(expr, 0)
+    if verdict.refuted:
+        return vo.Verdict("proved", f"the determinant is not zero: {verdict.witness}")
+    return vo.Verdict("undecided" if verdict.undecided else "refuted", verdict.method)
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """A body on a surface; ``rates`` are the derivatives of the coordinates on the constraints."""
+
+    contact: RollingContact
+    rates: tuple[sp.Expr, ...]
+
+    @classmethod
+    def arbitrary(cls) -> Surfaces:
+        """Both surfaces unknown; the constraints are solved by the engine."""
+        body, fixed = SurfaceForms.unknown(u, v), SurfaceForms.unknown(u1, v1, "_1")
+        contact = RollingContact(body, fixed, theta)
+        system = vo.System(
+            name="contact",
+            fibration=vo.Fibration(base=BASE, fibre=FIBRE),
+            lagrangian=sum(w**2 for w in velocities(BASE)),
+            constraints=contact.no_slip,
+        )
+        return cls(contact, tuple(vo.derive(system).rates))
+
+    @cached_property
+    def motion(self) -> Motion:
+        """Base velocities are free, those of the fibre as the constraints have it."""
+        found = dict(zip(COORDINATES, self.rates, strict=True))
+        constrained = dict(zip(velocities(FIBRE), self.rates[len(BASE) :], strict=True))
+        accelerations = {w: vo.velocity(w) for w in velocities(BASE)}
+        return Motion(found | accelerations, constrained)
+
+    @cached_property
+    def roots(self) -> dict[sp.Expr, sp.Expr]:
+        """sqrt(E G) = sqrt(E) sqrt(G): the coefficients are positive."""
+        found: dict[sp.Expr, sp.Expr] = {}
+        for forms in self.forms:
+            e, g = forms.first
+            split = sp.sqrt(e) * sp.sqrt(g)
+            found |= {sp.sqrt(e * g): split, 1 / sp.sqrt(e * g): 1 / split}
+        return found
+
+    @property
+    def forms(self) -> tuple[SurfaceForms, SurfaceForms]:
+        """The forms of the body's surface and of the fixed one."""
+        found = self.contact.body, self.contact.fixed
+        assert isinstance(found[0], SurfaceForms)
+        assert isinstance(found[1], SurfaceForms)
+        return found[0], found[1]
+
+    @cached_property
+    def spin(self) -> sp.Matrix:
+        """(s, tau, n) in the velocities of all coordinates."""
+        return vector(self.contact.spin)
+
+    @property
+    def arm(self) -> sp.Matrix:
+        """OM along (u, v, n)."""
+        return vector(self.contact.arm)
+
+    @cached_property
+    def lift(self) -> sp.Matrix:
+        """How the velocities of all coordinates follow from those of the base."""
+        return sp.Matrix([[sp.diff(rate, w) for w in velocities(BASE)] for rate in self.rates])
+
+    @cached_property
+    def framed(self) -> Any:
+        """The same contact in the frame of the quasi-velocities s, tau, n."""
+        system = vo.System(
+            name="contact-in-frame",
+            fibration=vo.Fibration(base=BASE, fibre=FIBRE),
+            frame=vo.Frame.quasi(dict(zip(QUASI, self.contact.spin, strict=True))),
+            lagrangian=sum(w**2 for w in velocities(BASE)),
+            constraints=self.contact.no_slip,
+        )
+        return vo.derive(system)
+
+    @cached_property
+    def fields(self) -> sp.Matrix:
+        """Columns: velocities of all coordinates, for s = 1, for tau = 1, for n = 1."""
+        rates = vector(map(self.framed.door.outward, self.framed.exact.rates))
+        return rates.jacobian(QUASI)
+
+    def commutators(self) -> vo.Verdict:
+        """Whether the engine's brackets of those fields are what rotations make of them.
+
+        omega([X_i, X_j]) = e_i x e_j - omega_1(X_i) x e_j + omega_1(X_j) x e_i along (u, v, n),
+        where [X_i, X_j] = c_ij^k X_k + B_ij^A d_A.
+        """
+        brackets, spin = self.framed.brackets, self.spin.jacobian(velocities(COORDINATES))
+        body, fixed = self.forms
+        rules = {**self.roots, **body.rules(), **fixed.rules()}
+        relative = -self.body_frame.jacobian(velocities(COORDINATES)) * self.fields
+        axes, verdicts = sp.eye(3), []
+        for i, j in ((0, 1), (0, 2), (1, 2)):
+            along = vector(brackets.c[k, i, j] for k in range(3))
+            upright = vector(brackets.B[a, i, j] for a in range(2))
+            turned = axes[:, i].cross(axes[:, j]) - relative[:, i].cross(axes[:, j])
+            turned += relative[:, j].cross(axes[:, i])
+            difference = (along + spin[:, len(BASE) :] * upright - turned).xreplace(rules)
+            verdicts += [vo.prove_equal(x, 0) for x in difference]
+        dual = self.motion.restrict(spin) * self.fields - axes
+        return worst([*verdicts, *(vo.prove_equal(x, 0) for x in dual)])
+
+    @cached_property
+    def virtual(self) -> dict[sp.Expr, sp.Expr]:
+        """The virtual displacements: velocities on the constraints with variations for them."""
+        free = dict(zip(velocities(BASE), self.variations, strict=True))
+        return {q: rate.xreplace(free) for q, rate in zip(COORDINATES, self.rates, strict=True)}
+
+    @property
+    def variations(self) -> tuple[sp.Symbol, ...]:
+        """The independent variations."""
+        return sp.symbols("delta_u delta_v delta_theta")
+
+    @property
+    def body_frame(self) -> sp.Matrix:
+        """The angular velocity of M u v n against the body, along its axes."""
+        return vector(self.forms[0].frame_rates)
+
+    def names(self) -> dict[str, Any]:
+        """Coordinates and coefficients of the forms."""
+        found: dict[str, Any] = {"t": vo.time, **dict(zip(SPELLED, COORDINATES, strict=True))}
+        for forms, mark in zip(self.forms, ("", "_1"), strict=True):
+            first = zip(("E", "F", "G"), forms.first_form, strict=True)
+            second = zip(("D", "D'", "D''"), forms.second_form, strict=True)
+            found |= {name + mark: value for name, value in (*first, *second)}
+        found |= dict(zip((r"\rho_u", r"\rho_v", r"\epsilon"), self.arm, strict=True))
+        return found

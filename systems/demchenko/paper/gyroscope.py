@@ -1,0 +1,138 @@
+"""Rolling of a body with a gyroscope: the displays as printed, and what they are compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from voronec.audit import Check, Display, Range, Section, Sentence, Study, Transcript, Verdict
+
+ROTOR = Check(study="rotor")
+MOMENTS = Check(study="particles")
+
+
+def studies(_: Transcript) -> dict[str, Study]:
+    """The dictionaries of this section."""
+    from ..dictionary.gyroscope import WithGyroscope
+    from ..dictionary.neumann import particles
+    from ..dictionary.rotor import Rotor
+
+    return {
+        "motion": WithGyroscope.derived().study(),
+        "rotor": Rotor.arbitrary().study(),
+        "particles": particles(r"\mathfrak v"),
+    }
+
+
+def projection(position: int) -> Check:
+    """A projection of the angular momentum of body and gyroscope about the contact point."""
+
+    def value(study: Study, _: Mapping[str, int]) -> Any:
+        return study.context.moment[position]
+
+    return Check(study="rotor", value=value)
+
+
+def motion(position: int) -> Check:
+    """The derived balance of moments along u, v or n."""
+
+    def derived(study: Study, _: Mapping[str, int]) -> list[tuple[Any, Any]]:
+        found: list[tuple[Any, Any]] = study.context.terms(position)
+        return found
+
+    return Check(
+        truth=lambda study, where: study.context.rows[position],
+        derived=derived,
+    )
+
+
+def constant_speed(study: Study, _: Range) -> Verdict:
+    """The gyroscope's angle is cyclic."""
+    context: Any = study.context
+    verdict: Verdict = context.constant_speed()
+    return verdict
+
+
+def cosines(study: Study, _: Range) -> Verdict:
+    """All three kinematic equations."""
+    context: Any = study.context
+    verdict: Verdict = context.cosines()
+    return verdict
+
+
+def commutators(study: Study, _: Range) -> Verdict:
+    """The fields of the quasi-velocities."""
+    context: Any = study.context
+    verdict: Verdict = context.commutators()
+    return verdict
+
+
+def eight(study: Study, _: Range) -> Verdict:
+    """As many equations as unknowns, and the accelerations are determined."""
+    context: Any = study.context
+    verdict: Verdict = context.eight()
+    return verdict
+
+
+GYROSCOPE = Section(
+    title="Rolling of a body with a gyroscope",
+    label="bodyGyr",
+    studies=studies,
+    inline=(
+        Display(r"$\kappa =k\mathbf z$", (ROTOR,)),
+        Display(r"$k=\tilde C\tilde\omega$", (ROTOR,)),
+        Display(
+            r"$\tilde{\mathbf G}^{(M)}=\mathbf G^{(M)}+\kappa$",
+            (ROTOR,),
+        ),
+        Display(r"$\frac{d\alpha''}{dt}=\tau_1\gamma''-n_1\beta''$"),
+    ),
+    sentences=(
+        Sentence(
+            says=r"If the forces on the gyroscope have no torque about its axis, the component $\tilde\omega$ of its angular velocity along $\mathbf z$ is constant.",
+            decide=constant_speed,
+        ),
+        Sentence(
+            says=r"$\beta''$ and $\gamma''$ change by the same rule as $\alpha''$, with the letters exchanged in a cycle.",
+            decide=cosines,
+        ),
+        Sentence(
+            says=r"$s$, $\tau$, $n$ define fields $X_s$, $X_\tau$, $X_n$ on the constraints, along which $U$ is differentiated; $\omega([X_i,X_j])=e_i\times e_j-\omega_1(X_i)\times e_j+\omega_1(X_j)\times e_i$ in the frame $M\mathbf u\mathbf v\mathbf n$.",
+            decide=commutators,
+        ),
+        Sentence(
+            says=r"The motion is determined by eight equations for $u$, $v$, $\vartheta$, $u_1$, $v_1$, $s$, $\tau$, $n$.",
+            decide=eight,
+        ),
+    ),
+    displays=(
+        Display(
+            r"""\begin{equation}\label{kinMod}
+\tilde{\mathbf T}=\mathbf T+\frac12\tilde{C}\tilde{\omega}^2=\bar{\mathbf T}+\frac12\tilde{C}\tilde{\omega}^2,
+\end{equation}""",
+            (ROTOR,),
+        ),
+        Display(
+            r"""\begin{equation}\label{eq:momentgyroscope*}
+\dot{\tilde{\mathbf{G}}}^{(M)}+[\mathfrak v,\mathfrak M]=\mathbf{L}^{(M)},
+\end{equation}""",
+            (MOMENTS,),
+        ),
+        Display(
+            r"""$$
+\frac{\partial\bar{\mathbf T}}{\partial s}+k\alpha'',\quad \frac{\partial\bar{\mathbf T}}{\partial \tau}+k\beta'',\quad \frac{\partial\bar{\mathbf T}}{\partial n}+k\gamma'',
+$$""",
+            (projection(0), projection(1), projection(2)),
+        ),
+        Display(
+            r"""$$
+\begin{aligned}
+\frac{d}{dt}\frac{\partial\Theta}{\partial s}+(\tau-\tau_1)\frac{\partial\Theta}{\partial n}-(n-n_1)\frac{\partial\Theta}{\partial \tau}+\mathfrak v_\mathbf v\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf n}-\mathfrak v_\mathbf n\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf v}&=\frac{\partial\bar{\dot{U}}}{\partial s}+k(n\beta''-\tau\gamma''),\\
+\frac{d}{dt}\frac{\partial\Theta}{\partial \tau}+(n-n_1)\frac{\partial\Theta}{\partial n}-(s-s_1)\frac{\partial\Theta}{\partial n}+\mathfrak v_\mathbf n\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf u}-\mathfrak v_\mathbf u\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf n}&=\frac{\partial\bar{\dot{U}}}{\partial \tau}+k(s\gamma''-n\alpha''),\\
+\frac{d}{dt}\frac{\partial\Theta}{\partial n}+(s-s_1)\frac{\partial\Theta}{\partial \tau}-(\tau-\tau_1)\frac{\partial\Theta}{\partial s}+\mathfrak v_\mathbf u\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf v}-\mathfrak v_\mathbf v\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf u}&=\frac{\partial\bar{\dot{U}}}{\partial n}+k(\tau\alpha''-s\beta''),
+\end{aligned}
+$$""",
+            (motion(0), motion(1), motion(2)),
+        ),
+    ),
+)

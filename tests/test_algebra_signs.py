@@ -1,0 +1,109 @@
+"""Inequalities: certificates, rational witnesses, and what stays open."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+import sympy as sp
+
+from voronec.algebra.signs import prove_inequality
+from voronec.errors import DefinitionError
+
+p, q, r = POSITIVE = sp.symbols("p q r")
+x, y, z = sp.symbols("x y z")
+OPPOSITE = {"<": ">=", ">": "<=", "<=": ">", ">=": "<"}
+
+TRUE = [
+    (p * q + r, ">", 0),
+    (p + q, ">", p),
+    (p**2 + q**2, ">=", 2 * p * q),
+    (p / q + q / p, ">=", 2),
+    (x**2 + x * y + y**2, ">=", 0),
+    (x**2 + 2 * x * y + 2 * y**2 + 1, ">", 0),
+    ((x - y) ** 2 * (p + x**2), ">=", 0),
+    (p * x**2 + 2 * q * x + q**2 / p + r, ">", 0),
+    (-p / (1 + p), ">", -1),
+    (-(1 + p), "<", -1),
+    (1 / (1 + x**2), "<=", 1),
+    (sp.sqrt(p), ">", 0),
+    (sp.sqrt(p**2 + q), ">", -p),
+    (sp.sqrt(x**2), ">=", 0),
+    (p**3 - 3 * p + 3, ">", 0),
+    (x**4 - x + 1, ">", 0),
+    (x**4 + y**4 + z**4, ">=", x**2 * y**2 + y**2 * z**2 + z**2 * x**2),
+    (x**2 + p, "!=", 0),
+    ((p + q * x) ** 2 + (q - p * x) ** 2, ">", 0),
+    (p**2 + 2 * p * x + x**2 * (1 + q), ">", 0),
+    (sp.sin(x) ** 2, "<=", 1),
+    (sp.Rational(1, 3), "<", sp.Rational(1, 2)),
+    (x * p, "<=", p * x),
+]
+FALSE = [
+    (p, ">", q),
+    (x, ">=", 0),
+    (x**2, ">", 0),
+    ((p - 7) ** 2 * q, ">", 0),
+    (p**3 - 3 * p + 1, ">", 0),
+    (x * y, ">=", -1000000),
+    (sp.sqrt(p), ">=", 1),
+    (sp.sqrt(p), "<", sp.sqrt(q)),
+    (1 + p, "<", 1),
+    (x - 3, "!=", 0),
+    (p * q - 12345, "!=", 0),
+    (p, "<", p),
+    (p * x**2 + 2 * q * x + q**2 / p - r, ">", 0),
+]
+
+
+@pytest.mark.parametrize(("a", "relation", "b"), TRUE)
+def test_true_inequalities_are_proved(a: sp.Expr, relation: str, b: sp.Expr) -> None:
+    verdict = prove_inequality(a, relation, b, POSITIVE)
+    assert verdict.proved, verdict
+    assert verdict.method.startswith("left minus right is ")
+
+
+@pytest.mark.parametrize(("a", "relation", "b"), TRUE)
+def test_the_opposite_of_what_is_true_is_refuted(a: sp.Expr, relation: str, b: sp.Expr) -> None:
+    if relation in OPPOSITE:
+        assert prove_inequality(a, OPPOSITE[relation], b, POSITIVE).refuted
+
+
+@pytest.mark.parametrize(("a", "relation", "b"), FALSE)
+def test_a_witness_is_a_rational_point_at_which_the_relation_fails(
+    a: sp.Expr, relation: str, b: sp.Expr
+) -> None:
+    verdict = prove_inequality(a, relation, b, POSITIVE)
+    assert verdict.refuted and verdict.witness is not None, verdict
+    at = {sp.Symbol(n): sp.Rational(Fraction(v)) for n, v in verdict.witness.point.items()}
+    assert all(at.get(s, 1) > 0 for s in POSITIVE)
+    left, right = sp.sympify(a).xreplace(at), sp.sympify(b).xreplace(at)
+    assert left.is_real and right.is_real
+    decided = {
+        "<": left < right,
+        ">": left > right,
+        "<=": left <= right,
+        ">=": left >= right,
+        "!=": sp.Ne(left, right),
+    }
+    assert decided[relation] == sp.false
+
+
+def test_what_is_neither_certified_nor_refuted_stays_open() -> None:
+    motzkin = x**4 * y**2 + x**2 * y**4 + z**6 - 3 * x**2 * y**2 * z**2
+    assert prove_inequality(motzkin, ">=", 0).undecided
+    assert prove_inequality(sp.sin(x), "<=", 2).undecided  # a sine may be any number here
+
+
+def test_latex_relations_and_symbols_that_sympy_knows_to_be_positive() -> None:
+    m = sp.Symbol("m", positive=True)
+    assert prove_inequality(m, r"\ge", 0).proved
+    assert prove_inequality(m, r"\ne", 0).proved
+    assert prove_inequality(x, r"\leqslant", 0).refuted
+
+
+def test_what_is_no_inequality_is_refused() -> None:
+    with pytest.raises(DefinitionError, match="'=' is no inequality"):
+        prove_inequality(p, "=", q)
+    with pytest.raises(DefinitionError, match="'p' is declared positive and real"):
+        prove_inequality(p, ">", q, [p], [p])

@@ -1,0 +1,164 @@
+"""The sections on the quadratures, the kinds of motion and the special solutions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+import sympy as sp
+from voronec.systems.demchenko.dictionary import kinds_of_motion as kinds
+from voronec.systems.demchenko.dictionary import stability
+from voronec.systems.demchenko.dictionary.quadratures import RANGES, level, x
+from voronec.systems.demchenko.paper.kinds_of_motion import KINDS_OF_MOTION
+from voronec.systems.demchenko.paper.quadratures import QUADRATURES
+from voronec.systems.demchenko.paper.special_solutions import SPECIAL_SOLUTIONS
+
+from voronec.audit import FormulaRecord, Range, Record
+from voronec.audit.run import audit_section
+
+OUTER, INNER, SHELL = RANGES
+STUDY = level().study({})
+
+
+@pytest.fixture(scope="module")
+def records() -> dict[str, tuple[Record, ...]]:
+    sections = (QUADRATURES, KINDS_OF_MOTION, SPECIAL_SOLUTIONS)
+    return {section.title: audit_section(section) for section in sections}
+
+
+def formulas(records: tuple[Record, ...], kind: str) -> list[FormulaRecord]:
+    return [f for r in records if r.kind == kind for f in r.formulas]
+
+
+def in_ranges(record: FormulaRecord) -> tuple[str, ...]:
+    return tuple(r["verdict"] for r in record.ranges)
+
+
+def test_every_display_of_the_quadratures_has_its_verdict(
+    records: dict[str, tuple[Record, ...]],
+) -> None:
+    found = [r.verdict for r in records[QUADRATURES.title] if r.kind == "display"]
+    expected = "convention proved proved proved proved definition definition misprint misprint "
+    assert found == (expected + "proved proved definition proved proved").split()
+
+
+def test_the_misprints_are_corrected(records: dict[str, tuple[Record, ...]]) -> None:
+    wrong = [f for r in records[QUADRATURES.title] for f in r.formulas if f.verdict == "misprint"]
+    assert [f.correction for f in wrong] == [
+        "b_0>b_1>P=A+I",
+        r"b_2^2\tau^2=-2b_2A^2n^2+4b_2Ah-b_2^2s^2",
+    ]
+    assert all(f.witness for f in wrong)
+
+
+def test_the_rate_of_x_is_true_in_another_unit_of_time(
+    records: dict[str, tuple[Record, ...]],
+) -> None:
+    (rate,) = records[QUADRATURES.title][0].formulas
+    assert "unit of time is b_2/k" in rate.method and "(4.4.13)" in rate.method
+    assert rate.derived == r"\big(\frac{dx}{dt}\big)^2 = \frac{k^2}{b_2^2}X(x)"
+
+
+def test_claims_hold_in_the_ranges_in_which_they_are_true(
+    records: dict[str, tuple[Record, ...]],
+) -> None:
+    everywhere, outer = ("proved",) * 3, ("proved", "refuted", "refuted")
+    found = {
+        title: [in_ranges(f) for f in formulas(several, "text") if f.says]
+        for title, several in records.items()
+    }
+    assert found[QUADRATURES.title] == [outer, outer, everywhere, outer]
+    assert found[KINDS_OF_MOTION.title] == [everywhere, everywhere, outer, *[everywhere] * 4]
+    assert found[SPECIAL_SOLUTIONS.title] == [*[everywhere] * 3, outer, everywhere]
+    displayed = formulas(records[SPECIAL_SOLUTIONS.title], "display")
+    assert [in_ranges(f) for f in displayed] == [everywhere, everywhere, (), outer, everywhere]
+
+
+BROKEN = [
+    (0, "=X(x)", "=-X(x)"),
+    (1, "-k\\mu x +C_5", "k\\mu x +C_5"),
+    (2, "-2k(Ps", "+2k(Ps"),
+    (3, "=2h", "=h"),
+    (4, "2b_1x_0x", "b_1x_0x"),
+    (5, "I\\mu +A,", "I\\mu -A,"),
+    (6, "-2hPA", "-hPA"),
+    (9, "\\sin^2 u", "\\cos^2 u"),
+    (10, "(1-x^2)", "(1+x^2)"),
+    (11, "\\sqrt{2hA}", "\\sqrt{hA}"),
+    (12, "(1-x^2)", "(1+x^2)"),
+    (12, "\\theta(x)", "\\phi(x)"),
+    (13, "-\\phi(x)^2", "+\\phi(x)^2"),
+    (13, "a_0(x-x^I)", "a_0(x+x^I)"),
+]
+
+
+@pytest.mark.parametrize(("position", "old", "new"), BROKEN)
+def test_a_change_of_a_correct_formula_is_noticed(position: int, old: str, new: str) -> None:
+    display = QUADRATURES.displays[position]
+    changed = replace(display, latex=display.latex.replace(old, new, 1))
+    assert changed != display
+    others = [d for d in QUADRATURES.displays[10:12] if d != display]  # h' is defined there
+    records = audit_section(
+        replace(QUADRATURES, displays=(changed, *others), inline=(), sentences=())
+    )
+    assert "misprint" in {r.verdict for r in records}
+
+
+def test_what_contradicts_the_claims_is_refuted() -> None:
+    for second, third, truth in ((-1, 0, True), (1, 0, False), (0, 1, False), (0, -1, False)):
+        assert stability.claimed_of(stability.stable(second, third), truth).proved
+        assert stability.claimed_of(stability.stable(second, third), not truth).refuted
+    assert kinds.always(kinds.leading, ">")(STUDY, OUTER).refuted
+    assert kinds.always(kinds.leading, ">")(STUDY, INNER).refuted  # it has either sign there
+    assert kinds.always(kinds.leading, "<")(STUDY, SHELL).refuted
+
+
+@pytest.mark.parametrize("where", [INNER, SHELL], ids=["inner", "shell"])
+def test_the_spinning_ball_that_is_not_stable(where: Range) -> None:
+    """(k mu - b_1 n)^2 + 4 P n k mu < 0 by hand, at the witness."""
+    witness = stability.stationary(STUDY, where).witness
+    assert witness is not None
+    at = {name: Fraction(value) for name, value in witness.point.items()}
+    ratio = -at["p"] / (1 + at["p"]) if where is INNER else -(1 + at["p"])
+    mu, P = 1 + ratio, at["I"] + at["A"]
+    b1 = at["I"] * mu + at["A"]
+    assert (at["k"] * mu - b1 * at["n"]) ** 2 + 4 * P * at["n"] * at["k"] * mu < 0
+
+
+@pytest.mark.parametrize(
+    ("position", "old", "new"),
+    [(0, "<0", ">0"), (1, ">0", "<0"), (3, "=0", "\\ne0"), (4, "3", "2")],
+)
+def test_the_printed_conditions_of_stability_are_read(position: int, old: str, new: str) -> None:
+    displays = list(SPECIAL_SOLUTIONS.displays)
+    latex = displays[position].latex.replace(old, new)
+    displays[position] = replace(displays[position], latex=latex)
+    records = audit_section(replace(SPECIAL_SOLUTIONS, displays=tuple(displays), sentences=()))
+    assert records[position].verdict in ("misprint", "undecided")
+
+
+def test_a_root_of_order_four_is_stable_only_outside() -> None:
+    """Without motion X vanishes for all x; set in motion, x runs over all of (-1, 1)."""
+    assert stability.fourfold(STUDY, OUTER).proved
+    for where in (INNER, SHELL):
+        found = stability.fourfold(STUDY, where)
+        assert found.refuted and "x drifts away" in found.method
+
+
+def test_motion_between_the_middle_roots() -> None:
+    found = kinds.outer_gaps(STUDY, INNER)
+    assert found.refuted and found.witness is not None
+    assert found.witness.left == "2 roots below x"
+    assert kinds.outer_gaps(STUDY, OUTER).proved
+
+
+def test_polynomials_of_the_level() -> None:
+    own = level()
+    assert [sp.Poly(q, x).degree() for q in (own.X, own.phi, own.psi, own.F, own.theta)] == [
+        4,
+        2,
+        2,
+        2,
+        2,
+    ]

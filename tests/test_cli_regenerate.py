@@ -1,0 +1,108 @@
+"""``voronec regenerate`` as a user calls it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from command_line import Call, refused
+
+SHEET = """
+import sympy
+from voronec.audit import Display, Paper, Section, Study
+
+def studies(_):
+    x = sympy.Symbol("x")
+    return {"only": Study({"x": x})}
+
+LINES = (r"\\begin{equation}\\label{double} x+x=2x \\end{equation}", r"$$ x+x=3x $$")
+PAPER = Paper("sheet", "A sheet", (Section("All", tuple(map(Display, LINES)), studies),))
+"""
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
+    folder = tmp_path_factory.mktemp("cache")
+    for name in ("XDG_CACHE_HOME", "LOCALAPPDATA", "HOME"):
+        monkeypatch.setenv(name, str(folder))
+    return folder
+
+
+@pytest.fixture
+def sheet(call: Call) -> str:
+    Path("sheet.py").write_text(SHEET)
+    return "sheet.py"
+
+
+def test_a_file_is_a_paper(call: Call, sheet: str) -> None:
+    answer = call("regenerate", sheet, "--json")
+    assert answer.status == 0
+    records = json.loads(answer.out)
+    assert [r["verdict"] for r in records] == ["proved", "misprint"]
+    fields = {"label", "section", "ordinal", "printed", "derived", "verdict", "correction"}
+    assert fields | {"witness", "method"} <= set(records[0])
+    assert [r["label"] for r in records] == ["double", None]
+
+
+def test_a_label_selects_one_display(call: Call, sheet: str) -> None:
+    (record,) = json.loads(call("regenerate", sheet, "--json", "--label", "double").out)
+    assert record["label"] == "double"
+    assert "did you mean 'double'?" in refused(call("regenerate", sheet, "--label", "duoble"))
+
+
+def test_an_unknown_paper_is_answered_with_the_nearest(call: Call) -> None:
+    assert "did you mean 'demchenko'?" in refused(call("regenerate", "demchenco"))
+    assert "there is no file 'none.py'" in refused(call("regenerate", "none.py"))
+    Path("empty.py").write_text("")
+    assert "defines no PAPER" in refused(call("regenerate", "empty.py"))
+    Path("empty.py").write_text("PAPER = 1")
+    assert "is not a voronec.audit.Paper" in refused(call("regenerate", "empty.py"))
+
+
+def test_a_folder_that_cannot_be_written_is_refused_before_any_work(call: Call) -> None:
+    Path("taken.py").write_text("mine")
+    assert "'taken.py' is a file" in refused(call("regenerate", "demchenko", "--out", "taken.py"))
+
+
+def test_the_report_has_three_files(call: Call) -> None:
+    answer = call("regenerate", "chaplygin-ball", "--out", "report", "--json")
+    assert answer.status == 0
+    assert json.loads(answer.out) == json.loads(Path("report/report.json").read_text())
+    assert "<html" in Path("report/report.html").read_text()
+    assert Path("report/report.tex").is_file()
+
+
+def test_a_second_audit_takes_its_verdicts_from_the_cache(
+    call: Call, own_cache: Path, sheet: str
+) -> None:
+    first = call("regenerate", sheet, "--json").out
+    kept = list(own_cache.rglob("*.json"))
+    assert len(kept) == 2
+    stamps = [f.stat().st_mtime_ns for f in kept]
+    assert call("regenerate", sheet, "--json").out == first
+    assert [f.stat().st_mtime_ns for f in kept] == stamps
+    assert call("regenerate", sheet, "--json", "--fresh").status == 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
+def test_an_interrupted_audit_leaves_what_is_finished(tmp_path: Path, own_cache: Path) -> None:
+    environment = {**os.environ, "XDG_CACHE_HOME": str(own_cache), "HOME": str(own_cache)}
+    command = [sys.executable, "-m", "voronec", "regenerate", "demchenko", "--out", "report"]
+    work = subprocess.Popen(
+        command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    deadline = time.monotonic() + 60
+    while not list(own_cache.rglob("*.json")) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    work.send_signal(signal.SIGINT)
+    out, err = work.communicate(timeout=60)
+    assert work.returncode == 130
+    assert b"Traceback" not in out + err
+    assert list(own_cache.rglob("*.json"))
+    assert not (tmp_path / "report").exists(), "nothing half-written"

@@ -1,0 +1,96 @@
+"""The audit that the documentation carries is that of the transcription, and all of one piece."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import voronec as vo
+from voronec.audit import Audit, Paper, Section
+from voronec.audit.run import audit_section
+from voronec.audit.transcript import Transcript
+from voronec.catalogue import load_paper
+from voronec.report.audit_latex import audit_latex
+from voronec.report.audit_page import Figure, audit_page
+
+TOOLS = Path(__file__).resolve().parent.parent / "tools"
+STALE = "run: python tools/build_audit.py"
+
+
+@pytest.fixture(name="build", scope="module")
+def _build() -> Iterator[ModuleType]:
+    sys.path.insert(0, str(TOOLS))
+    try:
+        import build_audit
+
+        yield build_audit
+    finally:
+        sys.path.remove(str(TOOLS))
+        sys.modules.pop("build_audit", None)
+
+
+@pytest.fixture(name="paper", scope="module")
+def _paper(build: ModuleType) -> Paper:
+    found = load_paper(build.PAPER)
+    assert isinstance(found, Paper)
+    return found
+
+
+@pytest.fixture(name="audit", scope="module")
+def _audit(build: ModuleType, paper: Paper) -> Audit:
+    found = build.read_audit(build.FOLDER, paper)
+    assert isinstance(found, Audit)
+    return found
+
+
+def transcribed(section: Section) -> list[tuple[str, str | None, str, list[str]]]:
+    """Kind, label, source and formulas of each record that the section has to have."""
+    units: dict[int, list] = {}
+    for formula in Transcript(section).formulas():
+        units.setdefault(id(formula.unit), []).append(formula)
+    found = [
+        (several[0].kind, several[0].unit.label, several[0].unit.source,
+         [formula.printed for formula in several])
+        for several in units.values()
+    ]  # fmt: skip
+    return found + [("text", None, claim.says, [""]) for claim in section.sentences]
+
+
+def test_every_formula_and_claim_of_the_transcription_has_its_record(
+    audit: Audit, paper: Paper
+) -> None:
+    for section in paper.sections:
+        records = [r for r in audit.records if r.section == section.title]
+        found = [(r.kind, r.label, r.printed, [f.printed for f in r.formulas]) for r in records]
+        assert found == transcribed(section), STALE
+    assert {r.section for r in audit.records} <= {s.title for s in paper.sections}, STALE
+
+
+def test_the_page_and_the_article_are_those_of_the_data(build: ModuleType, audit: Audit) -> None:
+    caption = vo.load(build.PAPER).scenes["default"].caption
+    page = audit_page(audit, [Figure(build.FOLDER / "trace.svg", caption)])
+    assert (build.FOLDER / "report.html").read_text("utf-8") == page, STALE
+    assert (build.FOLDER / "report.tex").read_text("utf-8") == audit_latex(audit), STALE
+    assert json.loads(json.dumps(audit.as_list())) == json.loads(
+        (build.FOLDER / "report.json").read_text("utf-8")
+    )
+
+
+def test_the_documentation_lists_these_errata(build: ModuleType, audit: Audit) -> None:
+    page = build.PAGE.read_text("utf-8")
+    assert build.pasted(page, build.summary(audit)) == page, STALE
+
+
+def test_a_section_audited_anew_has_the_verdicts_that_are_kept(audit: Audit, paper: Paper) -> None:
+    section = next(s for s in paper.sections if s.label == "ballGyr")
+    kept = [r for r in audit.records if r.section == section.title]
+    assert list(audit_section(section)) == kept, STALE
+
+
+def test_it_is_small_enough_to_be_carried(build: ModuleType) -> None:
+    assert sum(file.stat().st_size for file in build.FOLDER.iterdir()) < 1_500_000

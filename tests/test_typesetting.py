@@ -1,0 +1,188 @@
+"""LaTeX of a paper typeset anew: as MathML for the page, coloured and broken for the article."""
+
+from __future__ import annotations
+
+import re
+from xml.etree import ElementTree
+
+import pytest
+from latex_shape import complaints
+
+from voronec.audit import Transcript
+from voronec.catalogue import load_paper, papers
+from voronec.errors import DefinitionError
+from voronec.report.boxes import read_boxes
+from voronec.report.breaking import break_lines, width
+from voronec.report.latex import display, escape_text, inline, own_commands
+from voronec.report.mathml import mathml, prose
+
+SECTIONS = [
+    pytest.param(section, id=f"{name}-{number}")
+    for name in papers()
+    for number, section in enumerate(load_paper(name).sections)
+]
+LONG = (
+    r"K_1=M\sqrt{E_1}\big[(\epsilon s-\rho_u n)\cos\vartheta+"
+    r"\left(\epsilon\tau-\rho_v n\right)\sin\vartheta\big]"
+)
+
+
+def plain(element: str) -> str:
+    """The characters of a formula, without the elements around them."""
+    return "".join(ElementTree.fromstring(element).itertext()).replace("\u2061", "")
+
+
+@pytest.mark.parametrize(
+    ("latex", "expected"),
+    [
+        (r"\frac12", "<mfrac><mn>1</mn><mn>2</mn></mfrac>"),
+        (r"q_{ij}^{2}", "<msubsup><mi>q</mi><mrow><mi>i</mi><mi>j</mi></mrow><mn>2</mn>"),
+        (r"\mu'", '<mrow><mi>μ</mi><mo lspace="0" rspace="0">′</mo></mrow>'),
+        (r"D_1''", "<msub><mi>D</mi><mn>1</mn></msub>"),
+        (r"\sum_{i=1}^n", "<munderover><mo>∑</mo>"),
+        (r"\int\limits_a^b", "<munderover><mo>∫</mo>"),
+        (r"\int_a^b", "<msubsup><mo>∫</mo>"),
+        (r"\dot u", '<mover accent="true"><mi>u</mi>'),
+        (r"\overrightarrow{OM}", "<mrow><mi>O</mi><mi>M</mi></mrow>"),
+        (r"\mathbf M", "<mi>\U0001d40c</mi>"),
+        (r"\mathfrak m_\mathbf u", "<msub><mi>\U0001d52a</mi><mi>\U0001d42e</mi></msub>"),
+        (r"\mathbb FL", "<mi>\U0001d53d</mi><mi>L</mi>"),
+        (r"\Gamma", '<mi mathvariant="normal">Γ</mi>'),
+        (r"\sqrt[3]{x}", "<mroot><mi>x</mi><mn>3</mn></mroot>"),
+        (r"\sin^2u", '<msup><mi mathvariant="normal">sin</mi><mn>2</mn></msup><mo>'),
+        (r"a<b", '<mo form="infix">&lt;</mo>'),
+        (r"-a", '<mo form="prefix">−</mo>'),
+        (r"\text{of $M$ with}", "<mtext>of&#xa0;</mtext>"),
+        (r"\diag(I_1)", '<mi mathvariant="normal">diag</mi>'),
+        (r"\begin{pmatrix} a & b \\ c & d \end{pmatrix}", "<mtable"),
+        (r"\left.\frac{a}{b}\right|_0", '<mo stretchy="true" form="postfix"'),
+    ],
+)
+def test_mathml(latex, expected):
+    found = mathml(latex)
+    assert expected in found
+    ElementTree.fromstring(found)
+
+
+def test_brackets_grow_only_with_what_is_tall():
+    assert 'stretchy="true"' in mathml(r"\big(\frac{a}{b}\big)")
+    assert 'stretchy="true"' not in mathml(r"\big(a+b_1\big)")
+
+
+def test_a_bracket_that_is_not_closed_in_print_stays_as_it_is():
+    assert plain(mathml(r"\frac12(P(s+\tau^2)")) == "12(P(s+τ2)"
+
+
+def test_what_cannot_be_typeset_is_shown_as_its_source():
+    assert mathml(r"\frac{a<") == r'<code class="latex">\frac{a&lt;</code>'
+
+
+@pytest.mark.parametrize(
+    "latex", ["{a", "a}", r"\left( a", r"a \right)", r"\begin{aligned} a", r"\frac{a}"]
+)
+def test_what_does_not_match_is_no_formula(latex):
+    with pytest.raises(DefinitionError):
+        read_boxes(latex)
+
+
+@pytest.mark.parametrize(
+    ("marks", "expected"),
+    [
+        (((2, 3),), '<msub><mi>A</mi><mrow class="m"><mi>j</mi></mrow></msub>'),
+        (((3, 7),), '<mrow class="m"><mo form="infix">=</mo><msub><mi>B</mi><mi>i</mi></msub>'),
+        (((1, 1),), "<msub><mi>A</mi><mi>j</mi></msub>"),
+    ],
+)
+def test_marked_characters_are_one_element_of_the_class(marks, expected):
+    assert expected in mathml("A_j=B_i", marks, "m")
+
+
+def test_words_may_hold_formulas():
+    assert prose("Where $a<b$ & so on") == f"Where {mathml('a<b', inline=True)} &amp; so on"
+    assert prose("5 $ < 6") == "5 $ &lt; 6"
+
+
+@pytest.mark.parametrize("section", SECTIONS)
+def test_every_formula_of_the_papers_is_typeset(section):
+    for shown in (*section.displays, *section.inline):
+        found = mathml(shown.latex)
+        assert "<code" not in found, shown.latex
+        assert "\\" not in found, shown.latex
+        assert own_commands(shown.latex) <= {"\\diag"}, shown.latex
+        ElementTree.fromstring(found)
+    for claim in section.sentences:
+        assert "<code" not in prose(claim.says)
+        assert "$" not in prose(claim.says)
+
+
+@pytest.mark.parametrize("section", SECTIONS)
+def test_every_formula_of_the_papers_compiles_wherever_it_is_marked(section):
+    for formula in Transcript(section).formulas():
+        latex = formula.printed
+        for start in range(0, len(latex), 7):
+            text = display(latex, ((start, start + 5),), "struck", 25.0)
+            assert complaints(text) == [], text
+        assert "\\label" not in display(latex)
+
+
+@pytest.mark.parametrize("section", SECTIONS)
+def test_breaking_a_formula_loses_nothing(section):
+    for formula in Transcript(section).formulas():
+        whole = plain(mathml(formula.printed))
+        assert plain(mathml(formula.printed, limit=20.0)) == whole, formula.printed
+
+
+def test_a_long_formula_is_broken_before_a_sign():
+    row = read_boxes(LONG)
+    lines = break_lines(row, 20.0).lines
+    assert len(lines) > 1
+    assert all(line[0].text in ("+", "−", "=") for line in lines[1:])
+    assert all(sum(map(width, line)) < 26.0 for line in lines)
+    assert "\\left" not in display(LONG, limit=8.0)
+    assert complaints(display(LONG, limit=8.0)) == []
+    assert re.findall(r"\\\w+(?=[(\[)\]])", display(LONG, limit=8.0)) == [
+        *(r"\big", r"\bigl", r"\bigr", r"\big"),
+    ]
+
+
+def test_a_short_formula_is_left_alone():
+    assert display("a=b") == "\\[\na=b\n\\]\n"
+
+
+@pytest.mark.parametrize(
+    ("latex", "marks", "expected"),
+    [
+        ("A_j=B_i", ((2, 3),), r"A_{\struck{j}}=B_i"),
+        (r"q_{n+\nu}", ((2, 9),), r"q_{\struck{{n+\nu}}}"),
+        (r"q_{n+\nu}", ((4, 5),), r"q_{n{\struck{{}+}}\nu}"),
+        (r"\frac{a}{b}", ((5, 10),), r"\frac{\struck{{a}}}{{\struck{b}}}"),
+        (r"\frac{a}{b}", ((5, 11),), r"\frac{\struck{{a}}}{\struck{{b}}}"),
+        (r"\left(a\right)", ((0, 7),), r"\left({\struck{a}}\right)"),
+        (r"a & b", ((0, 5),), "\\begin{aligned}\n{\\struck{a}} & {\\struck{b}}\n\\end{aligned}"),
+        (r"m_\mathbf v", ((10, 11),), r"m_{\struck{\mathbf v}}"),
+        (r"\big(a", ((4, 5),), r"{\struck{\big(}}a"),
+        (r"a \label{x}= b", (), "a = b"),
+    ],
+)
+def test_marks_in_latex_keep_the_braces_in_balance(latex, marks, expected):
+    assert display(latex, marks, "struck") == f"\\[\n{expected}\n\\]\n"
+
+
+def test_lines_outside_an_environment_get_one():
+    assert display(r"a &= b \\ c &= d").startswith("\\[\n\\begin{aligned}")
+
+
+def test_plain_text_is_escaped():
+    assert escape_text(r"50% of {a_b} & \x") == r"50\% of \{a\_b\} \& \textbackslash{}x"
+    assert escape_text("x ≥ ν") == r"x \ensuremath{\geq} \ensuremath{\nu}"
+    assert inline(r"5% of $a_1$") == r"5\% of $a_1$"
+
+
+def test_the_shape_of_latex_is_judged():
+    assert complaints(r"{a} $b$ \begin{x} \[ \left( \right) \] \end{x} \{") == []
+    for wrong in ("{", "}", "$a", r"\begin{x}", r"\begin{x} { \end{x} }", r"\left( }", r"\["):
+        assert complaints(wrong), wrong
+
+
+def test_numbers_keep_their_digits():
+    assert re.findall(r"<mn>([^<]*)</mn>", mathml("1.25+300")) == ["1.25", "300"]

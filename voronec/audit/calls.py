@@ -1,0 +1,101 @@
+"""What a name with a list of arguments means."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import time
+from voronec.audit.latex.nodes import Call, Dot, Dots, Name, Node, Variation
+from voronec.audit.latex.vocabulary import APPLIED
+from voronec.audit.structure import free_indices
+from voronec.audit.study import Study, key_of
+from voronec.errors import DefinitionError
+
+__all__ = ["call", "called", "is_named"]
+
+Where = Mapping[str, int]
+Evaluate = Callable[[Node, Study, Where], Any]
+
+
+def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
+    """The value of a function of the dictionary, or of an expression that lists what it holds."""
+    function = _function(node.function, study)
+    if function is not None:
+        return function(*[evaluate(a, study, where) for a in node.arguments])
+    value = evaluate(node.function, study, where)
+    listed = _listed_symbols(node.arguments, study, where, evaluate)
+    variables = set(study.motion.rates) | set(study.motion.constrained) | {time}
+    missing = (value.free_symbols & variables) - listed
+    if missing:
+        raise DefinitionError(
+            f"'{called(node.function)}' depends on '{sorted(map(str, missing))[0]}', which its "
+            "list of arguments leaves out"
+        )
+    return value
+
+
+_MATRICES: dict[str, Callable[..., Any]] = {
+    "\\diag": sp.diag,
+    "\\det": sp.det,
+    "\\tr": sp.trace,
+}
+"""Functions of matrices, unless the dictionary has its own."""
+
+
+def _function(node: Node, study: Study) -> Callable[..., Any] | None:
+    """The dictionary's function of that name; families and expressions are none."""
+    if not isinstance(node, Name):
+        return None
+    for key in (key_of(node) + APPLIED, key_of(node)):
+        found = study.table.get(key)
+        if callable(found) and not isinstance(found, sp.Basic):
+            return found
+    return _MATRICES.get(node.head)
+
+
+def _listed_symbols(
+    items: tuple[Node, ...], study: Study, where: Where, evaluate: Evaluate
+) -> set[sp.Expr]:
+    """The symbols that a list of arguments names; dots and bare families are filled in."""
+    found: set[sp.Expr] = set()
+    for position, item in enumerate(items):
+        if isinstance(item, Dots):
+            found |= _between(items[position - 1], items[position + 1], study, where, evaluate)
+            continue
+        letters = [x for x in free_indices(item, study) if x not in where]
+        if letters:
+            for value in range(1, study.indices[letters[0]] + 1):
+                found |= evaluate(item, study, {**where, letters[0]: value}).free_symbols
+        elif f"{called(item)}_#" in study.table:
+            top = max(study.indices.values())
+            found |= {study.table[f"{called(item)}_#"](i) for i in range(1, top + 1)}
+        else:
+            found |= evaluate(item, study, where).free_symbols
+    return found
+
+
+def _between(
+    first: Node, last: Node, study: Study, where: Where, evaluate: Evaluate
+) -> set[sp.Expr]:
+    low, high = (int(evaluate(_innermost(x).sub[0], study, where)) for x in (first, last))
+    family = study.table[key_of(first, lambda _: "#")]
+    return {family(i) for i in range(low, high + 1)}
+
+
+def _innermost(node: Node) -> Node:
+    while isinstance(node, (Dot, Variation)):
+        node = node.body
+    return node
+
+
+def is_named(node: Node) -> bool:
+    """Whether a node is a name, its velocity or its variation."""
+    return isinstance(_innermost(node), Name)
+
+
+def called(node: Node) -> str:
+    """The key of a name, or the kind of any other node."""
+    return key_of(node) if is_named(node) else type(node).__name__

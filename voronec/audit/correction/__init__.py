@@ -1,0 +1,8 @@
+"""The smallest change that makes a refuted formula true, proposed by numbers and proved exactly."""
+
+from __future__ import annotations
+
+from voronec.audit.correction.edits import Spare
+from voronec.audit.correction.mending import Correction, correct
+
+__all__ = ["Correction", "Spare", "correct"]

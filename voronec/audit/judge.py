@@ -1,0 +1,228 @@
+"""One formula, or one claim in words: its verdict, and what was derived."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import sympy as sp
+
+from voronec.audit.correction import Spare, correct
+from voronec.audit.correction.sampling import SENSELESS
+from voronec.audit.derived import derived_latex
+from voronec.audit.latex.nodes import Chain
+from voronec.audit.latex.reader import read, read_tokens
+from voronec.audit.meaning import UnknownName, evaluate
+from voronec.audit.paper import Check, Sentence
+from voronec.audit.record import FormulaRecord
+from voronec.audit.structure import new_names
+from voronec.audit.study import Study
+from voronec.audit.transcript import Formula, Transcript
+from voronec.audit.verify import Finding, by_range, verify
+from voronec.audit.wording import loose_index, method_of, ranges_of, with_note, witness_of
+from voronec.errors import DefinitionError
+
+__all__ = ["Bench", "judge_formula", "judge_sentence"]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What the formulas of one section are checked with."""
+
+    transcript: Transcript
+    studies: Mapping[str, Study]
+
+    def study(self, check: Check | Sentence, name: str = "") -> Study:
+        """The dictionary that a check asks for, or the one called ``name``."""
+        name = name or check.study or next(iter(self.studies))
+        if name not in self.studies:
+            raise DefinitionError(f"a check asks for the study '{name}', which is not defined")
+        study = self.studies[name]
+        if isinstance(check, Sentence) or not check.given:
+            return study
+        return replace(study, given={**study.given, **self._given(check, study)})
+
+    def _given(self, check: Check, study: Study) -> dict[sp.Expr, sp.Expr]:
+        """Conditions that the paper states as equations ``symbol = expression``."""
+        found: dict[sp.Expr, sp.Expr] = {}
+        for label in check.given:
+            chain = self.transcript.labelled(label).tree(study.vocabulary)
+            try:
+                symbol, value = (evaluate(part, study) for part in chain.parts)
+            except UnknownName:
+                continue  # the system has the condition built in
+            found[symbol] = value
+        return found
+
+
+def judge_sentence(sentence: Sentence, bench: Bench) -> FormulaRecord:
+    """A sentence of the running text: the ranges of the parameters in which it holds."""
+    try:
+        study = bench.study(sentence)
+        finding = by_range(study, sentence.within, lambda where: sentence.decide(study, where))
+        derived = sentence.derived(study) if sentence.derived is not None else None
+    except SENSELESS as error:
+        return FormulaRecord("", "undecided", str(error), says=sentence.says)
+    record = FormulaRecord("", "proved", method_of(finding), derived, says=sentence.says)
+    record = replace(record, ranges=ranges_of(finding), method=with_note(record, study))
+    if finding.verdict.proved:
+        return replace(record, verdict="convention" if finding.partial else "proved")
+    verdict = "undecided" if finding.verdict.undecided else "misprint"
+    return replace(record, verdict=verdict, witness=witness_of(finding))
+
+
+def judge_formula(
+    formula: Formula, check: Check, bench: Bench
+) -> tuple[FormulaRecord, Chain | None]:
+    """A formula under the dictionaries of its section, and its tree where it can be read."""
+    if check.role == "words":
+        return FormulaRecord(formula.printed, "definition", "defined in words"), None
+    chain: Chain | None = None
+    try:
+        study = bench.study(check)
+        try:
+            chain = formula.tree(study.vocabulary)
+        except DefinitionError as error:
+            return _unreadable(formula, check, bench, error), None
+        record = _judged(formula, chain, check, study, Spare.of(bench.transcript, study))
+        record = _elsewhere(record, formula, check, bench)
+        record = replace(record, method=with_note(record, study))
+    except SENSELESS as error:
+        verdict = "cited" if check.role == "cited" else "undecided"
+        record = FormulaRecord(formula.printed, verdict, str(error))
+    return replace(record, says=check.says), chain
+
+
+def _unreadable(
+    formula: Formula, check: Check, bench: Bench, error: DefinitionError
+) -> FormulaRecord:
+    """What cannot be read as printed is a misprint where a small change makes it true."""
+    if check.role == "cited":
+        return FormulaRecord(formula.printed, "cited", "quoted")
+    study = bench.study(check)
+    correction = correct(formula, check, study, Spare.of(bench.transcript, study))
+    if correction is None:
+        return FormulaRecord(formula.printed, "undecided", f"it cannot be read: {error}")
+    return FormulaRecord(
+        formula.printed,
+        "misprint",
+        f"it cannot be read as printed ({error}); the corrected formula is proved "
+        f"({correction.method})",
+        derived=_derived_of(correction.latex, check, study),
+        correction=correction.latex,
+        changes=correction.changes,
+        struck=correction.struck,
+        witness=_closed_witness(formula.printed, check, study),
+    )
+
+
+def _derived_of(latex: str, check: Check, study: Study) -> str | None:
+    """The derived counterpart of a corrected formula."""
+    return derived_latex(read(latex, study.vocabulary), latex, check, study, True)
+
+
+def _closed_witness(printed: str, check: Check, study: Study) -> dict[str, Any] | None:
+    """Values of what is printed, with the parenthesis that is open closed at the end."""
+    try:
+        found = witness_of(verify(read(printed + ")", study.vocabulary), check, study))
+    except SENSELESS:
+        return None
+    if found is not None:
+        found["about"] = "with the open parenthesis closed at the end"
+    return found
+
+
+def _elsewhere(
+    record: FormulaRecord, formula: Formula, check: Check, bench: Bench
+) -> FormulaRecord:
+    """A proved formula under the further dictionaries; what fails there takes over."""
+    for name in check.also if record.verdict == "proved" else ():
+        study = bench.study(check, name)
+        other = _judged(
+            formula, formula.tree(study.vocabulary), check, study, Spare.of(bench.transcript, study)
+        )
+        if other.verdict != "proved":
+            return other
+        record = replace(record, method=f"{record.method}; proved for '{name}' too")
+    return record
+
+
+def _judged(
+    formula: Formula, chain: Chain, check: Check, study: Study, spare: Spare
+) -> FormulaRecord:
+    printed = formula.printed
+    if check.role == "condition":
+        return FormulaRecord(printed, "definition", "a condition")
+    finding = verify(chain, check, study)
+    proved = finding.verdict.proved
+    derived = derived_latex(chain, formula.unit.display, check, study, proved)
+    if finding.verdict.refuted:
+        return _refuted(formula, chain, check, study, finding, derived, spare)
+    if not proved:
+        status = "cited" if check.role == "cited" else "undecided"
+        record = FormulaRecord(printed, status, finding.verdict.method, derived)
+        return replace(record, ranges=ranges_of(finding))
+    fault = _wrong_range(formula, study)
+    if fault:
+        return FormulaRecord(printed, "misprint", fault, derived)
+    verdict = "convention" if finding.partial else "proved"
+    if check.role == "definition" or (finding.count == 0 and new_names(chain, study)):
+        verdict = "definition"
+    record = FormulaRecord(printed, verdict, method_of(finding, chain, check), derived)
+    return replace(record, ranges=ranges_of(finding))
+
+
+def _wrong_range(formula: Formula, study: Study) -> str:
+    """What is wrong with the printed ranges of the indices, ``i=1,\\dots,n``; else nothing."""
+    for words in formula.piece.quantifiers:
+        letter = words[0].text
+        if letter not in study.indices or words[1].text != "=":
+            continue
+        after = max(i for i, word in enumerate(words) if word.text in (",", "\\dots")) + 1
+        chain = read_tokens(words[after:], formula.unit.display, study.vocabulary)
+        first, last = words[2].text, evaluate(chain.parts[0], study)
+        if (first, last) != ("1", study.indices[letter]):
+            return (
+                f"the index {letter.lstrip(chr(92))} runs from 1 to {study.indices[letter]} here, "
+                f"and is printed to run from {first} to {last}"
+            )
+    return ""
+
+
+def _refuted(
+    formula: Formula,
+    chain: Chain,
+    check: Check,
+    study: Study,
+    finding: Finding,
+    derived: str | None,
+    spare: Spare,
+) -> FormulaRecord:
+    """Not an identity as printed: another reading, another convention, or a misprint."""
+    record = FormulaRecord(formula.printed, "misprint", "", derived, witness=witness_of(finding))
+    record = replace(record, ranges=ranges_of(finding))
+    wide = replace(study.vocabulary, wide_sums=True)
+    if verify(formula.tree(wide), check, study).verdict.proved:
+        method = "proved with the sum sign reaching to the end of its group"
+        return replace(record, verdict="proved", method=method, witness=None)
+    if check.convention is not None:
+        other = replace(study, names={**study.names, **check.convention.names})
+        if verify(chain, check, other).verdict.proved:
+            against = check.convention.against
+            method = f"true if {check.convention.statement}; against ({against})"
+            return replace(record, verdict="convention", method=method)
+    loose = loose_index(formula, chain, study)
+    if finding.verdict.witness is None:
+        loose += f": {finding.verdict.method}"
+    correction = correct(formula, check, study, spare)
+    if correction is None:
+        method = f"refuted as printed{loose}; no correction by a small change was found"
+        return replace(record, method=method)
+    return replace(
+        record,
+        method=f"refuted as printed{loose}; the corrected formula is proved ({correction.method})",
+        correction=correction.latex,
+        changes=correction.changes,
+        struck=correction.struck,
+    )

@@ -1,0 +1,1 @@
+"""From the LaTeX of a display to trees: words, lines and lists, formulas."""

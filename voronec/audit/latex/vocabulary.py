@@ -1,0 +1,35 @@
+"""What the reader must know of a paper before it reads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from voronec.audit.latex.tokens import FUNCTIONS
+
+__all__ = ["APPLIED", "Vocabulary"]
+
+APPLIED = r"(\cdot)"
+r"""Ends the spelling of a name that is a function where a parenthesis follows it, and something
+else where none does: the dictionary holds ``\zeta`` and ``\zeta(\cdot)``."""
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """What the reader must know beforehand about a paper's names.
+
+    ``functions``: heads that a parenthesis applies.  ``labelled``: heads whose superscript is a
+    label, not an exponent.  ``wide_sums``: a sum sign reaches to the end of its group, not only
+    over the next term.
+    """
+
+    functions: frozenset[str] = frozenset()
+    labelled: frozenset[str] = frozenset()
+    wide_sums: bool = False
+
+    def applies(self, head: str) -> bool:
+        """Whether a parenthesis after this head holds arguments; primes mean derivatives."""
+        if head in FUNCTIONS:
+            return True
+        plain = head.rstrip("'")
+        spelled = (head, head + APPLIED, plain, plain + APPLIED)
+        return any(name in self.functions for name in spelled)

@@ -1,0 +1,119 @@
+"""What a record says beside its verdict: how it was found, where it holds, and a witness."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.verdicts import Witness
+from voronec.audit.latex.nodes import Chain
+from voronec.audit.paper import Check
+from voronec.audit.record import FormulaRecord
+from voronec.audit.structure import free_indices, names_constant
+from voronec.audit.study import Range, Study
+from voronec.audit.transcript import Formula
+from voronec.audit.verify import Finding
+
+__all__ = ["loose_index", "method_of", "ranges_of", "with_note", "witness_of"]
+
+
+def method_of(finding: Finding, chain: Chain | None = None, check: Check | None = None) -> str:
+    """How the verdict was found, in words."""
+    parts = [finding.verdict.method]
+    if finding.partial:
+        parts = [_where(finding), *parts]
+    if finding.count > 1:
+        parts.append(f"{finding.count} comparisons")
+    if chain is None or check is None or check.decide is not None:
+        return "; ".join(parts)
+    if check.stationary:
+        parts.append("variations integrated by parts, compared with the d'Alembert equations")
+    elif check.truth is not None:
+        parts.append("compared with the derived equation of motion")
+    elif names_constant(chain.parts[-1]):
+        parts.append("its derivative along the motion vanishes")
+    if check.given:
+        parts.append("given " + ", ".join(f"({label})" for label in check.given))
+    return "; ".join(parts)
+
+
+def _where(finding: Finding) -> str:
+    """In which ranges a claim holds, and in which not."""
+    good = [r.name for r, v in finding.ranges if v.proved]
+    bad = [r.name for r, v in finding.ranges if v.refuted]
+    open_ = [r.name for r, v in finding.ranges if v.undecided]
+    parts = [f"true for {' and '.join(good)}"]
+    parts += [f"false for {' and '.join(bad)}"] if bad else []
+    parts += [f"undecided for {' and '.join(open_)}"] if open_ else []
+    sources = dict.fromkeys(r.source for r, v in finding.ranges if r.source and not v.proved)
+    if sources:
+        parts[-1] += f", which ({', '.join(sources)}) admits: the print must say for which it is"
+    return ", ".join(parts)
+
+
+def ranges_of(finding: Finding) -> tuple[dict[str, Any], ...]:
+    """The outcome for each range of the parameters, as a record holds it."""
+    return tuple(_range(where, verdict) for where, verdict in finding.ranges)
+
+
+def _range(where: Range, verdict: Any) -> dict[str, Any]:
+    return {
+        "range": where.name,
+        "statement": where.statement,
+        "verdict": verdict.status,
+        "method": verdict.method,
+        "witness": None if verdict.witness is None else _placed(verdict.witness, where),
+    }
+
+
+def _placed(witness: Witness, where: Range) -> dict[str, Any]:
+    """A witness with the values of the paper's own parameters at its point."""
+    found = _values(witness)
+    known = {sp.Symbol(name): sp.Rational(v) for name, v in found["point"].items() if _exact(v)}
+    for parameter, value in where.values.items():
+        plain = value.xreplace({x: sp.Symbol(x.name) for x in value.free_symbols}).xreplace(known)
+        if plain.is_Rational and str(parameter) not in found["point"]:
+            found["point"] = {str(parameter): str(plain), **found["point"]}
+    return found
+
+
+def _exact(value: str) -> bool:
+    return re.fullmatch(r"-?\d+(/\d+)?", value) is not None
+
+
+def _values(witness: Witness) -> dict[str, Any]:
+    point = {_plain(name): value for name, value in witness.point.items()}
+    return {"point": point, "printed": witness.left, "derived": witness.right}
+
+
+def witness_of(finding: Finding) -> dict[str, Any] | None:
+    """The point at which a formula is false, and its two sides there."""
+    comparison, witness = finding.comparison, finding.verdict.witness
+    if witness is None:
+        return None
+    found = _values(witness)
+    if comparison is not None and comparison.where:
+        found["indices"] = {letter.lstrip("\\"): i for letter, i in comparison.where.items()}
+    if comparison is not None and comparison.about:
+        found["about"] = comparison.about
+    return found
+
+
+def _plain(name: str) -> str:
+    """An atom's name without the arguments of unknown functions."""
+    return re.sub(r"(?<=\w)\((?:[\w ]+,\s*)+\w+\)", "", name)
+
+
+def loose_index(formula: Formula, chain: Chain, study: Study) -> str:
+    """Say it where an index is bound by nothing."""
+    bound = {w.text for words in formula.piece.quantifiers for w in words}
+    bound |= set(free_indices(chain.parts[0], study))
+    loose = [letter for letter in free_indices(chain, study) if letter not in bound]
+    return f", where nothing binds the index {loose[0]}" if loose else ""
+
+
+def with_note(record: FormulaRecord, study: Study) -> str:
+    """The method, and how general the study is."""
+    return f"{record.method}; {study.note}" if study.note else record.method

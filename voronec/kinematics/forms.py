@@ -1,0 +1,209 @@
+"""Surfaces known by their fundamental forms only, in coordinates along lines of curvature."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NoReturn
+
+import sympy as sp
+
+from voronec.algebra.symbols import velocity
+from voronec.errors import DefinitionError
+from voronec.kinematics.rotations import distinct_names
+from voronec.kinematics.surfaces import Surface
+from voronec.kinematics.vectors import Vector, cross, three
+
+__all__ = ["SurfaceForms"]
+
+
+@dataclass(frozen=True)
+class SurfaceForms:
+    """A surface with the forms E du^2 + G dv^2 and D du^2 + D'' dv^2: F = D' = 0.
+
+    coordinates
+        (u, v), symbols; their lines are lines of curvature.
+    first, second
+        (E, G) and (D, D''), expressions in u and v, which may hold unknown functions.
+    lengths
+        the Lame lengths (L_u, L_v), whose squares are E and G; else positive square roots.
+    support
+        the components of the position along the moving frame (e_u, e_v, n), where they are known.
+
+    Forms that belong to a surface satisfy ``relations``.  Where the forms are unknown functions,
+    ``rules`` solves these, and the equations of Gauss and Weingarten, for derivatives; then what
+    is proved holds for every surface.  A position in space is not known: what needs it raises
+    ``DefinitionError``.
+    """
+
+    coordinates: tuple[sp.Expr, sp.Expr]
+    first: tuple[sp.Expr, sp.Expr]
+    second: tuple[sp.Expr, sp.Expr]
+    lengths: tuple[sp.Expr, sp.Expr] | None = None
+    support: Vector | None = None
+
+    def __post_init__(self) -> None:
+        store = object.__setattr__
+        store(self, "coordinates", distinct_names(tuple(self.coordinates), 2, "the surface"))
+        store(self, "first", _two(self.first, "E and G"))
+        store(self, "second", _two(self.second, "D and D''"))
+        roots = (sp.sqrt(self.first[0]), sp.sqrt(self.first[1]))
+        given = roots if self.lengths is None else _two(self.lengths, "|r_u| and |r_v|")
+        store(self, "lengths", given)
+        if self.support is not None:
+            store(self, "support", three(self.support, "the support of a surface"))
+
+    @classmethod
+    def unknown(cls, u: sp.Expr, v: sp.Expr, mark: str = "") -> SurfaceForms:
+        """An arbitrary surface: E, G, D, D'' and the support are unknown functions of u and v.
+
+        ``mark`` is added to their names, as in ``E_1(u_1, v_1)``.
+        """
+        e, g, d, dd, a, b, c = (
+            sp.Function(name + mark)(u, v)
+            for name in ("E", "G", "D", "D''", "rho_u", "rho_v", "epsilon")
+        )
+        return cls((u, v), (e, g), (d, dd), support=(a, b, c))
+
+    @classmethod
+    def of(cls, surface: Surface) -> SurfaceForms:
+        """The forms of an explicit surface, whose coordinate lines must be lines of curvature."""
+        (e, f, g), (d, mixed, dd) = surface.first_form, surface.second_form
+        if (f, mixed) != (0, 0):
+            u, v = surface.coordinates
+            raise DefinitionError(
+                f"the coordinates {u}, {v} are not along lines of curvature: F = {f}, D' = {mixed}"
+                "; use others"
+            )
+        return cls(surface.coordinates, (e, g), (d, dd), surface.lengths, surface.support)
+
+    @property
+    def first_form(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+        """E, F = 0, G."""
+        return self.first[0], sp.Integer(0), self.first[1]
+
+    @property
+    def second_form(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+        """D, D' = 0, D''."""
+        return self.second[0], sp.Integer(0), self.second[1]
+
+    @property
+    def trace_velocity(self) -> Vector:
+        """The velocity of a point that moves over the surface: (L_u du/dt, L_v dv/dt, 0)."""
+        (lu, lv), (du, dv) = self._lengths, self._rates
+        return lu * du, lv * dv, sp.Integer(0)
+
+    @property
+    def frame_rates(self) -> Vector:
+        """The angular velocity of the moving frame against the surface, along (e_u, e_v, n).
+
+        (D''/L_v dv/dt, -D/L_u du/dt, (G_u dv/dt - E_v du/dt)/(2 L_u L_v)).
+        """
+        du, dv = self._rates
+        (a, b, c), (x, y, z) = self._turns
+        return x * dv + a * du, b * du + y * dv, c * du + z * dv
+
+    @cached_property
+    def relations(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+        """Two equations of Codazzi and the equation of Gauss, as expressions that vanish.
+
+        D_v - E_v/2 (D/E + D''/G),  D''_u - G_u/2 (D/E + D''/G), and
+        ((E_v/W)_v + (G_u/W)_u)/2 + D D''/W with W = L_u L_v.
+        """
+        (u, v), (e, g), (d, dd) = self.coordinates, self.first, self.second
+        twice_mean, width = d / e + dd / g, self._lengths[0] * self._lengths[1]
+        ev, gu = sp.diff(e, v), sp.diff(g, u)
+        bending = sp.diff(ev / width, v) + sp.diff(gu / width, u)
+        return (
+            sp.diff(d, v) - ev * twice_mean / 2,
+            sp.diff(dd, u) - gu * twice_mean / 2,
+            bending / 2 + d * dd / width,
+        )
+
+    def rules(
+        self, vectors: Sequence[Sequence[Any]] = (), tensors: Sequence[Any] = ()
+    ) -> dict[sp.Expr, sp.Expr]:
+        """Derivatives of unknown functions, with the values that the geometry gives them.
+
+        D_v, D''_u and G_uu by ``relations``; the derivatives of the support; and those of the
+        components of vectors (three each) and of symmetric tensors (3 x 3) that are fixed to the
+        surface, along its moving frame: x_q = -Omega_q x x and J_q = J H - H J, H the matrix of
+        Omega_q x.  Only derivatives of unknown functions are in the result.
+        """
+        (u, v), (d_v, dd_u, gauss) = self.coordinates, self.relations
+        highest = sp.diff(self.first[1], u, 2)
+        slope = sp.diff(sp.expand(gauss), highest) if highest.is_Derivative else sp.Integer(1)
+        pairs = [
+            (sp.diff(self.second[0], v), sp.diff(self.second[0], v) - d_v),
+            (sp.diff(self.second[1], u), sp.diff(self.second[1], u) - dd_u),
+            (highest, highest - sp.expand(gauss) / slope),
+        ]
+        along = zip((u, v), self._turns, self._steps, strict=True)
+        for q, turn, step in along:
+            moved = [(vector, (sp.Integer(0),) * 3) for vector in vectors]
+            moved += [] if self.support is None else [(self.support, step)]
+            for vector, own in moved:
+                turned = cross(turn, vector)
+                pairs += [
+                    (sp.diff(x, q), a - b) for x, a, b in zip(vector, own, turned, strict=True)
+                ]
+            for tensor in tensors:
+                change = tensor * _hat(turn) - _hat(turn) * tensor
+                pairs += [(sp.diff(x, q), y) for x, y in zip(tensor, change, strict=True)]
+        return {name: sp.expand(value) for name, value in pairs if name.is_Derivative}
+
+    @property
+    def position(self) -> NoReturn:
+        """Not known."""
+        _nowhere()
+
+    @property
+    def frame(self) -> NoReturn:
+        """Not known."""
+        _nowhere()
+
+    @property
+    def _lengths(self) -> tuple[sp.Expr, sp.Expr]:
+        assert self.lengths is not None
+        return self.lengths
+
+    @property
+    def _rates(self) -> tuple[sp.Expr, sp.Expr]:
+        return velocity(self.coordinates[0]), velocity(self.coordinates[1])
+
+    @property
+    def _turns(self) -> tuple[Vector, Vector]:
+        """``frame_rates`` for du/dt = 1, and for dv/dt = 1."""
+        (u, v), (e, g), (d, dd) = self.coordinates, self.first, self.second
+        lu, lv = self._lengths
+        zero = sp.Integer(0)
+        return (
+            (zero, -d / lu, -sp.diff(e, v) / (2 * lu * lv)),
+            (dd / lv, zero, sp.diff(g, u) / (2 * lu * lv)),
+        )
+
+    @property
+    def _steps(self) -> tuple[Vector, Vector]:
+        """``trace_velocity`` for du/dt = 1, and for dv/dt = 1."""
+        (lu, lv), zero = self._lengths, sp.Integer(0)
+        return (lu, zero, zero), (zero, lv, zero)
+
+
+def _two(things: Sequence[Any], what: str) -> tuple[sp.Expr, sp.Expr]:
+    found = tuple(sp.sympify(thing) for thing in things)
+    if len(found) != 2:
+        raise DefinitionError(f"a surface in lines of curvature takes two of each: {what}")
+    return found[0], found[1]
+
+
+def _nowhere() -> NoReturn:
+    raise DefinitionError(
+        "a surface given by its fundamental forms has no position in space; use Surface"
+    )
+
+
+def _hat(vector: Vector) -> sp.ImmutableMatrix:
+    """The matrix of vector x."""
+    x, y, z = vector
+    return sp.ImmutableMatrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
