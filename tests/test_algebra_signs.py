@@ -60,7 +60,7 @@ FALSE = [
 def test_true_inequalities_are_proved(a: sp.Expr, relation: str, b: sp.Expr) -> None:
     verdict = prove_inequality(a, relation, b, POSITIVE)
     assert verdict.proved, verdict
-    assert verdict.method.startswith("left minus right is ")
+    assert verdict.method.startswith("the difference of the sides is ")
 
 
 @pytest.mark.parametrize(("a", "relation", "b"), TRUE)
@@ -107,3 +107,24 @@ def test_what_is_no_inequality_is_refused() -> None:
         prove_inequality(p, "=", q)
     with pytest.raises(DefinitionError, match="'p' is declared positive and real"):
         prove_inequality(p, ">", q, [p], [p])
+
+
+def test_symbols_that_sympy_knows_to_be_negative() -> None:
+    m, a = sp.Symbol("m", negative=True), sp.Symbol("a", positive=True)
+    assert prove_inequality(m, "<", 0).proved
+    assert prove_inequality(m * x**2, "<=", 0).proved
+    assert prove_inequality(sp.sqrt(-m), ">", 0).proved
+    refuted = prove_inequality(m + a, ">", 0)
+    assert refuted.refuted and refuted.witness is not None
+    assert Fraction(refuted.witness.point["m"]) < 0 < Fraction(refuted.witness.point["a"])
+    with pytest.raises(DefinitionError, match="'m' is negative for SymPy, and declared otherwise"):
+        prove_inequality(m, "<", 0, [m])
+
+
+def test_symbols_that_are_not_real_are_refused() -> None:
+    with pytest.raises(DefinitionError, match="'w' is not real"):
+        prove_inequality(sp.Symbol("w", imaginary=True) ** 2, "<", 0)
+
+
+def test_a_root_beyond_a_branch_point_is_no_point() -> None:
+    assert prove_inequality(p + q * y + 1 / sp.sqrt(x), ">=", 0, POSITIVE).refuted

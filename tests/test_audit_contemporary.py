@@ -19,7 +19,9 @@ from voronec.systems.demchenko.dictionary.chaplygin_balls import (
     D,
     tensor,
 )
+from voronec.systems.demchenko.dictionary.reductions import DELTA, DX, Chaplygin, acts
 from voronec.systems.demchenko.dictionary.rubber_balls import Rubber
+from voronec.systems.demchenko.dictionary.verdicts import worst
 from voronec.systems.demchenko.paper.contemporary import CONTEMPORARY, studies
 
 import voronec as vo
@@ -88,13 +90,40 @@ def test_the_formulas_of_the_text_are_proved_or_definitions():
     assert sum(r.verdict == "proved" for r in records) == 7
 
 
-def test_every_claim_is_proved_in_every_configuration():
+def test_every_sentence_but_one_is_proved_in_every_configuration():
     records = audit(sentences=CONTEMPORARY.sentences)
-    assert [r.verdict for r in records] == ["proved"] * len(CONTEMPORARY.sentences)
+    assert [r.printed for r in records if r.verdict != "proved"] == [TENSOR]
     ranged = [r.formulas[0].ranges for r in records if r.formulas[0].ranges]
-    assert len(ranged) == 6
-    for ranges in ranged:
-        assert [x["verdict"] for x in ranges] == ["proved"] * 3
+    assert sorted(map(len, ranged)) == [1, *[3] * 6]
+    assert {x["verdict"] for ranges in ranged for x in ranges} == {"proved"}
+
+
+TENSOR = "$JK(X,Y)$ is a (0,2)-tensor field on the base"
+
+
+@pytest.mark.parametrize("turning", [0, 1])
+def test_jk_is_quadratic_in_its_first_argument_and_comes_from_three_slots(turning):
+    system = Chaplygin.derived(turning)
+    assert acts(turning).proved
+    x, delta = sp.Matrix(DX), sp.Matrix(DELTA)
+    force, scale = system.force(x, delta), sp.Symbol("scale")
+    assert vo.prove_equal(system.force(scale * x, delta), scale**2 * force).proved
+    assert vo.prove_equal(system.force(x, scale * delta), scale * force).proved
+    assert system.bilinear().refuted
+    assert r"\Sigma(X,X,Y)" in system.three_slots()
+
+
+def test_the_sentence_on_jk_is_refuted_with_a_witness():
+    (record,) = audit(sentences=[s for s in CONTEMPORARY.sentences if s.says == TENSOR])
+    (formula,) = record.formulas
+    assert formula.verdict == "misprint"
+    assert formula.witness["printed"] != formula.witness["derived"]
+    assert r"\Sigma(X,Y,Z)" in formula.derived
+
+
+def test_nothing_compared_is_nothing_proved():
+    assert worst([]).undecided
+    assert worst([vo.prove_equal(1, 1), vo.prove_equal(1, 2), vo.prove_equal(1, 1)]).refuted
 
 
 def test_a_dot_is_missing_in_the_voronec_equations():
@@ -135,6 +164,19 @@ BROKEN = [
     (r"\longmapsto", "= - \\big(".replace("= -", "=  -"), "=  \\big("),
     (r"B_{ij}^\nu=-A", "=-A", "=A"),
     ("ChaplyginRed", "= JK", "=- JK"),
+    ("ChaplyginRed", r"JK(\dot x,\delta x)", r"JK(\delta x,\dot x)"),
+    ("ChaplyginRed", r"JK(\dot x", r"JK(2\dot x"),
+    ("$Q_s", "=-", "="),
+    ("$Q_s", "=-", "=-7"),
+    ("$Q_s", r"\partial q_s", r"\partial\dot q_s"),
+    (r"=\Theta-V", r"\dot q^h", r"\dot q"),
+    (r"\in \mathcal D_q", r"\mathcal D_q", r"\mathcal V_q"),
+    (r"\in \mathcal D_q", r"\delta q_s", r"7\delta q_s"),
+    (r"B^\nu(\dot q", r"B^\nu(\dot q,\delta q)", r"B^\nu(\delta q,\dot q)"),
+    (r"B^\nu(\dot q", r"FL( B(\dot q,\delta q))=\sum", r"FL( B(\delta q,\dot q))=\sum"),
+    ("Jacobi2", r"\omega_1/", r"\omega_2"),
+    ("Jacobi2", r"=\omega_m/", r"=-\omega_m/"),
+    ("Jacobi2", r"\Phi>0", r"\Phi<0"),
     ("Epsilon", r"\pm", r"\mp"),
     (r"\label{Chap}", r"{\mathbf G}\times\omega", r"\omega\times{\mathbf G}"),
     (r"\label{Chap}", r"\epsilon", r"\epsilon^2"),

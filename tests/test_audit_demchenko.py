@@ -95,7 +95,7 @@ def test_the_equations_of_motion_are_proved_for_ball_and_rotor_and_for_the_reduc
     for formula in record(audit, "4.3.131415").formulas:
         assert formula.verdict == "proved"
         assert "compared with the derived equation of motion" in formula.method
-        assert "proved for 'rotor' too" in formula.method
+        assert "proved for 'zhukovsky' too" in formula.method
 
 
 def test_definitions_name_their_uses(audit):
@@ -191,9 +191,34 @@ def test_without_zhukovskys_condition_the_energy_and_the_equations_are_false(pre
     assert "proved" in verdicts["kinMod**"]
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (r"$P=I+A$", r"$P=I-A$"),
+        (r"I=\mathbf{M}R_2^2", r"I=\mathbf{M}R_1^2"),
+        (r"$\mu'=\frac{R_2}{R_1}$", r"$\mu'=\frac{R_1}{R_2}$"),
+        (r"=1+\mu'", r"=1-\mu'"),
+        (r"A=A_1+A_2", r"A=A_1-A_2"),
+        (r"C=C_1", r"C=C_2"),
+        ("C_1=A_1+A_2", "C_1=A_1-A_2"),
+        (r"C_2r_2=k", r"C_1r_2=k"),
+    ],
+)
+def test_a_wrong_definition_is_the_misprint_and_not_what_uses_it(prepared, old, new):
+    def changed(displays):
+        return tuple(replace(d, latex=d.latex.replace(old, new)) for d in displays)
+
+    section = prepared[BALL]
+    broken = replace(section, displays=changed(section.displays), inline=changed(section.inline))
+    records = audit_paper(Paper("trial", "", (broken,))).records
+    wrong = [f for r in records for f in r.formulas if f.verdict == "misprint"]
+    assert [new.strip("$") in f.printed for f in wrong] == [True]
+    assert wrong[0].correction is not None
+
+
 def test_progress_is_told_unit_by_unit(prepared):
     seen = []
-    section = replace(prepared[VORONEC], displays=prepared[VORONEC].displays[:2])
+    section = replace(prepared[VORONEC], displays=prepared[VORONEC].displays[:2], inline=())
     audit_paper(
         Paper("trial", "", (section,)), lambda label, verdict: seen.append((label, verdict))
     )

@@ -21,7 +21,7 @@ ERRATA = {
     "kineticka*": [(r"\mathfrak w_", r"\mathfrak m_")],
     "v3": [(r"\dot q_\nu}", r"\dot q_{n+\nu}}")],
     "v4": [(r"A_j^{(\nu)}\big", r"A_i^{(\nu)}\big")],
-    (BODY, 2): [("K_2=M", r"K_2=\mathbf M"), (r"] +\frac{1}{2", r"] -\frac{1}{2")],
+    (BODY, 2): [(r"] +\frac{1}{2", r"] -\frac{1}{2")],
     (BODY, 7): [("^{t}", "^{t_2}"), ("]dt", "]dt=0")],
     "jednacine1": [(r"\frac{\bar{\Theta}}", r"\frac{\partial\bar{\Theta}}")],
     (BODY, 9): [

@@ -12,8 +12,11 @@ from latex_shape import complaints
 
 from voronec import DefinitionError
 from voronec.audit import Audit, FormulaRecord, Record
+from voronec.cli import main as voronec
+from voronec.cli.files import wanted_folder
 from voronec.report.audit_report import Figure, audit_table, write_audit
-from voronec.report.audit_words import short
+from voronec.report.audit_words import clauses, gist
+from voronec.report.points import readable, short
 
 POINT = {"x": "1/3", "I_1": "7/10"}
 WITNESS = {
@@ -37,6 +40,7 @@ WRONG = FormulaRecord(
 UNBALANCED = FormulaRecord(r"\big(a+b=100\%", "undecided", "it cannot be read: a & b")
 RANGES = (
     {"range": "outer", "statement": r"\mu'>0", "verdict": "proved", "method": "m", "witness": None},
+    {"range": "inner", "statement": "a, b", "verdict": "proved", "method": "m", "witness": None},
     {
         "range": "shell",
         "statement": r"\mu'<-1",
@@ -47,6 +51,9 @@ RANGES = (
 )
 PARTIAL = FormulaRecord(
     "", "convention", "true for outer, false for shell", says=r"$a_0$ is negative", ranges=RANGES
+)
+EVERYWHERE = FormulaRecord(
+    "b>0", "proved", f"{'a long certificate, ' * 12}(a; b); m", ranges=RANGES[:2]
 )
 FALSE = FormulaRecord(
     "", "misprint", "the opposite holds", r"\diag(a)", witness=WITNESS, says="It is stable"
@@ -61,9 +68,21 @@ AUDIT = Audit(
         Record("one", "Second", 1, UNBALANCED.printed, (UNBALANCED, CONVENTION)),
         Record(None, "Second", 2, PARTIAL.says, (PARTIAL,), "text"),
         Record(None, "Second", 3, FALSE.says, (FALSE,), "text"),
+        Record("2*", "Second", 4, EVERYWHERE.printed, (EVERYWHERE,), "text"),
     ),
     authors="A. Būthor",
 )
+
+
+SHEET = """
+from voronec.audit import Display, Paper, Section, Study
+from voronec import time
+
+def studies(_):
+    return {"only": Study({"t": time})}
+
+PAPER = Paper("sheet", "T", (Section("All", (Display(r"$t+t=2t$"),), studies),))
+"""
 
 
 @pytest.fixture(name="page")
@@ -82,7 +101,8 @@ def _article(tmp_path):
 
 def test_the_data_has_a_list_with_the_promised_fields(tmp_path):
     write_audit(AUDIT, tmp_path)
-    first, second, third, fourth, fifth = json.loads((tmp_path / "report.json").read_text("utf-8"))
+    records = json.loads((tmp_path / "report.json").read_text("utf-8"))
+    first, second, third, fourth, fifth, _ = records
     keys = "label section ordinal printed derived verdict correction witness method kind".split()
     assert set(keys) <= set(first)
     assert (first["label"], first["verdict"], first["correction"]) == ("one", "proved", None)
@@ -91,7 +111,11 @@ def test_the_data_has_a_list_with_the_promised_fields(tmp_path):
     assert second["witness"]["printed"] == "0.100000000000000000001"
     assert [f["verdict"] for f in second["formulas"]] == ["proved", "misprint"]
     assert (third["kind"], fourth["kind"], fifth["kind"]) == ("display", "text", "text")
-    assert [r["verdict"] for r in fourth["formulas"][0]["ranges"]] == ["proved", "refuted"]
+    assert [r["verdict"] for r in fourth["formulas"][0]["ranges"]] == [
+        "proved",
+        "proved",
+        "refuted",
+    ]
 
 
 def test_the_table_has_a_line_a_record_and_spells_out_errata():
@@ -101,10 +125,16 @@ def test_the_table_has_a_line_a_record_and_spells_out_errata():
     assert re.search(r"^display 2 +misprint ", table, re.MULTILINE)
     assert re.search(r"^text 2 +convention +\$a_0\$ is negative$", table, re.MULTILINE)
     assert "3 displayed equations: 1 misprint, 1 undecided, 1 proved" in table
-    assert "2 in the text: 1 misprint, 1 convention" in table
+    assert "3 in the text: 1 misprint, 1 convention, 1 proved" in table
     assert re.search(r"for +A_j=B_i\n +read +A_i=B_i\n", table)
     assert "as printed  0.100000000000...  (for i = 1, j = 2)" in table
     assert re.search(r"erratum 2: text 3 in 'Second'\n +claim +It is stable\n", table)
+    assert re.search(r"^ +undecided .*\n +it cannot be read: a & b\.$", table, re.MULTILINE)
+    single = Audit("p", "T", (Record(None, "S", 1, "a+b", (UNBALANCED,)),))
+    assert re.search(
+        r"^display 1 .*\n +it cannot be read: a & b\.$", audit_table(single), re.MULTILINE
+    )
+    assert "1 displayed equation: 1 undecided" in audit_table(single)
     assert "convention: display" not in table  # it bears a label
     assert re.search(r"convention: \(one\) in 'Second'\n +x=-y\n +true if y is down", table)
 
@@ -113,6 +143,32 @@ def test_a_value_is_cut_after_its_first_digits():
     assert short("0.000123456789012345") == "0.000123456789012..."
     assert short("-12.3456789012345e-5") == "-12.3456789012...e-5"
     assert short("1/3 + 2.5*I") == "1/3 + 2.5*I"
+    assert [short(x) for x in ("0e-44", "-0.000", "28.0000", "10e-4")] == ["0", "0", "28", "10e-4"]
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("Derivative(m12, q1)", r"\partial m_{12}/\partial q_{1}"),
+        ("Derivative(E_1, v_1, u_1)", r"\partial^2 E_{1}/\partial v_{1}\partial u_{1}"),
+        (r"\wp'{(\zeta)}", r"\wp '(\zeta )"),
+        ("q3dotdot", r"\ddot{q}_{3}"),
+        ("u_1dot", r"\dot{u}_{1}"),
+        ("D''_1", "D''_{1}"),
+        ("rho_u", r"\rho _{u}"),
+        ("omega~", r"\tilde{\omega}"),
+        ("mass", r"\text{mass}"),
+        ("cos u", r"\cos  u"),
+    ],
+)
+def test_the_names_of_a_point_are_readable(name, expected):
+    assert readable(name) == expected
+
+
+def test_a_method_has_clauses_and_a_gist():
+    assert clauses("a (b; c); $x; y$; d") == ["a (b; c)", "$x; y$", "d"]
+    assert gist("true if a; b; against (c; d); n = 3") == "true if a; b; against (c; d)"
+    assert gist("true for outer; x is positive") == "true for outer"
 
 
 class Tags(HTMLParser):
@@ -161,23 +217,30 @@ def test_the_page_begins_with_errata_and_conventions(page):
     errata = page[page.index('id="errata-list"') : page.index('id="conventions"')]
     assert errata.count("<li>") == 2
     assert "Not true: It is stable" in errata
-    assert "0.100000000000..." in errata
+    assert errata.count("0.100000000000...") == 2
+    assert "...." not in page
 
 
 def test_the_page_marks_the_difference_in_both(page):
-    assert '<mrow class="struck"><mi>j</mi></mrow>' in page
-    assert '<mrow class="mended"><mi>i</mi></mrow>' in page
+    assert '<mrow class="struck"><msub><mi>A</mi><mi>j</mi></msub></mrow>' in page
+    assert '<mrow class="mended"><msub><mi>A</mi><mi>i</mi></msub></mrow>' in page
 
 
 def test_the_page_can_be_searched_and_filtered(page):
-    records = re.findall(r'<article id="([^"]*)" data-verdicts="([^"]*)" data-kind="([^"]*)"', page)
+    head = r'<article id="([^"]*)" data-verdicts="([^"]*)" data-kind="([^"]*)"'
+    records = re.findall(head, page)
     assert [r[1:] for r in records] == [
         ("proved", "display"),
         ("proved misprint", "display"),
         ("undecided convention", "display"),
         ("convention", "text"),
         ("misprint", "text"),
+        ("proved", "text"),
     ]
+    names = re.findall(r'data-name="([^"]*)"', page)
+    assert names == ["(one)", "display 2", "(one)", "text 2", "text 3", "(2*)"]
+    assert '"γ": ["\\\\gamma"]' in page
+    assert '"weierstrass": ["\\\\wp"]' in page
     texts = re.findall(r'data-text="([^"]*)"', page)
     assert "a_j=b_i" in texts[1]
     assert "is negative" in texts[3]
@@ -187,9 +250,19 @@ def test_the_page_can_be_searched_and_filtered(page):
 
 def test_the_page_says_in_which_ranges_a_claim_holds(page):
     record = page[page.index('data-kind="text"') :]
-    rows = re.findall(r"<tr><td>(outer|shell)</td>.*?</tr>", record)
-    assert rows[:2] == ["outer", "shell"]
-    assert "1 against 2 at x = 1/3, I_1 = 7/10" in record
+    rows = re.findall(r"<tr><td>(outer, inner|shell)</td>.*?</tr>", record)
+    assert rows == ["outer, inner", "shell", "outer, inner"]
+    heads = re.findall(r"<tr>((?:<th>\w+</th>)+)</tr>", record)
+    assert [h.count("<th>") for h in heads] == [5, 3], "nothing is said twice, or of nothing"
+    assert re.search(r"<td>at <math>.*?</math> = 1/3, <math>.*?</math> = 7/10</td>", record)
+
+
+def test_a_long_certificate_unfolds(page):
+    record = page[page.index('<article id="2*"') :]
+    folded = re.search(r'<details class="method"><summary>(.*?)</summary><p>(.*?)</p>', record)
+    assert folded is not None
+    assert folded[2].endswith("(a; b); m")
+    assert len(folded[1]) < 210
 
 
 def test_the_article_would_compile(article):
@@ -197,17 +270,20 @@ def test_the_article_would_compile(article):
     assert article.rstrip().endswith(r"\end{document}")
     assert r"\providecommand{\diag}{\operatorname{diag}}" in article
     assert set(re.findall(r"\\usepackage(?:\[[^\]]*\])?\{([^}]*)\}", article)) == {
-        *("inputenc", "amsmath,amssymb", "xcolor,graphicx", "longtable", "geometry"),
+        *("fontenc", "inputenc", "lmodern", "amsmath,amssymb", "xcolor,graphicx"),
+        *("array,longtable", "geometry"),
     }
 
 
 def test_the_article_shows_the_difference_and_escapes_words(article):
-    assert r"A_{\struck{j}}=B_i" in article
-    assert r"A_{\mended{i}}=B_i" in article
+    assert r"{\struck{A_j}}=B_i" in article
+    assert r"{\mended{A_i}}=B_i" in article
+    assert r"\paragraph{2. \texttt{text 3}} Second." in article
+    assert "...." not in article.replace(r"\dots", "")
     assert r"On <balls> \& spheres" in article
     assert r"it cannot be read: a \& b" in article
     assert "Not true: It is stable" in article
-    assert r"$\mu'>0$ & \verdict{proved} & m" in article
+    assert r"outer, inner & $\mu'>0$; $a$, $b$ & \verdict{proved} & " in article
 
 
 def test_nothing_to_report_is_a_report(tmp_path):
@@ -223,3 +299,33 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path):
     blocked.write_text("")
     with pytest.raises(DefinitionError, match="cannot be written"):
         write_audit(AUDIT, blocked)
+
+
+def test_the_table_is_printed_though_the_report_cannot_be_written(tmp_path, monkeypatch, capsys):
+    def full(*_):
+        raise DefinitionError("'report' cannot be written: no space")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setattr("voronec.report.audit_report.write_audit", full)
+    (tmp_path / "sheet.py").write_text(SHEET)
+    assert voronec(["regenerate", "sheet.py", "--out", "report"]) == 2
+    out, err = capsys.readouterr()
+    assert "1 displayed equation: 1 proved" in out
+    assert "cannot be written: no space" in err
+    assert not (tmp_path / "report").exists()
+    assert voronec(["regenerate", "sheet.py", "--out", ""]) == 2
+    assert "the folder for --out has no name" in capsys.readouterr().err
+
+
+def test_a_folder_is_tried_before_any_work(tmp_path, monkeypatch):
+    assert wanted_folder(str(tmp_path / "a" / "b")) == tmp_path / "a" / "b"
+    assert list(tmp_path.iterdir()) == []
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    for name, told in (("", "has no name"), (blocked, "is a file"), (blocked / "in", "no folder")):
+        with pytest.raises(DefinitionError, match=told):
+            wanted_folder(str(name))
+    monkeypatch.setattr("os.access", lambda *_: False)
+    with pytest.raises(DefinitionError, match="allows no new files"):
+        wanted_folder(str(tmp_path / "new"))

@@ -12,6 +12,7 @@ from voronec import DefinitionError, velocity
 from voronec.audit import Check, Convention, Display, Motion, Paper, Section, Study, audit_paper
 
 x, y, w, m, c = sp.symbols("x y w m c")
+DEFINITION = Check("definition")
 X = {i: sp.Symbol(f"x{i}") for i in (1, 2)}
 
 
@@ -109,7 +110,9 @@ def test_an_equation_of_motion_is_compared_with_the_derived_one():
     check = Check(truth=truth)
     assert one(r"m\dot w=-cx", check).verdict == "proved"
     assert one(r"-cx-m\dot w=0", check).verdict == "proved"
-    assert one(r"2mx\dot w=-2cx^2", check).verdict == "proved", "a factor makes no difference"
+    assert one(r"-2m\dot w=2cx", check).verdict == "proved", "a factor makes no difference"
+    assert one(r"(1+x^2)m\dot w=-(1+x^2)cx", check).verdict == "proved"
+    assert one(r"mx\dot w=-cx^2", check).verdict == "misprint", "it says nothing where x = 0"
     assert one(r"0\cdot\dot w=0", check).verdict == "misprint"
     wrong = one(r"m\dot w=cx", check)
     assert wrong.verdict == "misprint"
@@ -118,32 +121,21 @@ def test_an_equation_of_motion_is_compared_with_the_derived_one():
 
 
 def test_a_name_that_the_paper_defines_is_a_definition_and_its_uses_are_named():
-    first, second = audit(Display("$D=x+y$"), Display("$D^2=x^2+2xy+y^2$"))
+    first, second = audit(Display("$D=x+y$", (DEFINITION,)), Display("$D^2=x^2+2xy+y^2$"))
     assert (first.verdict, second.verdict) == ("definition", "proved")
     assert "consistent with its uses in display 2" in first.formulas[0].method
 
 
 def test_a_formula_of_the_running_text_defines_names_and_has_a_record_of_its_own():
-    display, text = audit(Display("$D^2=x^2+2xy+y^2$"), inline=(Display("$D=x+y$"),))
+    display, text = audit(Display("$D^2=x^2+2xy+y^2$"), inline=(Display("$D=x+y$", (DEFINITION,)),))
     assert (display.verdict, text.verdict) == ("proved", "definition")
     assert (display.kind, text.kind, text.ordinal) == ("display", "text", 2)
 
 
 def test_a_definition_that_leads_back_to_itself_is_not_used():
-    records = audit(Display("$D=x+F$"), Display("$F=D-x$"), Display("$D=x$"))
-    assert all(r.verdict != "proved" for r in records[:2])
-
-
-def test_definitions_and_conditions_are_inherited_from_an_earlier_section():
-    condition = Display(r"\begin{equation}\label{cond} m=2c\end{equation}", (Check("condition"),))
-    study = lambda _: {"only": oscillator()}  # noqa: E731
-    first = Section("first", (condition, Display("$D=x+y$")), study)
-    second = Section(
-        "second", (Display("$Dm=2c(x+y)$", (Check(given=("cond",)),)),), study, inherits=(first,)
-    )
-    assert audit_paper(Paper("p", "", (first, second))).records[-1].verdict == "proved"
-    alone = replace(second, inherits=())
-    assert audit_paper(Paper("p", "", (first, alone))).records[-1].verdict == "undecided"
+    texts = ("$D=x+F$", "$F=D-x$", "$D=D$")
+    records = audit(*(Display(text, (DEFINITION,)) for text in texts))
+    assert all(r.verdict != "proved" for r in records)
 
 
 def test_a_printed_range_of_an_index_must_be_its_range():
@@ -189,7 +181,8 @@ def test_what_cannot_be_read_or_decided_is_undecided_and_says_why():
 
 
 def test_a_display_takes_the_worst_of_its_formulas():
-    (record,) = audit(Display(r"\[ x+x=2x, \quad x+x=3x, \quad D=x \]"))
+    checks = (Check(), Check(), DEFINITION)
+    (record,) = audit(Display(r"\[ x+x=2x, \quad x+x=3x, \quad D=x \]", checks))
     assert [f.verdict for f in record.formulas] == ["proved", "misprint", "definition"]
     assert record.verdict == "misprint"
     assert record.decisive is record.formulas[1]
@@ -211,4 +204,65 @@ def test_a_list_of_arguments_must_name_what_the_function_depends_on():
 def test_a_check_must_ask_for_something_that_exists():
     with pytest.raises(DefinitionError, match="the role 'axiom'"):
         Check("axiom")
-    assert "the study 'other', which is not defined" in one("x=x", Check(study="other")).method
+    for check, what in (
+        (Check(study="other"), "no study 'other'; there are: only"),
+        (Check(also=("onyl",)), "no study 'onyl'; did you mean 'only'"),
+        (Check(within=("up",)), "no range 'up'"),
+        (Check(given=("cond",)), "labelled 'cond'"),
+    ):
+        with pytest.raises(DefinitionError, match=what):
+            one("x=x", check)
+
+
+def test_an_unknown_name_makes_no_definition():
+    assert one("D=x").verdict == "undecided"
+    assert "'D' is not in the dictionary" in one("D=x").method
+
+
+def test_what_claims_nothing_is_not_proved():
+    assert one("x+y").verdict == "undecided"
+    assert "it claims nothing" in one("x+y").method
+    with pytest.raises(DefinitionError, match="holds no formula"):
+        Display(r"\[ \]")
+
+
+def test_a_value_is_compared_with_every_part():
+    check = Check(value=lambda study, where: x**2)
+    assert one("xx", check).verdict == "proved"
+    assert one("xx=x^2", check).verdict == "proved"
+    assert one("xx=x^3", check).verdict == "misprint"
+
+
+def test_a_function_of_the_paper_that_fails_is_told_as_its_own():
+    for check in (
+        Check(truth=lambda study, where: study.contxt),
+        Check(value=lambda study, where: 1 / 0),
+        Check(derived=lambda study, where: 1 / 0),
+        Check(decide=lambda study, where: True),
+    ):
+        with pytest.raises(
+            DefinitionError, match=r"test_audit_verdicts.py, line|returns no Verdict"
+        ):
+            one("x=x", check)
+
+
+def test_a_rate_that_nobody_gave_is_not_zero():
+    study = Study({"x": x})
+    assert one("x=const", study=study).verdict == "undecided"
+    assert "no rates are known" in one("x=const", study=study).method
+    with pytest.raises(DefinitionError, match="is the rate of no symbol"):
+        Motion(accelerations={velocity(w): -x})
+
+
+def test_accelerations_that_nobody_gave_refute_nothing():
+    free = Motion(rates={x: w, w: velocity(w)}, constrained={velocity(x): w})
+    study = replace(oscillator(), motion=free)
+    assert one(r"E=const", study=study).verdict == "undecided"
+    assert "Motion.of(eqs).solved(eqs)" in one(r"\dot w=-x", study=study).method
+    assert one(r"\dot x=w", study=study).verdict == "proved"
+
+
+def test_an_inequality_without_ranges_is_not_called_wrong():
+    assert one("x^2+1>0").verdict == "proved"
+    assert one("x>0").verdict == "undecided"
+    assert "which are meant" in one("x>0").method

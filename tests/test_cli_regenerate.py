@@ -65,6 +65,28 @@ def test_an_unknown_paper_is_answered_with_the_nearest(call: Call) -> None:
     assert "is not a voronec.audit.Paper" in refused(call("regenerate", "empty.py"))
 
 
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        ("raise ValueError('no')", "bad.py, line 4: ValueError: no"),
+        ("return {}", "section 'All': 'studies' must return a dict"),
+        ("return None", "section 'All': 'studies' must return a dict"),
+        ("return {'only': 1}", "section 'All': the study 'only' is a int"),
+    ],
+)
+def test_a_paper_whose_studies_fail_is_told_in_one_line(call: Call, body: str, told: str) -> None:
+    lines = [
+        "from voronec.audit import Display, Paper, Section",
+        "",
+        "def studies(_):",
+        f"    {body}",
+        "",
+        "PAPER = Paper('bad', '', (Section('All', (Display('$x=x$'),), studies),))",
+    ]
+    Path("bad.py").write_text("\n".join(lines))
+    assert told in refused(call("regenerate", "bad.py"))
+
+
 def test_a_folder_that_cannot_be_written_is_refused_before_any_work(call: Call) -> None:
     Path("taken.py").write_text("mine")
     assert "'taken.py' is a file" in refused(call("regenerate", "demchenko", "--out", "taken.py"))

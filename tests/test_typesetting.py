@@ -88,13 +88,22 @@ def test_what_does_not_match_is_no_formula(latex):
 @pytest.mark.parametrize(
     ("marks", "expected"),
     [
-        (((2, 3),), '<msub><mi>A</mi><mrow class="m"><mi>j</mi></mrow></msub>'),
+        (((2, 3),), '<mrow class="m"><msub><mi>A</mi><mi>j</mi></msub></mrow>'),
         (((3, 7),), '<mrow class="m"><mo form="infix">=</mo><msub><mi>B</mi><mi>i</mi></msub>'),
         (((1, 1),), "<msub><mi>A</mi><mi>j</mi></msub>"),
     ],
 )
 def test_marked_characters_are_one_element_of_the_class(marks, expected):
     assert expected in mathml("A_j=B_i", marks, "m")
+
+
+def test_a_bracket_that_is_added_is_marked():
+    assert '<mrow class="m"><mo stretchy="false" lspace="0" rspace="0">)' in mathml(
+        "2(a+b)", ((5, 6),), "m"
+    )
+    assert '<mrow class="m"><mo stretchy="true" form="postfix"' in mathml(
+        r"(\frac{a}{b})", ((12, 13),), "m"
+    )
 
 
 def test_words_may_hold_formulas():
@@ -152,14 +161,17 @@ def test_a_short_formula_is_left_alone():
 @pytest.mark.parametrize(
     ("latex", "marks", "expected"),
     [
-        ("A_j=B_i", ((2, 3),), r"A_{\struck{j}}=B_i"),
-        (r"q_{n+\nu}", ((2, 9),), r"q_{\struck{{n+\nu}}}"),
-        (r"q_{n+\nu}", ((4, 5),), r"q_{n{\struck{{}+}}\nu}"),
+        ("A_j=B_i", ((2, 3),), r"{\struck{A_j}}=B_i"),
+        (r"q_{n+\nu}", ((2, 9),), r"{\struck{q_{n+\nu}}}"),
+        (r"q_{n+\nu}", ((4, 5),), r"{\struck{q_{n+\nu}}}"),
         (r"\frac{a}{b}", ((5, 10),), r"\frac{\struck{{a}}}{{\struck{b}}}"),
         (r"\frac{a}{b}", ((5, 11),), r"\frac{\struck{{a}}}{\struck{{b}}}"),
         (r"\left(a\right)", ((0, 7),), r"\left({\struck{a}}\right)"),
         (r"a & b", ((0, 5),), "\\begin{aligned}\n{\\struck{a}} & {\\struck{b}}\n\\end{aligned}"),
-        (r"m_\mathbf v", ((10, 11),), r"m_{\struck{\mathbf v}}"),
+        (r"m_\mathbf v", ((10, 11),), r"{\struck{m_\mathbf v}}"),
+        (r"\int_a^{t_2}b", ((9, 11),), r"\int_a^{{\struck{t_2}}}b"),
+        (r"(a)^2", ((3, 5),), r"(a)^{\struck{2}}"),
+        (r"\mathbf v", ((8, 9),), r"{\struck{\mathbf v}}"),
         (r"\big(a", ((4, 5),), r"{\struck{\big(}}a"),
         (r"a \label{x}= b", (), "a = b"),
     ],

@@ -10,12 +10,12 @@ import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from voronec.audit import Audit, FormulaRecord, Paper, Record
 from voronec.catalogue import load_paper
 from voronec.cli import main as voronec
-from voronec.report.audit_words import counted, short, with_verdict
+from voronec.report.audit_words import convened, counted, ended, with_verdict
+from voronec.report.points import short
 
 __all__ = ["FOLDER", "PAGE", "PAPER", "main", "pasted", "read_audit", "summary"]
 
@@ -35,7 +35,7 @@ def read_audit(folder: Path, paper: Paper) -> Audit:
             entry["section"],
             entry["ordinal"],
             entry["printed"],
-            tuple(map(_formula, entry["formulas"])),
+            tuple(map(FormulaRecord.from_dict, entry["formulas"])),
             entry["kind"],
         )
         for entry in entries
@@ -43,19 +43,21 @@ def read_audit(folder: Path, paper: Paper) -> Audit:
     return Audit(paper.name, paper.title, records, paper.references, paper.authors)
 
 
-def _formula(entry: dict[str, Any]) -> FormulaRecord:
-    values = dict(entry)
-    for name in ("changes", "struck"):
-        values[name] = tuple((a, b) for a, b in values[name])
-    for name in ("quantifiers", "ranges"):
-        values[name] = tuple(values[name])
-    return FormulaRecord(**values)
-
-
-def summary(audit: Audit) -> str:
+def summary(audit: Audit, paper: Paper) -> str:
     """Counts, errata and conventions in Markdown."""
     lines = [f"- {line}" for line in counted(audit)]
-    return "\n".join([*lines, "", *_errata(audit), *_conventions(audit)])
+    return "\n".join([*lines, "", _numbering(paper), "", *_errata(audit), *_conventions(audit)])
+
+
+def _numbering(paper: Paper) -> str:
+    """Why there are more records than displays."""
+    displays = [display for section in paper.sections for display in section.displays]
+    several = sum(len(display.units) > 1 for display in displays)
+    records = sum(len(display.units) for display in displays)
+    return (
+        f"The LaTeX has {len(displays)} displays; {several} of them bear several numbers each, and "
+        f"each number counts, hence {records} displayed equations."
+    )
 
 
 def _errata(audit: Audit) -> Iterator[str]:
@@ -71,7 +73,7 @@ def _errata(audit: Audit) -> Iterator[str]:
         elif formula.derived:
             yield from _display("\n   instead", formula.derived)
         else:
-            yield f"\n   {short(formula.method)}."
+            yield f"\n   {ended(short(formula.method))}"
 
 
 def _display(word: str, latex: str) -> Iterator[str]:
@@ -79,13 +81,16 @@ def _display(word: str, latex: str) -> Iterator[str]:
 
 
 def _conventions(audit: Audit) -> Iterator[str]:
-    found = list(with_verdict(audit, "convention"))
+    found = list(convened(audit))
     if found:
         yield "\n### Conventions and ranges"
-    for number, (record, formula) in enumerate(found, 1):
-        what = formula.says or f"$`{' '.join(formula.printed.split())}`$"
-        place = f"`{record.called}` in *{record.section}*"
-        yield f"\n{number}. {place}: {what}\n   {short(formula.method)}."
+    for number, (said, several) in enumerate(found, 1):
+        mark = f"\n{number}."
+        for record, formula in several:
+            what = formula.says or f"$`{' '.join(formula.printed.split())}`$"
+            yield f"{mark} `{record.called}` in *{record.section}*: {what}\\"
+            mark = "  "
+        yield f"   {ended(short(said))}"
 
 
 def pasted(page: str, text: str) -> str:
@@ -98,8 +103,9 @@ def main() -> int:
     """Audit, write, paste; the exit status is that of the audit."""
     status = voronec(["regenerate", PAPER, "--out", str(FOLDER)])
     if status in (0, 1):
-        audit = read_audit(FOLDER, load_paper(PAPER))
-        PAGE.write_text(pasted(PAGE.read_text("utf-8"), summary(audit)), "utf-8")
+        paper = load_paper(PAPER)
+        audit = read_audit(FOLDER, paper)
+        PAGE.write_text(pasted(PAGE.read_text("utf-8"), summary(audit, paper)), "utf-8")
     return status
 
 

@@ -93,7 +93,8 @@ PAPER = Paper(
 & F_1=(\gamma,\gamma)=1, \quad F_2=\frac12(\mathbf G,\omega)=const, \\
 & F_3=(\mathbf G,\mathbf G)=const, \quad F_4=(\mathbf G,\gamma)=const
 \end{aligned}
-\end{equation}"""
+\end{equation}""",
+                    (DEFINITION,),
                 ),
             ),
             sentences=(

@@ -59,8 +59,8 @@ class Question:
             point = {a: abs(v) + (not v) if str(a) in self.positive else v for a, v in signed}
             yield point
             for variable, root in roots:
-                value = root.xreplace({a: _exact(v) for a, v in point.items()})
-                if value.is_Number and getattr(value, "q", 0) != 0:
+                value = _value(root, point)
+                if value is not None:
                     moved = flint.fmpq(int(value.p), int(value.q))
                     if str(variable) not in self.positive or moved > 0:
                         yield {**point, variable: moved}
@@ -81,10 +81,24 @@ def _random(source: Random, scale: int) -> Any:
     return flint.fmpq(above, source.randint(1, 12)) * size
 
 
+def _value(root: Any, point: dict[Any, Any]) -> Any:
+    """A root at a point, or ``None`` where it is no rational number, as beyond a branch point."""
+    try:
+        value = root.xreplace({a: _exact(v) for a, v in point.items()})
+    except RuntimeError:  # symengine cannot multiply complex infinity by a complex number
+        return None
+    return value if value.is_Number and getattr(value, "q", 0) != 0 else None
+
+
 def _exact(value: Any) -> Any:
     return se.Integer(int(value.p)) / se.Integer(int(value.q))
 
 
 def _witness(point: dict[Any, Any], left: Any, right: Any) -> Witness:
     named = {str(atom): str(value) for atom, value in point.items()}
-    return Witness(named, str(left.str(30, radius=False)), str(right.str(30, radius=False)))
+    return Witness(named, _spelled(left), _spelled(right))
+
+
+def _spelled(ball: Any) -> str:
+    """Thirty digits; a ball about zero that is left beside an exact answer is zero."""
+    return "0" if ball.contains(0) else str(ball.str(30, radius=False))

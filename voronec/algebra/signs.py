@@ -8,13 +8,14 @@ roots.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import flint
 import sympy as sp
 
 from voronec.algebra.counterexamples import Question
+from voronec.algebra.domains import RELATIONS, mirrored, real_symbols, refuse_signs
 from voronec.algebra.door import Door
 from voronec.algebra.field import Fraction
 from voronec.algebra.ring import Ring
@@ -23,25 +24,6 @@ from voronec.algebra.verdicts import PROOF_LIMIT, Verdict
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["RELATIONS", "prove_inequality"]
-
-RELATIONS = {
-    "<": "<",
-    ">": ">",
-    "<=": "<=",
-    ">=": ">=",
-    "!=": "!=",
-    "\\lt": "<",
-    "\\gt": ">",
-    "\\le": "<=",
-    "\\leq": "<=",
-    "\\leqslant": "<=",
-    "\\ge": ">=",
-    "\\geq": ">=",
-    "\\geqslant": ">=",
-    "\\ne": "!=",
-    "\\neq": "!=",
-}
-"""Relations by their spellings, in LaTeX too."""
 
 _MEANT = {"<": ((-1,), True), ">": ((1,), True), "<=": ((-1, 0), False), ">=": ((1, 0), False)}
 _DEPTH = 8
@@ -53,9 +35,11 @@ def prove_inequality(
     r"""Decide whether ``a relation b`` holds wherever both sides are defined.
 
     ``relation`` is one of < <= > >= != or its LaTeX.  The symbols ``positive``, and those that
-    SymPy knows to be positive, run over all positive numbers, every other one over all real
-    numbers; ``real`` names some of these, so that one in both lists is an error.  Proved: the
-    method says by which certificate.  Refuted: the witness is a point, rational in every symbol.
+    SymPy knows to be positive, run over all positive numbers, those that it knows to be negative
+    over all negative ones, every other one over all real numbers, whatever else SymPy knows;
+    ``real`` names some of these, so that one in both lists is an error, as is a symbol that is not
+    real.  Proved: the method says by which certificate.  Refuted: the witness is a point, rational
+    in every symbol.
     """
     if relation not in RELATIONS:
         raise DefinitionError(
@@ -64,10 +48,19 @@ def prove_inequality(
     both = [s for s in real if s in positive]
     if both:
         raise DefinitionError(f"'{both[0]}' is declared positive and real; declare it once")
+    a, b = sp.sympify(a), sp.sympify(b)
+    symbols = real_symbols(a, b)
+    below = {s: sp.Symbol(f"|{s.name}|") for s in symbols if s.is_negative}
+    if below:
+        refuse_signs(below, (*positive, *real))
+        mirror = {s: -size for s, size in below.items()}
+        sizes = (*positive, *below.values())
+        return mirrored(
+            prove_inequality(a.xreplace(mirror), relation, b.xreplace(mirror), sizes, real)
+        )
     door = Door()
     left, right = door.inward(a), door.inward(b)
     above = {str(door.inward(s)) for s in positive}
-    symbols = sp.sympify(a).free_symbols | sp.sympify(b).free_symbols
     above |= {plain_name(s) for s in symbols if s.is_positive}
     question = Question(left, RELATIONS[relation], right, frozenset(above))
     try:
@@ -78,7 +71,7 @@ def prove_inequality(
         return question.searched((), str(limit))
     found = signs.of_fraction(difference)
     if found is not None and found.settles(question.relation):
-        return Verdict("proved", f"left minus right is {found.in_words}: {found.reason}")
+        return Verdict("proved", f"the difference of the sides is {found.in_words}: {found.reason}")
     roots = signs.vanishing(difference.num)
     return question.searched(roots, "no certificate of a sign was found")
 
@@ -167,11 +160,13 @@ class _Signs:
             sign = self._of_irreducible(factor, depth)
             if exponent % 2 == 0:
                 strict = sign is not None and sign.strict
-                sign = _Sign(1, strict, f"({self.spelled(factor)})^{exponent} is an even power")
+                sign = _Sign(1, strict, f"({self.spelled(factor)})^{exponent} is no less than 0")
             elif sign is None:
                 return None
             found = found.times(sign)
-        return found if found.reason else _Sign(found.value, True, "a number")
+        if not found.reason:
+            return replace(found, reason="a number")
+        return replace(found, reason=f"minus a product: {found.reason}") if unit < 0 else found
 
     def _of_irreducible(self, poly: Any, depth: int) -> _Sign | None:
         """The first certificate of a strict sign, else the first of any."""
@@ -200,10 +195,9 @@ class _Signs:
             if value == -sign:
                 return None
             value, strict = sign, strict or all(kind == "positive" for kind, _ in used)
-        names = self.spelled(poly)
-        if len(poly) == 1:
-            return _Sign(value, strict, f"{names} has that of its symbols")
-        return _Sign(value, strict, f"all terms of {names} have one sign")
+        found = _Sign(value, strict, "")
+        each = "" if len(poly) == 1 else "every term of "
+        return replace(found, reason=f"{each}{self.spelled(poly)} is {found.in_words}")
 
     def _without_roots(self, poly: Any) -> _Sign | None:
         """A polynomial in one variable that has no root in the range of the variable."""
@@ -233,7 +227,7 @@ class _Signs:
         positive = self.kinds[place] == "positive"
         strict = any(s.strict and (positive or not power) for power, s in found)
         reasons = "; ".join(dict.fromkeys(s.reason for _, s in found))
-        text = f"its coefficients in {self.ring.meaning[place]} have one sign ({reasons})"
+        text = f"its coefficients in {self.ring.meaning[place]} agree in sign ({reasons})"
         return _Sign(found[0][1].value, strict, text)
 
     def _by_discriminant(self, poly: Any, place: int, depth: int) -> _Sign | None:

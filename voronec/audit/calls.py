@@ -14,18 +14,32 @@ from voronec.audit.structure import free_indices
 from voronec.audit.study import Study, key_of
 from voronec.errors import DefinitionError
 
-__all__ = ["call", "called", "is_named"]
+__all__ = ["ELEMENTARY", "call", "called", "is_named"]
 
 Where = Mapping[str, int]
 Evaluate = Callable[[Node, Study, Where], Any]
 
 
+ELEMENTARY: dict[str, Callable[[Any], Any]] = {
+    "ln": sp.log,
+    "arcsin": sp.asin,
+    "arccos": sp.acos,
+    **{
+        n: getattr(sp, n)
+        for n in ("sin", "cos", "tan", "cot", "log", "exp", "sinh", "cosh", "tanh")
+    },
+}
+"""The functions that are commands of LaTeX, by their names without the backslash."""
+
+
 def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
     """The value of a function of the dictionary, or of an expression that lists what it holds."""
     function = _function(node.function, study)
+    value: Any = evaluate(node.function, study, where) if function is None else None
+    if callable(value) and not isinstance(value, sp.Basic):
+        function = value  # a member of a family of functions
     if function is not None:
         return function(*[evaluate(a, study, where) for a in node.arguments])
-    value = evaluate(node.function, study, where)
     listed = _listed_symbols(node.arguments, study, where, evaluate)
     variables = set(study.motion.rates) | set(study.motion.constrained) | {time}
     missing = (value.free_symbols & variables) - listed

@@ -44,16 +44,27 @@ def with_uses(examined: Examined, everything: Sequence[Examined]) -> FormulaReco
     record = examined.record
     if record.verdict != "definition" or not (examined.defines or examined.condition):
         return record
-    others = [e for e in everything if e is not examined]
-    if examined.condition:
-        users = [e for e in others if examined.label in e.given]
-    else:
-        users = [e for e in others if examined.defines in e.uses]
+    users = _users(examined, everything)
     good = [e.called for e in users if e.record.verdict == "proved"]
     good += [f"{e.called} as corrected" for e in users if e.record.correction]
     called = ", ".join(dict.fromkeys(good))
-    text = f"consistent with its uses in {called}" if good else "not used in the formulas audited"
+    text = f"consistent with its uses in {called}" if good else "no proved formula here needs it"
     return replace(record, method=f"{record.method}; {text}")
+
+
+def _users(examined: Examined, everything: Sequence[Examined]) -> list[Examined]:
+    """What names the thing defined, or names what another definition makes of it."""
+    found: list[Examined] = []
+    waiting = [examined]
+    while waiting:
+        one = waiting.pop()
+        for other in everything:
+            uses = one.label in other.given if one.condition else one.defines in other.uses
+            if uses and other is not examined and other not in found:
+                found.append(other)
+                if other.record.verdict == "definition" and other.defines:
+                    waiting.append(other)
+    return [e for e in everything if e in found]
 
 
 def defined(chain: Chain) -> str:

@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.normal import shorten
-from voronec.audit.latex.nodes import Call, Chain, Dot, Node, walk
-from voronec.audit.meaning import evaluate
+from voronec.audit.comparisons import accelerations
+from voronec.audit.hooks import HookError, asked
+from voronec.audit.latex.nodes import Call, Chain, Dot, Name, Node, walk
+from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.paper import Check
 from voronec.audit.structure import mentions, names_constant, whole_name
-from voronec.audit.study import Study
+from voronec.audit.study import Study, key_of
 from voronec.audit.transcript import assignments, instance, text_of
-from voronec.audit.verify import accelerations
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.errors import EngineLimit
 
 __all__ = ["derived_latex", "print_latex"]
 
 LONGEST = 1500
 """Longer results are left out of the report: nobody reads them."""
+
+FOLDABLE = 20
+"""Derived constants with fewer operations are brought in by name."""
 
 EXPANDABLE = 80
 """Results with fewer operations are also multiplied out, and the shorter print is taken."""
@@ -40,15 +46,17 @@ def derived_latex(
         if check.truth is not None:
             return _equation(chain, check, study)
         return _value(chain, source, study, constant)
-    except (EngineLimit, DefinitionError):
-        return None
+    except HookError:
+        raise
+    except SENSELESS:
+        return None  # a verdict does not depend on what can be shown beside it
 
 
 def _given_pairs(chain: Chain, check: Check, study: Study) -> str:
     assert check.derived is not None
     pairs = []
     for where in assignments(chain, study)[:1]:
-        pairs += check.derived(study, where)
+        pairs += asked(check.derived, study, where)
     return ", \\quad ".join(
         f"{_side(a, chain, study)} = {_side(b, chain, study)}" for a, b in pairs
     )
@@ -65,7 +73,7 @@ def _equation(chain: Chain, check: Check, study: Study) -> str | None:
     """An equation of motion: terms with accelerations on the left, the rest on the right."""
     assert check.truth is not None
     where = next(iter(assignments(chain, study)))
-    residual = check.truth(study, where).xreplace(dict(study.given))
+    residual = asked(check.truth, study, where).xreplace(dict(study.given))
     dots = [d for d in accelerations(study) if residual.has(d)]
     inertia = sum((sp.diff(residual, d) * d for d in dots), sp.Integer(0))
     at_rest = {d: sp.Integer(0) for d in dots}
@@ -84,7 +92,13 @@ def _value(chain: Chain, source: str, study: Study, constant: bool) -> str | Non
     if any(isinstance(part, Dot) for part in walk(chain)):
         value = value.xreplace(dict(study.in_velocities))
     left = instance(_without_arguments(known[0], study), source, where)
-    return f"{left} = {_entry_or_column(value, chain, study)}"
+    right = _entry_or_column(value, chain, study)
+    return None if _bare(left) == _bare(right) else f"{left} = {right}"
+
+
+def _bare(latex: str) -> str:
+    """Without spacing and braces, to see whether two prints are the same."""
+    return re.sub(r"[\s{}]", "", latex)
 
 
 def _without_arguments(part: Node, study: Study) -> Node:
@@ -127,15 +141,13 @@ def print_latex(value: Any, chain: Chain, study: Study) -> str:
 
 
 def _fold(value: sp.Expr, chain: Chain, study: Study) -> tuple[sp.Expr, dict[Any, str]]:
-    """Bring in the names that the paper defines and this formula uses, as P = I + A."""
-    used, symbols = mentions(chain), {}
+    """Bring in the names of constants that this formula uses, as P = I + A."""
+    # Not the name on the left: it would be said of itself.
+    used, symbols = mentions(chain) - {_own_name(chain)}, {}
     shown = {s for s, latex in study.spelling.items() if latex in used}
     rules: dict[Any, sp.Expr] = {}
-    for key, node in study.defined.items():
-        if key not in used:
-            continue
+    for key, meaning in _meanings(used, study):
         symbol = sp.Symbol(f"fold {key}")
-        meaning = evaluate(node, study)
         for old, new in rules.items():
             meaning = meaning.xreplace({old: new})
         meaning = shorten([meaning])[0]
@@ -149,6 +161,24 @@ def _fold(value: sp.Expr, chain: Chain, study: Study) -> tuple[sp.Expr, dict[Any
         rules[raw] = solution[0]
         symbols[symbol] = key
     return value.xreplace(rules), symbols
+
+
+def _own_name(chain: Chain) -> str:
+    left = chain.parts[0]
+    return key_of(left) if isinstance(left, Name) else ""
+
+
+def _meanings(used: set[str], study: Study) -> Iterator[tuple[str, sp.Expr]]:
+    """Names in a formula that stand for expressions: the paper's own, and derived constants."""
+    moving = set(study.motion.rates) | set(study.motion.constrained)
+    for key, node in study.defined.items():
+        if key in used and key not in study.table:
+            yield key, evaluate(node, study)
+    for key, value in study.table.items():
+        if key not in used or not isinstance(value, sp.Expr) or value.is_Atom:
+            continue
+        if not value.free_symbols & moving and sp.count_ops(value) < FOLDABLE:
+            yield key, value
 
 
 def _eliminable(meaning: sp.Expr, shown: set[Any], study: Study) -> Any | None:

@@ -8,20 +8,20 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.audit.correction import Spare, correct
-from voronec.audit.correction.sampling import SENSELESS
+from voronec.audit.correction import Correction, Spare, closed, correct
 from voronec.audit.derived import derived_latex
+from voronec.audit.hooks import HookError, asked
 from voronec.audit.latex.nodes import Chain
 from voronec.audit.latex.reader import read, read_tokens
-from voronec.audit.meaning import UnknownName, evaluate
+from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.paper import Check, Sentence
 from voronec.audit.record import FormulaRecord
-from voronec.audit.structure import new_names
+from voronec.audit.structure import free_indices, new_names
 from voronec.audit.study import Study
 from voronec.audit.transcript import Formula, Transcript
 from voronec.audit.verify import Finding, by_range, verify
 from voronec.audit.wording import loose_index, method_of, ranges_of, with_note, witness_of
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, did_you_mean
 
 __all__ = ["Bench", "judge_formula", "judge_sentence"]
 
@@ -35,13 +35,30 @@ class Bench:
 
     def study(self, check: Check | Sentence, name: str = "") -> Study:
         """The dictionary that a check asks for, or the one called ``name``."""
-        name = name or check.study or next(iter(self.studies))
-        if name not in self.studies:
-            raise DefinitionError(f"a check asks for the study '{name}', which is not defined")
-        study = self.studies[name]
+        study = self.studies[name or check.study or next(iter(self.studies))]
         if isinstance(check, Sentence) or not check.given:
             return study
-        return replace(study, given={**study.given, **self._given(check, study)})
+        return replace(study, given={**self._given(check, study), **study.given})
+
+    def refuse_unknown(self, where: str) -> None:
+        """``DefinitionError`` where a check names a study, a range or a label that is not there."""
+        section = self.transcript.section
+        checks = [c for d in (*section.displays, *section.inline) for c in d.checks]
+        several: list[Check | Sentence] = [*checks, *section.sentences]
+        named = {
+            "study": {*(c.study for c in several), *(n for c in checks for n in c.also)} - {""},
+            "range": {name for c in several for name in c.within},
+        }
+        there = {
+            "study": set(self.studies),
+            "range": {r.name for study in self.studies.values() for r in study.ranges},
+        }
+        for kind, wanted in named.items():
+            for name in sorted(wanted - there[kind]):
+                hint = did_you_mean(name, there[kind])
+                raise DefinitionError(f"{where}: there is no {kind} '{name}'{hint}")
+        for label in (label for check in checks for label in check.given):
+            self.transcript.labelled(label)
 
     def _given(self, check: Check, study: Study) -> dict[sp.Expr, sp.Expr]:
         """Conditions that the paper states as equations ``symbol = expression``."""
@@ -60,8 +77,10 @@ def judge_sentence(sentence: Sentence, bench: Bench) -> FormulaRecord:
     """A sentence of the running text: the ranges of the parameters in which it holds."""
     try:
         study = bench.study(sentence)
-        finding = by_range(study, sentence.within, lambda where: sentence.decide(study, where))
-        derived = sentence.derived(study) if sentence.derived is not None else None
+        finding = by_range(study, sentence.within, sentence.decide)
+        derived = asked(sentence.derived, study) if sentence.derived is not None else None
+    except HookError:
+        raise
     except SENSELESS as error:
         return FormulaRecord("", "undecided", str(error), says=sentence.says)
     record = FormulaRecord("", "proved", method_of(finding), derived, says=sentence.says)
@@ -88,6 +107,8 @@ def judge_formula(
         record = _judged(formula, chain, check, study, Spare.of(bench.transcript, study))
         record = _elsewhere(record, formula, check, bench)
         record = replace(record, method=with_note(record, study))
+    except HookError:
+        raise
     except SENSELESS as error:
         verdict = "cited" if check.role == "cited" else "undecided"
         record = FormulaRecord(formula.printed, verdict, str(error))
@@ -123,13 +144,16 @@ def _derived_of(latex: str, check: Check, study: Study) -> str | None:
 
 
 def _closed_witness(printed: str, check: Check, study: Study) -> dict[str, Any] | None:
-    """Values of what is printed, with the parenthesis that is open closed at the end."""
+    """Values of what is printed, with the brackets that are open closed at the end."""
+    whole = closed(printed, study.vocabulary)
+    if whole is None:
+        return None
     try:
-        found = witness_of(verify(read(printed + ")", study.vocabulary), check, study))
+        found = witness_of(verify(read(whole, study.vocabulary), check, study))
     except SENSELESS:
         return None
     if found is not None:
-        found["about"] = "with the open parenthesis closed at the end"
+        found["about"] = "with what is open closed at the end"
     return found
 
 
@@ -137,12 +161,13 @@ def _elsewhere(
     record: FormulaRecord, formula: Formula, check: Check, bench: Bench
 ) -> FormulaRecord:
     """A proved formula under the further dictionaries; what fails there takes over."""
-    for name in check.also if record.verdict == "proved" else ():
+    good = ("proved", "definition")
+    for name in check.also if record.verdict in good else ():
         study = bench.study(check, name)
         other = _judged(
             formula, formula.tree(study.vocabulary), check, study, Spare.of(bench.transcript, study)
         )
-        if other.verdict != "proved":
+        if other.verdict not in good:
             return other
         record = replace(record, method=f"{record.method}; proved for '{name}' too")
     return record
@@ -152,7 +177,7 @@ def _judged(
     formula: Formula, chain: Chain, check: Check, study: Study, spare: Spare
 ) -> FormulaRecord:
     printed = formula.printed
-    if check.role == "condition":
+    if check.role == "condition" and check.value is None and check.truth is None:
         return FormulaRecord(printed, "definition", "a condition")
     finding = verify(chain, check, study)
     proved = finding.verdict.proved
@@ -163,31 +188,44 @@ def _judged(
         status = "cited" if check.role == "cited" else "undecided"
         record = FormulaRecord(printed, status, finding.verdict.method, derived)
         return replace(record, ranges=ranges_of(finding))
-    fault = _wrong_range(formula, study)
+    fault = _wrong_range(formula, chain, study)
     if fault:
         return FormulaRecord(printed, "misprint", fault, derived)
     verdict = "convention" if finding.partial else "proved"
-    if check.role == "definition" or (finding.count == 0 and new_names(chain, study)):
+    if check.role == "cited":
+        verdict = "cited"  # it is what was meant; whether that is a fact is not proved here
+    if check.role == "condition":
+        verdict = "definition"
+    if check.role == "definition" and not (finding.count and new_names(chain, study)):
         verdict = "definition"
     record = FormulaRecord(printed, verdict, method_of(finding, chain, check), derived)
     return replace(record, ranges=ranges_of(finding))
 
 
-def _wrong_range(formula: Formula, study: Study) -> str:
+def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
     """What is wrong with the printed ranges of the indices, ``i=1,\\dots,n``; else nothing."""
     for words in formula.piece.quantifiers:
         letter = words[0].text
         if letter not in study.indices or words[1].text != "=":
             continue
+        if letter not in free_indices(chain, study):
+            return f"a range is printed for the index {_spoken(letter)}, which is not free here"
         after = max(i for i, word in enumerate(words) if word.text in (",", "\\dots")) + 1
-        chain = read_tokens(words[after:], formula.unit.display, study.vocabulary)
-        first, last = words[2].text, evaluate(chain.parts[0], study)
-        if (first, last) != ("1", study.indices[letter]):
+        top = read_tokens(words[after:], formula.unit.display, study.vocabulary)
+        numbers = [word.text for word in words[2:after] if word.kind == "number"]
+        last = evaluate(top.parts[0], study)
+        if numbers != [str(i) for i in range(1, len(numbers) + 1)] or not numbers:
+            return f"the range of the index {_spoken(letter)} does not count from 1"
+        if last != study.indices[letter]:
             return (
-                f"the index {letter.lstrip(chr(92))} runs from 1 to {study.indices[letter]} here, "
-                f"and is printed to run from {first} to {last}"
+                f"the index {_spoken(letter)} runs from 1 to {study.indices[letter]} here, and is "
+                f"printed to run to {last}"
             )
     return ""
+
+
+def _spoken(letter: str) -> str:
+    return letter.lstrip("\\")
 
 
 def _refuted(
@@ -208,10 +246,15 @@ def _refuted(
         return replace(record, verdict="proved", method=method, witness=None)
     if check.convention is not None:
         other = replace(study, names={**study.names, **check.convention.names})
+        against = check.convention.against
         if verify(chain, check, other).verdict.proved:
-            against = check.convention.against
             method = f"true if {check.convention.statement}; against ({against})"
             return replace(record, verdict="convention", method=method)
+        mended = correct(formula, check, other, spare)
+        if mended is not None and len(mended.changes) == 1:
+            method = f"refuted as printed, even if {check.convention.statement}, as against "
+            method += f"({against}); with that, the corrected formula is proved ({mended.method})"
+            return _mended(record, mended, method)
     loose = loose_index(formula, chain, study)
     if finding.verdict.witness is None:
         loose += f": {finding.verdict.method}"
@@ -219,9 +262,14 @@ def _refuted(
     if correction is None:
         method = f"refuted as printed{loose}; no correction by a small change was found"
         return replace(record, method=method)
+    method = f"refuted as printed{loose}; the corrected formula is proved ({correction.method})"
+    return _mended(record, correction, method)
+
+
+def _mended(record: FormulaRecord, correction: Correction, method: str) -> FormulaRecord:
     return replace(
         record,
-        method=f"refuted as printed{loose}; the corrected formula is proved ({correction.method})",
+        method=method,
         correction=correction.latex,
         changes=correction.changes,
         struck=correction.struck,

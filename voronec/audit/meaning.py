@@ -24,7 +24,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, time, velocity
-from voronec.audit.calls import call, called, is_named
+from voronec.audit.calls import ELEMENTARY, call, called, is_named
 from voronec.audit.latex.nodes import (
     Bound,
     Call,
@@ -48,11 +48,23 @@ from voronec.audit.latex.nodes import (
     Wedge,
 )
 from voronec.audit.study import Study, key_of, spell
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, VoronecError
 
-__all__ = ["UnknownName", "direction", "evaluate", "rate"]
+__all__ = ["SENSELESS", "UnknownName", "direction", "evaluate", "rate"]
 
 Where = Mapping[str, int]
+
+
+SENSELESS = (
+    VoronecError,
+    ArithmeticError,
+    AttributeError,
+    LookupError,
+    NotImplementedError,  # SymPy's answer to a matrix in the exponent
+    TypeError,
+    ValueError,
+)
+"""What comes of a formula that makes no sense, such as the sum of a vector and a number."""
 
 
 class UnknownName(DefinitionError):
@@ -259,16 +271,6 @@ def _listing(node: Listing, study: Study, where: Where) -> Any:
     return left.cross(right) if node.bracket == "[" else left.dot(right)
 
 
-_ELEMENTARY: dict[str, Callable[[Any], Any]] = {
-    "ln": sp.log,
-    "arcsin": sp.asin,
-    "arccos": sp.acos,
-    **{
-        n: getattr(sp, n)
-        for n in ("sin", "cos", "tan", "cot", "log", "exp", "sinh", "cosh", "tanh")
-    },
-}
-
 _RULES: dict[type, Callable[[Any, Study, Where], Any]] = {
     Number: lambda n, s, w: sp.Rational(n.text),
     Name: _lookup,
@@ -281,7 +283,7 @@ _RULES: dict[type, Callable[[Any, Study, Where], Any]] = {
     Root: lambda n, s, w: sp.root(
         evaluate(n.body, s, w), 2 if n.index is None else evaluate(n.index, s, w)
     ),
-    Elementary: lambda n, s, w: _ELEMENTARY[n.function](evaluate(n.argument, s, w)),
+    Elementary: lambda n, s, w: ELEMENTARY[n.function](evaluate(n.argument, s, w)),
     Call: lambda n, s, w: call(n, s, w, evaluate),
     Cross: lambda n, s, w: evaluate(n.left, s, w).cross(evaluate(n.right, s, w)),
     Listing: _listing,

@@ -102,6 +102,13 @@ class Display:
     latex: str
     checks: tuple[Check, ...] = (Check(),)
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.checks, tuple) or not self.checks:
+            raise DefinitionError("the checks of a display are a tuple: write (Check(...),)")
+        if not any(unit.pieces for unit in self.units):
+            start = " ".join(self.latex.split())[:40]
+            raise DefinitionError(f"the display '{start}' holds no formula")
+
     @cached_property
     def units(self) -> tuple[Unit, ...]:
         """What bears one number in print."""
@@ -146,8 +153,6 @@ class Section:
         formulas of the running text, as LaTeX with its dollar signs.
     sentences
         claims that the running text makes in words.
-    inherits
-        earlier sections whose definitions and conditions hold here too.
     """
 
     title: str
@@ -156,7 +161,6 @@ class Section:
     label: str | None = None
     inline: tuple[Display, ...] = ()
     sentences: tuple[Sentence, ...] = ()
-    inherits: tuple[Section, ...] = ()
 
 
 @dataclass(frozen=True)

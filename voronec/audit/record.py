@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from typing import Any
 
 __all__ = ["VERDICTS", "Audit", "FormulaRecord", "Record", "called", "worst"]
@@ -35,7 +35,16 @@ class FormulaRecord:
     quantifiers: tuple[str, ...] = ()
     says: str = ""
     ranges: tuple[dict[str, Any], ...] = ()
-    seconds: float = field(default=0.0, compare=False)
+
+    @classmethod
+    def from_dict(cls, entry: Mapping[str, Any]) -> FormulaRecord:
+        """The record that a dictionary of its fields holds, as JSON gives it back."""
+        values = dict(entry)
+        for name in ("changes", "struck"):
+            values[name] = tuple((a, b) for a, b in values[name])
+        for name in ("quantifiers", "ranges"):
+            values[name] = tuple(values[name])
+        return cls(**values)
 
 
 @dataclass(frozen=True)
@@ -83,13 +92,8 @@ class Record:
             "correction": head.correction,
             "witness": head.witness,
             "method": head.method,
-            "formulas": [_plain(f) for f in several],
+            "formulas": [asdict(f) for f in several],
         }
-
-
-def _plain(formula: FormulaRecord) -> dict[str, Any]:
-    """A formula as JSON can hold it; how long it took is no result."""
-    return {name: value for name, value in asdict(formula).items() if name != "seconds"}
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from voronec.audit.cache import Cache, section_key
+from voronec.audit.basis import Basis
+from voronec.audit.cache import Cache
 from voronec.audit.consistency import Examined, defined, families, with_uses
+from voronec.audit.hooks import asked
 from voronec.audit.judge import Bench, judge_formula, judge_sentence
 from voronec.audit.paper import Paper, Section, Sentence
 from voronec.audit.record import Audit, Record, called, worst
@@ -37,22 +38,49 @@ def audit_paper(
         where finished verdicts are kept; those whose transcription, dictionary and engine are
         unchanged are taken from there, and the others are put there as they come.
     label
-        audit only the section of this label, and return only what bears it; an unknown label
-        raises ``DefinitionError``.
+        of a display or a section: audit only that section, and return only what bears the label;
+        an unknown one raises ``DefinitionError``.
     """
     sections = paper.sections if label is None else _sections_with(paper, label)
-    records = [r for s in sections for r in audit_section(s, progress, cache)]
+    # What verdicts rest on is looked at before any is made: sources may be edited meanwhile.
+    bases = [Basis.of(s) if cache is not None else None for s in sections]
+    keys = ["" if basis is None else basis.digest() for basis in bases]
+    records: list[Record] = []
+    for section, basis, key in zip(sections, bases, keys, strict=True):
+        shelf = None if cache is None or basis is None else _Shelf(cache, basis, key)
+        records += audit_section(section, progress, shelf)
     if label is not None:
-        records = [r for r in records if r.label == label]
+        records = [r for r in records if label in (r.label, _label_of(paper, r.section))]
     return Audit(paper.name, paper.title, tuple(records), paper.references, paper.authors)
 
 
 def _sections_with(paper: Paper, label: str) -> list[Section]:
-    labels = {u.label: s for s in paper.sections for d in s.displays for u in d.units if u.label}
+    labels = {s.label: s for s in paper.sections if s.label}
+    labels |= {u.label: s for s in paper.sections for d in s.displays for u in d.units if u.label}
     if label not in labels:
         hint = did_you_mean(label, list(labels))
-        raise DefinitionError(f"no display of the paper '{paper.name}' is labelled '{label}'{hint}")
+        raise DefinitionError(f"nothing in the paper '{paper.name}' is labelled '{label}'{hint}")
     return [labels[label]]
+
+
+def _label_of(paper: Paper, title: str) -> str | None:
+    return next(s.label for s in paper.sections if s.title == title)
+
+
+@dataclass(frozen=True)
+class _Shelf:
+    """The place of a section in the cache."""
+
+    cache: Cache
+    basis: Basis
+    key: str
+
+    def load(self, ordinal: int) -> list[Examined] | None:
+        return self.cache.load(self.key, ordinal)
+
+    def store(self, ordinal: int, found: Sequence[Examined]) -> None:
+        if self.basis.digest() == self.key:  # else a source was edited since the audit began
+            self.cache.store(self.key, ordinal, found)
 
 
 @dataclass(frozen=True)
@@ -80,18 +108,17 @@ class _Item:
 
 
 def audit_section(
-    section: Section, progress: Progress | None = None, cache: Cache | None = None
+    section: Section, progress: Progress | None = None, shelf: _Shelf | None = None
 ) -> tuple[Record, ...]:
     """The records of one section; the dictionaries are made only if something is to be done."""
     work = _Work(section)
-    key = section_key(section) if cache is not None else ""
     done: list[tuple[_Item, list[Examined]]] = []
     for item in _items(work.transcript):
-        found = cache.load(key, item.ordinal) if cache is not None else None
+        found = shelf.load(item.ordinal) if shelf is not None else None
         if found is None:
             found = work.examine(item)
-            if cache is not None:
-                cache.store(key, item.ordinal, found)
+            if shelf is not None:
+                shelf.store(item.ordinal, found)
         done.append((item, found))
         if progress is not None:
             progress(item.called, worst(e.record.verdict for e in found))
@@ -130,10 +157,18 @@ class _Work:
 
     @cached_property
     def bench(self) -> Bench:
-        studies = self.section.studies(self.transcript)
-        return Bench(
-            self.transcript, {n: _with_definitions(s, self.transcript) for n, s in studies.items()}
+        found = asked(self.section.studies, self.transcript)
+        where = f"section '{self.section.title}'"
+        if not isinstance(found, Mapping) or not found:
+            raise DefinitionError(f"{where}: 'studies' must return a dict of name -> Study")
+        for name, study in found.items():
+            if not isinstance(study, Study):
+                raise DefinitionError(f"{where}: the study '{name}' is a {type(study).__name__}")
+        bench = Bench(
+            self.transcript, {n: _with_definitions(s, self.transcript) for n, s in found.items()}
         )
+        bench.refuse_unknown(where)
+        return bench
 
     def examine(self, item: _Item) -> list[Examined]:
         """The verdicts of an item."""
@@ -142,12 +177,11 @@ class _Work:
         return [self._formula(formula, item) for formula in item.formulas]
 
     def _formula(self, formula: Formula, item: _Item) -> Examined:
-        started = clock.perf_counter()
         check = formula.display.check(formula.position)
         record, chain = judge_formula(formula, check, self.bench)
         marks = formula.piece.quantifiers
         texts = tuple(formula.unit.display[q[0].start : q[-1].end] for q in marks)
-        record = replace(record, quantifiers=texts, seconds=clock.perf_counter() - started)
+        record = replace(record, quantifiers=texts)
         return Examined(
             record,
             item.called,
@@ -160,9 +194,11 @@ class _Work:
 
 
 def _with_definitions(study: Study, transcript: Transcript) -> Study:
-    """Add the names that the section, and those it inherits from, define."""
+    """Add the names that the section defines."""
     found: dict[str, Any] = {}
-    for formula in transcript.reachable():
+    for formula in transcript.formulas():
+        if formula.display.check(formula.position).role != "definition":
+            continue
         try:
             chain = formula.tree(study.vocabulary)
         except DefinitionError:

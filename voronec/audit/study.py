@@ -54,6 +54,14 @@ class Motion:
     constrained: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     accelerations: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        known = set(self.rates.values())
+        for acceleration in self.accelerations:
+            if acceleration not in known:
+                raise DefinitionError(
+                    f"the acceleration '{acceleration}' is the rate of no symbol; give rates=..."
+                )
+
     @classmethod
     def of(cls, eqs: Any, more: Mapping[sp.Expr, sp.Expr] | None = None) -> Motion:
         """The motion that derived equations define; ``more`` adds rates of further symbols."""
@@ -79,6 +87,8 @@ class Motion:
     def derivative(self, value: Any) -> Any:
         """The total time derivative, on the constraints."""
         value = self.restrict(value)
+        if not self.rates:
+            raise DefinitionError("no rates are known; give Study(..., motion=Motion(rates=...))")
         if isinstance(value, sp.MatrixBase):
             return value.applyfunc(self.derivative)
         inside = self.door.inward(value)
@@ -109,6 +119,8 @@ class Study:
         coordinate or velocity symbol -> its virtual variation.
     labelled
         heads of names whose superscript is a label.
+    numbered
+        heads of names whose superscript may be a Roman numeral, as in ``x^{II}``.
     functions
         heads of names that a parenthesis applies.
     defined
@@ -132,6 +144,7 @@ class Study:
     motion: Motion = field(default_factory=Motion)
     variations: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     labelled: frozenset[str] = frozenset()
+    numbered: frozenset[str] = frozenset()
     functions: frozenset[str] = frozenset()
     defined: Mapping[str, Node] = field(default_factory=dict)
     given: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
@@ -145,9 +158,24 @@ class Study:
     def table(self) -> dict[str, Any]:
         """Values by canonical key."""
         found: dict[str, Any] = {}
+        spelled: dict[str, str] = {}
         for name, value in self.names.items():
-            found[self.key(read_name(name))] = value
+            key = self.key(self._read(name))
+            if key in found:
+                raise DefinitionError(
+                    f"the names '{spelled[key]}' and '{name}' of the study are the same to the "
+                    "reader; keep one of them"
+                )
+            found[key], spelled[key] = value, name
         return found
+
+    def _read(self, name: str) -> Node:
+        """The tree of a key of ``names``."""
+        try:
+            return read_name(name, Vocabulary(numbered=self.numbered))
+        except DefinitionError as error:
+            text = f"the name '{name}' of the study cannot be read: {error}"
+            raise DefinitionError(text) from None
 
     def key(self, node: Node) -> str:
         """The canonical key of a name, with index letters replaced by ``#``."""
@@ -160,9 +188,9 @@ class Study:
     @cached_property
     def vocabulary(self) -> Vocabulary:
         """What the reader has to know of this dictionary."""
-        heads = {_innermost(read_name(k)).head for k, v in self.names.items() if callable(v)}
+        heads = {_innermost(self._read(k)).head for k, v in self.names.items() if callable(v)}
         plain = {k for k in heads if k in self.table}
-        return Vocabulary(self.functions | plain, self.labelled)
+        return Vocabulary(self.functions | plain, self.labelled, self.numbered)
 
     @cached_property
     def spelling(self) -> dict[Any, str]:
@@ -182,7 +210,7 @@ class Study:
         if not callable(value) or isinstance(value, sp.Basic):
             yield name, value
             return
-        node = _innermost(read_name(name))
+        node = _innermost(self._read(name))
         letters = [i.head for i in (*node.sub, *node.sup) if self.is_index(i)]
         for values in product(*(range(1, self.indices[x] + 1) for x in letters)):
             if letters:

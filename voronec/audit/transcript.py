@@ -57,15 +57,9 @@ class Transcript:
                         yield Formula(display, unit, piece, position, kind)
                         position += 1
 
-    def reachable(self) -> Iterator[Formula]:
-        """All formulas of this section, then those of the sections from which it inherits."""
-        yield from self.formulas()
-        for section in self.section.inherits:
-            yield from Transcript(section).reachable()
-
     def labelled(self, label: str) -> Formula:
-        """The first formula of the unit with that label, here or in a section inherited from."""
-        for formula in self.reachable():
+        """The first formula of the unit with that label."""
+        for formula in self.formulas():
             if formula.unit.label == label:
                 return formula
         raise DefinitionError(f"no display of '{self.section.title}' is labelled '{label}'")

@@ -21,9 +21,8 @@ __all__ = ["loose_index", "method_of", "ranges_of", "with_note", "witness_of"]
 
 def method_of(finding: Finding, chain: Chain | None = None, check: Check | None = None) -> str:
     """How the verdict was found, in words."""
-    parts = [finding.verdict.method]
-    if finding.partial:
-        parts = [_where(finding), *parts]
+    # Where there are ranges, each has its own reasons with it.
+    parts = [_where(finding) if finding.ranges else finding.verdict.method]
     if finding.count > 1:
         parts.append(f"{finding.count} comparisons")
     if chain is None or check is None or check.decide is not None:
@@ -44,13 +43,17 @@ def _where(finding: Finding) -> str:
     good = [r.name for r, v in finding.ranges if v.proved]
     bad = [r.name for r, v in finding.ranges if v.refuted]
     open_ = [r.name for r, v in finding.ranges if v.undecided]
-    parts = [f"true for {' and '.join(good)}"]
-    parts += [f"false for {' and '.join(bad)}"] if bad else []
-    parts += [f"undecided for {' and '.join(open_)}"] if open_ else []
+    parts = [f"true for {_listed(good)}"] if good else []
+    parts += [f"false for {_listed(bad)}"] if bad else []
+    parts += [f"undecided for {_listed(open_)}"] if open_ else []
     sources = dict.fromkeys(r.source for r, v in finding.ranges if r.source and not v.proved)
     if sources:
         parts[-1] += f", which ({', '.join(sources)}) admits: the print must say for which it is"
     return ", ".join(parts)
+
+
+def _listed(names: list[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def ranges_of(finding: Finding) -> tuple[dict[str, Any], ...]:
@@ -102,8 +105,9 @@ def witness_of(finding: Finding) -> dict[str, Any] | None:
 
 
 def _plain(name: str) -> str:
-    """An atom's name without the arguments of unknown functions."""
-    return re.sub(r"(?<=\w)\((?:[\w ]+,\s*)+\w+\)", "", name)
+    """An atom's name without the arguments of unknown functions and the marks of LaTeX."""
+    name = re.sub(r"(?<=\w)\((?:[\w ]+,\s*)+\w+\)", "", name)
+    return re.sub(r"[\\{}]", "", name)
 
 
 def loose_index(formula: Formula, chain: Chain, study: Study) -> str:

@@ -77,7 +77,9 @@ def _regenerate(commands: Any) -> None:
     parser.add_argument(
         "--out", metavar="DIR", help="write HTML, LaTeX, report.json and pictures there"
     )
-    parser.add_argument("--label", metavar="L", help="only the display with this label")
+    parser.add_argument(
+        "--label", metavar="L", help="only the display or the section with this label"
+    )
     parser.add_argument("--fresh", action="store_true", help="reuse no verdict of an earlier audit")
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from voronec.errors import DefinitionError
 
-__all__ = ["create", "delivery", "refuse_file"]
+__all__ = ["create", "delivery", "refuse_file", "wanted_folder"]
 
 
 @contextmanager
@@ -20,9 +20,11 @@ def delivery(folder: Path) -> Iterator[Path]:
 
     Files of the same names are replaced, others in ``folder`` stay.
     """
+    # A folder that exists may lie in one that must not be written.
+    place = folder if folder.is_dir() else folder.parent
     try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        workshop = Path(tempfile.mkdtemp(prefix=".voronec-", dir=folder.parent))
+        place.mkdir(parents=True, exist_ok=True)
+        workshop = Path(tempfile.mkdtemp(prefix=".voronec-", dir=place))
     except OSError as error:
         raise DefinitionError(f"'{folder}' cannot be written: {error.strerror}") from None
     try:
@@ -34,6 +36,30 @@ def delivery(folder: Path) -> Iterator[Path]:
         raise DefinitionError(f"'{folder}' cannot be written: {error.strerror}") from None
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
+
+
+def wanted_folder(name: str) -> Path:
+    """The folder for results, refused before any work where it could not be written after it.
+
+    Nothing is created: a nameless file is tried in the folder, or in the nearest one above it that
+    exists.
+    """
+    if not name.strip():
+        raise DefinitionError("the folder for --out has no name; write: --out FOLDER")
+    folder = Path(name)
+    refuse_file(folder)
+    above = folder.absolute()
+    while not above.exists() and above != above.parent:
+        above = above.parent
+    if not above.is_dir():
+        raise DefinitionError(f"'{folder}' cannot be written: '{above}' is no folder")
+    if not os.access(above, os.W_OK | os.X_OK):
+        raise DefinitionError(f"'{folder}' cannot be written: '{above}' allows no new files")
+    try:
+        with tempfile.TemporaryFile(dir=above):
+            return folder
+    except OSError as error:
+        raise DefinitionError(f"'{folder}' cannot be written: {error.strerror}") from None
 
 
 def refuse_file(folder: Path) -> None:

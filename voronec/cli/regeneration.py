@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.catalogue import load, load_paper, load_paper_file, names
-from voronec.cli.files import delivery, refuse_file
+from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import print_json, progress
 from voronec.cli.subject import is_file
 from voronec.errors import DefinitionError
@@ -28,8 +28,7 @@ def execute(arguments: Namespace) -> int:
     from voronec.audit import Cache, Paper, audit_paper
     from voronec.report.audit_report import audit_table
 
-    if arguments.out:
-        refuse_file(Path(arguments.out))
+    folder = None if arguments.out is None else wanted_folder(arguments.out)
     paper = (
         load_paper_file(arguments.paper)
         if is_file(arguments.paper)
@@ -38,9 +37,14 @@ def execute(arguments: Namespace) -> int:
     if not isinstance(paper, Paper):
         raise DefinitionError(f"the PAPER of '{arguments.paper}' is not a voronec.audit.Paper")
     cache = None if arguments.fresh else Cache.of_user()
+    files: list[Path] = []
+    failure: DefinitionError | None = None
     try:
         audit = audit_paper(paper, _announce, cache, arguments.label)
-        files = _write(audit, arguments.paper, Path(arguments.out)) if arguments.out else []
+        try:
+            files = [] if folder is None else _write(audit, arguments.paper, folder)
+        except DefinitionError as error:  # the verdicts are told all the same
+            failure = error
     finally:
         progress("")
     if arguments.json:
@@ -49,6 +53,8 @@ def execute(arguments: Namespace) -> int:
         print(audit_table(audit, shutil.get_terminal_size((100, 24)).columns), end="")
         if files:
             print("\nwrote " + ", ".join(str(f) for f in files))
+    if failure is not None:
+        raise failure
     return 1 if audit.count()["undecided"] else 0
 
 

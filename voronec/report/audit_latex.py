@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from voronec.audit.record import VERDICTS, Audit, FormulaRecord, Record
 from voronec.report.audit_words import (
     KINDS,
     MEANING,
     about,
+    convened,
     counts,
-    point,
-    short,
-    sides,
+    ended,
+    grouped,
+    values,
     with_verdict,
 )
 from voronec.report.latex import display, escape_text, inline, own_commands
+from voronec.report.points import short
 
 __all__ = ["audit_latex"]
 
 _HEAD = r"""\documentclass[11pt]{article}
+\usepackage[T1]{fontenc}
 \usepackage[utf8]{inputenc}
+\IfFileExists{lmodern.sty}{\usepackage{lmodern}}{}
 \usepackage{amsmath,amssymb}
 \usepackage{xcolor,graphicx}
-\usepackage{longtable}
+\usepackage{array,longtable}
+\newcolumntype{P}[1]{>{\raggedright\arraybackslash}p{#1\linewidth}}
 \usepackage[margin=25mm]{geometry}
 \definecolor{misprint}{RGB}{178,34,34}
 \definecolor{proved}{RGB}{0,100,55}
@@ -52,8 +59,9 @@ def audit_latex(audit: Audit) -> str:
         parts.append(f"The paper: {escape_text(audit.authors)}.\n\n")
     parts.append(_summary(audit))
     parts.append("\\section*{Errata}\n")
-    parts += [_erratum(r, f) for r, f in with_verdict(audit, "misprint")] or ["None.\n"]
-    held = [_convention(r, f) for r, f in with_verdict(audit, "convention")]
+    wrong = enumerate(with_verdict(audit, "misprint"), 1)
+    parts += [_erratum(n, r, f) for n, (r, f) in wrong] or ["None.\n"]
+    held = [_convention(n, s, pairs) for n, (s, pairs) in enumerate(convened(audit), 1)]
     parts += ["\\section*{Conventions and ranges}\n", *held] if held else []
     for section in audit.sections:
         parts.append(f"\\section*{{{escape_text(section)}}}\n")
@@ -81,16 +89,16 @@ def _summary(audit: Audit) -> str:
             rows.append(f"\\verdict{{{verdict}}} & {' & '.join(numbers)} & {MEANING[verdict]}")
     totals = " & ".join(str(sum(found[kind].values())) for kind in found)
     body = "\\\\\n".join([f"& {heads} &", *rows, f"all & {totals} &"])
-    columns = f"l{'r' * len(found)}p{{.55\\linewidth}}"
+    columns = f"l{'r' * len(found)}P{{.42}}"
     return f"\\begin{{longtable}}{{{columns}}}\n{body}\n\\end{{longtable}}\n\n"
 
 
-def _place(record: Record) -> str:
-    return f"\\paragraph{{\\texttt{{{escape_text(record.called)}}}}}"
+def _place(record: Record, number: str = "") -> str:
+    return f"\\paragraph{{{number}\\texttt{{{escape_text(record.called)}}}}}"
 
 
-def _erratum(record: Record, formula: FormulaRecord) -> str:
-    text = f"{_place(record)} {escape_text(record.section)}.\n"
+def _erratum(number: int, record: Record, formula: FormulaRecord) -> str:
+    text = f"{_place(record, f'{number}. ')} {escape_text(record.section)}.\n"
     if not formula.printed:
         text += f"Not true: {inline(formula.says)}\n\n"
     else:
@@ -103,9 +111,13 @@ def _erratum(record: Record, formula: FormulaRecord) -> str:
     return text + _method(formula) + _witness(formula)
 
 
-def _convention(record: Record, formula: FormulaRecord) -> str:
-    text = f"{_place(record)} {escape_text(record.section)}.\n{inline(formula.says)}\n"
-    return text + (display(formula.printed) if formula.printed else "\n") + _method(formula)
+def _convention(number: int, said: str, several: Sequence[tuple[Record, FormulaRecord]]) -> str:
+    text = ""
+    for place, (record, formula) in enumerate(several):
+        count = "" if place else f"{number}. "
+        text += f"{_place(record, count)} {escape_text(record.section)}.\n{inline(formula.says)}\n"
+        text += display(formula.printed) if formula.printed else "\n"
+    return f"{text}\n{{\\small {inline(ended(short(said)))}\\par}}\n\n"
 
 
 def _record(record: Record) -> str:
@@ -126,31 +138,28 @@ def _record(record: Record) -> str:
 def _method(formula: FormulaRecord) -> str:
     quantifiers = ", ".join(f"${q}$" for q in formula.quantifiers)
     text = f"For {quantifiers}. " if quantifiers else ""
-    return f"\n{{\\small {text}{inline(short(formula.method))}.\\par}}\n\n"
+    return f"\n{{\\small {text}{inline(ended(short(formula.method)))}\\par}}\n\n"
 
 
 def _ranges(formula: FormulaRecord) -> str:
-    if not formula.ranges:
-        return ""
+    """In which ranges it holds, with what is said of each."""
     rows = []
-    for entry in formula.ranges:
-        statement = entry["statement"]
-        where = inline(statement if "$" in statement or not statement else f"${statement}$")
-        at = entry["witness"]
-        said = escape_text(f"not at {point(at)}") if at else inline(short(entry["method"]))
-        cells = (escape_text(entry["range"]), where, f"\\verdict{{{entry['verdict']}}}", said)
-        rows.append(" & ".join(cells))
-    columns = "p{.2\\linewidth}lp{.13\\linewidth}p{.42\\linewidth}"
+    for entry in grouped(formula):
+        said = ", ".join(part for part in (entry["method"], entry["witness"]) if part)
+        cells = (escape_text(entry["range"]), inline(entry["where"]))
+        rows.append(" & ".join((*cells, f"\\verdict{{{entry['verdict']}}}", inline(said))))
+    if not rows:
+        return ""
     body = "\\\\\n".join(rows)
+    columns = "P{.15}P{.22}P{.12}P{.38}"
     return f"\\begin{{longtable}}{{{columns}}}\n{body}\n\\end{{longtable}}\n\n"
 
 
 def _witness(formula: FormulaRecord) -> str:
-    witness = formula.witness
-    if witness is None:
+    found = values(formula)
+    if not found or formula.witness is None:
         return ""
-    first, second = sides(formula)
-    what = f" ({escape_text(about(witness))})" if about(witness) else ""
-    left, right = (escape_text(short(str(witness[key]))) for key in ("printed", "derived"))
-    values = f"{first} \\texttt{{{left}}}{what}, {second} \\texttt{{{right}}}"
-    return f"{{\\small At a point: {values}.\\par}}\n\n"
+    what = f" ({escape_text(about(formula.witness))})" if about(formula.witness) else ""
+    first, second = (f"{name} \\texttt{{{escape_text(short(v))}}}" for name, v in found)
+    stop = "" if short(found[1][1]).endswith("...") else "."
+    return f"{{\\small At a point: {first}{what}, {second}{stop}\\par}}\n\n"

@@ -71,7 +71,8 @@ def _summary(audit: Audit) -> str:
         "text that can be decided, beside what was derived from the Lagrangian and the constraints "
         "alone. A verdict is proved in exact algebra; a refutation comes with a point at which the "
         "printed formula fails. Where a display holds several formulas it takes the worst verdict "
-        f"of them; there are {formulas} formulas and claims in all.</p>"
+        f"of them, and one that bears several numbers counts once for each; there are {formulas} "
+        "formulas and claims in all.</p>"
         f"<table><tr><th>verdict</th>{heads}<th>meaning</th></tr>{''.join(rows)}"
         f"<tr><th>all</th>{totals}<td></td></tr></table>"
     )
@@ -96,7 +97,7 @@ def _search(audit: Audit) -> str:
     )
     for kind in counts(audit):
         buttons += f'<button data-kind="{kind}" aria-pressed="false">{KINDS[kind]}</button>'
-    placeholder = "label, words, LaTeX, method"
+    placeholder = "display 2, (label), words, γ, LaTeX"
     return (
         f'<nav><input id="search" type="search" placeholder="{placeholder}" '
         f'aria-label="search">{buttons}<span id="shown"></span></nav>'

@@ -5,7 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from voronec.audit.record import Audit, FormulaRecord, Record
-from voronec.report.audit_words import about, counted, faults, short, sides, with_verdict
+from voronec.report.audit_words import (
+    about,
+    convened,
+    counted,
+    ended,
+    faults,
+    values,
+    with_verdict,
+)
+from voronec.report.points import short
 
 __all__ = ["audit_table"]
 
@@ -29,10 +38,12 @@ def audit_table(audit: Audit, width: int = 100) -> str:
     lines += ["", *(_cut(line, width) for line in counted(audit))]
     for number, (record, formula) in enumerate(with_verdict(audit, "misprint"), 1):
         lines += ["", *_erratum(number, record, formula, width)]
-    for record, formula in with_verdict(audit, "convention"):
-        lines += ["", _cut(f"convention: {_place(record)}", width)]
-        lines += _wrapped(formula.says or formula.printed, "  ", width)
-        lines += _wrapped(short(formula.method), "  ", width)
+    for said, several in convened(audit):
+        lines.append("")
+        for record, formula in several:
+            lines.append(_cut(f"convention: {_place(record)}", width))
+            lines += _wrapped(formula.says or formula.printed, "  ", width)
+        lines += _wrapped(ended(short(said)), "  ", width)
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
@@ -42,7 +53,17 @@ def _lines(record: Record, names: int, width: int) -> Iterator[str]:
     wrong = faults(record) if len(record.formulas) > 1 else ()
     for formula in wrong[:SEVERAL]:
         head = f"{'':<{names}}  {formula.verdict:<10}    "
-        yield head + _cut(formula.printed, width - len(head))
+        yield head + _cut(formula.printed or formula.says, width - len(head))
+        yield from _reason(formula, names, width)
+    if not wrong:
+        yield from _reason(record.decisive, names, width)
+
+
+def _reason(formula: FormulaRecord, names: int, width: int) -> list[str]:
+    """Why a formula is neither proved nor refuted."""
+    if formula.verdict != "undecided":
+        return []
+    return _wrapped(ended(short(formula.method)), " " * (names + 4), width)
 
 
 def _cut(latex: str, width: int) -> str:
@@ -95,9 +116,6 @@ def _witness(formula: FormulaRecord) -> list[str]:
     witness = formula.witness
     if witness is None:
         return []
+    lines = [f"{name:<10}  {short(value)}" for name, value in values(formula)]
     what = about(witness)
-    first, second = sides(formula)
-    return [
-        f"{first:<10}  {short(str(witness['printed']))}" + (f"  ({what})" if what else ""),
-        f"{second:<10}  {short(str(witness['derived']))}",
-    ]
+    return [lines[0] + (f"  ({what})" if what else ""), *lines[1:]] if lines else []

@@ -107,7 +107,7 @@ def _colours(
     """Where colours begin and end; they end before a line does, and begin again after."""
     breaks = [line[0].start for line in broken.lines[1:]]
     places: list[tuple[int, int, str]] = []
-    for run in Marks(marks).runs(box):
+    for run in Marks.of(marks, box).runs(box):
         cuts = [at for at in breaks if run[0].start < at < run[-1].end]
         # an empty group keeps the space on the left of a sign
         sign = run[0].kind == "sign" and run[0].text in BINARY | RELATIONS

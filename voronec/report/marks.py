@@ -16,6 +16,12 @@ class Marks:
 
     ranges: Sequence[tuple[int, int]]
 
+    @classmethod
+    def of(cls, ranges: Sequence[tuple[int, int]], formula: Box) -> Marks:
+        """The ranges, where a change in a name's index or exponent is one of the whole name."""
+        names = sorted(_names(formula), key=lambda box: box.end - box.start)
+        return cls([_whole(names, a, b) for a, b in ranges])
+
     def cover(self, box: Box) -> bool:
         """Whether a box lies within one range, whatever its font, or the size of a bracket."""
         start, end = box.start, box.end
@@ -61,3 +67,24 @@ class Marks:
                     yield (part,)
                 else:
                     yield from self.runs(part)
+
+
+_LETTERS = frozenset({"letter", "upright", "accent", "over", "primed", "unknown", "number"})
+
+
+def _names(box: Box) -> Iterator[Box]:
+    """The letters with an index or an exponent."""
+    if box.kind == "scripts" and not box.text:
+        base = box.parts[0]
+        if base.kind in _LETTERS or base.text in ("font", "group"):
+            yield box
+    for part in box.parts:
+        yield from _names(part)
+
+
+def _whole(names: Sequence[Box], start: int, end: int) -> tuple[int, int]:
+    """The narrowest name whose scripts hold the range, or the range itself."""
+    for name in names:
+        if start < end and name.parts[0].end <= start and end <= name.end:
+            return name.start, name.end
+    return start, end

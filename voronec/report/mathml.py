@@ -37,7 +37,7 @@ def mathml(
         box = read_boxes(latex)
     except DefinitionError:
         return f'<code class="latex">{escape(latex)}</code>'
-    setter = _Setter(Marks(marks), mark)
+    setter = _Setter(Marks.of(marks, box), mark)
     broken = break_lines(box, limit)
     display = "" if inline else ' display="block"'
     return f"<math{display}{_shrunk(broken, limit)}>{setter.lines(box, broken)}</math>"
@@ -141,14 +141,22 @@ class _Setter:
         """Brackets that grow with what they enclose, where that is tall."""
         opening, body, closing = box.parts
         if not _tall(body):
-            return f"<mrow>{self.sign(opening)}{self.run(_row(body))}{self.sign(closing)}</mrow>"
+            ends = [self.marked(self.sign(x), x) for x in (opening, closing)]
+            return f"<mrow>{ends[0]}{self.run(_row(body))}{ends[1]}</mrow>"
         signs = [
-            f'<mo stretchy="true" form="{form}" lspace="0" rspace="0">{escape(sign.text)}</mo>'
+            self.marked(
+                f'<mo stretchy="true" form="{form}" lspace="0" rspace="0">{escape(sign.text)}</mo>',
+                sign,
+            )
             if sign.text
             else ""
             for form, sign in (("prefix", opening), ("postfix", closing))
         ]
         return f"<mrow>{signs[0]}{self.run(_row(body))}{signs[1]}</mrow>"
+
+    def marked(self, element: str, box: Box) -> str:
+        """An element in the class of the marks, where they cover its box."""
+        return f'<mrow class="{self.mark}">{element}</mrow>' if self.marks.cover(box) else element
 
     def scripts(self, box: Box) -> str:
         """A base with what stands below and above it."""

@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
-from typing import Any
 
 from voronec.audit.record import Audit, FormulaRecord, Record
-from voronec.report.audit_words import about, point, short, sides, with_verdict
+from voronec.report.audit_words import (
+    about,
+    clauses,
+    convened,
+    ended,
+    grouped,
+    values,
+    with_verdict,
+)
 from voronec.report.mathml import fits, mathml, prose
+from voronec.report.points import plain, readable, short
 
 __all__ = ["anchors", "conventions", "errata", "record_html"]
 
 COLUMN, WIDE = 31.0, 64.0
 """How wide a formula may be in one of two columns, and in a line of its own, in em."""
+LONG = 200
+"""What is said of a formula is folded where it has more characters."""
 
 Places = Mapping[tuple[str, int], str]
 
@@ -41,10 +51,10 @@ def errata(audit: Audit, places: Places) -> str:
 
 def conventions(audit: Audit, places: Places) -> str:
     """The list of what is true under a convention, or in some ranges."""
-    items = "".join(
-        f'<li>{_place(r, places)}{_statement(f)}<p class="method">{prose(f.method)}</p></li>'
-        for r, f in with_verdict(audit, "convention")
-    )
+    items = ""
+    for said, several in convened(audit):
+        held = "".join(f"{_place(r, places)}{_statement(f)}" for r, f in several)
+        items += f'<li>{held}<p class="method">{prose(ended(said))}</p></li>'
     return f'<ol id="conventions-list">{items}</ol>' if items else ""
 
 
@@ -56,6 +66,7 @@ def record_html(record: Record, places: Places) -> str:
     tag = f"{record.kind} {record.ordinal}" if record.label else ""
     return (
         f'<article id="{anchor}" data-verdicts="{verdicts}" data-kind="{record.kind}" '
+        f'data-name="{escape(record.called.lower(), quote=True)}" '
         f'data-text="{escape(_words(record), quote=True)}"><header><a href="#{anchor}">'
         f'{escape(record.called)}</a><span class="tag">{tag}</span>{_badge(record.verdict)}'
         f"</header>{formulas}</article>\n"
@@ -101,7 +112,7 @@ def _erratum(record: Record, formula: FormulaRecord, places: Places) -> str:
     else:
         if formula.derived:
             parts.append(_line("instead", mathml(formula.derived, limit=WIDE)))
-        parts.append(f'<p class="method">{prose(short(formula.method))}</p>')
+        parts.append(f'<p class="method">{prose(ended(short(formula.method)))}</p>')
     link = places[record.section, record.ordinal]
     return f"<li>{''.join(parts)}{_at_a_point(formula, link)}</li>"
 
@@ -128,8 +139,8 @@ def _formula(formula: FormulaRecord, several: bool) -> str:
     badge = f"{_badge(formula.verdict)} " if several else ""
     return (
         f'<div class="formula"><div class="pair">{"".join(cells)}</div>'
-        f'<p class="method">{badge}{prose(short(formula.method))}</p>'
-        f"{_ranges(formula.ranges)}{_numbers(formula)}{_point(formula)}</div>"
+        f"{_method(short(formula.method), badge)}"
+        f"{_ranges(formula)}{_numbers(formula)}{_point(formula)}</div>"
     )
 
 
@@ -144,66 +155,72 @@ def _badge(verdict: str) -> str:
     return f'<span class="badge {verdict}">{verdict}</span>'
 
 
-def _ranges(ranges: Iterable[Mapping[str, Any]]) -> str:
-    """In which ranges of the parameters it holds."""
+def _method(text: str, badge: str = "") -> str:
+    """How a verdict was found; what is long begins with its first clause, and unfolds."""
+    if len(text) <= LONG:
+        return f'<p class="method">{badge}{prose(text)}</p>'
+    first = clauses(text)[0]
+    head = first if len(first) <= LONG else _beginning(first)
+    rest = text[len(head) :].removeprefix(";").strip()
+    summary = f"<summary>{badge}{prose(head)} ...</summary>"
+    return f'<details class="method">{summary}<p>{prose(rest)}</p></details>'
+
+
+def _beginning(text: str) -> str:
+    """A formula or a few words with which a long text begins, dollar signs in pairs."""
+    cut = text[:LONG].rfind(" ")
+    while cut > 0 and text[:cut].count("$") % 2:
+        cut = text[:cut].rfind(" ")
+    return text[: max(cut, 0)]
+
+
+def _ranges(formula: FormulaRecord) -> str:
+    """In which ranges of the parameters it holds; a column of which nothing is said is left out."""
+    entries = grouped(formula)
+    heads = [h for h in ("range", "where", "verdict", "method", "witness")
+             if any(entry[h] for entry in entries)]  # fmt: skip
+    shown: dict[str, Callable[[str], str]] = {
+        "verdict": _badge,
+        "method": _method,
+        "where": prose,
+        "witness": prose,
+    }
     rows = "".join(
-        f"<tr><td>{escape(r['range'])}</td><td>{_in_math(r['statement'])}</td>"
-        f"<td>{_badge(r['verdict'])}</td><td>{prose(short(r['method']))}</td>"
-        f"<td>{_range_witness(r['witness'])}</td></tr>"
-        for r in ranges
+        "<tr>" + "".join(f"<td>{shown.get(h, escape)(entry[h])}</td>" for h in heads) + "</tr>"
+        for entry in entries
     )
-    if not rows:
-        return ""
-    heads = "".join(f"<th>{h}</th>" for h in ("range", "where", "verdict", "method", "witness"))
-    return f'<div class="cell"><table><tr>{heads}</tr>{rows}</table></div>'
-
-
-def _in_math(statement: str) -> str:
-    if "$" in statement or not statement:
-        return prose(statement)
-    return mathml(statement, inline=True)
-
-
-def _range_witness(witness: Mapping[str, Any] | None) -> str:
-    if witness is None:
-        return ""
-    values = " against ".join(short(value) for value in _both(witness))
-    return escape(f"{values} at {point(witness)}")
+    titles = "".join(f"<th>{h}</th>" for h in heads)
+    return f'<div class="cell"><table><tr>{titles}</tr>{rows}</table></div>' if rows else ""
 
 
 def _numbers(formula: FormulaRecord) -> str:
     """The two values of a witness."""
-    witness = formula.witness
-    if witness is None:
+    lines = [f"<span>{name}</span> {escape(short(value))}" for name, value in values(formula)]
+    if not lines or formula.witness is None:
         return ""
-    what = about(witness)
-    first, second = sides(formula)
-    return (
-        f'<p class="numbers"><span>{first}</span> {escape(short(witness["printed"]))}'
-        f"{escape(f' ({what})') if what else ''}<br>"
-        f"<span>{second}</span> {escape(short(witness['derived']))}</p>"
-    )
+    what = about(formula.witness)
+    lines[0] += escape(f" ({what})") if what else ""
+    return f'<p class="numbers">{"<br>".join(lines)}</p>'
 
 
 def _at_a_point(formula: FormulaRecord, link: str) -> str:
     """The witness on one line; the record has the point."""
-    if formula.witness is None:
+    if formula.witness is None or not values(formula):
         return ""
     what = about(formula.witness)
-    values = zip(sides(formula), _both(formula.witness), strict=True)
-    text = ", ".join(f"{name} {short(value)}" for name, value in values)
+    text = ", ".join(f"{name} {short(value)}" for name, value in values(formula))
     place = f'<a href="#{link}">At a point</a>'
-    return f'<p class="method">{place}: {escape(text + (f" ({what})" if what else ""))}.</p>'
+    said = ended(text + (f" ({what})" if what else ""))
+    return f'<p class="method">{place}: {escape(said)}</p>'
 
 
 def _point(formula: FormulaRecord) -> str:
     witness = formula.witness
     if witness is None or not witness["point"]:
         return ""
-    values = {**witness["point"], **dict(zip(sides(formula), _both(witness), strict=True))}
-    rows = "".join(f"<dt>{escape(str(k))}</dt><dd>{escape(str(v))}</dd>" for k, v in values.items())
+    point = [(mathml(readable(k), inline=True), v) for k, v in witness["point"].items()]
+    rows = "".join(
+        f"<dt>{name}</dt><dd>{escape(plain(str(value)))}</dd>"
+        for name, value in (*point, *values(formula))
+    )
     return f"<details><summary>the point, all digits</summary><dl>{rows}</dl></details>"
-
-
-def _both(witness: Mapping[str, Any]) -> tuple[str, str]:
-    return str(witness["printed"]), str(witness["derived"])

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+
+from voronec.report.symbols import LETTERS
+
 __all__ = ["SCRIPT", "STYLE"]
 
 STYLE = """
@@ -70,7 +74,8 @@ mo.accent { padding-bottom:.12em; }
   currentColor 47%,currentColor 54%,transparent 54%),
   color-mix(in srgb,var(--misprint) 13%,transparent); }
 .mended { color:var(--proved); background:color-mix(in srgb,var(--proved) 17%,transparent); }
-.method { color:var(--soft); font-size:.92rem; margin:.3rem 0 0; }
+.method { color:var(--soft); font-size:.92rem; margin:.3rem 0 0; } .method > p { margin:.2rem 0; }
+td .method { font-size:.86rem; margin:0; }
 .numbers { font:.84rem/1.5 ui-monospace,"DejaVu Sans Mono",monospace; margin:.3rem 0 0;
   overflow-wrap:anywhere; } .numbers span { display:inline-block; min-width:11ch; }
 details { font-size:.86rem; margin-top:.2rem; } summary { cursor:pointer; color:var(--soft); }
@@ -89,18 +94,41 @@ figcaption { color:var(--soft); }
   article { break-inside:avoid; } }
 """
 
-SCRIPT = """
+_MORE = {"µ": "mu", "∫": "int", "√": "sqrt", "∑": "sum", "weierstrass": "wp", "integral": "int"}
+
+
+def _spellings() -> dict[str, list[str]]:
+    """What a reader may type -> the commands that show it; a variant of a letter is that letter."""
+    found: dict[str, list[str]] = {}
+    for command, letter in LETTERS.items():
+        plain = command.lower().removeprefix("var")
+        same = [c for c in (plain, f"var{plain}") if c in LETTERS or c == command.lower()]
+        found[letter.lower()] = [f"\\{name}" for name in same]
+    return found | {typed: [f"\\{command}"] for typed, command in _MORE.items()}
+
+
+SCRIPT = (
+    f"const spellings={json.dumps(_spellings(), ensure_ascii=False)};"
+    + """
 const box=document.getElementById('search'), shown=document.getElementById('shown');
 const buttons=[...document.querySelectorAll('nav button')];
 const records=[...document.querySelectorAll('main article')];
 const sections=[...document.querySelectorAll('main section[data-records]')];
 const pressed=b=>b.getAttribute('aria-pressed')=='true';
+function spelled(word){
+ let found=[word];
+ for(const [key,commands] of Object.entries(spellings))if(word.includes(key))
+  found=found.concat(found.flatMap(w=>commands.map(c=>w.replaceAll(key,()=>c))));
+ return found;}
 function show(){
- const words=box.value.toLowerCase().split(/\\s+/).filter(Boolean);
+ const query=box.value.toLowerCase().trim().replace(/\\s+/g,' ');
+ const named=records.some(a=>a.dataset.name==query);
+ const words=query.split(' ').filter(Boolean).map(spelled);
  const wanted=kind=>buttons.filter(b=>pressed(b)&&b.dataset[kind]).map(b=>b.dataset[kind]);
  const verdicts=wanted('verdict'), kinds=wanted('kind'); let n=0;
  for(const a of records){
-  const ok=words.every(w=>a.dataset.text.includes(w))
+  const ok=(named?a.dataset.name==query
+    :words.every(forms=>forms.some(w=>a.dataset.text.includes(w))))
    &&(!verdicts.length||verdicts.some(v=>a.dataset.verdicts.split(' ').includes(v)))
    &&(!kinds.length||kinds.includes(a.dataset.kind));
   a.hidden=!ok; n+=ok;}
@@ -109,8 +137,12 @@ function show(){
 box.addEventListener('input',show);
 for(const b of buttons)b.addEventListener('click',()=>{
  b.setAttribute('aria-pressed',String(!pressed(b)));show();});
-addEventListener('hashchange',()=>{const a=document.querySelector(location.hash||'#none');
+function reveal(hash){const a=document.getElementById(decodeURIComponent(hash.slice(1)));
  if(a&&a.hidden){box.value='';buttons.forEach(b=>b.setAttribute('aria-pressed','false'));show();
- a.scrollIntoView();}});
+ a.scrollIntoView();}}
+addEventListener('hashchange',()=>reveal(location.hash));
+for(const link of document.querySelectorAll('a[href^="#"]'))
+ link.addEventListener('click',()=>reveal(link.getAttribute('href')));
 show();
 """
+)

@@ -8,7 +8,7 @@ a parameter and the condition built in.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -132,6 +132,7 @@ class WithRotor:
             r"\mathfrak{v}": self.motion.derivative(place),
             r"\mathfrak{M}": M * roll.axes * roll.centre,
         }
+        found |= self.constants() | ratios(self.eqs)
         vectors = {
             ("p_1", "q_1", "r_1"): roll.ball,
             ("p_2", "q_2"): roll.rotor[:2],
@@ -141,6 +142,27 @@ class WithRotor:
         }
         for names, vector in vectors.items():
             found |= dict(zip(names, vector, strict=True))
+        return found
+
+    def constants(self) -> dict[str, sp.Expr]:
+        """P, I, A, C from the energy in s, tau, n; k, the momentum that belongs to chi.
+
+        Along e_u of the equator, and along the axis of symmetry, lie e_v and the normal: that is
+        where the coefficient of tau^2, and those of n^2 at the equator and at the pole, come from.
+        """
+        energy, velocities = self.motion.restrict(self.rolling.energy), vo.velocity(chi)
+        P, spin = sp.diff(energy, tau, 2), sp.diff(energy, n, 2)
+        k = self.motion.restrict(sp.diff(self.rolling.energy, velocities))
+        values = [P, M * sp.diff(P, M), spin.subs(u, sp.pi / 2), spin.subs(u, 0), k]
+        return dict(zip(("P", "I", "A", "C", "k"), shorten(values), strict=True))
+
+    def condition(self) -> sp.Expr:
+        """The C1 for which the momentum along the normal has the coefficient A of n, wherever."""
+        coefficient = sp.diff(self.motion.restrict(self.rolling.momentum[2]), n)
+        surplus = coefficient - self.constants()["A"]
+        found = sp.solve(surplus.subs(u, 0), C1)[0]
+        if not vo.prove_equal(surplus, (C1 - found) * sp.cos(u) ** 2).proved:
+            raise vo.DefinitionError("the coefficient of n is not A + (C - A) cos^2 u")
         return found
 
     def projections(self) -> tuple[list[sp.Expr], list[sp.Expr]]:
@@ -164,11 +186,19 @@ class WithRotor:
         return dict(zip(QUASI, matrix.LUsolve(right), strict=True))
 
     def studies(self) -> dict[str, Study]:
-        """``rotor``; and ``upright``, where the axis z_1 is laid along the momentum."""
+        """The dictionaries of this system.
+
+        ``rotor``; ``zhukovsky``, under the derived condition on C_1; and ``upright``, where the
+        axis z_1 is laid along the momentum besides.
+        """
         names = self.names()
+        condition = {C1: self.condition()}
         rotor = Study(names, motion=self.motion, in_velocities=self.in_velocities(), context=self)
-        upright = Study({**names, **self.upright()}, motion=self.motion, context=self)
-        return {"rotor": rotor, "upright": upright}
+        zhukovsky = replace(rotor, given=condition)
+        upright = Study(
+            {**names, **self.upright()}, motion=self.motion, given=condition, context=self
+        )
+        return {"rotor": rotor, "zhukovsky": zhukovsky, "upright": upright}
 
     def equation(self, row: int) -> sp.Expr:
         """Row of mass * vdot - force."""
@@ -194,13 +224,24 @@ class Reduced:
         names = dict(zip(spelled, self.eqs.coordinates, strict=True))
         names |= dict(zip(("s", r"\tau", "n"), self.eqs.velocities, strict=True))
         spelled = ("R_1", "R_2", r"\mathbf{M}", "A", "k")
-        names |= dict(zip(spelled, (p.symbol for p in self.eqs.system.parameters), strict=True))
+        symbols = dict(zip(spelled, (p.symbol for p in self.eqs.system.parameters), strict=True))
+        mass = symbols[r"\mathbf{M}"]
+        P = self.eqs.mass[1, 1]
+        names |= symbols | ratios(self.eqs) | {"P": P, "I": mass * sp.diff(P, mass)}
         motion = Motion.of(self.eqs).solved(self.eqs)
         return Study({"t": vo.time, **names}, motion=motion, context=self)
 
     def equation(self, row: int) -> sp.Expr:
         """Row of mass * vdot - force."""
         return residual(self.eqs, row)
+
+
+def ratios(eqs: Any) -> dict[str, sp.Expr]:
+    """mu from tau = -mu udot; mu' from the constraint u1dot = -mu' udot sin theta + ..."""
+    along = eqs.velocities[1]
+    slope, fibre = (sp.diff(rate, along) for rate in (eqs.rates[0], eqs.rates[-2]))
+    ratio = -fibre / slope / sp.sin(eqs.coordinates[2])
+    return dict(zip((r"\mu", r"\mu'"), shorten([-1 / slope, ratio]), strict=True))
 
 
 def residual(eqs: Any, row: int) -> sp.Expr:

@@ -13,22 +13,24 @@ from functools import cached_property
 from typing import Any
 
 import sympy as sp
-from sympy.core.function import AppliedUndef
 
 import voronec as vo
 from voronec.audit import Motion, Study, shorten
 from voronec.kinematics import kinetic_energy
 
+from .neumann import inertia_about_contact
 from .surfaces import (
     BASE,
     COORDINATES,
+    DETERMINED,
     FIBRE,
     MASS,
     NOTE,
     QUASI,
     Surfaces,
-    nonzero,
     theta,
+    told,
+    typeset,
     u1,
     v1,
     vector,
@@ -47,18 +49,6 @@ def tensor() -> sp.Matrix:
     return sp.Matrix(
         3, 3, lambda i, j: sp.Function(f"J{min(i, j) + 1}{max(i, j) + 1}")(*COORDINATES[:2])
     )
-
-
-def typeset(expr: sp.Expr, spelling: Mapping[Any, str]) -> str:
-    """A product in the paper's names, unknown functions and their derivatives among them."""
-    names = dict(spelling) | {x: x.name for x in expr.free_symbols if "{" in x.name}
-    rules = {f: sp.Symbol(spelling[f]) for f in expr.atoms(AppliedUndef)}
-    for slope in expr.atoms(sp.Derivative):
-        function, variable = spelling[slope.expr], spelling[slope.variables[0]]
-        rules[slope] = sp.Symbol(rf"\frac{{\partial {function}}}{{\partial {variable}}}")
-    names |= {symbol: symbol.name for symbol in rules.values()}
-    text = str(sp.latex(expr.xreplace(rules), symbol_names=names, fold_func_brackets=True))
-    return text.replace("- ", "-", 1) if text.startswith("- ") else text
 
 
 @dataclass(frozen=True)
@@ -269,9 +259,19 @@ class Body:
         return sp.diff(e, v), sp.diff(g, u)
 
     def eight(self) -> vo.Verdict:
-        """Whether five coordinates and three velocities have determined derivatives."""
+        """Whether five coordinates and three velocities have determined derivatives.
+
+        The mass matrix is slopes^T I slopes, with the inertia I about M and the derivatives of
+        s, tau, n by the base velocities, whose determinant is that of the relative curvature.
+        """
         unknowns = len(self.eqs.coordinates) + len(self.eqs.velocities)
         if unknowns != len(self.eqs.raw.rates) + len(self.residuals) or unknowns != 8:
             return vo.Verdict("refuted", f"{unknowns} unknowns")
-        a, b, c = (vector(row) for row in self.eqs.door.outward_matrix(self.eqs.raw.mass).tolist())
-        return nonzero(a.dot(b.cross(c)))
+        moments = vector(sp.diff(self.quasi_energy, w) for w in QUASI)
+        slopes = self.spin.jacobian(DOTS)
+        made = slopes.T * moments.jacobian(QUASI) * slopes
+        pairs = [*zip(self.eqs.door.outward_matrix(self.eqs.raw.mass), made, strict=True)]
+        curvature = -self.surfaces.area[0] * self.surfaces.curvature
+        pairs.append((slopes.det(method="berkowitz"), curvature))
+        found = [vo.prove_equal(a, b) for a, b in pairs]
+        return told([*found, inertia_about_contact()], DETERMINED)

@@ -7,7 +7,7 @@ touched from inside, or that lies within the ball.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -19,6 +19,7 @@ from voronec.audit import Motion, Range, Study, Verdict, shorten
 from voronec.kinematics import RollingContact, Surface, kinetic_energy
 
 from .measures import density, divergence, quadratic
+from .verdicts import all_equal, worst
 
 u, v, theta, u1, v1 = sp.symbols("u v theta u1 v1")
 OMEGA = sp.Matrix(sp.symbols("omega1:4"))
@@ -261,7 +262,7 @@ def momentum_is_about_contact() -> Verdict:
     rolling = Rolling.on(Surface.sphere(SIGNED, u1, v1))
     eqs = vo.derive(rolling.system())
     found = Motion.of(eqs).restrict(rolling.momentum)
-    return all_proved(zip(eqs.mass * OMEGA, found, strict=True))
+    return all_equal(zip(eqs.mass * OMEGA, found, strict=True))
 
 
 def least(direction: sp.Matrix) -> tuple[sp.Expr, ...]:
@@ -276,14 +277,3 @@ def least(direction: sp.Matrix) -> tuple[sp.Expr, ...]:
 def tensor() -> sp.Matrix:
     """The inertia of the ball about its centre, with D added to each moment."""
     return sp.diag(*(moment + D for moment in MOMENTS))
-
-
-def all_proved(pairs: Any, relations: Sequence[sp.Expr] = ()) -> Verdict:
-    """Whether all pairs are equal; the first that is not decides."""
-    return worst(vo.prove_equal(a, b, relations) for a, b in pairs)
-
-
-def worst(verdicts: Iterable[Verdict]) -> Verdict:
-    """The first of some verdicts that is not "proved", else the first."""
-    found = list(verdicts)
-    return next((verdict for verdict in found if not verdict.proved), found[0])

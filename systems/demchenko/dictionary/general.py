@@ -7,7 +7,7 @@ paper's equations are compared with is d'Alembert's principle, made from these c
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -32,7 +32,12 @@ def unknown(name: str) -> sp.Expr:
     return sp.Function(name)(*Q, vo.time)
 
 
-def kinetic_energy() -> sp.Expr:
+def of_base(name: str) -> sp.Expr:
+    """An unknown function of the base coordinates alone."""
+    return sp.Function(name)(*Q[:BASE])
+
+
+def kinetic_energy(unknown: Callable[[str], sp.Expr] = unknown) -> sp.Expr:
     """Quadratic, linear and constant terms in the velocities, every coefficient unknown."""
     pairs = [(s, r) for s in range(TOTAL) for r in range(TOTAL)]
     quadratic = [unknown(f"m{min(p) + 1}{max(p) + 1}") * V[p[0]] * V[p[1]] for p in pairs]
@@ -40,7 +45,7 @@ def kinetic_energy() -> sp.Expr:
     return sp.Add(*quadratic) / 2 + sp.Add(*linear) + unknown("m0")
 
 
-def stated_names() -> dict[str, Any]:
+def stated_names(unknown: Callable[[str], sp.Expr] = unknown) -> dict[str, Any]:
     """What needs no derivation."""
     return {
         "t": vo.time,
@@ -51,7 +56,7 @@ def stated_names() -> dict[str, Any]:
         "Q_{s}": lambda s: FORCES[s - 1],
         r"a_{\nu i}": lambda nu, i: unknown(f"a{nu}{i}"),
         r"a_{\nu}": lambda nu: unknown(f"a{nu}"),
-        "T": kinetic_energy(),
+        "T": kinetic_energy(unknown),
     }
 
 
@@ -59,6 +64,7 @@ def stated_names() -> dict[str, Any]:
 class General:
     """The derived general system: engine, motion, and the lift of the base velocities."""
 
+    names: Mapping[str, Any]
     eqs: Any
     motion: Motion
     lift: tuple[tuple[sp.Expr, ...], ...]
@@ -67,11 +73,22 @@ class General:
     @classmethod
     def of(cls, transcript: Transcript) -> General:
         """Derive it from the constraints as the paper prints them."""
-        draft = Study(stated_names(), INDICES)
+        return cls._with(transcript, stated_names())
+
+    @classmethod
+    def chaplygin(cls, transcript: Transcript) -> General:
+        """The same where nothing depends on the fibre coordinates, nor on the time, and the
+        constraints are homogeneous."""
+        still: dict[str, Any] = {r"a_{\nu}": lambda nu: sp.Integer(0)}
+        return cls._with(transcript, stated_names(of_base) | still)
+
+    @classmethod
+    def _with(cls, transcript: Transcript, names: Mapping[str, Any]) -> General:
+        draft = Study(names, INDICES)
         system = vo.System(
             name="general",
             fibration=vo.Fibration(base=Q[:BASE], fibre=Q[BASE:]),
-            lagrangian=kinetic_energy(),
+            lagrangian=names["T"],
             constraints=tuple(transcript.residuals("v1", draft)),
             parameters=FORCES,
             forces=dict(zip(Q, FORCES, strict=True)),
@@ -80,7 +97,7 @@ class General:
         lift = tuple(tuple(sp.diff(rate, v) for v in V[:BASE]) for rate in eqs.rates)
         motion = Motion.of(eqs, {d: vo.velocity(d) for d in DELTA})
         left = transcript.left("v4", {"i": 1}, draft)
-        return cls(eqs, motion, lift, left)
+        return cls(names, eqs, motion, lift, left)
 
     def dalembert(self, where: Mapping[str, int]) -> sp.Expr:
         """The d'Alembert equation of a base coordinate, as an expression that vanishes."""
@@ -90,7 +107,7 @@ class General:
     def _dalembert(self) -> tuple[sp.Expr, ...]:
         """sum_s (d/dt dT/dqdot_s - dT/dq_s - Q_s) dqdot_s/dqdot_i, accelerations of the fibre
         eliminated by the differentiated constraints; it knows nothing of the connection."""
-        energy = kinetic_energy()
+        energy = self.names["T"]
         free = Motion({**dict(zip(Q, V, strict=True)), **{v: vo.velocity(v) for v in V}})
         fibre = zip(V[BASE:], list(self.eqs.rates)[BASE:], strict=True)
         accelerations = {vo.velocity(v): self.motion.derivative(rate) for v, rate in fibre}
@@ -103,6 +120,42 @@ class General:
             total = sp.Add(*[e * h for e, h in zip(lagrange, direction, strict=True)])
             found.append(self.motion.restrict(total.xreplace(accelerations)))
         return tuple(found)
+
+    def transposition(self, where: Mapping[str, int]) -> sp.Expr:
+        """d(delta q)/dt - delta(dq/dt) of a fibre coordinate, by the engine's curvature."""
+        nu, found = where[r"\nu"] - 1, sp.Integer(0)
+        for i, variation in enumerate(DELTA):
+            along = [self.eqs.curvature[nu, i, j] * w for j, w in enumerate(V[:BASE])]
+            found += sp.Add(*along, self.eqs.curvature.time[nu, i]) * variation
+        return found
+
+    def momenta_of_base(self) -> vo.Verdict:
+        """Whether the momenta K_nu are the derivatives of T by the velocities of q_nu."""
+        energy = self.names["T"]
+        for nu, momentum in enumerate(self.eqs.momenta):
+            verdict = vo.prove_equal(self.motion.restrict(sp.diff(energy, V[nu])), momentum)
+            if not verdict.proved:
+                return verdict
+        return verdict
+
+    def chaplygins(self) -> vo.Verdict:
+        """Whether the d'Alembert equations are Chaplygin's, and close in the base."""
+        energy = self.names["T"]
+        theta = self.motion.restrict(energy)
+        momenta = [self.motion.restrict(sp.diff(energy, v)) for v in V[BASE:]]
+        a = [[self.names[r"a_{\nu i}"](nu + 1, i + 1) for i in range(BASE)] for nu in range(FIBRE)]
+        for i in range(BASE):
+            right = sp.diff(theta, Q[i]) + FORCES[i]
+            for row, momentum, force in zip(a, momenta, FORCES[BASE:], strict=True):
+                turn = [(sp.diff(row[i], Q[j]) - sp.diff(row[j], Q[i])) * V[j] for j in range(BASE)]
+                right += row[i] * force + momentum * sp.Add(*turn)
+            equation = self.motion.derivative(sp.diff(theta, V[i])) - right
+            if equation.free_symbols & {vo.time, *Q[BASE:], *V[BASE:]}:
+                return vo.Verdict("refuted", "an equation holds the time or a fibre coordinate")
+            verdict = vo.prove_equal(equation, self._dalembert[i])
+            if not verdict.proved:
+                return verdict
+        return verdict
 
     def structure(self) -> list[tuple[str, sp.Expr]]:
         """The first d'Alembert equation, decomposed: how the derivatives of Theta, the forces and
@@ -152,7 +205,7 @@ class General:
         variations = dict(zip(Q, virtual, strict=True))
         variations |= {v: vo.velocity(d) for v, d in zip(V[:BASE], DELTA, strict=True)}
         return Study(
-            {**stated_names(), **derived},
+            {**self.names, **derived},
             INDICES,
             self.motion,
             variations,

@@ -6,7 +6,7 @@ B stands for the two-form with the components that the paper prints, B_ij = -A_i
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Any
@@ -18,6 +18,8 @@ from voronec.audit import Motion, Study, Verdict, direction
 
 from .connections import Connection
 from .general import BASE, DELTA, FIBRE, INDICES, TOTAL, Q, V
+from .principle import dalembert, lagrange
+from .verdicts import all_equal
 
 FREE = sp.symbols(f"eta1:{TOTAL + 1}")
 LABELLED = frozenset({"B", r"\omega", "X", "Y", "q"})
@@ -78,18 +80,19 @@ class Geometry:
         fields = {x: link.field([unknown(f"{x}{s + 1}") for s in range(TOTAL)]) for x in "XY"}
         forms = list(link.vertical(V))[BASE:]
         two = [list(link.curvature(V, FREE))[BASE + nu] for nu in range(FIBRE)]
-        axes = [direction(q) for q in Q[BASE:]]
         names = {
             **self.places(),
             **fields,
             **{f"{x}^h": link.horizontal(field) for x, field in fields.items()},
             "X_q": sp.Matrix([0] * BASE + [unknown(f"X{s + 1}") for s in range(BASE, TOTAL)]),
             r"A(\cdot)": link.vertical,
-            "A": sp.Add(*[f * axis for f, axis in zip(forms, axes, strict=True)]),
+            "A": as_field([0] * BASE + forms),
             r"\omega^{\nu}": lambda nu: forms[nu - 1],
-            "B": sp.Add(*[b * axis for b, axis in zip(two, axes, strict=True)]),
+            "B": as_field([0] * BASE + two),
             r"B^{\nu}": lambda nu: two[nu - 1],
             r"B(\cdot)": link.curvature,
+            r"\delta q": as_field(self.displacement),
+            r"\delta q_{s}": lambda s: self.displacement[s - 1],
         }
         motion = Motion(dict(zip(Q, V, strict=True)))
         variations = dict(zip(Q, FREE, strict=True))
@@ -112,10 +115,11 @@ class Geometry:
             r"\pi(\cdot)": lambda q: sp.Matrix(q[:BASE]),
             "T_q": span(sp.eye(TOTAL)),
             "Q": sp.Integer(1),
-            r"\mathcal D_q": span(link.lift),
+            r"\mathcal D_q": kernel(sp.Matrix(CONSTRAINTS)),
             r"\mathcal V_q": span(sp.eye(TOTAL)[:, BASE:]),
             r"\oplus": direct_sum,
-            r"\ker": lambda rates: span(sp.Matrix.hstack(*rates.jacobian(V).nullspace())),
+            r"\ker": kernel,
+            r"\in": part_in,
         }
 
     # -- the motion ------------------------------------------------------------------------
@@ -123,30 +127,18 @@ class Geometry:
     @cached_property
     def _dalembert(self) -> tuple[sp.Expr, ...]:
         """The d'Alembert equations of L = T - V."""
-        return self._principle(kinetic_energy() - POTENTIAL, (0,) * TOTAL)
-
-    def _principle(self, lagrangian: sp.Expr, forces: Sequence[Any]) -> tuple[sp.Expr, ...]:
-        """sum_s (d/dt dL/dqdot_s - dL/dq_s - Q_s) dqdot_s/dqdot_i, accelerations of the fibre
-        eliminated by the differentiated constraints; it knows nothing of the connection."""
-        free = Motion({**dict(zip(Q, V, strict=True)), **{v: vo.velocity(v) for v in V}})
-        fibre = zip(V[BASE:], list(self.eqs.rates)[BASE:], strict=True)
-        accelerations = {vo.velocity(v): self.motion.derivative(rate) for v, rate in fibre}
-        lagrange = [
-            free.derivative(sp.diff(lagrangian, v)) - sp.diff(lagrangian, q) - force
-            for q, v, force in zip(Q, V, forces, strict=True)
-        ]
-        rows = self.connection.lift.T * sp.Matrix(lagrange)
-        return tuple(self.motion.restrict(row.xreplace(accelerations)) for row in rows)
+        left = lagrange(kinetic_energy() - POTENTIAL, Q)
+        return dalembert(left, list(self.eqs.rates), BASE, self.motion)
 
     def dalembert(self, where: Mapping[str, int]) -> sp.Expr:
         """The d'Alembert equation of a base coordinate, as an expression that vanishes."""
         return self._dalembert[where["i"] - 1]
 
-    def forced(self) -> Verdict:
-        """Whether L = T - V gives what T with the forces -dV/dq_s gives."""
-        forces = [-sp.diff(POTENTIAL, q) for q in Q]
-        other = self._principle(kinetic_energy(), forces)
-        return all_zero(a - b for a, b in zip(self._dalembert, other, strict=True))
+    @cached_property
+    def forces(self) -> tuple[sp.Expr, ...]:
+        """Q_s: what must stand on the right of the equations of T for those of L = T - V."""
+        alone, whole = (lagrange(x, Q) for x in (kinetic_energy(), kinetic_energy() - POTENTIAL))
+        return tuple(sp.expand(a - b) for a, b in zip(alone, whole, strict=True))
 
     def virtual_work(self) -> sp.Expr:
         """All of them, each times its virtual displacement."""
@@ -154,8 +146,10 @@ class Geometry:
 
     @cached_property
     def displacement(self) -> sp.Matrix:
-        """A virtual displacement, which obeys the constraints."""
-        return self.connection.lift * sp.Matrix(DELTA)
+        """A virtual displacement: the constraints, which are homogeneous, solved for it."""
+        base, rows = sp.Matrix(DELTA), constraint_rows()
+        fibre = -rows[:, BASE:].LUsolve(rows[:, :BASE] * base)
+        return sp.Matrix.vstack(base, fibre)
 
     def variational(self) -> sp.Expr:
         """sum_s (dL_c/dq_s - d/dt dL_c/dqdot_s) delta q_s."""
@@ -199,9 +193,10 @@ class Geometry:
                 right += momentum * name * V[j - 1]
         return [(left, right)]
 
-    def displaced(self) -> Verdict:
-        """Whether a virtual displacement is horizontal."""
-        return all_zero(self.connection.vertical(self.displacement))
+    def kernel(self) -> Verdict:
+        """Whether what the constraints leave free is the kernel of A."""
+        ours = kernel(self.connection.vertical(V))
+        return all_equal(zip(kernel(sp.Matrix(CONSTRAINTS)), ours, strict=True))
 
     def study(self) -> Study:
         """The dictionary of the equations of motion."""
@@ -210,6 +205,7 @@ class Geometry:
             **self.places(),
             "T": energy,
             "V": POTENTIAL,
+            "Q_{s}": lambda s: self.forces[s - 1],
             "L": energy - POTENTIAL,
             r"\Theta": self.motion.restrict(energy),
             "L_c": self.eqs.theta,
@@ -227,7 +223,10 @@ class Geometry:
         def lagrangian(q: sp.Matrix, v: sp.Matrix) -> sp.Expr:
             return value.xreplace(dict(zip((*Q, *V), (*q, *v), strict=True)))
 
-        return replace(self._with({r"L(\cdot)": lagrangian}), functions=frozenset({"V"}))
+        # Nothing is on the constraints but what says so, such as the horizontal velocity.
+        free = Motion({x: vo.velocity(x) for x in (*Q, *V)})
+        study = self._with({r"L(\cdot)": lagrangian})
+        return replace(study, motion=free, functions=frozenset({"V"}))
 
     def invariant(self) -> Study:
         """The same where FL is applied to a vertical vector; ``opposite`` changes the sign of B."""
@@ -255,18 +254,50 @@ def opposite(x: Any, y: Any) -> sp.Matrix:
     return -geometry().connection.curvature(x, y)
 
 
+def vanishes(entry: Any) -> bool:
+    """Whether an entry of a matrix is proved to be zero: a pivot is what is not."""
+    return vo.prove_equal(entry).proved
+
+
 def span(columns: sp.Matrix) -> sp.Matrix:
     """One matrix for each subspace: the reduced echelon form of what spans it."""
-    return columns.T.rref()[0].T
+    return columns.T.rref(iszerofunc=vanishes, simplify=False)[0].T
 
 
 def direct_sum(first: sp.Matrix, second: sp.Matrix) -> sp.Matrix:
     """The sum of two subspaces; zero where they are not independent."""
     both = sp.Matrix.hstack(first, second)
-    return span(both) if both.rank() == both.cols else sp.zeros(*both.shape)
+    return (
+        span(both)
+        if both.rank(iszerofunc=vanishes, simplify=False) == both.cols
+        else sp.zeros(*both.shape)
+    )
 
 
-def all_zero(values: Any) -> Verdict:
-    """Whether all values vanish; the first that does not decides."""
-    found = [vo.prove_equal(x, 0) for x in values]
-    return next((verdict for verdict in found if not verdict.proved), found[0])
+def constraint_rows() -> sp.Matrix:
+    """The constraints as one-forms, one in each row."""
+    return sp.Matrix(CONSTRAINTS).jacobian(V)
+
+
+def kernel(rates: sp.Matrix) -> sp.Matrix:
+    """The velocities for which all of some functions, linear in them, vanish."""
+    return span(
+        sp.Matrix.hstack(
+            *sp.Matrix(rates).jacobian(V).nullspace(simplify=False, iszerofunc=vanishes)
+        )
+    )
+
+
+def as_field(components: Any) -> sp.Expr:
+    """A vector field as a sum of formal directions."""
+    return sp.Add(*[c * direction(q) for c, q in zip(components, Q, strict=True)])
+
+
+def part_in(field: sp.Expr, space: sp.Matrix) -> sp.Expr:
+    """The part of a field in a subspace: the vector there with the same leading components.
+
+    A subspace is given by its echelon form; a field that lies in it is its own part.
+    """
+    components = [sp.diff(field, direction(q)) for q in Q]
+    _, leading = space.T.rref(iszerofunc=vanishes, simplify=False)
+    return as_field(space * sp.Matrix([components[place] for place in leading]))

@@ -2,39 +2,43 @@
 
 ``WithGyroscope`` has arbitrary surfaces and an arbitrary inertia: the gyroscope's angle is a
 coordinate of the engine's system, whose equations are projected on the fields that define s, tau,
-n; the balance of moments, made apart from that, is proved to say the same.
+n.  The equations of Newton and Euler, without the reaction at M, are proved to say the same; and
+these hold for a point M that moves in any way, so that its velocity along n, which the contact
+excludes, stays in them as a symbol: what the paper multiplies by it is compared, too.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Motion, Study
+from voronec.audit import Motion, Study, shorten
 from voronec.kinematics import kinetic_energy
 
 from .body import DOTS, U, tensor
-from .neumann import AXES
+from .moments import SPEED
+from .neumann import AXES, inertia_about_contact
 from .rotor import AXIAL, COSINES, LETTERS, chi
 from .surfaces import (
     BASE,
     COORDINATES,
+    DETERMINED,
     FIBRE,
     MASS,
     NOTE,
     QUASI,
     SLIP,
     Surfaces,
-    nonzero,
+    told,
     vector,
-    worst,
 )
 
-SPEED = sp.Symbol("omega~")
+CLIMB, HEIGHT = sp.symbols("v_n h")
+"""The velocity of M along n, and the height of M over the surface: at the moment, zero."""
 
 
 @dataclass(frozen=True)
@@ -127,19 +131,40 @@ class WithGyroscope:
     def given(self) -> dict[sp.Expr, sp.Expr]:
         """What the symbols of a formula are on the constraints."""
         spin = dict(zip(QUASI, self.spin, strict=True))
-        return {**self.surfaces.roots, **self.rules, **spin, **dict.fromkeys(SLIP, sp.Integer(0))}
+        absent = dict.fromkeys((*SLIP, HEIGHT), sp.Integer(0))
+        return {**self.surfaces.roots, **self.rules, **spin, **absent}
 
     @cached_property
     def motion(self) -> Motion:
         """s, tau, n change as their values in velocities do."""
         motion = self.surfaces.motion
-        rates = zip(QUASI, motion.derivative(self.spin), strict=True)
-        return Motion({**motion.rates, **dict(rates)}, motion.constrained)
+        rates = dict(zip(QUASI, motion.derivative(self.spin), strict=True))
+        # No acceleration: nothing here holds the second derivative of the height.
+        climbing = {HEIGHT: CLIMB, CLIMB: sp.Integer(0)}
+        return Motion({**motion.rates, **rates, **climbing}, motion.constrained)
+
+    @property
+    def arm(self) -> sp.Matrix:
+        """OM along (u, v, n)."""
+        return self.surfaces.arm + vector((0, 0, HEIGHT))
+
+    @property
+    def trace(self) -> sp.Matrix:
+        """The velocity of M against the body, along (u, v, n)."""
+        return vector(self.surfaces.contact.body.trace_velocity) + vector((0, 0, CLIMB))
+
+    @cached_property
+    def axial(self) -> sp.Expr:
+        """k: the momentum of the gyroscope's angle, where its speed is omega~."""
+        spun = vo.velocity(chi)
+        carried = self.axis.dot(self.surfaces.spin)
+        momentum = sp.diff(self.eqs.system.lagrangian, spun)
+        return shorten([momentum.xreplace({spun: SPEED - carried})])[0]
 
     @property
     def energies(self) -> tuple[sp.Expr, sp.Expr]:
         """T-bar in the slip and s, tau, n; Theta, where nothing slips."""
-        centre = vector(SLIP) - vector(QUASI).cross(self.surfaces.arm)
+        centre = vector(SLIP) - vector(QUASI).cross(self.arm)
         energy = kinetic_energy(MASS, centre, tensor(), QUASI)
         return energy, energy.xreplace(dict.fromkeys(SLIP, sp.Integer(0)))
 
@@ -150,7 +175,7 @@ class WithGyroscope:
 
     @cached_property
     def balance(self) -> Balance:
-        """The moments about M along (u, v, n), from positions and energies alone."""
+        """The moments about M along (u, v, n), from the energies."""
         bar, theta = self.energies
         momentum = vector(sp.diff(theta, w) for w in QUASI)
         return Balance(
@@ -158,10 +183,10 @@ class WithGyroscope:
             momentum=momentum,
             omega=vector(QUASI),
             body=-self.surfaces.body_frame,
-            trace=vector(self.surfaces.contact.body.trace_velocity),
+            trace=self.trace,
             push=vector(sp.diff(bar, m) for m in SLIP),
             drive=vector(sp.diff(self.power, w) for w in QUASI),
-            axial=AXIAL * SPEED,
+            axial=self.axial,
             axis=self.axis,
         )
 
@@ -186,17 +211,32 @@ class WithGyroscope:
         return tuple((row - t * self.residuals[3]).xreplace(rates) for row, t in rows)
 
     @cached_property
+    def newton(self) -> sp.Matrix:
+        """d/dt (angular momentum about O) - OM x mass (acceleration of O) - torque about M.
+
+        The law of moments about O, with the reaction that the law of motion of O gives.
+        """
+        omega, axial = vector(QUASI), self.axial
+        turning = omega + self.surfaces.body_frame
+        spin, speed = tensor() * omega + axial * self.axis, -omega.cross(self.arm)
+        about, pull = (self.motion.derivative(x) + turning.cross(x) for x in (spin, speed))
+        return about - self.arm.cross(MASS * pull) - self.balance.drive
+
+    @cached_property
     def rows(self) -> sp.Matrix:
-        """The balance of moments, proved to be the engine's equations along s, tau, n.
+        """The equations along s, tau, n, proved to be the engine's, and to be the balance.
 
         The engine's rows are slopes^T times those; comparing in that direction needs no inverse.
         """
+        rows = self.newton.xreplace(self.given)
         balance = (self.balance.left - self.balance.right).xreplace(self.given)
-        for mine, theirs in zip(self.slopes.T * balance, self.spun, strict=True):
-            verdict = vo.prove_equal(mine, theirs.xreplace(self.given))
+        contact = self.slopes.T * rows.xreplace({CLIMB: sp.Integer(0)})
+        engine = vector(self.spun).xreplace(self.given)
+        for mine, theirs in zip((*contact, *rows), (*engine, *balance), strict=True):
+            verdict = vo.prove_equal(mine, theirs)
             if not verdict.proved:
                 raise vo.DefinitionError(f"the balance of moments differs: {verdict.method}")
-        return balance
+        return rows
 
     def terms(self, position: int) -> list[tuple[Any, Any]]:
         """A row as it stands in the balance of moments, in names."""
@@ -210,33 +250,27 @@ class WithGyroscope:
         rate += vo.velocity(vo.velocity(chi))
         return vo.prove_equal(self.residuals[3], AXIAL * rate)
 
-    def cosines(self) -> vo.Verdict:
-        """Whether all three cosines follow the kinematic equations."""
-        turned = (-self.surfaces.body_frame).cross(self.axis)
-        rates = self.motion.derivative(self.axis).xreplace(self.rules)
-        return worst(vo.prove_equal(a, b) for a, b in zip(rates, turned, strict=True))
-
     def commutators(self) -> vo.Verdict:
         """Whether the fields of s, tau, n are dual to these, and have the brackets of rotations."""
         return self.surfaces.commutators()
 
     def eight(self) -> vo.Verdict:
-        """Whether coordinates and s, tau, n have determined derivatives."""
+        """Whether coordinates and s, tau, n have determined derivatives: s, tau, n give the
+        velocities by the relative curvature, and the inertia about M is not degenerate."""
         _ = self.rows
-        inertia = vector(sp.diff(self.energies[1], w) for w in QUASI).jacobian(QUASI)
-        a, b, c = (vector(row) for row in inertia.tolist())
-        return worst(nonzero(x) for x in (a.dot(b.cross(c)), self.slopes.det(method="berkowitz")))
+        slopes = self.slopes.det(method="berkowitz")
+        found = [vo.prove_equal(slopes, -self.surfaces.area[0] * self.surfaces.curvature)]
+        return told([*found, inertia_about_contact()], DETERMINED)
 
-    def study(self) -> Study:
-        """The dictionary."""
+    def studies(self) -> dict[str, Study]:
+        """``motion``; and ``balance``, for the moments about M."""
         bar, theta = self.energies
-        trace = self.surfaces.contact.body.trace_velocity
         names: dict[str, Any] = {
             **self.surfaces.names(),
             "U": U,
             **dict(zip(LETTERS, QUASI, strict=True)),
             **dict(zip(("s_1", r"\tau_1", "n_1"), -self.surfaces.body_frame, strict=True)),
-            **dict(zip((rf"\mathfrak v_{x}" for x in AXES), trace, strict=True)),
+            **dict(zip((rf"\mathfrak v_{x}" for x in AXES), self.trace, strict=True)),
             **dict(zip((rf"\mathfrak m_{x}" for x in AXES), SLIP, strict=True)),
             **dict(zip(COSINES, self.axis, strict=True)),
             r"\bar{\mathbf T}": bar,
@@ -244,7 +278,9 @@ class WithGyroscope:
             r"\bar{\dot{U}}": self.power,
             r"\tilde C": AXIAL,
             r"\tilde\omega": SPEED,
-            "k": AXIAL * SPEED,
+            "k": self.axial,
         }
         note = f"{NOTE}, any inertia and any force function"
-        return Study(names, motion=self.motion, given=self.given, context=self, note=note)
+        study = Study(names, motion=self.motion, given=self.given, context=self, note=note)
+        climbing = f"{note}, and for any velocity of $M$ along $\\mathbf n$"
+        return {"motion": study, "balance": replace(study, note=climbing)}

@@ -21,14 +21,13 @@ from .chaplygin_balls import (
     Ball,
     M,
     Rolling,
-    all_proved,
     theta,
     u,
     u1,
     v,
     v1,
-    worst,
 )
+from .verdicts import all_equal
 
 chi, C, W = sp.symbols("chi C W")
 AXIS = sp.Matrix(sp.symbols("e1:4"))
@@ -58,7 +57,7 @@ def rotor_is_kappa() -> Verdict:
     pairs = [(full.force[3], 0), *zip(full.mass[3, :], (0, 0, 0, C), strict=True)]
     pairs += zip(full.mass[:3, :3], ball.mass, strict=True)
     pairs += zip(full.force[:3], ball.force.xreplace(carried), strict=True)
-    return all_proved(pairs, ball.relations)
+    return all_equal(pairs, ball.relations)
 
 
 def is_demchenkos(system: vo.System) -> Verdict:
@@ -73,7 +72,7 @@ def is_demchenkos(system: vo.System) -> Verdict:
     mine = rolling.system()
     pairs: list[tuple[Any, Any]] = [(mine.lagrangian, system.lagrangian)]
     pairs += zip(mine.constraints, system.constraints, strict=True)
-    return worst(vo.prove_equal(sp.sympify(a).xreplace(to_theirs), b) for a, b in pairs)
+    return all_equal((sp.sympify(a).xreplace(to_theirs), b) for a, b in pairs)
 
 
 def on_the_plane(sphere: Ball, plane: Ball) -> Verdict:
@@ -89,4 +88,4 @@ def on_the_plane(sphere: Ball, plane: Ball) -> Verdict:
     for name in ("mass", "force", "rates"):
         ours, theirs = getattr(sphere.reduced, name), getattr(plane.reduced, name)
         pairs += zip(map(flat, ours), theirs, strict=True)
-    return all_proved(pairs, plane.relations)
+    return all_equal(pairs, plane.relations)

@@ -10,8 +10,8 @@ import sympy as sp
 import voronec as vo
 from voronec.audit import Range, Study
 
-from .. import A, k, n, s, tau, u, u1, v, v1
-from .quadratures import C5, GAMMA, INERTIA, RATIO, h, level, p, x
+from .. import A, k, n, s, tau, u
+from .quadratures import C5, GAMMA, INERTIA, RATIO, h, level, p, share, x
 
 Decide = Callable[[Study, Range], vo.Verdict]
 
@@ -50,6 +50,25 @@ def refuted(method: str, point: Mapping[Any, Any], left: Any, right: Any) -> vo.
     """Refuted by exact values."""
     named = {str(name): str(value) for name, value in point.items()}
     return vo.Verdict("refuted", method, vo.Witness(named, str(left), str(right)))
+
+
+def body(where: Range, zero: Any = None) -> dict[Any, Any]:
+    """A body of a range with I = 1: its A and mu'; the A for which ``zero`` vanishes, if any."""
+    numbers = {INERTIA: sp.Integer(1), p: sp.Integer(1 if zero is None else 3)}
+    inside = {name: value.xreplace(numbers) for name, value in where.values.items()}
+    part = 1 if zero is None else sp.solve(zero.xreplace(numbers).xreplace(inside), share)[0]
+    if not part > 0:
+        raise vo.DefinitionError(f"no such body: {where.statement} does not hold for it")
+    return {
+        INERTIA: numbers[INERTIA],
+        **{a: value.subs(share, part) for a, value in inside.items()},
+    }
+
+
+def at_state(value: Any, numbers: Mapping[Any, Any]) -> Any:
+    """A value in x and the constants of the motion, at a state of a body."""
+    constants = {c: e.xreplace(numbers) for c, e in level().integrals.items()}
+    return value.xreplace(constants).xreplace(numbers)
 
 
 # -- the polynomial X -----------------------------------------------------------------------
@@ -165,88 +184,67 @@ def without_roots(_: Study, __: Range) -> vo.Verdict:
     return chained(("X(1) = -phi(1)^2, so that X < 0 if it has no root", vo.prove_equal(*ends)))
 
 
+def single_gap(_: Study, __: Range) -> vo.Verdict:
+    """With two real roots x lies between them.
+
+    That is where X > 0 for a_0 < 0.  For a_0 > 0, X is positive outside the roots, and there are
+    x = 1 and x = -1 between them, since X <= 0 at both: no motion is left.
+    """
+    own = level()
+    q, low, wide = sp.symbols("q1:4", positive=True)
+    inside = q / (1 + q)
+    pair = {"between": inside, "above": 1 + q, "below": -q}
+    steps = []
+    for end in (1, -1):
+        ends = own.X.subs(x, end), -(own.phi.subs(x, end) ** 2)
+        steps.append((f"X({end}) = -phi({end})^2", vo.prove_equal(*ends)))
+    for name, place in pair.items():
+        value = -place * (place - 1) * ((place - low) ** 2 + wide)
+        relation = ">" if name == "between" else "<"
+        found = vo.prove_inequality(value, relation, 0)
+        steps.append((f"-X/a_0 {relation} 0 {name} the roots", found))
+    return chained(*steps)
+
+
+def gaps_printed(_: Study) -> str:
+    """Where x runs between these roots, as LaTeX."""
+    proved(leading(), -INERTIA * (INERTIA * level().mu ** 2 + 4 * A * RATIO))
+    return r"I\mu^2+4A\mu'=-a_0/I>0"
+
+
 def outer_gaps(_: Study, where: Range) -> vo.Verdict:
-    """With four real roots x lies between the two largest, or the two smallest."""
+    """With four real roots x lies between the two largest, or the two smallest.
+
+    Just where a_0 < 0: where a_0 > 0, X(1) and X(-1) <= 0 put x = 1 and x = -1 into the gaps in
+    which X < 0, so that X > 0 is left between the middle roots alone.
+    """
     negative = signed(leading(), "<", where)
     if not negative.proved:
         return _between_the_middle_roots(where)
+    return chained(("a_0 < 0", negative), *_signs_of_the_gaps())
+
+
+def _signs_of_the_gaps() -> list[tuple[str, vo.Verdict]]:
+    """For a_0 < 0 and any four real roots, X < 0 in the middle gap and outside all roots."""
     q = sp.symbols("q1:5", positive=True)
     roots = [0, q[0], q[0] + q[1], q[0] + q[1] + q[2]]
     places = {"below all roots": -q[3], "above all roots": roots[3] + q[3]}
     places["between the middle roots"] = roots[1] + q[1] * q[3] / (1 + q[3])
-    steps = [
+    return [
         (f"{name} X < 0", vo.prove_inequality(-sp.prod(place - r for r in roots), "<", 0))
         for name, place in places.items()
     ]
-    return chained(("a_0 < 0", negative), *steps)
 
 
 def _between_the_middle_roots(where: Range) -> vo.Verdict:
     """Data with a_0 > 0: X < 0 at the ends, X > 0 at x; so one root on each side of each."""
-    state = {INERTIA: 1, A: sp.Rational(2, 5), p: 1, k: 1, s: sp.Rational(1, 5), n: 1, tau: 1}
-    numbers = {**state, sp.cos(u): sp.Rational(3, 5), sp.sin(u): sp.Rational(4, 5)}
-    values = {symbol: e.xreplace(numbers) for symbol, e in where.values.items()}
-    numbers |= values
-    constants = {c: e.xreplace(numbers) for c, e in level().integrals.items()}
-    X = sp.Poly(level().X.xreplace(constants).xreplace(numbers), x)
-    place = numbers[sp.cos(u)]
+    place = sp.Rational(3, 5)
+    state = {k: 1, s: sp.Rational(1, 5), n: 1, tau: 1}
+    numbers = {**body(where), **state, sp.cos(u): place, sp.sin(u): sp.Rational(4, 5)}
+    X = sp.Poly(at_state(level().X, numbers), x)
     below = X.count_roots(None, place)
     if X.LC() > 0 and X.eval(place) > 0 and X.count_roots() == 4 and below == 2:
-        point = {**state, **values, "cos u": place, "sin u": numbers[sp.sin(u)]}
+        point = {str(name).replace("(u)", " u"): value for name, value in numbers.items()}
         method = "a_0 > 0 there, and the motion runs between the second and the third root"
         return refuted(method, point, f"{below} roots below x", "1 or 3 roots below x")
     return vo.Verdict("undecided", "a_0 may be positive")
-
-
-# -- shapes of the trajectories -------------------------------------------------------------
-
-
-def equal_steps(_: Study, __: Range) -> vo.Verdict:
-    """The rates of v and v1 are functions of x alone, that of x is one up to its sign."""
-    own = level()
-    square = equal((own.rate(sp.cos(u)) * own.pace) ** 2, own.X)
-    return chained(*_turning(), ("(dx/dt)^2 = (k/b_2)^2 X(x)", square))
-
-
-def turns(_: Study, __: Range) -> vo.Verdict:
-    """The denominators in the rates of v and v1 do not change their signs."""
-    return chained(*_turning())
-
-
-def _turning() -> list[tuple[str, vo.Verdict]]:
-    own = level()
-    ball = own.rate(v) * sp.sin(u) ** 2 * own.pace
-    sphere = (own.rate(v1) * sp.sin(u1) ** 2).xreplace(own.upright) * GAMMA**2 * own.pace
-    return [
-        ("dv/dt = k phi(x) / (b_2 sin^2 u)", equal(ball, own.phi)),
-        ("dv_1/dt = k F(x) / (b_2 Gamma^2 sin^2 u_1)", equal(sphere, own.F)),
-    ]
-
-
-def rests(_: Study, __: Range) -> vo.Verdict:
-    """The speed of the contact point on both spheres is that of psi."""
-    own = level()
-    names = own.names()
-    ball = own.rate(u) ** 2 + (sp.sin(u) * own.rate(v)) ** 2
-    sphere = own.rate(u1) ** 2 + (sp.sin(u1) * own.rate(v1)) ** 2
-    outer = sphere * names["R_1"] ** 2
-    return chained(
-        ("(b_2/k)^2 (udot^2 + sin^2 u vdot^2) = psi", equal(ball * own.pace**2, own.psi)),
-        ("the speed on the sphere is the same", equal(outer, ball * names["R_2"] ** 2)),
-        (
-            "a root of X and of psi is one of phi",
-            vo.prove_equal(own.phi**2, (1 - x**2) * own.psi - own.X),
-        ),
-    )
-
-
-def regular_at_poles(_: Study, __: Range) -> vo.Verdict:
-    """Where X vanishes at x = 1 or -1 so does phi; X' is there -2 psi, or 2 psi."""
-    own = level()
-    slope = sp.diff(own.X, x)
-    steps = []
-    for end in (1, -1):
-        turned = -2 * end * own.psi - 2 * own.phi * sp.diff(own.phi, x)
-        left, right = slope.subs(x, end), turned.subs(x, end)
-        steps.append((f"X'({end}) = {-2 * end} psi({end}) where phi({end}) = 0", (left, right)))
-    return chained(*((what, vo.prove_equal(*sides)) for what, sides in steps))

@@ -24,7 +24,7 @@ from .surfaces import (
     QUASI,
     SLIP,
     Surfaces,
-    nonzero,
+    told,
     u,
     u1,
     v,
@@ -34,11 +34,11 @@ from .surfaces import (
 )
 
 TURN = sp.symbols("e_0:4")
+ARM = sp.symbols("x y z")
 W, P = sp.symbols("w_x w_y w_z"), sp.symbols("p q r")
 MOMENTS = sp.symbols("A B C", positive=True)
 AXES = (r"\mathbf u", r"\mathbf v", r"\mathbf n")
 ENERGY_ARGUMENTS = (*SLIP, *QUASI)
-PARTICLES = 3
 
 
 def rotation(quaternion: tuple[Any, ...]) -> sp.Matrix:
@@ -146,29 +146,68 @@ class Space:
         return worst(vo.prove_equal(x.xreplace(self.rules)) for x in difference)
 
     def idle(self) -> vo.Verdict:
-        """Whether a force at the body's point M does no work in a virtual displacement."""
-        motion = self.surfaces.motion
-        return worst(vo.prove_equal(motion.restrict(x), 0) for x in self.surfaces.contact.slip)
+        """Whether the multipliers of the constraints are a force at the body's point M.
+
+        A force X in space, with the torque OM x X about O, has the power X . dO/dt + (OM x X) .
+        omega: for all five velocities that is the multipliers times the constraints, where the
+        multipliers are the components of X along u1 and v1.  Its torque about M vanishes; what
+        is along n does no work.
+        """
+        surfaces, names = self.surfaces, self.names
+        force = vector(sp.symbols("X_u X_v X_n"))
+        arm, push = names[r"\overrightarrow{OM}"], self.axes * force
+        power = push.dot(self.free.derivative(names[r"\overrightarrow{O_1O}"]))
+        power += arm.cross(push).dot(names[r"\omega"])
+        multipliers = (sp.Matrix(surfaces.contact.turn) * force)[:2]
+        work = vector(multipliers).dot(vector(surfaces.contact.no_slip))
+        found = []
+        for q in COORDINATES:
+            mine, theirs = (sp.diff(x, vo.velocity(q)).xreplace(self.rules) for x in (power, work))
+            found.append(vo.prove_equal(mine, theirs))
+        return told(found, "its power is that of the multipliers, for all five velocities")
+
+    @cached_property
+    def _forms(self) -> sp.Matrix:
+        return vector((*self.surfaces.spin, *self.surfaces.contact.slip[:2]))
 
     def velocities_from_projections(self) -> vo.Verdict:
-        """Whether (s, tau, n, m_u, m_v) are independent linear forms in the five velocities."""
-        forms = vector((*self.surfaces.spin, *self.surfaces.contact.slip[:2]))
-        dots = [vo.velocity(q) for q in COORDINATES]
-        matrix = forms.jacobian(dots)
-        linear = [vo.prove_equal(a, b) for a, b in zip(forms, matrix * vector(dots), strict=True)]
-        verdict = worst(linear)
-        return nonzero(matrix.det(method="berkowitz")) if verdict.proved else verdict
+        """Whether (s, tau, n, m_u, m_v) are linear forms in the five velocities, with the
+        determinant sqrt(E G E_1 G_1) times that of the relative curvature."""
+        dots = vector(vo.velocity(q) for q in COORDINATES)
+        matrix = self._forms.jacobian(dots)
+        found = [vo.prove_equal(a, b) for a, b in zip(self._forms, matrix * dots, strict=True)]
+        found.append(vo.prove_equal(matrix.det(method="berkowitz"), self.determinant))
+        return told(found, "linear forms, with the determinant that is derived")
+
+    @property
+    def determinant(self) -> sp.Expr:
+        """That of (s, tau, n, m_u, m_v) by the velocities of u, v, u_1, v_1, theta."""
+        return sp.Mul(*self.surfaces.area) * self.surfaces.curvature
 
 
-def principal_lines() -> vo.Verdict:
-    """F = D' = 0 along lines of curvature.
+def principal_lines() -> Study:
+    """What F and D' are on each surface where the coordinate lines are lines of curvature.
 
-    (1, 0) and (0, 1) are principal directions where E D' = F D and G D' = F D''.  Then
-    F (E D'' - G D) vanishes, so F does where the principal curvatures differ, and E D' too.
+    (1, 0) and (0, 1) are principal directions where the shape operator is diagonal: two linear
+    equations for F and D', which are solved where the principal curvatures differ.
     """
-    e, f, g, d, mixed, dd = sp.symbols("E F G D D' D''")
-    first, second = e * mixed - f * d, g * mixed - f * dd
-    return vo.prove_equal(g * first - e * second, f * (e * dd - g * d))
+    names: dict[str, Any] = {}
+    for mark in ("", "_1"):
+        spelled = [x + mark for x in ("E", "F", "G", "D", "D'", "D''")]
+        e, f, g, d, mixed, dd = sp.symbols(spelled)
+        shape = sp.Matrix([[g, -f], [-f, e]]) * sp.Matrix([[d, mixed], [mixed, dd]])
+        unknown, conditions = vector((f, mixed)), vector((shape[0, 1], shape[1, 0]))
+        constant = conditions.xreplace(dict.fromkeys(unknown, sp.Integer(0)))
+        found = conditions.jacobian(unknown).LUsolve(-constant)
+        names |= dict(zip(spelled, (e, found[0], g, d, found[1], dd), strict=True))
+    return Study(names, note="where the principal curvatures differ")
+
+
+def inertia_about_contact() -> vo.Verdict:
+    """Whether the determinant of the inertia about M is positive, along the principal axes."""
+    energy = kinetic_energy(MASS, -vector(P).cross(vector(ARM)), MOMENTS, P)
+    tensor = vector(sp.diff(energy, w) for w in P).jacobian(P)
+    return vo.prove_inequality(tensor.det(method="berkowitz"), ">", 0, real=ARM)
 
 
 def body_energy() -> Study:
@@ -210,6 +249,10 @@ class Attitude:
         """Velocity of O and angular velocity along x, y, z."""
         return self.matrix * self.centre, self.matrix * vector(QUASI)
 
+    def slipped(self) -> vo.Verdict:
+        """Whether the projection of the velocity of O on v is that of the slip, too."""
+        return vo.prove_equal(self.centre[1], SLIP[1])
+
     def study(self) -> Study:
         """The two energies as functions of their arguments."""
         inertia = self.matrix.T * sp.diag(*MOMENTS) * self.matrix
@@ -232,45 +275,6 @@ class Attitude:
                 **dict(zip(("s", r"\tau", "n"), QUASI, strict=True)),
                 r"\mathfrak w_\mathbf v": self.centre[1],
             },
+            context=self,
             note=r"$\mathfrak w_\mathbf v$ read as the projection of the velocity of O on v",
         )
-
-
-def particles(trace: str) -> Study:
-    """Newton's laws for mass points that act on one another along their connecting lines.
-
-    ``trace`` is the name of the velocity of M, which moves in any way.
-    """
-    masses = sp.symbols(f"m1:{PARTICLES + 1}", positive=True)
-    places, speeds, forces = (
-        [vector(sp.symbols(f"{x}{i}_1:4")) for i in range(1, PARTICLES + 1)] for x in "xwf"
-    )
-    point, speed = vector(sp.symbols("M_1:4")), vector(sp.symbols("dM_1:4"))
-    rates = dict(zip(point, speed, strict=True))
-    for i, (m, x, w) in enumerate(zip(masses, places, speeds, strict=True)):
-        inner = [_strength(i, j) * (x - y) for j, y in enumerate(places) if j != i]
-        rates |= dict(zip(x, w, strict=True))
-        rates |= dict(zip(w, sum(inner, forces[i]) / m, strict=True))
-    momenta = [m * w for m, w in zip(masses, speeds, strict=True)]
-    arms = [x - point for x in places]
-    none = sp.zeros(3, 1)
-    moment = sum((a.cross(p) for a, p in zip(arms, momenta, strict=True)), none)
-    names: dict[str, Any] = {
-        r"\mathfrak M": sum(momenta, none),
-        r"\mathbf F": sum(forces, none),
-        r"\mathbf L^{(M)}": sum((a.cross(f) for a, f in zip(arms, forces, strict=True)), none),
-        r"\mathbf G^{(M)}": moment,
-        r"\tilde{\mathbf G}^{(M)}": moment,
-        trace: speed,
-    }
-    return Study(
-        names,
-        motion=Motion(rates),
-        labelled=frozenset({r"\mathfrak{v}"}),
-        note="for mass points with inner forces along their connecting lines",
-    )
-
-
-def _strength(i: int, j: int) -> sp.Symbol:
-    """What the inner force between two mass points is per distance."""
-    return sp.Symbol(f"lambda_{min(i, j) + 1}{max(i, j) + 1}")

@@ -8,7 +8,7 @@ so are the rates of v and of v1; what is a polynomial in x among them is found h
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Any
 
@@ -21,14 +21,34 @@ from .. import R1, R2, A, M, k, n, s, tau, theta, u, u1, v, v1
 
 x = sp.Symbol("x")
 C5, h, GAMMA = sp.symbols("C5 h Gamma")
-INERTIA, RATIO, p = sp.symbols("I mu' p")
+INERTIA, RATIO, p, share = sp.symbols("I mu' p share")
+ROOTS = dict(zip(("x^I", "x^{II}", "x^{III}", "x^{IV}"), sp.symbols("x1:5"), strict=True))
+NUMBERED = frozenset("x")
 HEADS = frozenset({"X", "F", r"\phi", r"\psi", r"\theta"})
 PARAMETERS = {M: INERTIA / R2**2, R1: R2 / RATIO}
 
+BALL = {A: 2 * INERTIA * share / (3 * (1 + share))}
+"""A < 2I/3: no mass is farther than R2 from the centre.
+
+For a body of mass m about its centre, 2 A + C is twice the integral of r^2 dm.  So ball and rotor
+have 2 A1 + C1 + 2 A2 + C2 = 3 A + C2 < 2 M R2^2 = 2 I, with C1 = A1 + A2 = A and C2 > 0.
+"""
+HOLLOW = {A: INERTIA * (1 + 2 * share) / 2}
+"""A > I/2: no mass of the shell is nearer than R2 to the centre.
+
+Now 3 A + C2 > 2 I.  Since C <= 2 A for any body, A1 + A2 = C1 <= 2 A1, so that A2 <= A1, and
+C2 <= 2 A2 <= A; so 4 A > 2 I.
+"""
+
+
+def _range(name: str, statement: str, ratio: Any, body: Mapping[Any, Any], source: str) -> Range:
+    return Range(name, statement, {RATIO: ratio, **body}, (p, share, INERTIA), source=source)
+
+
 RANGES = (
-    Range("outer rolling", r"\mu'>0", {RATIO: p}, (p, INERTIA, A)),
-    Range("inner rolling", r"-1<\mu'<0", {RATIO: -p / (1 + p)}, (p, INERTIA, A), source="Epsilon"),
-    Range("shell rolling", r"\mu'<-1", {RATIO: -(1 + p)}, (p, INERTIA, A), source="Epsilon"),
+    _range("outer rolling", r"\mu'>0,\ 3A<2I", p, BALL, ""),
+    _range("inner rolling", r"-1<\mu'<0,\ 3A<2I", -p / (1 + p), BALL, "Epsilon"),
+    _range("shell rolling", r"\mu'<-1,\ 2A>I", -(1 + p), HOLLOW, "Epsilon"),
 )
 
 
@@ -97,6 +117,13 @@ class Level:
         square = sp.Symbol("square")
         energy = sp.expand(self.integrals[h] - h).subs(tau**2, square - s**2)
         return self._in_x(_root(energy, square).subs(n, self.n))
+
+    @cached_property
+    def reach(self) -> Any:
+        """How far x is from x_0 where s = tau = 0: the energy gives A n there, n gives x."""
+        square = sp.Symbol("square")
+        energy = sp.expand(self.integrals[h] - h).subs({s: 0, tau: 0}).subs(n**2, square)
+        return sp.sqrt(sp.cancel(A**2 * _root(energy, square))) / -sp.diff(A * self.n, x)
 
     @cached_property
     def slip(self) -> Any:
@@ -182,7 +209,7 @@ class Level:
         found |= {"C_5": C5, "h": h, r"\Gamma": GAMMA, "x": x, "x_0": centre}
         found |= {"P": self.P, "I": INERTIA, r"\mu": self.mu, r"\mu'": RATIO}
         found |= {"b_0": -minus_b0, "b_1": sp.cancel(slope / (2 * centre)), "b_2": self.pace * k}
-        found |= {r"\bar\Gamma": -minus_area, "a_0": sp.Poly(self.X, x).LC()}
+        found |= {r"\bar\Gamma": -minus_area, "a_0": sp.Poly(self.X, x).LC(), "h'": self.reach}
         found |= {"X": self.X, r"\phi": self.phi, r"\psi": self.psi}
         found |= {r"\theta": self.theta, "F": self.F}
         return {name: sp.sympify(value).subs(x, sp.cos(u)) for name, value in found.items()}
@@ -192,6 +219,7 @@ class Level:
         return Study(
             self.names(),
             motion=self.motion,
+            numbered=frozenset("x"),
             functions=HEADS,
             given=given,
             ranges=RANGES,
@@ -203,7 +231,9 @@ class Level:
         """By what is given in terms of what.
 
         ``state``: the constants by the state; ``level``: the state by the constants; ``roots``:
-        the polynomials by the roots of X.
+        the polynomials by the roots of X; ``product``: those of the level, where a_0 is what makes
+        the product of the linear factors X.  A chain of equalities is proved in both: between the
+        forms of X by phi, psi and by the roots in the one, from X to phi and psi in the other.
         """
         kept = "C_5, h and Gamma are proved to be constant along the motion"
         root = "the root of X stands for (b_2/k) dx/dt, with its sign"
@@ -211,7 +241,15 @@ class Level:
             "state": self.study(self.integrals, kept),
             "level": self.study(self.state, root),
             "roots": split_by_roots(),
+            "product": self._by_factors(),
         }
+
+    def _by_factors(self) -> Study:
+        product = sp.prod(x - root for root in ROOTS.values())
+        study = self.study({}, "for all values of the constants")
+        own = {name: value.subs(sp.cos(u), x) for name, value in study.names.items()}
+        own |= {"x": x, "a_0": own["X"] / product, **ROOTS}
+        return replace(study, names=own, numbered=NUMBERED)
 
 
 def split_by_roots() -> Study:
@@ -220,15 +258,14 @@ def split_by_roots() -> Study:
     The root signs are those of phi(1) and phi(-1), since X(1) = -phi(1)^2, X(-1) = -phi(-1)^2.
     """
     a0, f2, f1, f0 = sp.symbols("a0 f2 f1 f0")
-    roots = sp.symbols("x1 x2 x3 x4")
+    roots = tuple(ROOTS.values())
     product = sp.Poly(sp.prod(x - root for root in roots), x)
     ends = [sp.sqrt(-a0 * product.eval(end)) for end in (1, -1)]
     phi = f2 * x**2 + f1 * x + f0
     given = {f1: (ends[0] - ends[1]) / 2, f0: (ends[0] + ends[1]) / 2 - f2}
     X = sum(a0 * c * x**i for i, c in enumerate(reversed(product.all_coeffs())))
     names = {"x": x, "X": X, r"\phi": phi, r"\psi": (X + phi**2) / (1 - x**2), "a_0": a0}
-    names |= dict(zip(("x^I", "x^{II}", "x^{III}", "x^{IV}"), roots, strict=True))
-    return Study(names, functions=HEADS, given=given)
+    return Study({**names, **ROOTS}, numbered=NUMBERED, functions=HEADS, given=given)
 
 
 @cache

@@ -8,11 +8,11 @@ from typing import Any
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Study
+from voronec.audit import Motion, Study
 from voronec.kinematics import kinetic_energy
 
-from .neumann import Attitude
-from .surfaces import MASS, QUASI, vector
+from .neumann import TURN, Attitude, rotation
+from .surfaces import MASS, QUASI, vector, worst
 
 chi = sp.Symbol("chi")
 AXIAL = sp.Symbol("C~", positive=True)
@@ -57,6 +57,12 @@ class Rotor:
         orbital = self.attitude.arm.cross(MASS * self.attitude.centre)
         return self.attitude.matrix.T * spins - orbital
 
+    @property
+    def axial(self) -> sp.Matrix:
+        """What the gyroscope itself has of angular momentum along its axis, along (u, v, n)."""
+        along = sp.diag(0, 0, 1) * sp.diag(*self.gyroscope) * self.carried
+        return self.attitude.matrix.T * along
+
     def study(self) -> Study:
         """The dictionary; A and B are those of body and gyroscope together, C is the body's."""
         (w, p), matrix = self.attitude.principal, self.attitude.matrix
@@ -72,6 +78,8 @@ class Rotor:
             r"\mathbf M": MASS,
             r"\tilde C": AXIAL,
             r"\tilde\omega": self.carried[2],
+            "k": sp.diff(self.energy, vo.velocity(chi)),
+            r"\kappa": self.axial,
             r"\mathbf z": matrix.row(2).T,
             r"\mathbf T": kinetic_energy(MASS, w, moments, p),
             r"\bar{\mathbf T}": along,
@@ -80,3 +88,40 @@ class Rotor:
             r"\mathbf G^{(M)}": self.moment.xreplace({vo.velocity(chi): -p[2]}),
         }
         return Study(names, context=self)
+
+
+@dataclass(frozen=True)
+class Turning:
+    """The axes (u, v, n) in the body: any rotation that changes in any way."""
+
+    @property
+    def matrix(self) -> sp.Matrix:
+        """Components along (u, v, n) to components along x, y, z."""
+        return rotation(TURN)
+
+    @property
+    def motion(self) -> Motion:
+        """The rotation is free."""
+        return Motion({x: vo.velocity(x) for x in TURN})
+
+    @property
+    def relative(self) -> sp.Matrix:
+        """omega_1, by its definition: that of the body against (u, v, n), along these axes."""
+        rate = self.matrix.T * self.motion.derivative(self.matrix)
+        return -vector((rate[2, 1], rate[0, 2], rate[1, 0]))
+
+    @property
+    def axis(self) -> sp.Matrix:
+        """z along (u, v, n)."""
+        return self.matrix.row(2).T
+
+    def cosines(self) -> vo.Verdict:
+        """Whether all three cosines follow the kinematic equations."""
+        rates, turned = self.motion.derivative(self.axis), self.relative.cross(self.axis)
+        return worst(vo.prove_equal(a, b) for a, b in zip(rates, turned, strict=True))
+
+    def study(self) -> Study:
+        """The dictionary."""
+        names = {"t": vo.time, **dict(zip(COSINES, self.axis, strict=True))}
+        names |= dict(zip(("s_1", r"\tau_1", "n_1"), self.relative, strict=True))
+        return Study(names, motion=self.motion, context=self, note="for any rotation of the axes")

@@ -27,7 +27,6 @@ from .chaplygin_balls import (
     D,
     M,
     Rolling,
-    all_proved,
     tensor,
     theta,
     u,
@@ -36,6 +35,7 @@ from .chaplygin_balls import (
     v1,
 )
 from .measures import density, divergence, quadratic
+from .verdicts import all_equal
 
 phi, psi = sp.symbols("phi psi")
 THIRD = -(OMEGA[0] * GAMMA[0] + OMEGA[1] * GAMMA[1]) / GAMMA[2]
@@ -170,4 +170,4 @@ def is_veselovas(rubber: Rubber) -> Verdict:
     ours, theirs = rubber.reduced, vo.descend(veselova_system())
     pairs = [*zip(ours.rates, theirs.rates, strict=True)]
     pairs += zip(ours.mass.LUsolve(ours.force), theirs.mass.LUsolve(theirs.force), strict=True)
-    return all_proved(pairs, rubber.relations)
+    return all_equal(pairs, rubber.relations)

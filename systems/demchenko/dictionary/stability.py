@@ -4,6 +4,8 @@ A motion with constant x is stable where x stays as near as one likes if the mot
 enough, in u, s, tau, n; the angles v, v1 may drift.  Since (b_2/k dx/dt)^2 = X(x), and X depends
 continuously on the initial state, X < 0 on both sides at every small distance keeps x in between;
 X > 0 on one side lets motions of the same constants, begun there as near as one likes, move away.
+This is for a root with -1 < x < 1, which has two sides; at x = 1 or -1, where only the inner side
+matters, the ball spins in its place: a stationary motion.
 """
 
 from __future__ import annotations
@@ -19,8 +21,19 @@ import voronec as vo
 from voronec.audit import Range, Study
 
 from .. import A, axis, k, momentum, n, s, tau, u, u1, v, v1
-from .kinds_of_motion import Decide, chained, equal, leading, refuted, signed
-from .quadratures import C5, GAMMA, INERTIA, PARAMETERS, RATIO, h, level, p, x
+from .kinds_of_motion import (
+    Decide,
+    at_state,
+    body,
+    chained,
+    equal,
+    leading,
+    proved,
+    refuted,
+    signed,
+)
+from .quadratures import C5, INERTIA, PARAMETERS, RATIO, h, level, x
+from .trajectories import height
 
 e = sp.Symbol("e", positive=True)
 FREE = sp.symbols("g l m a b", positive=True)
@@ -59,23 +72,33 @@ def precession(position: int, claimed: bool) -> Decide:
     """
 
     def decide(study: Study, where: Range) -> vo.Verdict:
-        order, relation = condition(study.context[position])
-        if order == 3 and condition(study.context[2]) != (2, "="):
+        found = condition(study.context[position])
+        if found[0] == 3 and condition(study.context[2]) != (2, "="):
             return vo.Verdict("undecided", "the condition on the second derivative is another one")
-        if (order, relation) == (3, "="):
+        if found == (3, "="):
             return claimed_of(fourfold(study, where), claimed)
         signs = {(2, "<"): (-1, 0), (2, ">"): (1, 0), (3, "\\ne"): (0, 1)}
-        if (order, relation) not in signs:
+        if found not in signs:
             return vo.Verdict("undecided", "the condition as printed leaves the sign open")
-        return claimed_of(stable(*signs[order, relation]), claimed)
+        return claimed_of(stable(*signs[found]), claimed)
 
     return decide
 
 
+def left_open(study: Study, _: Range) -> vo.Verdict:
+    """Whether the third condition is the case between the first two."""
+    if condition(study.context[2]) == (2, "="):
+        return vo.Verdict("proved", "a number that is neither positive nor negative is zero")
+    return vo.Verdict("refuted", "the case that the two before leave open is X'' = 0")
+
+
 def condition(printed: str) -> tuple[int, str]:
-    """Which derivative of X is compared with zero, and how."""
-    found = re.search(r"\\partial\^(\d) X\}.*?(<|>|=|\\ne) ?0$", printed)
-    return (int(found[1]), found[2]) if found else (0, "")
+    """Which derivative of X by x^I is compared with zero, and how; (0, "") for anything else."""
+    above, below = r"\\frac\{\\partial\^(\d)X\}", r"\{\\partialx\^\{I(\d)\}\}(<|>|=|\\ne)0"
+    found = re.fullmatch(above + below, printed.replace(" ", ""))
+    if found is None or found[1] != found[2]:
+        return 0, ""
+    return int(found[1]), found[3]
 
 
 def claimed_of(found: vo.Verdict, claimed: bool) -> vo.Verdict:
@@ -101,20 +124,19 @@ def fourfold(_: Study, where: Range) -> vo.Verdict:
 def flat(where: Range) -> vo.Verdict:
     """A precession on which X vanishes identically, and how x leaves it.
 
-    At u = pi/2, n = 0, tau = 0 there is a value of s for that; a small tau makes X a positive
-    multiple of 1 - x^2, so that x runs through all latitudes.
+    At u = pi/2, n = 0, tau = 0 there is a value of s for that, if a_0 = 0; a small tau makes X a
+    positive multiple of 1 - x^2, so that x runs through all latitudes.
     """
     own = level()
-    ratio = {name: value.subs(p, 1) for name, value in where.values.items()}
-    numbers = {**ratio, A: 1, INERTIA: 8, k: 1, sp.cos(u): 0, sp.sin(u): 1, n: 0}
+    bare = body(where, leading())
+    numbers = {**bare, k: 1, sp.cos(u): 0, sp.sin(u): 1, n: 0}
     mu, b0 = (own.names()[name].xreplace(numbers) for name in (r"\mu", "b_0"))
     numbers[s] = mu * b0 / (own.pace * k).xreplace(numbers)
-    constants = {c: value.xreplace(numbers) for c, value in own.integrals.items()}
-    X = sp.factor(own.X.xreplace(constants).xreplace(numbers))
+    X = sp.factor(at_state(own.X, numbers))
     factor = sp.cancel(X / (1 - x**2) / tau**2)
     if not (factor.is_number and factor > 0):
         return vo.Verdict("undecided", "no such precession was found")
-    point = {**ratio, A: 1, INERTIA: 8, k: 1, u: "pi/2", n: 0, s: numbers[s]}
+    point = {**bare, k: 1, u: "pi/2", n: 0, s: numbers[s]}
     method = f"X = 0 for all x there, and X = {factor} tau^2 (1 - x^2) for tau != 0: x drifts away"
     return refuted(method, point, "x runs through (-1, 1)", "x stays")
 
@@ -129,8 +151,7 @@ def precessions_exist(_: Study, __: Range) -> vo.Verdict:
     double = sp.diff(own.X, x).subs(x, sp.cos(u)).xreplace(own.integrals)
     steps.append(("cos u is a double root of X", double))
     found = [(what, vo.prove_equal(value.xreplace(steady), 0)) for what, value in steps]
-    height = equal(own.upright[sp.cos(u1)], -(C5 - k * RATIO * x) / GAMMA)
-    return chained(*found, ("Gamma cos u1 = k mu' x - C_5 is constant with x", height))
+    return chained(*found, ("Gamma cos u1 = k mu' x - C_5 is constant with x", height()))
 
 
 def rates_of(*symbols: Any) -> dict[Any, Any]:
@@ -141,15 +162,48 @@ def rates_of(*symbols: Any) -> dict[Any, Any]:
 # -- fast and stationary motions ------------------------------------------------------------
 
 
-def small_nutation(_: Study, where: Range) -> vo.Verdict:
+def bounded(where: Range) -> list[tuple[str, vo.Verdict]]:
     """|x - x(0)| <= 2 sqrt(2 h A) / (k |mu|) on every motion."""
     own = level()
     spin = C5 - k * own.mu * x
     energy = equal(2 * h * A - spin**2, A * own.P * (s**2 + tau**2))
     margin = signed(A * own.P * (s**2 + tau**2), ">=", where)
-    return chained(
+    return [
         ("2hA - (C5 - k mu x)^2 = A P (s^2 + tau^2)", energy),
         ("so k |mu| |x - x(0)| <= 2 sqrt(2 h A), whatever the range", margin),
+    ]
+
+
+def small_nutation(_: Study, where: Range) -> vo.Verdict:
+    """The bound goes to zero as k grows, the state at the beginning being given."""
+    free = vo.prove_equal(sp.diff(level().integrals[h], k), 0)
+    return chained(
+        *bounded(where),
+        ("h is given by s_0, tau_0, n_0 alone, so that the bound goes to zero as k grows", free),
+        ("a small n_0/k is needed", with_normal_spin(where)),
+    )
+
+
+def with_normal_spin(where: Range) -> vo.Verdict:
+    """s_0 = tau_0 = 0, n_0 = k, u_0 = pi/2: x moves from 0 to a number that is not small."""
+    reach = sp.Rational(1, 4)
+    numbers = {**body(where), k: 1, s: 0, tau: 0, n: 1, sp.cos(u): 0, sp.sin(u): 1}
+    X = sp.Poly(at_state(level().X, numbers), x)
+    for end in (reach, -reach):
+        inside = X.count_roots(*sorted((0, end)))
+        if X.eval(0) == 0 and X.eval(end) > 0 and inside == 1:
+            start = f"I = 1, A = {numbers[A]}, R_2/R_1 = {numbers[RATIO]}, k = n_0 = 1"
+            about = f"{start}, u_0 = pi/2, s_0 = tau_0 = 0 x runs from 0 beyond {end}"
+            return vo.Verdict("proved", f"for {about}, since X > 0 in between")
+    return vo.Verdict("undecided", "no large nutation was found")
+
+
+def small_nutation_printed(_: Study) -> str:
+    """The bound as LaTeX, and what must be small."""
+    proved(level().integrals[h] * 2 * A, A * level().P * (s**2 + tau**2) + A**2 * n**2)
+    return (
+        r"|x-x(0)|\le\frac{2}{|k\mu|}\sqrt{AP(s_0^2+\tau_0^2)+A^2n_0^2}"
+        r"\quad\text{(so $n_0$, too, must be small against $k$)}"
     )
 
 
@@ -162,6 +216,25 @@ def at_rest(_: Study, __: Range) -> vo.Verdict:
     return chained(*found)
 
 
+def ordinary_ball(_: Study, __: Range) -> vo.Verdict:
+    """k = 0: n and s^2 + tau^2 are constant, and so is the momentum, whatever the axis does."""
+    rates = {w: rate.subs(k, 0) for w, rate in rates_of(s, tau, n).items()}
+    speed = 2 * s * rates[s] + 2 * tau * rates[tau]
+    return chained(
+        ("the rate of n is zero", vo.prove_equal(rates[n], 0)),
+        ("the rate of s^2 + tau^2 is zero", vo.prove_equal(speed, 0)),
+    )
+
+
+def ordinary_printed(_: Study) -> str:
+    """Which constants k = 0 leaves without a value, as LaTeX: k divides them."""
+    names = level().names()
+    for name in ("x_0", r"\bar\Gamma", "h'"):
+        if vo.prove_equal(sp.denom(sp.cancel(names[name] ** 2)).subs(k, 0), 0).refuted:
+            raise vo.DefinitionError(f"k does not divide '{name}'")
+    return r"\dot n=0,\quad\text{while $x_0$, $\bar\Gamma$ and $h'$ are divided by $k=0$}"
+
+
 @cache
 def polar(end: int) -> Any:
     """X / (1 - end x)^2 at x = end, for the ball that spins there with s = tau = 0."""
@@ -171,9 +244,10 @@ def polar(end: int) -> Any:
     return sp.cancel(sp.cancel(own.X.xreplace(constants) / (1 - end * x) ** 2).subs(x, end))
 
 
-def stationary(study: Study, where: Range) -> vo.Verdict:
-    """At rest (n = 0) by the bound of the nutation; at x = 1 or -1 by the sign beside it."""
-    steps = [("n = 0", small_nutation(study, where))]
+def stationary(_: Study, where: Range) -> vo.Verdict:
+    """At rest (n = 0, h = 0) by the bound of the nutation; at x = 1, -1 by the sign inside."""
+    calm = vo.prove_equal(level().integrals[h].xreplace({s: 0, tau: 0, n: 0}), 0)
+    steps = [*bounded(where), ("2h = 0 at rest, so that n = 0 is stable", calm)]
     for end in (1, -1):
         sign, worse = (signed(polar(end), relation, where) for relation in ("<", "<="))
         if worse.refuted:
@@ -187,23 +261,28 @@ def stationary(study: Study, where: Range) -> vo.Verdict:
 
 
 def remarkable(_: Study, __: Range) -> vo.Verdict:
-    """Axis along the momentum and at rest: then u = u1 = pi/2, n = tau = 0, and s is free."""
-    along = sp.Matrix(axis)
-    spin = sp.Matrix([s, tau, n])
+    """Axis along the momentum and at rest: both cross products with the axis vanish.
+
+    Their sum of squares gives tau = 0, their difference s cos u = 0.  If s = 0, the axis rests for
+    n sin u = 0; if s is not 0, cos u = 0, and then the axis rests for n = 0.
+    """
+    own, along = level(), sp.Matrix(list(axis))
     parallel, resting = (
-        sp.expand(vector.cross(along.T if vector.shape[0] == 1 else along)[1].subs(tau, 0))
-        for vector in (momentum.xreplace(PARAMETERS), spin)
+        sp.Matrix(list(vector)).cross(along).expand()
+        for vector in (momentum.xreplace(PARAMETERS), (s, tau, n))
     )
-    equator = {sp.cos(u): 0, sp.sin(u): 1, tau: 0, n: 0}
+    both = parallel - A * resting
+    pole, equator = {sp.sin(u): 0, s: 0, tau: 0}, {sp.cos(u): 0, sp.sin(u): 1, tau: 0, n: 0}
     steps = [
-        (
-            "both need I s cos u = 0 besides tau = 0",
-            (parallel - A * resting, -INERTIA * s * sp.cos(u)),
-        ),
-        ("axis and momentum are parallel where u = pi/2, n = 0", (parallel.xreplace(equator), 0)),
-        ("the axis rests there", (resting.xreplace(equator), 0)),
-        ("cos u1 = 0", (level().upright[sp.cos(u1)].xreplace(equator), 0)),
+        ("tau = 0", resting[0] ** 2 + resting[2] ** 2, tau**2),
+        ("then I s cos u = 0", both[1], -INERTIA * s * sp.cos(u)),
+        ("s = 0 leaves n sin u = 0: n = 0, or a pole", resting[1].subs(s, 0), -n * sp.sin(u)),
+        ("cos u = 0 leaves n sin u = 0: n = 0", resting[1].subs(sp.cos(u), 0), -n * sp.sin(u)),
+        ("cos u1 = 0 at the equator", own.upright[sp.cos(u1)].xreplace(equator), 0),
     ]
-    rates = rates_of(u, s, tau, n)
-    steps += [(f"the rate of {w} is zero", (r.xreplace(equator), 0)) for w, r in rates.items()]
-    return chained(*((what, vo.prove_equal(*sides)) for what, sides in steps))
+    for case in ({s: 0, tau: 0, n: 0}, pole, equator):
+        rates = [rate.subs(s, 0) if s in case else rate for rate in rates_of(u, s, tau, n).values()]
+        where = ", ".join(f"{name} = {value}" for name, value in case.items())
+        squares = sp.Add(*(entry.xreplace(case) ** 2 for entry in (*parallel, *resting, *rates)))
+        steps.append((f"along the momentum, at rest, and so for ever, for {where}", squares, 0))
+    return chained(*((what, vo.prove_equal(a, b)) for what, a, b in steps))

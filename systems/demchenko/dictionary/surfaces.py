@@ -6,11 +6,13 @@ the support are unknown functions, so that what is proved here holds for every p
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 import voronec as vo
 from voronec.audit import Motion
@@ -22,6 +24,10 @@ QUASI = s, tau, n = sp.symbols("s tau n")
 SLIP = sp.symbols("m_u m_v m_n")
 MASS = sp.Symbol("mass", positive=True)
 NOTE = "for arbitrary surfaces"
+DETERMINED = (
+    "the determinant is a power of the relative curvature's, times that of the inertia about M, "
+    "which is positive, and positive factors"
+)
 SPELLED = ("u", "v", r"\vartheta", "u_1", "v_1")
 
 
@@ -45,12 +51,22 @@ def worst(verdicts: Any) -> vo.Verdict:
     return found
 
 
-def nonzero(expr: sp.Expr) -> vo.Verdict:
-    """Whether an expression is not identically zero: proved by a point."""
-    verdict = vo.prove_equal(expr, 0)
-    if verdict.refuted:
-        return vo.Verdict("proved", f"the determinant is not zero: {verdict.witness}")
-    return vo.Verdict("undecided" if verdict.undecided else "refuted", verdict.method)
+def told(verdicts: Any, method: str) -> vo.Verdict:
+    """``worst``, with ``method`` for what all of them prove together."""
+    found = worst(verdicts)
+    return vo.Verdict("proved", method) if found.proved else found
+
+
+def typeset(expr: sp.Expr, spelling: Mapping[Any, str]) -> str:
+    """A product in the paper's names, unknown functions and their derivatives among them."""
+    names = dict(spelling) | {x: x.name for x in expr.free_symbols if "{" in x.name}
+    rules = {f: sp.Symbol(spelling[f]) for f in expr.atoms(AppliedUndef)}
+    for slope in expr.atoms(sp.Derivative):
+        function, variable = spelling[slope.expr], spelling[slope.variables[0]]
+        rules[slope] = sp.Symbol(rf"\frac{{\partial {function}}}{{\partial {variable}}}")
+    names |= {symbol: symbol.name for symbol in rules.values()}
+    text = str(sp.latex(expr.xreplace(rules), symbol_names=names, fold_func_brackets=True))
+    return text.replace("- ", "-", 1) if text.startswith("- ") else text
 
 
 @dataclass(frozen=True)
@@ -108,6 +124,40 @@ class Surfaces:
     def arm(self) -> sp.Matrix:
         """OM along (u, v, n)."""
         return vector(self.contact.arm)
+
+    @cached_property
+    def curvature(self) -> sp.Expr:
+        """The determinant of the relative curvature K + Q K_1 Q, K = diag(D/E, D''/G).
+
+        The normals are opposite, so that it is the sum of the shape operators that is relative;
+        Q turns the axes of one surface into those of the other.
+        """
+        (a, b), (a1, b1) = (
+            (forms.second[0] / forms.first[0], forms.second[1] / forms.first[1])
+            for forms in self.forms
+        )
+        c, s = sp.cos(theta), sp.sin(theta)
+        along = a * (a1 * c**2 + b1 * s**2) + b * (a1 * s**2 + b1 * c**2)
+        return a * b + a1 * b1 + along
+
+    def spelled_curvature(self, spelling: Mapping[Any, str]) -> str:
+        """That determinant in the paper's names."""
+        return rf"\det(K+QK_1Q) = {typeset(self.curvature, spelling)}"
+
+    @cached_property
+    def area(self) -> tuple[sp.Expr, sp.Expr]:
+        """sqrt(E G) of the body and of the fixed surface."""
+        first, second = (sp.sqrt(e) * sp.sqrt(g) for e, g in (f.first for f in self.forms))
+        return first, second
+
+    def dependent(self) -> vo.Verdict:
+        """Whether the constraints can be solved for the velocities of the fibre: determinant."""
+        a, b = vector(self.contact.no_slip).jacobian(velocities(FIBRE)).tolist()
+        verdict = vo.prove_equal(a[0] * b[1] - a[1] * b[0], self.area[1])
+        if not verdict.proved:
+            return verdict
+        e, g = sp.symbols("E_1 G_1", positive=True)
+        return vo.prove_inequality(sp.sqrt(e) * sp.sqrt(g), ">", 0)
 
     @cached_property
     def lift(self) -> sp.Matrix:

@@ -39,8 +39,8 @@ ADDITION_THEOREMS = Section(
     studies=studies,
     sentences=(
         Sentence(
-            "The zeros of an elliptic function have the same sum as its poles, up to a period "
-            "(theorem of Abel).",
+            r"the zeros $u$, $v$, $-u-v$ of $\wp'-a\wp-b$ have the same sum as its poles, up to a "
+            "period (the theorem of Abel for this function; for all others it is quoted)",
             equal_sums,
         ),
     ),

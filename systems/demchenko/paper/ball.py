@@ -10,7 +10,7 @@ import sympy as sp
 from voronec.audit import Check, Display, Section, Study, Transcript
 
 DEFINITION = Check("definition")
-ZHUKOVSKY = Check(given=("uslovZh",))
+ZHUKOVSKY = Check(study="zhukovsky", given=("uslovZh",))
 BOTH = Check(also=("reduced",))
 NO_VECTOR = Check(value=lambda study, where: sp.zeros(3, 1))
 
@@ -19,7 +19,7 @@ def motion(row: int) -> Check:
     """Compare with a row of the derived equations of motion of both systems."""
     return Check(
         study="reduced",
-        also=("rotor",),
+        also=("zhukovsky",),
         truth=lambda study, where: study.context.equation(row),
         given=("uslovZh",),
     )
@@ -33,6 +33,11 @@ def projection(row: int) -> Check:
         return [(vertical[row], momentum[row])]
 
     return Check(study="upright", given=("uslovZh",), derived=derived)
+
+
+def condition(study: Study, _: Mapping[str, int]) -> Any:
+    """What C_1 must be for the momentum along the normal to have the coefficient A of n."""
+    return study.context.condition()
 
 
 def studies(_: Transcript) -> dict[str, Study]:
@@ -59,7 +64,7 @@ BALL = Section(
             r"""\begin{equation}\label{uslovZh}
 C_1=A_1+A_2.
 \end{equation}""",
-            (Check("condition"),),
+            (Check("condition", "zhukovsky", value=condition),),
         ),
         Display(
             r"""$$

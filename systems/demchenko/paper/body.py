@@ -17,7 +17,7 @@ from voronec.audit import (
     Verdict,
 )
 
-from ..dictionary.surfaces import MASS
+from ..dictionary.surfaces import MASS, typeset
 
 
 def studies(_: Transcript) -> dict[str, Study]:
@@ -69,22 +69,55 @@ def eight(study: Study, _: Range) -> Verdict:
     return verdict
 
 
+def relative_curvature(study: Study) -> str:
+    """The determinant on which it depends, in the paper's names."""
+    found: str = study.context.surfaces.spelled_curvature(study.spelling)
+    return found
+
+
+def dependent(study: Study, _: Range) -> Verdict:
+    """The constraints can be solved for two of the velocities."""
+    verdict: Verdict = study.context.surfaces.dependent()
+    return verdict
+
+
+def determinant(study: Study) -> str:
+    """That of the constraints by the two velocities."""
+    area = typeset(study.context.surfaces.area[1], study.spelling)
+    return rf"\det\frac{{\partial(\sqrt{{E_1}}\dot u_1,\sqrt{{G_1}}\dot v_1)}}{{\partial(\dot u_1,\dot v_1)}} = {area}"
+
+
+DEFINITION = Check("definition")
+
 BODY = Section(
     title="The Voronec principle and rolling of a body over a surface",
     label="body",
     studies=studies,
-    inline=(Display(r"$\mathfrak m_\mathbf u=0,\mathfrak w_\mathbf v=0,\mathfrak m_\mathbf n=0$"),),
+    inline=(
+        Display(
+            r"$T={T}(u,  v, \vartheta, u_1, v_1, \dot u, \dot v, \dot \vartheta, \dot u_1, \dot v_1)$",
+            (DEFINITION,),
+        ),
+        Display(r"$\mathfrak m_\mathbf u=0,\mathfrak w_\mathbf v=0,\mathfrak m_\mathbf n=0$"),
+    ),
     sentences=(
         Sentence(
-            says=r"The three equations (jednacine1) and the two constraints (eq:nosliding2) determine the motion: eight equations of the first order for $u$, $v$, $\vartheta$, $u_1$, $v_1$, $\dot u$, $\dot v$, $\dot\vartheta$.",
+            says=r"The constraints (eq:nosliding2) can be solved for $\dot u_1$ and $\dot v_1$, which may be taken as the dependent velocities.",
+            decide=dependent,
+            derived=determinant,
+        ),
+        Sentence(
+            says=r"The three equations (jednacine1) and the two constraints (eq:nosliding2) are eight equations of the first order for $u$, $v$, $\vartheta$, $u_1$, $v_1$, $\dot u$, $\dot v$, $\dot\vartheta$; they determine the motion where the relative curvature of the two surfaces has a determinant that is not zero.",
             decide=eight,
+            derived=relative_curvature,
         ),
     ),
     displays=(
         Display(
             r"""\[
 K_1(u,  v, \vartheta, u_1, v_1, \dot u, \dot v, \dot \vartheta)=\frac{\partial{T}}{\partial \dot u_1},\quad K_2(u,  v, \vartheta, u_1, v_1, \dot u, \dot v, \dot \vartheta)=\frac{\partial{T}}{\partial \dot v_1}
-\]"""
+\]""",
+            (DEFINITION, DEFINITION),
         ),
         Display(
             r"""\[
@@ -123,7 +156,8 @@ $$"""
         Display(
             r"""$$
 K_1'=\frac{K_1}{\sqrt{E_1}}\cos\vartheta+\frac{K_2}{\sqrt{G_1}}\sin\vartheta,\quad K_2'=\frac{K_1}{\sqrt{E_1}}\sin\vartheta-\frac{K_2}{\sqrt{G_1}}\cos\vartheta,
-$$"""
+$$""",
+            (DEFINITION, DEFINITION),
         ),
         Display(
             r"""$$

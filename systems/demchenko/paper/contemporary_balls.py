@@ -46,9 +46,9 @@ def measure(study: Study, where: Range) -> Verdict:
 
 def double_shell(study: Study, where: Range) -> Verdict:
     """Decide whether epsilon is -1, and the fourth integral is one."""
-    from ..dictionary.chaplygin_balls import all_proved, worst
+    from ..dictionary.verdicts import all_equal, worst
 
-    turning = all_proved([(study.context.epsilon, -1)])
+    turning = all_equal([(study.context.epsilon, -1)])
     return worst([turning, study.context.constants([r"\tilde F_4"], where)])
 
 

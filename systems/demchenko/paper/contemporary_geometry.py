@@ -30,7 +30,7 @@ CONVENTION = Convention(
 def studies() -> dict[str, Study]:
     """The dictionaries: the general system, Chaplygin systems, a flow on a torus."""
     from ..dictionary.geometry import geometry
-    from ..dictionary.reductions import Abelian, fibre_study, torus_study
+    from ..dictionary.reductions import Chaplygin, fibre_study, torus_study
 
     general = geometry()
     return {
@@ -39,7 +39,8 @@ def studies() -> dict[str, Study]:
         "applied": general.applied(),
         "invariant": general.invariant(),
         "fibre": fibre_study(),
-        "abelian": Abelian.derived().study(),
+        "abelian": Chaplygin.derived(0).study(),
+        "affine group": Chaplygin.derived(1).study(),
         "torus": torus_study(),
     }
 
@@ -62,14 +63,9 @@ def invariant_form() -> Check:
     )
 
 
-def horizontal(study: Study, _: Range) -> Verdict:
-    """Decide whether virtual displacements are horizontal."""
-    return study.context.displaced()
-
-
-def quoted(_: Study, __: Range) -> Verdict:
-    """Leave it to the papers that are quoted."""
-    return Verdict("undecided", "quoted; that such a flow keeps a measure is proved below")
+def kernel(study: Study, _: Range) -> Verdict:
+    """Decide whether D is the kernel of A."""
+    return study.context.kernel()
 
 
 def torus(study: Study, _: Range) -> Verdict:
@@ -91,12 +87,12 @@ def closed(study: Study, _: Range) -> Verdict:
     return study.context.closed()
 
 
-def potential(study: Study, _: Range) -> Verdict:
-    """Decide whether potential forces may be put into L."""
-    return study.context.forced()
+def bilinear(study: Study, _: Range) -> Verdict:
+    """Decide whether JK has two arguments only."""
+    return study.context.bilinear()
 
 
-CITED = Check("cited", study="torus", decide=quoted)
+CITED = Check("cited", study="torus")
 
 DISPLAYS = (
     Display(
@@ -138,7 +134,7 @@ B(X,Y)=-A([X^h,Y^h])
         r"""\[
 \delta q=\sum_{s=1}^{n+k} \delta q_s\frac{\partial}{\partial q_s}\in \mathcal D_q.
 \]""",
-        (Check("definition", decide=horizontal, says="virtual displacements are horizontal"),),
+        (DEFINITION,),
     ),
     Display(
         r"""\begin{equation*}
@@ -154,7 +150,7 @@ B(X,Y)=-A([X^h,Y^h])
 \mathrm{for\;all} \quad \delta x\in T_x S,
 \label{ChaplyginRed}
 \end{equation}""",
-        (Check(study="abelian"),),
+        (Check(study="abelian", also=("affine group",)),),
     ),
     Display(
         r"""\begin{equation}
@@ -162,7 +158,7 @@ B(X,Y)=-A([X^h,Y^h])
 \dot\varphi_m=\omega_m/\Phi(\varphi_1,\dots,\varphi_m), \qquad \Phi>0.
 \label{Jacobi2}
 \end{equation}""",
-        (CITED, CITED, Check("condition", study="torus")),
+        (CITED, CITED, Check("definition", study="torus")),
     ),
 )
 
@@ -171,7 +167,7 @@ INLINE = (
     Display(r"$B_{ij}^\nu=-A^{(\nu)}_{ij}$", (SPACE,)),
     Display(
         r"$Q_s=-{\partial V}/{\partial q_s}$",
-        (Check("definition", decide=potential, says="potential forces may be put into $L=T-V$"),),
+        (Check("definition"),),
     ),
     Display(r"$L(q,\dot q)=T(q,\dot q)-V(q)$", (Check("definition", study="applied"),)),
     Display(r"$L_c=L(q,\dot q^h)=\Theta-V$", (Check(study="applied"),)),
@@ -179,6 +175,7 @@ INLINE = (
 )
 
 CLAIMS = (
+    Sentence(r"$\mathcal D$ is the kernel of $A$", kernel, "space"),
     Sentence(
         r"for constraints that depend on the time, $A^{(\nu)}_{ij}$ and $A^{(\nu)}_i$ are, up to "
         r"the sign, the components of the curvature of a connection on $Q\times\mathbb R$",
@@ -190,6 +187,18 @@ CLAIMS = (
         "to the tangent bundle of the base",
         closed,
         "abelian",
+    ),
+    Sentence(
+        "where $L$ and the constraints are invariant under a group that is not Abelian, the "
+        "equations reduce to the tangent bundle of the base",
+        closed,
+        "affine group",
+    ),
+    Sentence(
+        "$JK(X,Y)$ is a (0,2)-tensor field on the base",
+        bilinear,
+        "abelian",
+        derived=lambda study: study.context.three_slots(),
     ),
     Sentence(
         r"a flow $\dot\varphi_i=\omega_i/\Phi$ keeps the measure $\Phi d\varphi_1\dots d\varphi_m$",

@@ -8,19 +8,23 @@ from typing import Any
 from voronec.audit import Check, Display, Range, Section, Sentence, Study, Transcript, Verdict
 
 ROTOR = Check(study="rotor")
-MOMENTS = Check(study="particles")
+DEFINED = Check("definition", study="rotor")
+MOMENTS = Check(study="gyrostat", also=("particles",))
+COSINES = Check(study="turning", also=("motion",))
 
 
 def studies(_: Transcript) -> dict[str, Study]:
     """The dictionaries of this section."""
     from ..dictionary.gyroscope import WithGyroscope
-    from ..dictionary.neumann import particles
-    from ..dictionary.rotor import Rotor
+    from ..dictionary.moments import gyrostat, particles
+    from ..dictionary.rotor import Rotor, Turning
 
     return {
-        "motion": WithGyroscope.derived().study(),
+        **WithGyroscope.derived().studies(),
         "rotor": Rotor.arbitrary().study(),
-        "particles": particles(r"\mathfrak v"),
+        "turning": Turning().study(),
+        "gyrostat": gyrostat(),
+        "particles": particles(r"\mathfrak v", r"\tilde{\mathbf G}^{(M)}"),
     }
 
 
@@ -41,6 +45,7 @@ def motion(position: int) -> Check:
         return found
 
     return Check(
+        study="balance",
         truth=lambda study, where: study.context.rows[position],
         derived=derived,
     )
@@ -74,18 +79,24 @@ def eight(study: Study, _: Range) -> Verdict:
     return verdict
 
 
+def relative_curvature(study: Study) -> str:
+    """The determinant on which it depends, in the paper's names."""
+    found: str = study.context.surfaces.spelled_curvature(study.spelling)
+    return found
+
+
 GYROSCOPE = Section(
     title="Rolling of a body with a gyroscope",
     label="bodyGyr",
     studies=studies,
     inline=(
-        Display(r"$\kappa =k\mathbf z$", (ROTOR,)),
-        Display(r"$k=\tilde C\tilde\omega$", (ROTOR,)),
+        Display(r"$\kappa =k\mathbf z$", (DEFINED,)),
+        Display(r"$k=\tilde C\tilde\omega$", (Check("definition"),)),
         Display(
             r"$\tilde{\mathbf G}^{(M)}=\mathbf G^{(M)}+\kappa$",
             (ROTOR,),
         ),
-        Display(r"$\frac{d\alpha''}{dt}=\tau_1\gamma''-n_1\beta''$"),
+        Display(r"$\frac{d\alpha''}{dt}=\tau_1\gamma''-n_1\beta''$", (COSINES,)),
     ),
     sentences=(
         Sentence(
@@ -95,14 +106,16 @@ GYROSCOPE = Section(
         Sentence(
             says=r"$\beta''$ and $\gamma''$ change by the same rule as $\alpha''$, with the letters exchanged in a cycle.",
             decide=cosines,
+            study="turning",
         ),
         Sentence(
             says=r"$s$, $\tau$, $n$ define fields $X_s$, $X_\tau$, $X_n$ on the constraints, along which $U$ is differentiated; $\omega([X_i,X_j])=e_i\times e_j-\omega_1(X_i)\times e_j+\omega_1(X_j)\times e_i$ in the frame $M\mathbf u\mathbf v\mathbf n$.",
             decide=commutators,
         ),
         Sentence(
-            says=r"The motion is determined by eight equations for $u$, $v$, $\vartheta$, $u_1$, $v_1$, $s$, $\tau$, $n$.",
+            says=r"There are eight equations of the first order for $u$, $v$, $\vartheta$, $u_1$, $v_1$, $s$, $\tau$, $n$; they determine the motion where the relative curvature of the two surfaces has a determinant that is not zero.",
             decide=eight,
+            derived=relative_curvature,
         ),
     ),
     displays=(

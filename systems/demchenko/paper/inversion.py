@@ -43,11 +43,11 @@ def where_y_falls(argument: Any) -> Any:
     return other_branch(argument)
 
 
-def from_the_quadratures(study: Study, where: Range) -> Verdict:
-    """Whether the formulas that the text refers to give the two relations."""
-    from ..dictionary.inversion import without_addition
+def from_the_theorem(study: Study, where: Range) -> Verdict:
+    """Whether the addition theorem gives the two relations."""
+    from ..dictionary.inversion import by_addition
 
-    return without_addition(study, where)
+    return by_addition(study, where)
 
 
 BRANCH = Convention(
@@ -68,10 +68,13 @@ INVERSION = Section(
     ),
     sentences=(
         Sentence(
-            r"The two relations between $y$ and $\wp(u+\zeta)$ are got from (eq:elliptic1) and "
-            "(eq:elliptic2).",
-            from_the_quadratures,
-            derived=lambda _: r"\text{(eq:addition1) and (eq:addition2), with $2y$ in them}",
+            r"the addition theorem gives the two relations between $y$ and $\wp(u+\zeta)$; the "
+            "formulas to which the text refers besides are not needed",
+            from_the_theorem,
+            derived=lambda _: (
+                r"\text{(eq:addition1) and (eq:addition2), with $2y$ in them; (eq:elliptic1) and "
+                r"(eq:elliptic2) do not speak of $\wp$}"
+            ),
         ),
     ),
     displays=(

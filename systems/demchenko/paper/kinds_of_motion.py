@@ -5,15 +5,14 @@ from __future__ import annotations
 from voronec.audit import Section, Sentence, Study, Transcript
 
 from ..dictionary.kinds_of_motion import (
-    equal_steps,
     even_count,
+    gaps_printed,
     outer_gaps,
-    regular_at_poles,
-    rests,
-    turns,
+    single_gap,
     without_roots,
 )
 from ..dictionary.quadratures import level
+from ..dictionary.trajectories import equal_steps, regular_at_poles, rests, turns
 
 
 def studies(_: Transcript) -> dict[str, Study]:
@@ -34,7 +33,9 @@ KINDS_OF_MOTION = Section(
         Sentence(
             r"with four real roots $x$ runs between the two largest, or between the two smallest",
             outer_gaps,
+            derived=gaps_printed,
         ),
+        Sentence(r"with two real roots, if there is a motion, $x$ runs between them", single_gap),
         Sentence(
             r"from one contact with a limiting parallel to the next, $v$ and $v_1$ grow by the "
             r"same angle every time: their rates are functions of $x$ alone",
@@ -46,8 +47,9 @@ KINDS_OF_MOTION = Section(
             turns,
         ),
         Sentence(
-            r"the contact point stops on both surfaces just where $\psi=0$; a root of $X$ that is "
-            r"one of $\psi$ is one of $\phi$, and gives a cusp",
+            r"the contact point stops on both surfaces just where $\psi=0$; a simple root of $X$ "
+            r"with $-1<x<1$ that is one of $\psi$ is one of $\phi$ and $F$, and gives a cusp on "
+            r"both",
             rests,
         ),
         Sentence(

@@ -10,38 +10,29 @@ DEFINITION = Check("definition")
 ROLLING = Check(study="rolling")
 
 
+LINES = Check(study="lines")
+
+
 def studies(_: Transcript) -> dict[str, Study]:
     """The dictionaries of this section."""
-    from ..dictionary.neumann import Attitude, Space, body_energy, particles
+    from ..dictionary.moments import particles
+    from ..dictionary.neumann import Attitude, Space, body_energy, principal_lines
     from ..dictionary.surfaces import Surfaces
 
     return {
         **Space(Surfaces.arbitrary()).studies(),
+        "lines": principal_lines(),
         "energy": body_energy(),
         "energies": Attitude.arbitrary().study(),
-        "particles": particles(r"\mathfrak v^1"),
+        "particles": particles(r"\mathfrak v^1", r"\mathbf G^{(M)}"),
     }
 
 
-def standstill(_: Study, __: Any) -> Any:
-    """The derived value of the left side of the usual condition."""
-    import sympy as sp
-
-    return sp.zeros(3, 1)
-
-
 def idle(study: Study, _: Range) -> Verdict:
-    """Reactions do not enter the equations of moments."""
+    """Reactions are forces at the contact point."""
     context: Any = study.context
     verdict: Verdict = context.idle()
     return verdict
-
-
-def principal(_: Study, __: Range) -> Verdict:
-    """Lines of curvature are orthogonal and conjugate."""
-    from ..dictionary.neumann import principal_lines
-
-    return principal_lines()
 
 
 def same_condition(study: Study, _: Range) -> Verdict:
@@ -58,9 +49,24 @@ def invertible(study: Study, _: Range) -> Verdict:
     return verdict
 
 
-PRINCIPAL = Check(
-    decide=principal,
-    says=r"So it is along lines of curvature, where the principal curvatures differ.",
+def determinant(study: Study) -> str:
+    """The determinant on which it depends, in the paper's names."""
+    from ..dictionary.surfaces import typeset
+
+    context: Any = study.context
+    return f"{DETERMINANT} = {typeset(context.determinant, study.spelling)}"
+
+
+def slipped(study: Study, _: Range) -> Verdict:
+    """The letter printed for the second projection."""
+    context: Any = study.context
+    verdict: Verdict = context.slipped()
+    return verdict
+
+
+DETERMINANT = (
+    r"\frac{\partial(s,\tau,n,\mathfrak m_\mathbf u,\mathfrak m_\mathbf v)}"
+    r"{\partial(\dot u,\dot v,\dot u_1,\dot v_1,\dot\vartheta)}"
 )
 
 NEUMANN = Section(
@@ -70,8 +76,8 @@ NEUMANN = Section(
     inline=(
         Display(r"$\omega=\omega_1+\omega_2+\omega_3$"),
         Display(r"$\mathfrak v^1=\mathfrak v+\mathfrak m$"),
-        Display(r"$F=0, D'=0$", (PRINCIPAL,)),
-        Display(r"$F_1=0, D_1'=0$", (PRINCIPAL,)),
+        Display(r"$F=0, D'=0$", (LINES,)),
+        Display(r"$F_1=0, D_1'=0$", (LINES,)),
         Display(r"$\mathfrak m_\mathbf n=0$"),
         Display(r"$\mathfrak m_\mathbf u=0$", (ROLLING,)),
         Display(r"$\mathfrak m_\mathbf v=0$", (ROLLING,)),
@@ -82,12 +88,19 @@ NEUMANN = Section(
             decide=same_condition,
         ),
         Sentence(
-            says=r"$s$, $\tau$, $n$, $\mathfrak m_\mathbf u$, $\mathfrak m_\mathbf v$ are linear and homogeneous in the velocities of Neumann's coordinates, and these in them.",
+            says=r"$s$, $\tau$, $n$, $\mathfrak m_\mathbf u$, $\mathfrak m_\mathbf v$ are linear and homogeneous in the velocities of Neumann's coordinates, and these in them at every point where the relative curvature of the two surfaces has a determinant that is not zero.",
             decide=invertible,
+            derived=determinant,
         ),
         Sentence(
-            says=r"The reactions act at the body's point $M$, about which they have no torque, and do no work in a virtual displacement.",
+            says=r"The reactions of ideal constraints are a force at the body's point $M$: they have no torque about it, and do no work in a virtual displacement.",
             decide=idle,
+        ),
+        Sentence(
+            says=r"The energy is written in the projections $\mathfrak m_\mathbf u$, $\mathfrak w_\mathbf v$, $\mathfrak m_\mathbf n$ of $\mathfrak m$, and in $s$, $\tau$, $n$: the second of these letters is a projection of $\mathfrak m$.",
+            decide=slipped,
+            study="energies",
+            derived=lambda _: r"\mathfrak m_\mathbf v",
         ),
     ),
     displays=(
@@ -111,7 +124,7 @@ NEUMANN = Section(
             r"""\begin{equation}\label{uobicajeno}
 \omega \times \overrightarrow{OM}+\frac{d}{dt}\overrightarrow{O_1O}=0.
 \end{equation}""",
-            (Check(study="rolling", value=standstill),),
+            (ROLLING,),
         ),
         Display(
             r"""\begin{equation}\label{eq:nosliding1}

@@ -65,7 +65,11 @@ QUADRATURES = Section(
             quadratic,
             derived=quadratic_printed,
         ),
-        Sentence(r"the constant $a_0$ is negative", always(leading, "<"), derived=leading_printed),
+        Sentence(
+            r"the constant $a_0$ is negative, that is, $I\mu^2+4A\mu'>0$",
+            always(leading, "<"),
+            derived=leading_printed,
+        ),
     ),
     displays=(
         Display(
@@ -143,7 +147,7 @@ dv = \frac{\phi(x)dx}{(1-x^2)\sqrt{X}}, \quad dv_1 = \frac{F(x)dx}{\theta(x)\sqr
             r"""$$
 X(x)=(1-x^2)\psi(x)-\phi(x)^2=a_0(x-x^I)(x-x^{II})(x-x^{III})(x-x^{IV}),
 $$""",
-            (Check(study="roots"),),
+            (Check(study="product", also=("roots",)),),
         ),
     ),
 )

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from voronec.audit import Check, Display, Section, Study, Transcript
+from collections.abc import Mapping
+from typing import Any
+
+from voronec.audit import Check, Display, Range, Section, Sentence, Study, Transcript, Verdict
 
 DEFINITION = Check("definition")
 
@@ -20,13 +23,52 @@ def studies(transcript: Transcript) -> dict[str, Study]:
     """The dictionary of the section on the Voronec principle."""
     from ..dictionary.general import General
 
-    return {"general": General.of(transcript).study()}
+    return {
+        "general": General.of(transcript).study(),
+        "chaplygin": General.chaplygin(transcript).study(),
+    }
+
+
+def transposition(study: Study, where: Mapping[str, int]) -> Any:
+    """How much varying and differentiating in time differ for a dependent coordinate."""
+    return study.context.transposition(where)
+
+
+def momenta(study: Study, _: Range) -> Verdict:
+    """The words before the formula for K."""
+    verdict: Verdict = study.context.momenta_of_base()
+    return verdict
+
+
+def chaplygins(study: Study, _: Range) -> Verdict:
+    """The special case that the text names."""
+    verdict: Verdict = study.context.chaplygins()
+    return verdict
 
 
 VORONEC_PRINCIPLE = Section(
     title="The Voronec principle",
     label="VorPr",
     studies=studies,
+    inline=(
+        Display(r"$T=T(t,q_s,\dot q_s)$", (DEFINITION,)),
+        Display(
+            r"$\frac{d}{dt}\delta q_{n+\nu}-\delta\dot q_{n+\nu}$",
+            (Check(value=transposition),),
+        ),
+    ),
+    sentences=(
+        Sentence(
+            says=r"$K_\nu$ is the derivative of $T$ by $\dot q_\nu$, on the constraints.",
+            decide=momenta,
+            derived=lambda _: r"K_\nu=\frac{\partial T}{\partial\dot q_{n+\nu}}",
+        ),
+        Sentence(
+            says=r"Where nothing depends on $q_{n+1},\dots,q_{n+k}$, the constraints being stationary and homogeneous, (v4) are the equations of Chaplygin $\frac{d}{dt}\frac{\partial\Theta}{\partial\dot q_i}=\frac{\partial\Theta}{\partial q_i}+Q_i+\sum_{\nu=1}^k a_{\nu i}Q_{n+\nu}+\sum_{\nu=1}^k K_\nu\sum_{j=1}^n\big(\frac{\partial a_{\nu i}}{\partial q_j}-\frac{\partial a_{\nu j}}{\partial q_i}\big)\dot q_j$ in $q_1,\dots,q_n$ alone.",
+            decide=chaplygins,
+            study="chaplygin",
+        ),
+    ),
     displays=(
         Display(
             r"""\begin{equation}\label{v1}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from voronec.audit.correction.edits import Spare
+from voronec.audit.correction.changes import Spare
 from voronec.audit.correction.mending import Correction, correct
+from voronec.audit.correction.missing import closed
 
-__all__ = ["Correction", "Spare", "correct"]
+__all__ = ["Correction", "Spare", "closed", "correct"]

@@ -6,10 +6,11 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from voronec.audit.latex.displays import script_ranges
 from voronec.audit.latex.tokens import ACCENTS, GREEK, Token
 from voronec.audit.study import Study
 
-__all__ = ["Letter", "is_letter", "known_fonts", "letters_of", "spaced"]
+__all__ = ["Letter", "is_letter", "known_fonts", "letters_of", "names_in", "spaced"]
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,17 @@ def letters_of(words: Sequence[Token]) -> Iterator[Letter]:
             skip = position + 4
         elif is_letter(word):
             yield Letter("", word.text, word.start, word.end)
+
+
+def names_in(words: Sequence[Token], source: str) -> Iterator[str]:
+    r"""The letters as they are printed, with primes and what stands below: ``R_1``, ``\mu'``."""
+    ends = {words[start - 1].start: words[end - 1].end for start, end in script_ranges(words)}
+    marks = {word.start: word for word in words if word.text in ("_", "'", '"')}
+    for letter in letters_of(words):
+        end = letter.end
+        while end in marks:
+            end = ends.get(end, marks[end].end)
+        yield source[letter.start : end]
 
 
 def _braced(words: Sequence[Token]) -> bool:

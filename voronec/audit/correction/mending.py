@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from itertools import pairwise
 
-from voronec.audit.correction.edits import Change, Spare, applied, repairs, single_changes
-from voronec.audit.correction.sampling import SENSELESS
+from voronec.audit.correction.changes import Change, Spare, applied
+from voronec.audit.correction.edits import single_changes
+from voronec.audit.correction.missing import repairs
 from voronec.audit.correction.search import Search
 from voronec.audit.latex.nodes import Chain, Node, Number, Sum, walk
 from voronec.audit.latex.reader import read
 from voronec.audit.latex.tokens import Token, tokenize
-from voronec.audit.meaning import evaluate
+from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.paper import Check
 from voronec.audit.structure import free_indices, free_names, new_names
 from voronec.audit.study import Study

@@ -34,22 +34,12 @@ from voronec.audit.latex.nodes import (
     Root,
     Sum,
 )
-from voronec.audit.meaning import evaluate
+from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.study import Study
-from voronec.errors import DefinitionError, EngineLimit, VoronecError
+from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["SENSELESS", "Sampler", "close"]
+__all__ = ["Sampler", "close"]
 
-SENSELESS = (
-    VoronecError,
-    ArithmeticError,
-    AttributeError,
-    LookupError,
-    NotImplementedError,  # SymPy's answer to a matrix in the exponent
-    TypeError,
-    ValueError,
-)
-"""What comes of a formula that makes no sense, such as the sum of a vector and a number."""
 
 Where = Mapping[str, int]
 BITS = 120
@@ -70,10 +60,13 @@ class Sampler:
     """Values at a random point, which lies on the relations of the study.
 
     ``moved`` are symbols that have other values than at the point of the same seed without them.
+    Accelerations have the values of the motion if ``along`` is true, else values of their own.
     """
 
-    def __init__(self, study: Study, seed: int = 0, moved: tuple[Any, ...] = ()) -> None:
-        self.study, self.seed = study, seed
+    def __init__(
+        self, study: Study, seed: int = 0, moved: tuple[Any, ...] = (), along: bool = False
+    ) -> None:
+        self.study, self.seed, self.along = study, seed, along
         self.door = Door()
         relations = [r for r in self.door.inward_all(study.relations) if r != 0]
         self.point: dict[Any, Any] = sample_point((), relations, seed) if relations else {}
@@ -105,10 +98,15 @@ class Sampler:
             self.spent[type(node)] += 1
             if self.spent[type(node)] > WORK.get(type(node), self.spent[type(node)]):
                 raise EngineLimit("too many derivatives to take")
-            value = self.study.motion.restrict(evaluate(node, self.study, where))
-            return self.number(value.xreplace(dict(self.study.given)))
+            return self.settled(evaluate(node, self.study, where))
         except SENSELESS as error:
             return error
+
+    def settled(self, value: Any) -> Any:
+        """The number of a symbolic value, under all that the verdict takes into account."""
+        motion = self.study.motion
+        value = motion.restrict(value).xreplace(dict(self.study.given))
+        return self.number(motion.along(value) if self.along else value)
 
     def number(self, value: Any) -> Any:
         """The value of an expression, a vector or a matrix."""

@@ -14,16 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from voronec.audit.correction.edits import Change, Piece, applied
-from voronec.audit.correction.sampling import SENSELESS, TOLERANCE, Sampler, close
-from voronec.audit.correction.slots import Slot, plant
-from voronec.audit.latex.nodes import Chain, Node, Power, Product, Sum
+from voronec.audit.correction.changes import Change, Piece, applied
+from voronec.audit.correction.goals import Where, along, slots_of
+from voronec.audit.correction.sampling import TOLERANCE, Sampler, close
+from voronec.audit.correction.slots import Slot
+from voronec.audit.latex.nodes import Node, Power, Product, Sum
 from voronec.audit.latex.reader import read
+from voronec.audit.meaning import SENSELESS
 from voronec.audit.paper import Check
-from voronec.audit.structure import names_constant, new_names, whole_name
 from voronec.audit.study import Study
 from voronec.audit.transcript import assignments
-from voronec.audit.verify import accelerations
 
 __all__ = ["Search"]
 
@@ -32,8 +32,6 @@ DIRECT_PAIRS = 1000
 """How many pairs of changes of one and the same part are tried."""
 MOST_PAIRS = 400
 """How many pairs may come out of sorting; with more, the formula says too little."""
-
-Where = dict[str, int]
 
 
 @dataclass(frozen=True)
@@ -67,9 +65,9 @@ class Search:
             return None
         for seed in range(SEEDS):
             try:
-                sampler = Sampler(study, seed)
+                sampler = Sampler(study, seed, along=along(check))
                 for where in assignments(chain, study):
-                    slots = _slots(chain, check, study, sampler, where)
+                    slots = slots_of(chain, check, study, sampler, where)
                     if slots is not None:
                         return cls(printed, check, study, sampler, where, tuple(slots))
             except SENSELESS:
@@ -88,7 +86,7 @@ class Search:
 
         Pairs in different parts come before pairs in one part, which must be tried one by one.
         """
-        effects = [e for e in map(self._effect, changes) if e is not None]
+        effects = [e for e in map(self._effect, (c for c in changes if c.paired)) if e is not None]
         effects = [e for e in effects if not close(e.value, e.slot.value)]
         reached = (*self._apart(effects), *self._with_sign(effects))
         apart = [change for change in reached if change is not None]
@@ -184,56 +182,6 @@ def _fits(node: Node, slot: Slot) -> bool:
         return isinstance(slot.node, Sum)
     inside_power = slot.parent is not None and isinstance(slot.parent.node, Power)
     return not (inside_power and isinstance(node, (Product, Power)) and bare)
-
-
-def _slots(
-    chain: Chain, check: Check, study: Study, sampler: Sampler, where: Where
-) -> list[Slot] | None:
-    """The parts of both sides of the first equality that fails; ``None`` where none does."""
-    for left, right in _links(chain, study):
-        a, b = sampler.value(left, where), sampler.value(right, where)
-        goals = [0.0 * a] if check.truth is None else _truths(left, right, check, sampler, where)
-        if any(close(a - b, goal, a) for goal in goals):
-            continue
-        value = lambda node: sampler.value(node, where)  # noqa: E731
-        found = plant(left, [b + goal for goal in goals], value)
-        return found + plant(right, [a - goal for goal in goals], value)
-    return None
-
-
-def _links(chain: Chain, study: Study) -> Iterator[tuple[Node, Node]]:
-    """Neighbouring parts between which equality is claimed; names defined here are left out."""
-    new = new_names(chain, study)
-    last: Node | None = None
-    for relation, part in zip(("", *chain.relations), chain.parts, strict=True):
-        if relation != "=":
-            last = None
-        if names_constant(part) or whole_name(part, study) in new:
-            continue
-        if last is not None:
-            yield last, part
-        last = part
-
-
-def _truths(left: Node, right: Node, check: Check, sampler: Sampler, where: Where) -> list[float]:
-    """What left minus right should be: the truth, its negative, or with the factor in print.
-
-    The factor is seen where the accelerations move.
-    """
-    assert check.truth is not None
-    study = sampler.study
-    truth = check.truth(study, where).xreplace(dict(study.given))
-    here = sampler.number(truth)
-    other = Sampler(study, sampler.seed, accelerations(study))
-    moved = other.number(truth)
-    goals = [here, -here]
-    if not close(moved, here):
-        now = sampler.value(left, where) - sampler.value(right, where)
-        then = other.value(left, where) - other.value(right, where)
-        factor = (then - now) / (moved - here)
-        if factor and not close(abs(factor), 1.0):
-            goals.append(factor * here)
-    return goals
 
 
 def _joined(first: Change, second: Change) -> Change | None:

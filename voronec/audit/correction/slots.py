@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from voronec.audit.correction.sampling import SENSELESS
 from voronec.audit.latex.nodes import Node, Number, Power, Product, Quotient, Root, Sum
+from voronec.audit.meaning import SENSELESS
 
 __all__ = ["Slot", "plant"]
 

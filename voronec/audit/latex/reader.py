@@ -17,6 +17,7 @@ from voronec.audit.latex.nodes import (
     Call,
     Chain,
     Cross,
+    Differential,
     Dots,
     Name,
     Node,
@@ -35,7 +36,7 @@ __all__ = ["read", "read_name", "read_tokens"]
 _CLOSERS = {")": "(", "]": "[", "}": "{"}
 _SIGNS = {"+": 1, "-": -1, "\\pm": 1, "\\mp": -1}
 _STOP = {")", "]", "}", ",", "\\quad", "\\qquad"} | RELATIONS | set(_SIGNS)
-_SIGN_NAMES = {"\\pm", "\\oplus", "\\ker"}
+_SIGN_NAMES = {"\\pm", "\\oplus", "\\ker", "\\in"}
 _BETWEEN: dict[str, Callable[[Node, Node, tuple[int, int]], Node]] = {
     "\\times": Cross,
     "/": Quotient,
@@ -53,7 +54,7 @@ def read_tokens(tokens: Sequence[Token], source: str, vocabulary: Vocabulary) ->
     return Reader(list(tokens), source, vocabulary).formula()
 
 
-def read_name(source: str) -> Node:
+def read_name(source: str, vocabulary: Vocabulary | None = None) -> Node:
     r"""The tree of a single name, as dictionaries spell their keys; any superscript is a label.
 
     ``\zeta(\cdot)`` is the function ``\zeta`` beside a variable of the same name.
@@ -62,7 +63,7 @@ def read_name(source: str) -> Node:
     bare = source.removesuffix(APPLIED)
     if bare in _SIGN_NAMES:
         return Name(bare)
-    reader = Reader(tokenize(bare), bare, Vocabulary(), all_labels=True)
+    reader = Reader(tokenize(bare), bare, vocabulary or Vocabulary(), all_labels=True)
     node = reader.factor()
     reader.expect_end()
     return replace(node, head=node.head + APPLIED) if applied else node
@@ -116,10 +117,16 @@ class Reader:
     # -- formulas and sums ----------------------------------------------------------------
 
     def formula(self) -> Chain:
+        r"""Parts with relations; ``x\in D`` is x = ``\in``(x, D), the part of x that lies in D."""
         start, parts, relations = self.begin(), [self.sum()], []
         while self.peek() in RELATIONS:
-            relations.append(self.take().text)
-            parts.append(self.sum())
+            token = self.take()
+            part = self.sum()
+            if token.text == "\\in":
+                name = Name(token.text, at=(token.start, token.end))
+                part = Call(name, (parts[-1], part), self.since(start))
+            parts.append(part)
+            relations.append("=" if token.text == "\\in" else token.text)
         self.expect_end()
         return Chain(tuple(parts), tuple(relations), self.since(start))
 
@@ -145,7 +152,7 @@ class Reader:
             if text == "\\cdot":
                 self.take()
             elif text in _BETWEEN or text == "\\oplus":
-                factors = [self._joined(text, factors, start)]
+                factors = self._joined(text, factors, start)
             else:
                 factors.append(self.factor())
         if not factors:
@@ -156,17 +163,23 @@ class Reader:
         """Whether no further factor follows."""
         return self.peek() == "" or self.peek() in _STOP
 
-    def _joined(self, sign: str, factors: list[Node], start: int) -> Node:
-        """A sign between all factors before it and the one behind it."""
+    def _joined(self, sign: str, factors: list[Node], start: int) -> list[Node]:
+        r"""A sign between all factors before it and the one behind it.
+
+        ``\partial f/\partial x`` is a derivative, and only the factor before it belongs to it.
+        """
         if not factors:
             self.fail(f"a factor before '{sign}' is missing")
         left = _product(factors, self.since(start))
         token = self.take()
         right = self.factor()
+        if sign == "/" and _is_partial(factors[-1]) and _is_partial(right):
+            at = self.since(factors[-1].at[0])
+            return [*factors[:-1], Partial(factors[-1].body, (right.body,), at)]
         if sign in _BETWEEN:
-            return _BETWEEN[sign](left, right, self.since(start))
+            return [_BETWEEN[sign](left, right, self.since(start))]
         name = Name(sign, at=(token.start, token.end))
-        return Call(name, (left, right), self.since(start))
+        return [Call(name, (left, right), self.since(start))]
 
     # -- factors --------------------------------------------------------------------------
 
@@ -237,6 +250,10 @@ class Reader:
         head = Token("number", token.text[0], token.start, token.start + 1)
         tail = Token("number", token.text[1:], token.start + 1, token.end)
         self.tokens[self.position : self.position + 1] = [head, tail]
+
+
+def _is_partial(node: Node) -> bool:
+    return isinstance(node, Differential) and node.sign == "\\partial"
 
 
 def _product(factors: list[Node], at: tuple[int, int]) -> Node:

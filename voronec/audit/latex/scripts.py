@@ -66,10 +66,10 @@ def _labels(reader: Reader, node: Node) -> bool:
 
 def _is_numeral(reader: Reader, node: Node) -> bool:
     r"""Whether the superscript ahead is a Roman numeral: ``x^{II}``, ``x^I``, ``x^{I2}``."""
-    if not isinstance(node, Name):
+    if not isinstance(node, Name) or node.head not in reader.vocabulary.numbered:
         return False
-    text = _inside(reader)
-    return text.rstrip("0123456789") != "" and set(text.rstrip("0123456789")) <= set("IV")
+    letters = _inside(reader).rstrip("0123456789")
+    return letters != "" and set(letters) <= set("IV")
 
 
 def _inside(reader: Reader) -> str:

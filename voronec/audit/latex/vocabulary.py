@@ -18,12 +18,14 @@ class Vocabulary:
     """What the reader must know beforehand about a paper's names.
 
     ``functions``: heads that a parenthesis applies.  ``labelled``: heads whose superscript is a
-    label, not an exponent.  ``wide_sums``: a sum sign reaches to the end of its group, not only
-    over the next term.
+    label, not an exponent.  ``numbered``: heads whose superscript may be a Roman numeral, which is
+    a label too.  ``wide_sums``: a sum sign reaches to the end of its group, not only over the next
+    term.
     """
 
     functions: frozenset[str] = frozenset()
     labelled: frozenset[str] = frozenset()
+    numbered: frozenset[str] = frozenset()
     wide_sums: bool = False
 
     def applies(self, head: str) -> bool:

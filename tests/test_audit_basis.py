@@ -1,0 +1,148 @@
+"""What the verdicts of a section rest on: change it, and they are made anew."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from dataclasses import replace
+
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Check, Display, Section, Sentence, Study, Verdict, basis
+from voronec.audit.basis import Basis
+
+FILES = {
+    "__init__.py": "",
+    "paper.py": """
+from voronec.audit import Display, Section
+
+def studies(_):
+    from .study import made
+
+    return made()
+
+SECTION = Section("s", (Display("$x=x$"),), studies)
+""",
+    "study.py": """
+import sheet_neighbour
+from sheet_package.deep import VALUE
+from voronec import load
+
+def made():
+    load("sleigh")
+    return {}
+""",
+    "deep.py": "VALUE = 1",
+    "unused.py": "",
+}
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    folder = tmp_path / "sheet_package"
+    folder.mkdir()
+    for name, text in FILES.items():
+        (folder / name).write_text(text)
+    (folder / "sheet_neighbour.py").write_text("")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    yield folder
+    for name in [n for n in sys.modules if n.startswith("sheet_")]:
+        del sys.modules[name]
+
+
+def section_of(package):
+    return importlib.import_module("sheet_package.paper").SECTION
+
+
+@pytest.mark.parametrize(
+    ("file", "matters"),
+    [
+        ("paper.py", True),
+        ("study.py", True),
+        ("deep.py", True),
+        ("sheet_neighbour.py", True),
+        ("unused.py", False),
+    ],
+)
+def test_what_the_functions_import_matters_and_nothing_else(package, file, matters):
+    before = Basis.of(section_of(package)).digest()
+    with (package / file).open("a") as stream:
+        stream.write("\n# changed")
+    assert (Basis.of(section_of(package)).digest() != before) == matters
+
+
+def test_a_system_that_is_loaded_by_name_matters(package):
+    files = [f.name for f in Basis.of(section_of(package)).files]
+    assert "sleigh.py" in files
+    assert "chaplygin_ball" not in "".join(files)
+
+
+def test_a_system_that_the_second_paper_loads_matters():
+    paper = importlib.import_module("voronec.systems.chaplygin_ball.paper").PAPER
+    files = Basis.of(paper.sections[0]).files
+    assert {(f.parent.name, f.name) for f in files} >= {
+        ("chaplygin_ball", "paper.py"),
+        ("chaplygin_ball", "__init__.py"),
+    }
+
+
+def studies(_):
+    return {"only": Study({"x": sp.Symbol("x")})}
+
+
+def decide(study, where):
+    return Verdict("proved", "so")
+
+
+PLAIN = Section(
+    "s",
+    (Display("$x=x$", (Check(),)),),
+    studies,
+    inline=(Display("$x=x$"),),
+    sentences=(Sentence("so", decide),),
+)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        replace(PLAIN, title="t"),
+        replace(PLAIN, displays=(Display("$x=x+0$", (Check(),)),)),
+        replace(PLAIN, displays=(Display("$x=x$", (Check("definition"),)),)),
+        replace(PLAIN, displays=(Display("$x=x$", (Check(given=("a",)),)),)),
+        replace(PLAIN, displays=(Display("$x=x$", (Check(proposal="x=x"),)),)),
+        replace(PLAIN, inline=()),
+        replace(PLAIN, sentences=()),
+        replace(PLAIN, sentences=(Sentence("so", decide, within=("a",)),)),
+    ],
+)
+def test_every_declaration_matters(changed):
+    assert Basis.of(changed).digest() != Basis.of(PLAIN).digest()
+
+
+@pytest.mark.parametrize(
+    ("file", "matters"), [("algebra/x.py", True), ("kinematics/x.py", True), ("report/x.py", False)]
+)
+def test_the_engine_matters_and_the_report_does_not(tmp_path, monkeypatch, file, matters):
+    for folder in ("algebra", "kinematics", "report"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "x.py").write_text("")
+    monkeypatch.setattr(basis, "engine_folder", lambda: tmp_path)
+    digest = basis.engine_digest.__wrapped__
+    before = digest()
+    (tmp_path / file).write_text("changed")
+    assert (digest() != before) == matters
+
+
+@pytest.mark.parametrize("library", ["sympy", "symengine", "flint", "mpmath", "numpy"])
+def test_the_libraries_matter(monkeypatch, library):
+    digest = basis.engine_digest.__wrapped__
+    before = digest()
+    monkeypatch.setattr(importlib.import_module(library), "__version__", "none")
+    assert digest() != before
+
+
+def test_the_engine_is_this_package():
+    assert basis.engine_folder().joinpath("__init__.py").samefile(vo.__file__)

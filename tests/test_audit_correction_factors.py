@@ -1,0 +1,141 @@
+"""Factors, terms and words that a formula lacks or has too many, and what else may be missing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+import sympy as sp
+
+from voronec import velocity
+from voronec.audit import Check, Display, Motion, Section, Study, Transcript
+from voronec.audit.correction import Correction, Spare, closed, correct
+from voronec.audit.correction.changes import applied
+from voronec.audit.correction.edits import single_changes
+from voronec.audit.correction.missing import repairs
+from voronec.audit.latex.vocabulary import Vocabulary
+
+v, w, a, m, J, u = sp.symbols("v omega a m J u")
+W = velocity(w)
+SLEIGH = Motion(
+    rates={v: velocity(v), w: W, u: w},
+    accelerations={velocity(v): a * w**2, W: -m * a * v * w / (J + m * a**2)},
+)
+NAMES = {"v": v, r"\omega": w, "a": a, "m": m, "J": J, "u": u, r"\Omega": w}
+STUDY = Study(NAMES, motion=SLEIGH)
+
+
+def mend(
+    latex: str, check: Check | None = None, study: Study = STUDY, *others: str
+) -> Correction | None:
+    displays = tuple(Display(f"${text}$") for text in (latex, *others))
+    transcript = Transcript(Section("s", displays, lambda _: {"only": study}))
+    formula = next(iter(transcript.formulas()))
+    return correct(formula, check or Check(), study, Spare.of(transcript, study))
+
+
+def flat(latex: str) -> str:
+    return latex.replace(" ", "")
+
+
+ENERGY = {"T": m * v**2 / 2 + (J + m * a**2) * w**2 / 2}
+
+
+@pytest.mark.parametrize(
+    ("printed", "mended"),
+    [
+        (r"T=mv^2+\frac12(J+ma^2)\omega^2", r"T=\frac12mv^2+\frac12(J+ma^2)\omega^2"),
+        (r"T=\frac12mv^2+\frac12(J+a^2)\omega^2", r"T=\frac12mv^2+\frac12(J+ma^2)\omega^2"),
+        (r"T=\frac12mv^2+\frac12(J+m)\omega^2", r"T=\frac12mv^2+\frac12(J+ma^2)\omega^2"),
+        (r"T=\frac12v^2+\frac12(J+ma^2)\omega^2", r"T=\frac12mv^2+\frac12(J+ma^2)\omega^2"),
+        (r"T=\frac12mv^2+\frac12(J+ma^2)", r"T=\frac12mv^2+\frac12(J+ma^2)\omega^2"),
+        (r"2T=mv^2+(J+ma^2)\omega^2+mav", r"2T=mv^2+(J+ma^2)\omega^2"),
+        (r"2T=mav^2+(J+ma^2)\omega^2", r"2T=mv^2+(J+ma^2)\omega^2"),
+        (r"4T=mv^2+(J+ma^2)\omega^2", r"2T=mv^2+(J+ma^2)\omega^2"),
+        (r"T=\frac{mv^2+(J+ma^2)\omega^2}{2a}", r"T=\frac{mv^2+(J+ma^2)\omega^2}{2}"),
+        (r"2T=\frac{mv^2}{a}+(J+ma^2)\omega^2", r"2T=mv^2+(J+ma^2)\omega^2"),
+        (r"2T=J+mv^2+(J+ma^2)\omega^2", r"2T=mv^2+(J+ma^2)\omega^2"),
+        (r"2T=\sin mv^2+(J+ma^2)\omega^2", r"2T=mv^2+(J+ma^2)\omega^2"),
+    ],
+)
+def test_a_factor_a_term_or_a_word_more_or_less(printed, mended):
+    study = replace(STUDY, names={**NAMES, **ENERGY})
+    assert mend(printed, study=study).latex == mended
+
+
+@pytest.mark.parametrize(
+    ("printed", "mended"),
+    [
+        (r"\dot v=a\omega", r"\dot v=a\omega^2"),
+        (r"\dot v=\omega^2", r"\dot v=a\omega^2"),
+        (r"(J+ma^2)\dot\omega=mav\omega", r"(J+ma^2)\dot\omega=-mav\omega"),
+        (r"(J+m)\dot\omega=-mav\omega", r"(J+ma^2)\dot\omega=-mav\omega"),
+        (r"(J+a^2)\dot\omega=-mav\omega", r"(J+ma^2)\dot\omega=-mav\omega"),
+        (r"(J+ma^2)\dot\omega=-mv\omega", r"(J+ma^2)\dot\omega=-amv\omega"),
+        (r"(J+ma^2)\dot\omega=-mav\omega-mv", r"(J+ma^2)\dot\omega=-mav\omega"),
+    ],
+)
+def test_equations_of_motion_are_mended_along_the_motion(printed, mended):
+    found = mend(printed)
+    assert flat(found.latex) == flat(mended)
+
+
+def test_with_a_truth_accelerations_are_free():
+    def truth(study, where):
+        return (J + m * a**2) * W + m * a * v * w
+
+    found = mend(r"(J+m)\dot\omega=-mav\omega", Check(truth=truth))
+    assert found.latex == r"(J+ma^2)\dot\omega=-mav\omega"
+
+
+def test_a_derived_value_is_what_every_side_is_mended_to():
+    check = Check(value=lambda study, where: m * a * v)
+    assert mend("mv", check).latex in ("mav", "mva", "amv")
+    assert mend("mav+J", check).latex == "mav"
+
+
+def test_a_name_that_the_section_prints_elsewhere_is_put_in():
+    names = {**NAMES, "B": m * sp.Symbol("R1") + J + v * a}
+    r = {"r_1": sp.Symbol("R1"), "R_1": sp.Symbol("R1")}
+    study = replace(STUDY, names={**names, **r})
+    assert mend("B=m+J+va", None, study, "R_1=R_1").latex == "B=R_1m+J+va"
+    assert mend("B=m+J+va", None, study).latex == "B=r_1m+J+va", "the dictionary has it"
+    assert mend("B=m+J+va", None, replace(STUDY, names=names)) is None
+
+
+@pytest.mark.parametrize("digit", "789")
+def test_every_digit_is_tried(digit):
+    study = replace(STUDY, names={**NAMES, "B": int(digit) * m + v + a * w + J})
+    assert mend(r"B=4m+v+a\omega+J", study=study).latex == rf"B={digit}m+v+a\omega+J"
+    study = replace(STUDY, names={**NAMES, "B": m / int(digit) + v + a * w + J})
+    assert mend(r"B=\frac14m+v+a\omega+J", study=study).latex == rf"B=\frac1{digit}m+v+a\omega+J"
+
+
+def texts(latex: str) -> set[str]:
+    return {applied(latex, c.pieces)[0] for c in single_changes(latex, STUDY, Spare())}
+
+
+def test_signs_of_differentiation_are_put_where_one_of_two_is_missing():
+    assert r"\frac{\partial J}{\partial v}" in texts(r"\frac{J}{\partial v}")
+    assert r"\frac{\partial J}{\partial v}" in texts(r"\frac{\partial J}{v}")
+    assert r"\frac{dv}{du}" in texts(r"\frac{dv}{u}")
+    assert r"\frac{dv}{du}" in texts(r"\frac{v}{du}")
+
+
+def test_a_missing_relation():
+    assert {"J=ma", "J-ma=0"} <= texts("J-ma")
+    assert "(J=m)a" not in texts("(J-m)a")
+
+
+def test_a_letter_in_the_exponent_is_a_small_number():
+    assert {"v^2", "v^3", "v^4"} <= texts("v^v")
+    assert "v^{3}" in texts("v^{v}")
+
+
+def test_open_brackets_are_closed_at_the_end():
+    plain = Vocabulary()
+    assert closed("a(b+[c+(d", plain) == "a(b+[c+(d)])"
+    assert closed("a(b)", plain) is None
+    assert closed(r"a(b\frobnicate", plain) is None
+    assert closed("[a(b]", plain) is None
+    assert applied("a(b+[c", repairs("a(b+[c")[0].pieces)[0] == "a(b+[c])"
