@@ -30,8 +30,8 @@ from .surfaces import (
     v,
     v1,
     vector,
-    worst,
 )
+from .verdicts import worst
 
 TURN = sp.symbols("e_0:4")
 ARM = sp.symbols("x y z")

@@ -12,7 +12,8 @@ from voronec.audit import Motion, Study
 from voronec.kinematics import kinetic_energy
 
 from .neumann import TURN, Attitude, rotation
-from .surfaces import MASS, QUASI, vector, worst
+from .surfaces import MASS, QUASI, vector
+from .verdicts import worst
 
 chi = sp.Symbol("chi")
 AXIAL = sp.Symbol("C~", positive=True)

@@ -18,6 +18,8 @@ import voronec as vo
 from voronec.audit import Motion
 from voronec.kinematics import RollingContact, SurfaceForms
 
+from .verdicts import worst
+
 u, v, theta, u1, v1 = COORDINATES = sp.symbols("u v theta u_1 v_1")
 BASE, FIBRE = COORDINATES[:3], COORDINATES[3:]
 QUASI = s, tau, n = sp.symbols("s tau n")
@@ -39,16 +41,6 @@ def velocities(coordinates: tuple[sp.Symbol, ...]) -> tuple[sp.Expr, ...]:
 def vector(components: Any) -> sp.Matrix:
     """A column of SymPy's."""
     return sp.Matrix(list(components))
-
-
-def worst(verdicts: Any) -> vo.Verdict:
-    """The first verdict that is not a proof, or the last one."""
-    found = vo.Verdict("proved", "nothing to prove")
-    for verdict in verdicts:
-        found = verdict
-        if not verdict.proved:
-            break
-    return found
 
 
 def told(verdicts: Any, method: str) -> vo.Verdict:
