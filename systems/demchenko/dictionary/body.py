@@ -160,6 +160,26 @@ class Body:
         names = dict(zip(("K_1", "K_2"), self.momenta, strict=True))
         return {**self.surfaces.names(), **names, r"\mathbf M": MASS, "M": POINT, "U": U}
 
+    @property
+    def named(self) -> dict[str, Any]:
+        """What the letters stand for in coordinate velocities."""
+        surfaces = self.surfaces
+        slip, centre = vector(surfaces.contact.slip), surfaces.contact.centre_velocity
+        return {
+            **self.common,
+            **dict(zip(("s", r"\tau", "n"), surfaces.spin, strict=True)),
+            "T": self.energy,
+            r"\bar{\Theta}": self.constrained_energy,
+            **{rf"\delta {x}": d for x, d in zip(SPELLED_BASE, surfaces.variations, strict=True)},
+            "n'": self.prime,
+            **dict(zip(("K_1'", "K_2'"), self.primed_momenta, strict=True)),
+            **dict(zip((r"\Delta_1", r"\Delta_2"), self.deltas, strict=True)),
+            r"\mathfrak m_\mathbf u": slip[0],
+            r"\mathfrak m_\mathbf v": slip[1],
+            r"\mathfrak m_\mathbf n": slip[2],
+            r"\mathfrak w_\mathbf v": centre[1],
+        }
+
     def studies(self) -> dict[str, Study]:
         """``coordinates``: in coordinate velocities; ``quasi``: s, tau, n are variables."""
         surfaces = self.surfaces
@@ -171,21 +191,6 @@ class Body:
             {**surfaces.motion.rates, **{d: vo.velocity(d) for d in deltas}},
             surfaces.motion.constrained,
         )
-        slip, centre = vector(surfaces.contact.slip), surfaces.contact.centre_velocity
-        names: dict[str, Any] = {
-            **self.common,
-            **dict(zip(("s", r"\tau", "n"), surfaces.spin, strict=True)),
-            "T": self.energy,
-            r"\bar{\Theta}": self.constrained_energy,
-            **{rf"\delta {x}": d for x, d in zip(SPELLED_BASE, deltas, strict=True)},
-            "n'": self.prime,
-            **dict(zip(("K_1'", "K_2'"), self.primed_momenta, strict=True)),
-            **dict(zip((r"\Delta_1", r"\Delta_2"), self.deltas, strict=True)),
-            r"\mathfrak m_\mathbf u": slip[0],
-            r"\mathfrak m_\mathbf v": slip[1],
-            r"\mathfrak m_\mathbf n": slip[2],
-            r"\mathfrak w_\mathbf v": centre[1],
-        }
         quasi = {
             **self.common,
             **dict(zip(("s", r"\tau", "n"), QUASI, strict=True)),
@@ -195,7 +200,7 @@ class Body:
         note = f"{NOTE}, any inertia and any force function"
         return {
             "coordinates": Study(
-                names,
+                self.named,
                 motion=motion,
                 variations=variations,
                 given=surfaces.roots,

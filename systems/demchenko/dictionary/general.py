@@ -17,6 +17,9 @@ import sympy as sp
 import voronec as vo
 from voronec.audit import Motion, Study, Transcript
 
+from .principle import dalembert, lagrange
+from .verdicts import all_equal
+
 BASE, FIBRE = 3, 2
 TOTAL = BASE + FIBRE
 
@@ -105,21 +108,10 @@ class General:
 
     @cached_property
     def _dalembert(self) -> tuple[sp.Expr, ...]:
-        """sum_s (d/dt dT/dqdot_s - dT/dq_s - Q_s) dqdot_s/dqdot_i, accelerations of the fibre
-        eliminated by the differentiated constraints; it knows nothing of the connection."""
-        energy = self.names["T"]
-        free = Motion({**dict(zip(Q, V, strict=True)), **{v: vo.velocity(v) for v in V}})
-        fibre = zip(V[BASE:], list(self.eqs.rates)[BASE:], strict=True)
-        accelerations = {vo.velocity(v): self.motion.derivative(rate) for v, rate in fibre}
-        lagrange = [
-            free.derivative(sp.diff(energy, v)) - sp.diff(energy, q) - force
-            for q, v, force in zip(Q, V, FORCES, strict=True)
-        ]
-        found = []
-        for direction in zip(*self.lift, strict=True):
-            total = sp.Add(*[e * h for e, h in zip(lagrange, direction, strict=True)])
-            found.append(self.motion.restrict(total.xreplace(accelerations)))
-        return tuple(found)
+        """The generalized forces stand on the left, with a minus sign."""
+        sides = zip(lagrange(self.names["T"], Q), FORCES, strict=True)
+        left = [side - force for side, force in sides]
+        return dalembert(left, list(self.eqs.rates), BASE, self.motion)
 
     def transposition(self, where: Mapping[str, int]) -> sp.Expr:
         """d(delta q)/dt - delta(dq/dt) of a fibre coordinate, by the engine's curvature."""
@@ -132,11 +124,10 @@ class General:
     def momenta_of_base(self) -> vo.Verdict:
         """Whether the momenta K_nu are the derivatives of T by the velocities of q_nu."""
         energy = self.names["T"]
-        for nu, momentum in enumerate(self.eqs.momenta):
-            verdict = vo.prove_equal(self.motion.restrict(sp.diff(energy, V[nu])), momentum)
-            if not verdict.proved:
-                return verdict
-        return verdict
+        return all_equal(
+            (self.motion.restrict(sp.diff(energy, V[nu])), momentum)
+            for nu, momentum in enumerate(self.eqs.momenta)
+        )
 
     def chaplygins(self) -> vo.Verdict:
         """Whether the d'Alembert equations are Chaplygin's, and close in the base."""

@@ -19,6 +19,7 @@ from voronec.audit import Motion, Study, Verdict, direction
 from .connections import Connection
 from .general import BASE, DELTA, FIBRE, INDICES, TOTAL, Q, V
 from .principle import dalembert, lagrange
+from .subspaces import direct_sum, leading_places, null_space, span
 from .verdicts import all_equal
 
 FREE = sp.symbols(f"eta1:{TOTAL + 1}")
@@ -254,26 +255,6 @@ def opposite(x: Any, y: Any) -> sp.Matrix:
     return -geometry().connection.curvature(x, y)
 
 
-def vanishes(entry: Any) -> bool:
-    """Whether an entry of a matrix is proved to be zero: a pivot is what is not."""
-    return vo.prove_equal(entry).proved
-
-
-def span(columns: sp.Matrix) -> sp.Matrix:
-    """One matrix for each subspace: the reduced echelon form of what spans it."""
-    return columns.T.rref(iszerofunc=vanishes, simplify=False)[0].T
-
-
-def direct_sum(first: sp.Matrix, second: sp.Matrix) -> sp.Matrix:
-    """The sum of two subspaces; zero where they are not independent."""
-    both = sp.Matrix.hstack(first, second)
-    return (
-        span(both)
-        if both.rank(iszerofunc=vanishes, simplify=False) == both.cols
-        else sp.zeros(*both.shape)
-    )
-
-
 def constraint_rows() -> sp.Matrix:
     """The constraints as one-forms, one in each row."""
     return sp.Matrix(CONSTRAINTS).jacobian(V)
@@ -281,11 +262,7 @@ def constraint_rows() -> sp.Matrix:
 
 def kernel(rates: sp.Matrix) -> sp.Matrix:
     """The velocities for which all of some functions, linear in them, vanish."""
-    return span(
-        sp.Matrix.hstack(
-            *sp.Matrix(rates).jacobian(V).nullspace(simplify=False, iszerofunc=vanishes)
-        )
-    )
+    return null_space(sp.Matrix(rates).jacobian(V))
 
 
 def as_field(components: Any) -> sp.Expr:
@@ -299,5 +276,4 @@ def part_in(field: sp.Expr, space: sp.Matrix) -> sp.Expr:
     A subspace is given by its echelon form; a field that lies in it is its own part.
     """
     components = [sp.diff(field, direction(q)) for q in Q]
-    _, leading = space.T.rref(iszerofunc=vanishes, simplify=False)
-    return as_field(space * sp.Matrix([components[place] for place in leading]))
+    return as_field(space * sp.Matrix([components[place] for place in leading_places(space)]))

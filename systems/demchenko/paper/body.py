@@ -9,12 +9,10 @@ from voronec.audit import (
     Check,
     Convention,
     Display,
-    Range,
     Section,
     Sentence,
     Study,
     Transcript,
-    Verdict,
 )
 
 from ..dictionary.surfaces import MASS, typeset
@@ -62,23 +60,10 @@ def motion(position: int) -> Check:
     )
 
 
-def eight(study: Study, _: Range) -> Verdict:
-    """As many equations as unknowns, and the accelerations are determined."""
-    context: Any = study.context
-    verdict: Verdict = context.eight()
-    return verdict
-
-
 def relative_curvature(study: Study) -> str:
     """The determinant on which it depends, in the paper's names."""
     found: str = study.context.surfaces.spelled_curvature(study.spelling)
     return found
-
-
-def dependent(study: Study, _: Range) -> Verdict:
-    """The constraints can be solved for two of the velocities."""
-    verdict: Verdict = study.context.surfaces.dependent()
-    return verdict
 
 
 def determinant(study: Study) -> str:
@@ -103,12 +88,12 @@ BODY = Section(
     sentences=(
         Sentence(
             says=r"The constraints (eq:nosliding2) can be solved for $\dot u_1$ and $\dot v_1$, which may be taken as the dependent velocities.",
-            decide=dependent,
+            decide=lambda study, _: study.context.surfaces.dependent(),
             derived=determinant,
         ),
         Sentence(
             says=r"The three equations (jednacine1) and the two constraints (eq:nosliding2) are eight equations of the first order for $u$, $v$, $\vartheta$, $u_1$, $v_1$, $\dot u$, $\dot v$, $\dot\vartheta$; they determine the motion where the relative curvature of the two surfaces has a determinant that is not zero.",
-            decide=eight,
+            decide=lambda study, _: study.context.eight(),
             derived=relative_curvature,
         ),
     ),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from voronec.audit import Check, Display, Range, Section, Sentence, Study, Transcript, Verdict
+from voronec.audit import Check, Display, Section, Sentence, Study, Transcript
 
 ROTOR = Check(study="rotor")
 DEFINED = Check("definition", study="rotor")
@@ -51,34 +51,6 @@ def motion(position: int) -> Check:
     )
 
 
-def constant_speed(study: Study, _: Range) -> Verdict:
-    """The gyroscope's angle is cyclic."""
-    context: Any = study.context
-    verdict: Verdict = context.constant_speed()
-    return verdict
-
-
-def cosines(study: Study, _: Range) -> Verdict:
-    """All three kinematic equations."""
-    context: Any = study.context
-    verdict: Verdict = context.cosines()
-    return verdict
-
-
-def commutators(study: Study, _: Range) -> Verdict:
-    """The fields of the quasi-velocities."""
-    context: Any = study.context
-    verdict: Verdict = context.commutators()
-    return verdict
-
-
-def eight(study: Study, _: Range) -> Verdict:
-    """As many equations as unknowns, and the accelerations are determined."""
-    context: Any = study.context
-    verdict: Verdict = context.eight()
-    return verdict
-
-
 def relative_curvature(study: Study) -> str:
     """The determinant on which it depends, in the paper's names."""
     found: str = study.context.surfaces.spelled_curvature(study.spelling)
@@ -101,20 +73,20 @@ GYROSCOPE = Section(
     sentences=(
         Sentence(
             says=r"If the forces on the gyroscope have no torque about its axis, the component $\tilde\omega$ of its angular velocity along $\mathbf z$ is constant.",
-            decide=constant_speed,
+            decide=lambda study, _: study.context.constant_speed(),
         ),
         Sentence(
             says=r"$\beta''$ and $\gamma''$ change by the same rule as $\alpha''$, with the letters exchanged in a cycle.",
-            decide=cosines,
+            decide=lambda study, _: study.context.cosines(),
             study="turning",
         ),
         Sentence(
             says=r"$s$, $\tau$, $n$ define fields $X_s$, $X_\tau$, $X_n$ on the constraints, along which $U$ is differentiated; $\omega([X_i,X_j])=e_i\times e_j-\omega_1(X_i)\times e_j+\omega_1(X_j)\times e_i$ in the frame $M\mathbf u\mathbf v\mathbf n$.",
-            decide=commutators,
+            decide=lambda study, _: study.context.commutators(),
         ),
         Sentence(
             says=r"There are eight equations of the first order for $u$, $v$, $\vartheta$, $u_1$, $v_1$, $s$, $\tau$, $n$; they determine the motion where the relative curvature of the two surfaces has a determinant that is not zero.",
-            decide=eight,
+            decide=lambda study, _: study.context.eight(),
             derived=relative_curvature,
         ),
     ),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from voronec.audit import Check, Display, Range, Section, Sentence, Study, Transcript, Verdict
+from voronec.audit import Check, Display, Section, Sentence, Study, Transcript
 
 DEFINITION = Check("definition")
 ROLLING = Check(study="rolling")
@@ -28,40 +28,12 @@ def studies(_: Transcript) -> dict[str, Study]:
     }
 
 
-def idle(study: Study, _: Range) -> Verdict:
-    """Reactions are forces at the contact point."""
-    context: Any = study.context
-    verdict: Verdict = context.idle()
-    return verdict
-
-
-def same_condition(study: Study, _: Range) -> Verdict:
-    """The two conditions say the same."""
-    context: Any = study.context
-    verdict: Verdict = context.same_condition()
-    return verdict
-
-
-def invertible(study: Study, _: Range) -> Verdict:
-    """Projections and velocities determine one another."""
-    context: Any = study.context
-    verdict: Verdict = context.velocities_from_projections()
-    return verdict
-
-
 def determinant(study: Study) -> str:
     """The determinant on which it depends, in the paper's names."""
     from ..dictionary.surfaces import typeset
 
     context: Any = study.context
     return f"{DETERMINANT} = {typeset(context.determinant, study.spelling)}"
-
-
-def slipped(study: Study, _: Range) -> Verdict:
-    """The letter printed for the second projection."""
-    context: Any = study.context
-    verdict: Verdict = context.slipped()
-    return verdict
 
 
 DETERMINANT = (
@@ -85,20 +57,20 @@ NEUMANN = Section(
     sentences=(
         Sentence(
             says=r"The conditions (eq:nosliding1) and (uobicajeno) are equivalent.",
-            decide=same_condition,
+            decide=lambda study, _: study.context.same_condition(),
         ),
         Sentence(
             says=r"$s$, $\tau$, $n$, $\mathfrak m_\mathbf u$, $\mathfrak m_\mathbf v$ are linear and homogeneous in the velocities of Neumann's coordinates, and these in them at every point where the relative curvature of the two surfaces has a determinant that is not zero.",
-            decide=invertible,
+            decide=lambda study, _: study.context.velocities_from_projections(),
             derived=determinant,
         ),
         Sentence(
             says=r"The reactions of ideal constraints are a force at the body's point $M$: they have no torque about it, and do no work in a virtual displacement.",
-            decide=idle,
+            decide=lambda study, _: study.context.idle(),
         ),
         Sentence(
             says=r"The energy is written in the projections $\mathfrak m_\mathbf u$, $\mathfrak w_\mathbf v$, $\mathfrak m_\mathbf n$ of $\mathfrak m$, and in $s$, $\tau$, $n$: the second of these letters is a projection of $\mathfrak m$.",
-            decide=slipped,
+            decide=lambda study, _: study.context.slipped(),
             study="energies",
             derived=lambda _: r"\mathfrak m_\mathbf v",
         ),
