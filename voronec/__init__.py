@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from voronec.algebra.verdicts import Verdict, Witness, prove_equal
     from voronec.analysis import Claim, check_claims
     from voronec.catalogue import load, names
+    from voronec.claims import Case, Corrected, Equation, Measure, Poisson
     from voronec.equations import VoronecEquations, derive
     from voronec.errors import (
         DefinitionError,
@@ -25,7 +26,9 @@ if TYPE_CHECKING:
     from voronec.geometry import Fibration, Frame
     from voronec.multipliers import multiplier_acceleration, reaction_forces
     from voronec.reduction import Reduction, descend
-    from voronec.system import Parameter, Scene, System
+    from voronec.relations import Limit, Relation, Square
+    from voronec.scene import Parameter, Scene
+    from voronec.system import System
 
 __version__ = "0.1.0"
 
@@ -54,22 +57,38 @@ _HOME = {
     "check_claims": "voronec.analysis",
     "Reduction": "voronec.reduction",
     "descend": "voronec.reduction",
-    "Parameter": "voronec.system",
-    "Scene": "voronec.system",
+    "Case": "voronec.claims",
+    "Corrected": "voronec.claims",
+    "Equation": "voronec.claims",
+    "Measure": "voronec.claims",
+    "Poisson": "voronec.claims",
+    "Limit": "voronec.relations",
+    "Relation": "voronec.relations",
+    "Square": "voronec.relations",
+    "Parameter": "voronec.scene",
+    "Scene": "voronec.scene",
     "System": "voronec.system",
     "kinematics": "voronec.kinematics",
 }
 
 __all__ = [
+    "Case",
     "Claim",
+    "Corrected",
     "DefinitionError",
     "EngineLimit",
+    "Equation",
     "Fibration",
     "Frame",
     "IntegrationError",
+    "Limit",
+    "Measure",
     "Parameter",
+    "Poisson",
     "Reduction",
+    "Relation",
     "Scene",
+    "Square",
     "System",
     "Trajectory",
     "Verdict",

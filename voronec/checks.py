@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
+from voronec.claims import expressions_of
 from voronec.errors import DefinitionError
 from voronec.reading import shown
 
@@ -43,8 +44,10 @@ def check_names(system: System) -> None:
 
 def check_symbols(system: System) -> None:
     """Expressions are made of what is declared."""
-    known = set(system.known_symbols())
-    for place, expr in _places(system):
+    declared = set(system.known_symbols())
+    places = [(place, expr, declared) for place, expr in _places(system)]
+    claimed = declared | set(system.invariant_symbols)
+    for place, expr, known in (*places, *((p, e, claimed) for p, e in _claims(system))):
         unknown = sorted(map(str, _names_in(expr) - known))
         if unknown:
             raise DefinitionError(
@@ -96,6 +99,8 @@ def _roles(system: System) -> Iterator[tuple[sp.Expr, str]]:
         yield v, "a quasi-velocity"
     for p in system.parameters:
         yield p.symbol, "a parameter"
+    for g in system.invariant_symbols:
+        yield g, "an invariant"
     yield time, "the time"
 
 
@@ -109,14 +114,26 @@ def _places(system: System) -> Iterator[tuple[str, sp.Expr]]:
     if system.frame is not None:
         for v, e in zip(system.frame.velocities, system.frame.expressions, strict=True):
             yield f"the definition of '{v}'", e
-    for key, e in system.integrals.items():
-        yield f"integral '{key}'", e
     for key, e in system.invariants.items():
         yield f"invariant '{key}'", e
-    if system.measure is not None:
-        yield "the measure", system.measure
     for i, e in enumerate(system.fibration.relations):
         yield f"relation {i + 1}", e
+
+
+def _claims(system: System) -> Iterator[tuple[str, sp.Expr]]:
+    """Every expression of a claim, in which the invariants may be used by name."""
+    for place, holder in (("", system), *((f"case '{n}': ", c) for n, c in system.cases.items())):
+        for part in ("integrals", "equations"):
+            for key, claim in getattr(holder, part).items():
+                for e in expressions_of(claim):
+                    yield f"{place}{part.removesuffix('s')} '{key}'", e
+        if holder.measure is not None:
+            for e in expressions_of(holder.measure):
+                yield f"{place}the measure", e
+    if system.multiplier is not None:
+        yield "the multiplier", system.multiplier
+    for variable in system.essential:
+        yield "essential", variable
 
 
 def _names_in(expr: Any) -> set[sp.Expr]:

@@ -9,76 +9,14 @@ from typing import Any
 import sympy as sp
 
 from voronec import checks
-from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
+from voronec.algebra.symbols import time, velocity
+from voronec.claims import Case, Poisson, read_claims
 from voronec.errors import DefinitionError
 from voronec.geometry import Fibration, Frame
-from voronec.reading import expression, mapping, real_number, several, shown, vanishing
+from voronec.reading import expression, mapping, several, shown, vanishing
+from voronec.scene import Parameter, Scene
 
-__all__ = ["Parameter", "Scene", "System", "require_system"]
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A constant of a system: its symbol, a default value, the range it may take.
-
-    ``lower`` and ``upper`` are bounds that a value must not pass; ``positive`` asks for a value
-    above zero.  ``meaning`` says in words what the constant is.  An unknown function of the time,
-    ``f(t)``, is a parameter too: it is carried along exactly, and has no value.
-    """
-
-    symbol: sp.Expr
-    value: Any = None
-    positive: bool = False
-    lower: Any = None
-    upper: Any = None
-    meaning: str = ""
-
-    def __post_init__(self) -> None:
-        if not is_symbolic_name(self.symbol):
-            raise DefinitionError(
-                f"parameter '{shown(self.symbol)}' is not a symbol; use sympy.Symbol"
-            )
-        for bound in ("lower", "upper"):
-            if getattr(self, bound) is not None:
-                real_number(getattr(self, bound), f"parameter '{self.name}': {bound}")
-        if self.value is not None:
-            self.check(self.value)
-
-    @property
-    def name(self) -> str:
-        """The parameter's name."""
-        return plain_name(self.symbol)
-
-    def check(self, value: Any) -> None:
-        """Raise ``DefinitionError`` where ``value`` lies outside the declared range."""
-        number = real_number(value, f"parameter '{self.name}'")
-        if self.positive and not number > 0:
-            raise DefinitionError(f"parameter '{self.name}' = {value} must be positive")
-        if self.lower is not None and number < sp.sympify(self.lower):
-            raise DefinitionError(f"parameter '{self.name}' = {value} is below {self.lower}")
-        if self.upper is not None and number > sp.sympify(self.upper):
-            raise DefinitionError(f"parameter '{self.name}' = {value} is above {self.upper}")
-
-
-@dataclass(frozen=True)
-class Scene:
-    """One motion to look at: initial data, a time span, and what is wanted from it.
-
-    ``initial`` gives coordinates and velocities (quasi-velocities of the frame, or coordinate
-    velocities of the base) by symbol or name; what is not named starts at zero.  ``parameters``
-    overrides defaults.  ``times`` is ``(start, end)``.  ``outputs`` are coordinates, velocities
-    or expressions in them; empty means all coordinates and velocities.
-    """
-
-    initial: Mapping[Any, Any]
-    times: tuple[float, float] = (0.0, 10.0)
-    parameters: Mapping[Any, Any] = field(default_factory=dict)
-    outputs: tuple[Any, ...] = ()
-    caption: str = ""
-
-    def __post_init__(self) -> None:
-        mapping(self.initial, "initial", "coordinate or velocity: value")
-        mapping(self.parameters, "parameters", "parameter: value")
+__all__ = ["System", "require_system"]
 
 
 @dataclass(frozen=True)
@@ -99,11 +37,26 @@ class System:
         coordinate -> generalized force, for what does not come from the Lagrangian.
     frame
         quasi-velocities, ``Frame.quasi({v: expression, ...})``; the base velocities by default.
-    integrals, measure
-        claims: name -> first integral; density of an invariant measure in the coordinates and
-        the velocities of the equations.
     invariants
         name -> function of the coordinates to which the equations are claimed to descend.
+    integrals, equations, measure
+        claims: name -> first integral; name -> ``Equation(function, rate)``; the density of an
+        invariant measure in the coordinates and the velocities of the equations, or a
+        ``Measure``.  A ``Corrected`` in the place of one stands for a claim misprinted elsewhere.
+    multiplier
+        claim: a function N of the base coordinates such that with dtau = N dt the equations are
+        those of a Lagrangian, Lc written with the new velocities (Chaplygin's reducing multiplier).
+    poisson
+        claim: a ``Poisson`` bracket and Hamiltonian.
+    essential
+        claim: variables whose rates depend on nothing but them and the parameters.
+    integrable
+        claim: ``"Euler-Jacobi"`` where the integrals and the measure suffice for the theorem of
+        Euler and Jacobi.
+    cases
+        name -> ``Case``: claims under special values of parameters.
+    undecided
+        name of a claim -> why the engine cannot decide it.
     scenes
         name -> ``Scene``; the one called ``default`` is what ``voronec run NAME`` shows.
     references
@@ -130,6 +83,13 @@ class System:
     integrals: Mapping[str, Any] = field(default_factory=dict)
     measure: Any = None
     invariants: Mapping[str, Any] = field(default_factory=dict)
+    equations: Mapping[str, Any] = field(default_factory=dict)
+    multiplier: Any = None
+    poisson: Poisson | None = None
+    essential: tuple[Any, ...] = ()
+    integrable: str = ""
+    cases: Mapping[str, Case] = field(default_factory=dict)
+    undecided: Mapping[str, str] = field(default_factory=dict)
     scenes: Mapping[str, Scene] = field(default_factory=dict)
     references: tuple[str, ...] = ()
     title: str = ""
@@ -181,22 +141,27 @@ class System:
         )
         for name, one, entry in (
             ("forces", "the force on", "coordinate: force"),
-            ("integrals", "integral", "'name': expression"),
             ("invariants", "invariant", "'name': expression"),
         ):
             values = mapping(getattr(self, name), name, entry)
             read = {k: expression(v, f"{one} '{shown(k)}'") for k, v in values.items()}
             store(name, mapping(read, name, entry))
-        scenes = mapping(self.scenes, "scenes", "'default': Scene(...)")
-        for name, scene in scenes.items():
-            if not isinstance(scene, Scene):
-                raise DefinitionError(
-                    f"scene '{name}' is '{shown(scene)}'; write Scene(initial={{...}}, times=...)"
-                )
-        store("scenes", scenes)
+        for name, value in read_claims(self).items():
+            store(name, value)
+        if self.multiplier is not None:
+            store("multiplier", expression(self.multiplier, "the multiplier"))
+        store("essential", several(self.essential, "essential", "symbol"))
+        store("undecided", mapping(self.undecided, "undecided", "'claim': 'reason'"))
         store("references", several(self.references, "references", "'Key'"))
-        if self.measure is not None:
-            store("measure", expression(self.measure, "the measure"))
+        for name, kind, entry in (
+            ("scenes", Scene, "Scene(initial={...}, times=...)"),
+            ("cases", Case, "Case(parameters={...}, integrals={...})"),
+        ):
+            store(name, _all_of(getattr(self, name), name, kind, entry))
+        if self.poisson is not None and not isinstance(self.poisson, Poisson):
+            raise DefinitionError(
+                f"poisson is '{shown(self.poisson)}'; write Poisson(variables, bracket, ...)"
+            )
 
     @property
     def coordinates(self) -> tuple[sp.Expr, ...]:
@@ -210,12 +175,28 @@ class System:
             return self.frame.velocities
         return tuple(velocity(x) for x in self.fibration.base)
 
+    @property
+    def invariant_symbols(self) -> tuple[sp.Symbol, ...]:
+        """The names of the invariants, as symbols that stand for them in claims."""
+        return tuple(sp.Symbol(name) for name in self.invariants)
+
     def known_symbols(self) -> tuple[sp.Expr, ...]:
         """Everything expressions may be made of, each once."""
         frame = self.frame.velocities if self.frame is not None else ()
         parameters = tuple(p.symbol for p in self.parameters)
         dots = tuple(velocity(x) for x in self.coordinates)
         return (*self.coordinates, *dots, *frame, *parameters, time)
+
+
+def _all_of(things: Any, place: str, kind: type, entry: str) -> Mapping[str, Any]:
+    """A mapping of names to values of one kind."""
+    values = mapping(things, place, f"'name': {entry}")
+    for name, value in values.items():
+        if not isinstance(value, kind):
+            raise DefinitionError(
+                f"{place.removesuffix('s')} '{name}' is '{shown(value)}'; write {entry}"
+            )
+    return values
 
 
 def require_system(thing: Any) -> System:

@@ -35,7 +35,7 @@ def check_claims(system: System | VoronecEquations) -> list[Claim]:
     for name, expr in eqs.system.integrals.items():
         claims.append(Claim("integral", name, _vanishes(eqs, rate_of_change, expr)))
     if eqs.system.measure is not None:
-        verdict = _vanishes(eqs, measure_defect, eqs.system.measure)
+        verdict = _vanishes(eqs, measure_defect, eqs.system.measure.density)
         claims.append(Claim("measure", "density", verdict))
     if eqs.system.invariants:
         claims.append(Claim("descent", ", ".join(eqs.system.invariants), _descends(eqs)))

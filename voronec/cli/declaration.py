@@ -10,7 +10,8 @@ from voronec.cli.output import columns, plain, print_json
 from voronec.cli.subject import resolve
 
 if TYPE_CHECKING:
-    from voronec.system import Scene, System
+    from voronec.scene import Scene
+    from voronec.system import System
 
 __all__ = ["execute"]
 
@@ -45,7 +46,7 @@ def _data(system: System) -> dict[str, Any]:
             for p in system.parameters
         ],
         "integrals": {name: plain(e) for name, e in system.integrals.items()},
-        "measure": None if system.measure is None else plain(system.measure),
+        "measure": None if system.measure is None else plain(system.measure.density),
         "invariants": {name: plain(e) for name, e in system.invariants.items()},
         "scenes": {name: _scene(scene) for name, scene in system.scenes.items()},
         "references": list(system.references),

@@ -19,7 +19,8 @@ from voronec.flow.steppers import FINEST, Stepper, dop853, taylor
 from voronec.flow.trajectory import Cost, Trajectory
 from voronec.flow.vocabulary import Vocabulary, number
 from voronec.program import Program
-from voronec.system import Scene, System
+from voronec.scene import Scene
+from voronec.system import System
 
 __all__ = ["integrate"]
 
