@@ -122,7 +122,9 @@ def _places(system: System) -> Iterator[tuple[str, sp.Expr]]:
 
 def _claims(system: System) -> Iterator[tuple[str, sp.Expr]]:
     """Every expression of a claim, in which the invariants may be used by name."""
-    for place, holder in (("", system), *((f"case '{n}': ", c) for n, c in system.cases.items())):
+    holders: list[tuple[str, Any]] = [("", system)]
+    holders += [(f"case '{n}': ", c) for n, c in system.cases.items()]
+    for place, holder in holders:
         for part in ("integrals", "equations"):
             for key, claim in getattr(holder, part).items():
                 for e in expressions_of(claim):
