@@ -4,18 +4,24 @@ It touches the plane at (x, y) and heads along e = (cos phi, sin phi, 0).  With 
 to the left, the radius from the contact to the centre is r = (-sin theta sin phi, sin theta
 cos phi, cos theta) times R; the disc has turned by ``psi`` about its axle e x r (backwards).
 The quasi-velocities are the components of the angular velocity: p about -e, q about r, and s
-about the axle.
+about the axle.  Along r and the axle, the vertical is gamma2 = cos(theta), gamma3 = sin(theta), and
+
+    A gamma2 qdot = (A gamma3 q + C gamma2 s) p,    (C + m R^2) sdot = m R^2 q p.
+
+With gamma3' = gamma2 p these are two linear equations for q and s as functions of theta, which
+Legendre functions solve [Appell1900, Korteweg1900]; their constants are two further integrals.
 """
 
 from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Fibration, Frame, Parameter, Scene, System, velocity
+from voronec import Equation, Fibration, Frame, Measure, Parameter, Scene, System, velocity
 
 x, y, phi, theta, psi = sp.symbols("x y phi theta psi")
 p, q, s = sp.symbols("p q s")
 m, R, A, C, g = sp.symbols("m R A C g")
+gamma2, gamma3 = sp.symbols("gamma2 gamma3")
 Dx, Dy, Dphi, Dtheta, Dpsi = map(velocity, (x, y, phi, theta, psi))
 sin, cos = sp.sin(theta), sp.cos(theta)
 
@@ -44,8 +50,21 @@ SYSTEM = System(
         Parameter(C, sp.Rational(1, 2), positive=True, meaning="inertia about the axle"),
         Parameter(g, 1, meaning="gravity"),
     ),
+    invariants={"gamma2": cos, "gamma3": sin},
     integrals={"energy": kinetic + potential},
-    measure=cos,
+    equations={
+        "vertical": Equation((gamma2, gamma3), (-gamma3 * p, gamma2 * p)),
+        "lean": Equation(
+            (A + m * R**2) * p,
+            m * g * R * gamma3 - A * gamma3 / gamma2 * q**2 - (C + m * R**2) * q * s,
+        ),
+        "linear in q and s": Equation(
+            (A * gamma2 * q, (C + m * R**2) * s),
+            (C * gamma2 * p * s, m * R**2 * p * q),
+        ),
+    },
+    measure=Measure(gamma2, variables=(gamma2, gamma3, p, q, s)),
+    essential=(gamma2, gamma3, p, q, s),
     scenes={
         "default": Scene(
             initial={theta: sp.Rational(1, 5), q: sp.Rational(2, 5), s: sp.Rational(3, 2)},

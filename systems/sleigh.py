@@ -1,14 +1,17 @@
 """The Chaplygin sleigh: a rigid body on a plane, held by a blade that does not slip sideways.
 
 The blade touches the plane at (x, y) and points along (cos phi, sin phi); the centre of mass lies
-on the line of the blade, at the distance ``a`` before the point of contact.
+on the line of the blade, at the distance ``a`` before the point of contact.  With the speed v along
+the blade and the rate of turning w,
+
+    vdot = a w^2,    wdot = -m a v w / (J + m a^2)    [Chaplygin1911].
 """
 
 from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Fibration, Frame, Parameter, Scene, System, velocity
+from voronec import Case, Equation, Fibration, Frame, Measure, Parameter, Scene, System, velocity
 
 x, y, phi = sp.symbols("x y phi")
 v, w = sp.symbols("v w")
@@ -18,6 +21,11 @@ Dx, Dy, Dphi = velocity(x), velocity(y), velocity(phi)
 # The velocity of the centre of mass, (x, y) + a (cos phi, sin phi).
 centre = (Dx - a * Dphi * sp.sin(phi), Dy + a * Dphi * sp.cos(phi))
 kinetic = m * (centre[0] ** 2 + centre[1] ** 2) / 2 + J * Dphi**2 / 2
+
+K = J + m * a**2
+# v and w run along a half of an ellipse, and the heading turns in proportion to the angle there;
+# w does not change its sign, so the angle is written without a jump where v = 0.
+turned = sp.sqrt(K / m) * sp.atan(v * sp.sqrt(m / K) / w)
 
 SYSTEM = System(
     name="sleigh",
@@ -32,8 +40,29 @@ SYSTEM = System(
         Parameter(J, sp.Rational(1, 2), positive=True, meaning="inertia about the centre of mass"),
         Parameter(a, sp.Rational(3, 10), meaning="centre of mass, before the blade"),
     ),
-    # The angular velocity dies out, so no measure with a smooth positive density is invariant.
-    integrals={"energy": kinetic},
+    integrals={"energy": kinetic, "heading": a * phi - turned},
+    equations={
+        "speed": Equation(v, a * w**2),
+        "turning": Equation(w, -m * a * v * w / K),
+    },
+    # The turning dies out, so no measure is invariant whose density is smooth where w = 0.
+    measure=Measure(1 / w, variables=(v, w)),
+    integrable="Euler-Jacobi",
+    essential=(v, w),
+    cases={
+        "centre of mass over the blade": Case(
+            parameters={a: 0},
+            integrals={
+                "speed": v,
+                "turning": w,
+                "centre of the circle, x": x * w - v * sp.sin(phi),
+                "centre of the circle, y": y * w + v * sp.cos(phi),
+            },
+            measure=sp.Integer(1),
+            integrable="Euler-Jacobi",
+            note="A knife edge: circles, run through uniformly; the measure is smooth.",
+        ),
+    },
     scenes={
         "default": Scene(
             initial={v: sp.Rational(-1), w: sp.Rational(1, 20)},

@@ -1,14 +1,14 @@
 """The vertical rolling disc: a coin on its edge, kept upright, rolling without slipping.
 
 It touches the plane at (x, y), heads along (cos phi, sin phi) and has turned by ``theta`` about
-its axle.
+its axle.  Both angles change uniformly.
 """
 
 from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Fibration, Parameter, Scene, System, velocity
+from voronec import Equation, Fibration, Parameter, Relation, Scene, System, velocity
 
 x, y, phi, theta = sp.symbols("x y phi theta")
 m, R, B, C = sp.symbols("m R B C")
@@ -35,10 +35,16 @@ SYSTEM = System(
         "energy": kinetic,
         "rolling": Dtheta,
         "turning": Dphi,
+        "angles": theta * Dphi - phi * Dtheta,
         "centre of the circle, x": x * Dphi - R * Dtheta * sp.sin(phi),
         "centre of the circle, y": y * Dphi + R * Dtheta * sp.cos(phi),
     },
+    equations={"angles": Equation((Dtheta, Dphi), (0, 0))},
     measure=sp.Integer(1),
+    # A Chaplygin system that is Hamiltonian in its own time.
+    multiplier=sp.Integer(1),
+    essential=(Dtheta, Dphi),
+    integrable="Euler-Jacobi",
     scenes={
         "default": Scene(
             initial={Dtheta: sp.Rational(1), Dphi: sp.Rational(1, 2)},
@@ -54,4 +60,38 @@ SYSTEM = System(
         ),
     },
     references=("NeimarkFufaev1972", "Bloch2015"),
+)
+
+# The sine of the lean at which a disc without weight describes the same circle by itself.
+lean = (B + m * R**2) / (B + m * R**2 - C) * Dtheta / Dphi
+
+RELATIONS = (
+    Relation(
+        "vertical-disc",
+        "falling-disc",
+        state={
+            "gamma2": sp.sqrt(1 - lean**2),
+            "gamma3": lean,
+            "p": 0,
+            "q": Dphi * sp.sqrt(1 - lean**2),
+            "s": Dtheta - Dphi * lean,
+        },
+        parameters={"m": m, "R": R, "A": C, "C": B, "g": 0},
+        note="A disc that may lean does not go in a circle upright; where it has no weight, every "
+        "circle belongs to one lean.",
+    ),
+    Relation(
+        "vertical-disc",
+        "sleigh",
+        state={"x": x, "y": y, "phi": phi, "v": R * Dtheta, "w": Dphi},
+        parameters={"m": m + B / R**2, "J": C, "a": 0},
+        note="The disc moves over the plane as a knife edge that is heavier by its spin.",
+    ),
+    Relation(
+        "vertical-disc",
+        "free-particle",
+        state={"X": theta, "Y": phi, "Xdot": Dtheta, "Ydot": Dphi},
+        parameters={"m": m},
+        note="The two angles.",
+    ),
 )

@@ -10,8 +10,9 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Check, Display, Section, Sentence, Study, Verdict, basis
+from voronec.audit import Check, Display, Section, Sentence, Study, Verdict
 from voronec.audit.basis import Basis
+from voronec.keeping import sources
 
 FILES = {
     "__init__.py": "",
@@ -129,8 +130,8 @@ def test_the_engine_matters_and_the_report_does_not(tmp_path, monkeypatch, file,
     for folder in ("algebra", "kinematics", "report"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "x.py").write_text("")
-    monkeypatch.setattr(basis, "engine_folder", lambda: tmp_path)
-    digest = basis.engine_digest.__wrapped__
+    monkeypatch.setattr(sources, "engine_folder", lambda: tmp_path)
+    digest = sources.engine_digest.__wrapped__
     before = digest()
     (tmp_path / file).write_text("changed")
     assert (digest() != before) == matters
@@ -138,11 +139,11 @@ def test_the_engine_matters_and_the_report_does_not(tmp_path, monkeypatch, file,
 
 @pytest.mark.parametrize("library", ["sympy", "symengine", "flint", "mpmath", "numpy"])
 def test_the_libraries_matter(monkeypatch, library):
-    digest = basis.engine_digest.__wrapped__
+    digest = sources.engine_digest.__wrapped__
     before = digest()
     monkeypatch.setattr(importlib.import_module(library), "__version__", "none")
     assert digest() != before
 
 
 def test_the_engine_is_this_package():
-    assert basis.engine_folder().joinpath("__init__.py").samefile(vo.__file__)
+    assert sources.engine_folder().joinpath("__init__.py").samefile(vo.__file__)

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from plugins import install, register
 
 import voronec as vo
 from voronec import catalogue
@@ -18,21 +19,12 @@ PLUGIN = Path(__file__).parent / "plugin_package"
 @pytest.fixture
 def plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The plugin as it is found when installed: importable, with its entry points."""
-    text = (PLUGIN / "pyproject.toml").read_text()
-    points = text.split('[project.entry-points."voronec.systems"]')[1].split("[tool")[0]
-    register(tmp_path, "voronec-plugin", points.replace('"', ""))
+    install(tmp_path, "voronec-plugin", PLUGIN / "pyproject.toml")
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.syspath_prepend(str(PLUGIN))
     yield tmp_path
     for name in [n for n in sys.modules if n.startswith("voronec_plugin")]:
         del sys.modules[name]
-
-
-def register(folder: Path, distribution: str, points: str) -> None:
-    info = folder / f"{distribution.replace('-', '_')}-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text(f"[voronec.systems]\n{points}\n")
 
 
 def test_every_module_of_the_folder_is_a_system_under_its_own_name() -> None:

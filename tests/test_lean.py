@@ -17,6 +17,7 @@ from voronec.program import Program
 
 BITS = 400
 x, y, z, a, b, k = sp.symbols("x y z a b k")
+W, U = sp.symbols("w u")
 X, Y, Z, A, B = map(vo.velocity, (x, y, z, a, b))
 PLAIN = sp.sqrt(1 + X**2 + Y**2 + (1 + x**2) * Z**2 + sp.cos(y) * X * Z) - k * x * sp.sin(z)
 TURNING = (X**2 + Y**2 + (2 + sp.sin(a)) * A**2 + B**2 + A * B * sp.cos(b)) / 2 - k * sp.cos(b)
@@ -41,6 +42,12 @@ def systems() -> dict[str, vo.System]:
         "frame": vo.System(
             name="framed", fibration=moving, lagrangian=TURNING, constraints=rolling,
             frame=vo.Frame.quasi({sp.Symbol("w"): A + sp.cos(b) * B, sp.Symbol("u"): B + x}),
+            parameters=constant,
+        ),
+        "constraints on quasi-velocities": vo.System(
+            name="shorthand", fibration=moving, lagrangian=TURNING,
+            constraints=(TURNED - sp.cos(b) * W, sp.cos(a) * Y - sp.sin(a) * X + x * U),
+            frame=vo.Frame.quasi({W: A + sp.cos(b) * B, U: B + sp.sin(a) * A}),
             parameters=constant,
         ),
         "redundant": vo.System(

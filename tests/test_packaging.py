@@ -132,7 +132,8 @@ def test_a_broken_plugin_is_a_warning_and_a_mark(wheel_home: Path) -> None:
 def test_an_editable_install_sees_a_new_file_at_once(editable_home: Path, sources: Path) -> None:
     assert own(voronec(editable_home, "list", "--names").stdout.split()) == own(vo.names())
     new = sources / "systems" / "new_sled.py"
-    new.write_text((PLUGIN / "voronec_plugin" / "single.py").read_text().replace("SLED", "SYSTEM"))
+    text = (PLUGIN / "voronec_plugin" / "single.py").read_text()
+    new.write_text(text.replace("SLED", "SYSTEM").replace('"plugin-sled"', '"new-sled"'))
     try:
         assert "A sled on a straight track" in voronec(editable_home, "show", "new-sled").stdout
     finally:

@@ -12,8 +12,10 @@ if TYPE_CHECKING:
     from voronec.algebra.signs import prove_inequality
     from voronec.algebra.symbols import time, velocity
     from voronec.algebra.verdicts import Verdict, Witness, prove_equal
-    from voronec.analysis import Claim, check_claims
+    from voronec.analysis import Claim, check_claims, divergence
+    from voronec.analysis.search import FoundIntegral, IntegralSearch, search_integrals
     from voronec.catalogue import load, names
+    from voronec.checking import graph
     from voronec.claims import Case, Corrected, Equation, Measure, Poisson
     from voronec.equations import VoronecEquations, derive
     from voronec.errors import (
@@ -41,6 +43,7 @@ _HOME = {
     "prove_equal": "voronec.algebra.verdicts",
     "load": "voronec.catalogue",
     "names": "voronec.catalogue",
+    "graph": "voronec.checking",
     "VoronecEquations": "voronec.equations",
     "derive": "voronec.equations",
     "DefinitionError": "voronec.errors",
@@ -54,7 +57,11 @@ _HOME = {
     "multiplier_acceleration": "voronec.multipliers",
     "reaction_forces": "voronec.multipliers",
     "Claim": "voronec.analysis",
+    "FoundIntegral": "voronec.analysis.search",
+    "IntegralSearch": "voronec.analysis.search",
+    "search_integrals": "voronec.analysis.search",
     "check_claims": "voronec.analysis",
+    "divergence": "voronec.analysis",
     "Reduction": "voronec.reduction",
     "descend": "voronec.reduction",
     "Case": "voronec.claims",
@@ -79,7 +86,9 @@ __all__ = [
     "EngineLimit",
     "Equation",
     "Fibration",
+    "FoundIntegral",
     "Frame",
+    "IntegralSearch",
     "IntegrationError",
     "Limit",
     "Measure",
@@ -98,6 +107,8 @@ __all__ = [
     "check_claims",
     "derive",
     "descend",
+    "divergence",
+    "graph",
     "integrate",
     "load",
     "multiplier_acceleration",
@@ -105,6 +116,7 @@ __all__ = [
     "prove_equal",
     "prove_inequality",
     "reaction_forces",
+    "search_integrals",
     "time",
     "velocity",
 ]

@@ -6,8 +6,9 @@ A distribution registers systems under the entry-point group ``voronec.systems``
                                           SYSTEM; ``rolling_coin.py`` is called ``rolling-coin``
     name     = "package.module:OBJECT"    one system, called ``name``
 
-The systems of this project come in by the first of these doors.  A system whose module is a
-folder may have a paper beside it, the module ``paper`` that defines ``PAPER``.
+The systems of this project come in by the first of these doors.  Beside a system, its module may
+define ``RELATIONS`` and ``SQUARES``, tuples of them.  A system whose module is a folder may have a
+paper beside it, the module ``paper`` that defines ``PAPER``.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from __future__ import annotations
 import pkgutil
 import sys
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module, metadata
 from importlib.machinery import ModuleSpec
 from pathlib import Path
@@ -25,17 +26,22 @@ from voronec.errors import DefinitionError, did_you_mean
 from voronec.execution import failure, run_file
 
 if TYPE_CHECKING:
+    from voronec.relations import Relation, Square
     from voronec.system import System
 
 __all__ = [
     "Entry",
     "entries",
+    "entry_of",
+    "file_entry",
     "load",
     "load_file",
     "load_paper",
     "load_paper_file",
+    "members",
     "names",
     "papers",
+    "registered",
 ]
 
 GROUP = "voronec.systems"
@@ -44,19 +50,32 @@ OWN = "voronec"
 
 @dataclass(frozen=True)
 class Entry:
-    """Where one system is defined; ``trouble`` says why it cannot even be looked for."""
+    """Where one system is defined: a module, or a file with a ``path`` of its own.
+
+    ``trouble`` says why it cannot even be looked for; ``member`` is which of a family it is, where
+    the module defines ``MEMBERS``, functions by name that make them.
+    """
 
     name: str
     module: str
     attribute: str = "SYSTEM"
     distribution: str = OWN
     trouble: str = ""
+    path: str = ""
+    member: str = ""
 
     @property
     def origin(self) -> Path | None:
         """The file of the system's module."""
+        if self.path:
+            return Path(self.path)
         spec = _find(self.module)
         return Path(spec.origin) if spec is not None and spec.origin else None
+
+    @property
+    def place(self) -> str:
+        """The file, else the module, for messages."""
+        return str(self.origin or self.module)
 
     def load(self) -> System:
         """Import the module and return its system; ``DefinitionError`` whatever goes wrong."""
@@ -64,13 +83,56 @@ class Entry:
 
         if self.trouble:
             raise DefinitionError(f"system '{self.name}': {self.trouble}")
-        found = _import(self.name, self.module, self.attribute)
+        if self.path:
+            return load_file(self.path)
+        found = getattr(_import(self.name, self.module, self.attribute), self.attribute)
+        if self.member:
+            found = self._made(found)
         if not isinstance(found, System):
             raise DefinitionError(
                 f"system '{self.name}': {self.module}:{self.attribute} is a "
                 f"{type(found).__name__}, not a voronec.System"
             )
+        if found.name != self.name:
+            raise DefinitionError(
+                f"system '{self.name}': the system in {self.place} calls itself "
+                f"'{found.name}'; write name='{self.name}'"
+            )
         return found
+
+    def _made(self, family: Any) -> Any:
+        """The member of a family; ``DefinitionError`` where its function fails."""
+        try:
+            return family[self.member]()
+        except Exception as error:
+            what = failure(error, str(self.origin.parent if self.origin else self.module))
+            raise DefinitionError(f"system '{self.name}' cannot be made: {what}") from error
+
+    def load_relations(self) -> tuple[tuple[Relation, ...], tuple[Square, ...]]:
+        """The ``RELATIONS`` and ``SQUARES`` beside the system; ``DefinitionError`` as ``load``."""
+        from voronec.relations import Relation, Square
+
+        if self.path:
+            space: Any = run_file(Path(self.path))
+        else:
+            space = vars(_import(self.name, self.module, self.attribute))
+        relations = self._several(space, "RELATIONS", Relation)
+        return relations, self._several(space, "SQUARES", Square)
+
+    def _several(self, space: Any, title: str, kind: type) -> tuple[Any, ...]:
+        """What the module declares under a title: a tuple of things of one kind."""
+        found = space.get(title, ())
+        entry = f"write {title} = ({kind.__name__}(...),)"
+        if not isinstance(found, (tuple, list)):
+            what = type(found).__name__
+            raise DefinitionError(f"{self.place}: {title} is a {what}, not a tuple; {entry}")
+        for position, thing in enumerate(found):
+            if not isinstance(thing, kind):
+                what = type(thing).__name__
+                raise DefinitionError(
+                    f"{self.place}: entry {position + 1} of {title} is a {what}; {entry}"
+                )
+        return tuple(found)
 
 
 def entries() -> tuple[tuple[Entry, ...], tuple[str, ...]]:
@@ -81,7 +143,7 @@ def entries() -> tuple[tuple[Entry, ...], tuple[str, ...]]:
     """
     found: dict[str, Entry] = {}
     warnings = []
-    for entry in _registered():
+    for entry in registered():
         if entry.name in found:
             warnings.append(
                 f"system '{entry.name}' of '{entry.distribution}' is hidden by that of "
@@ -105,9 +167,27 @@ def load(name: str) -> System:
 def entry_of(name: str) -> Entry:
     """Where the system of that name is defined."""
     known = {entry.name: entry for entry in entries()[0]}
-    if name not in known:
+    family, at, member = name.partition("@")
+    if family not in known:
         raise DefinitionError(unknown("system", name, known))
-    return known[name]
+    if not at:
+        return known[name]
+    among = members(family)
+    if member not in among:
+        raise DefinitionError(unknown("system", name, [f"{family}@{m}" for m in among] or [family]))
+    return replace(known[family], name=name, attribute="MEMBERS", member=member)
+
+
+def members(name: str) -> list[str]:
+    """Which members the family of that name has, ``NAME@MEMBER``; none where it is one system."""
+    entry = entry_of(name)
+    space = vars(_import(entry.name, entry.module, entry.attribute)) if entry.module else {}
+    return [str(m) for m in space.get("MEMBERS", {})]
+
+
+def file_entry(path: str | Path) -> Entry:
+    """The system that a Python file defines, as an entry; raises as ``load_file``."""
+    return Entry(load_file(path).name, "", path=str(Path(path).resolve()))
 
 
 def papers() -> list[str]:
@@ -120,7 +200,7 @@ def load_paper(name: str) -> Any:
     known = papers()
     if name not in known:
         raise DefinitionError(unknown("paper", name, known))
-    return _import(name, f"{entry_of(name).module}.paper", "PAPER")
+    return _import(name, f"{entry_of(name).module}.paper", "PAPER").PAPER
 
 
 def load_file(path: str | Path) -> System:
@@ -154,8 +234,8 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> str:
     return f"there is no {kind} '{name}'" + did_you_mean(name, known)
 
 
-def _registered() -> Iterator[Entry]:
-    """Every registered system, this project's first."""
+def registered() -> Iterator[Entry]:
+    """Every registered system, those that are hidden too, this project's first."""
 
     def rank(point: metadata.EntryPoint) -> tuple[bool, str, str]:
         name = _distribution(point)
@@ -201,7 +281,7 @@ def _find(module: str) -> ModuleSpec | None:
 
 
 def _import(name: str, module: str, attribute: str) -> Any:
-    """An attribute of a module; ``DefinitionError`` whatever its code does."""
+    """A module that defines an attribute; ``DefinitionError`` whatever its code does."""
     try:
         found = import_module(module)
     except KeyboardInterrupt:
@@ -213,4 +293,4 @@ def _import(name: str, module: str, attribute: str) -> Any:
         raise DefinitionError(f"system '{name}' cannot be loaded: {what}") from error
     if not hasattr(found, attribute):
         raise DefinitionError(f"system '{name}': the module '{module}' defines no {attribute}")
-    return getattr(found, attribute)
+    return found

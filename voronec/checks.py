@@ -8,24 +8,35 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
-from voronec.claims import expressions_of
+from voronec.claims import THEOREMS, Corrected, Measure, claim_names, expressions_of, right_of
 from voronec.errors import DefinitionError
 from voronec.reading import shown
 
 if TYPE_CHECKING:
+    from voronec.geometry import Frame
     from voronec.system import System
 
-__all__ = ["check_forces", "check_frame", "check_names", "check_relations", "check_symbols"]
+__all__ = [
+    "check_claims",
+    "check_forces",
+    "check_frame",
+    "check_names",
+    "check_relations",
+    "check_symbols",
+]
 
 
 def check_forces(system: System) -> None:
-    """Forces act on coordinates."""
+    """Forces act on coordinates; on a group along the fields of its frame."""
+    one, all_of = "a coordinate", "coordinates"
+    if system.on_group:
+        one, all_of = "a velocity of the frame", "these"
     for coordinate in system.forces:
-        if coordinate not in system.coordinates:
-            listed = ", ".join(f"'{plain_name(q)}'" for q in system.coordinates)
+        if coordinate not in system.directions:
+            listed = ", ".join(f"'{plain_name(q)}'" for q in system.directions)
             raise DefinitionError(
                 f"system '{system.name}': a force is given for '{shown(coordinate)}', which is not "
-                f"a coordinate; coordinates are {listed}"
+                f"{one}; {all_of} are {listed}"
             )
 
 
@@ -47,8 +58,10 @@ def check_symbols(system: System) -> None:
     declared = set(system.known_symbols())
     places = [(place, expr, declared) for place, expr in _places(system)]
     claimed = declared | set(system.invariant_symbols)
+    claimed |= set(system.frame.named if system.frame is not None else ())
     for place, expr, known in (*places, *((p, e, claimed) for p, e in _claims(system))):
-        unknown = sorted(map(str, _names_in(expr) - known))
+        names = _names_in(expr) - known
+        unknown = sorted(str(n) for n in names if getattr(n, "expr", n) not in known)
         if unknown:
             raise DefinitionError(
                 f"system '{system.name}': {place} contains '{unknown[0]}', which is neither "
@@ -57,11 +70,79 @@ def check_symbols(system: System) -> None:
             )
 
 
+def check_claims(system: System) -> None:
+    """Claims name what there is: variables of one level, parameters, theorems, other claims."""
+    place = f"system '{system.name}'"
+    for label, holder in _holders(system):
+        if holder.integrable not in ("", *THEOREMS):
+            raise DefinitionError(
+                f"{place}: {label}integrable is '{shown(holder.integrable)}'; "
+                f"known theorems: {', '.join(THEOREMS)}"
+            )
+        for measure in _both(holder.measure):
+            _check_variables(system, measure)
+    known = {*system.coordinates, *system.velocities, *system.invariant_symbols}
+    for variable in system.essential:
+        if variable not in known:
+            raise DefinitionError(
+                f"{place}: essential holds '{shown(variable)}', which is no coordinate, velocity "
+                "of the equations or invariant"
+            )
+    names = {p.name for p in system.parameters}
+    for label, case in system.cases.items():
+        for key in case.parameters:
+            name = key if isinstance(key, str) else plain_name(key)
+            if name not in names:
+                raise DefinitionError(
+                    f"{place}: case '{label}' gives a value to '{name}', which is no parameter"
+                )
+    claimed = {*claim_names(system)}
+    for name in system.undecided:
+        if name not in claimed:
+            raise DefinitionError(
+                f"{place}: undecided holds '{shown(name)}', which is no claim; "
+                f"claims are {', '.join(sorted(claimed)) or 'none'}"
+            )
+
+
+def _holders(system: System) -> Iterator[tuple[str, Any]]:
+    """What claims are declared in: the system, and its cases."""
+    yield "", system
+    for name, case in system.cases.items():
+        yield f"case '{name}': ", case
+
+
+def _both(measure: Any) -> Iterator[Measure]:
+    """The right one and the printed one; the measure itself, if there is any."""
+    if measure is not None:
+        yield right_of(measure)
+    if isinstance(measure, Corrected):
+        yield measure.printed
+
+
+def _check_variables(system: System, measure: Measure) -> None:
+    given, velocities = {*measure.variables}, {*system.velocities}
+    if given <= {*system.coordinates} | velocities:
+        return
+    if not given <= {*system.invariant_symbols} | velocities:
+        raise DefinitionError(
+            f"system '{system.name}': the variables of the measure are neither among coordinates "
+            "and velocities of the equations nor among invariants and these velocities"
+        )
+    dots = {velocity(q) for q in system.coordinates} - velocities
+    foreign = sorted(map(str, _names_in(measure.density) & ({*system.coordinates} | dots)))
+    if foreign:
+        raise DefinitionError(
+            f"system '{system.name}': the measure in invariants holds '{foreign[0]}'; write its "
+            "density with invariants too"
+        )
+
+
 def check_relations(system: System) -> None:
     """Relations bind coordinates, not velocities."""
     dots = {velocity(q) for q in system.coordinates}
     if system.frame is not None:
-        dots |= set(system.frame.velocities)
+        dots |= set(system.frame.ambient)
     for i, relation in enumerate(system.fibration.relations):
         names = _names_in(relation)
         place = f"system '{system.name}': relation {i + 1} ({shown(relation)} = 0)"
@@ -79,6 +160,9 @@ def check_frame(system: System) -> None:
     """Quasi-velocities are defined by velocities of coordinates, not by one another."""
     if system.frame is None:
         return
+    if system.frame.is_group:
+        _check_group(system, system.frame)
+        return
     own = set(system.frame.velocities)
     for v, expr in zip(system.frame.velocities, system.frame.expressions, strict=True):
         used = sorted(map(plain_name, _names_in(expr) & own))
@@ -89,14 +173,47 @@ def check_frame(system: System) -> None:
             )
 
 
+def _check_group(system: System, frame: Frame) -> None:
+    """The rates of a group are those of the coordinates, and its brackets are constant."""
+    place = f"system '{system.name}'"
+    if system.fibration.fibre:
+        raise DefinitionError(
+            f"{place}: with Frame.group all coordinates stand in the base; the fibre is that of "
+            "the frame, Frame.group(..., fibre=(...))"
+        )
+    for q in system.coordinates:
+        if q not in frame.rates:
+            raise DefinitionError(
+                f"{place}: the frame gives no rate for '{plain_name(q)}'; add it to rates={{...}}"
+            )
+    for q in frame.rates:
+        if q not in system.coordinates:
+            raise DefinitionError(
+                f"{place}: the frame gives a rate for '{shown(q)}', which is not a coordinate; "
+                "add it to Fibration(base=(...))"
+            )
+    constant = {p.symbol for p in system.parameters if isinstance(p.symbol, sp.Symbol)}
+    for pair, parts in (frame.brackets or {}).items():
+        for value in parts.values():
+            moving = sorted(map(str, _names_in(value) - constant))
+            if moving:
+                names = ", ".join(map(plain_name, pair))
+                raise DefinitionError(
+                    f"{place}: the bracket of {names} contains '{moving[0]}'; the brackets of a "
+                    "group hold numbers and constant parameters only"
+                )
+
+
 def _roles(system: System) -> Iterator[tuple[sp.Expr, str]]:
     """Every name that a system declares or implies, and what it stands for."""
     for q in system.coordinates:
         yield q, "a coordinate"
     for q in system.coordinates:
         yield velocity(q), "the velocity of a coordinate"
-    for v in system.frame.velocities if system.frame is not None else ():
+    for v in system.frame.ambient if system.frame is not None else ():
         yield v, "a quasi-velocity"
+    for name in system.frame.named if system.frame is not None else ():
+        yield name, "a name in the frame"
     for p in system.parameters:
         yield p.symbol, "a parameter"
     for g in system.invariant_symbols:
@@ -114,6 +231,8 @@ def _places(system: System) -> Iterator[tuple[str, sp.Expr]]:
     if system.frame is not None:
         for v, e in zip(system.frame.velocities, system.frame.expressions, strict=True):
             yield f"the definition of '{v}'", e
+        for q, e in system.frame.rates.items():
+            yield f"the rate of '{q}'", e
     for key, e in system.invariants.items():
         yield f"invariant '{key}'", e
     for i, e in enumerate(system.fibration.relations):
@@ -122,9 +241,7 @@ def _places(system: System) -> Iterator[tuple[str, sp.Expr]]:
 
 def _claims(system: System) -> Iterator[tuple[str, sp.Expr]]:
     """Every expression of a claim, in which the invariants may be used by name."""
-    holders: list[tuple[str, Any]] = [("", system)]
-    holders += [(f"case '{n}': ", c) for n, c in system.cases.items()]
-    for place, holder in holders:
+    for place, holder in _holders(system):
         for part in ("integrals", "equations"):
             for key, claim in getattr(holder, part).items():
                 for e in expressions_of(claim):
@@ -132,10 +249,14 @@ def _claims(system: System) -> Iterator[tuple[str, sp.Expr]]:
         if holder.measure is not None:
             for e in expressions_of(holder.measure):
                 yield f"{place}the measure", e
-    if system.multiplier is not None:
-        yield "the multiplier", system.multiplier
+        if holder.multiplier is not None:
+            yield f"{place}the multiplier", holder.multiplier
     for variable in system.essential:
         yield "essential", variable
+    if system.poisson is not None:
+        own = {*system.poisson.variables}
+        for e in expressions_of(system.poisson):
+            yield "poisson", e.xreplace(dict.fromkeys(own, sp.Integer(1)))
 
 
 def _names_in(expr: Any) -> set[sp.Expr]:

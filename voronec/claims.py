@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import sympy as sp
@@ -16,7 +17,22 @@ import sympy as sp
 from voronec.errors import DefinitionError
 from voronec.reading import expression, mapping, several, shown
 
-__all__ = ["Case", "Corrected", "Equation", "Measure", "Poisson", "expressions_of", "read_claims"]
+__all__ = [
+    "THEOREMS",
+    "Case",
+    "Corrected",
+    "Equation",
+    "Measure",
+    "Poisson",
+    "claim_names",
+    "expressions_of",
+    "read_claims",
+    "replaced",
+    "right_of",
+]
+
+THEOREMS = ("Euler-Jacobi",)
+"""What ``integrable`` may name."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +44,11 @@ class Equation:
 
     def __post_init__(self) -> None:
         for part in ("function", "rate"):
-            entries = several(getattr(self, part), f"the {part} of an equation", "expression")
-            read = tuple(expression(e, f"the {part} of an equation") for e in entries)
+            place = f"the {part} of an equation"
+            given = getattr(self, part)
+            given = tuple(given) if isinstance(given, sp.MatrixBase) else given
+            entries = several(given, place, "expression", (int, float))
+            read = tuple(expression(e, place) for e in entries)
             object.__setattr__(self, part, read)
         if len(self.function) != len(self.rate):
             raise DefinitionError(
@@ -43,8 +62,9 @@ class Measure:
     """``density`` times the volume of ``variables`` is invariant: div(density f) = 0.
 
     ``variables`` are the coordinates and the velocities of the equations, or the invariants and
-    these velocities; where none are given, the former.  Invariants that satisfy relations are
-    taken as independent in the volume where the field keeps each relation constant.
+    these velocities, or some of either whose rates depend on nothing else; where none are given,
+    the coordinates and the velocities.  Where relations R bind the variables, the volume is the one
+    whose product with dR is that of all variables taken as independent.
     """
 
     density: sp.Expr
@@ -60,9 +80,10 @@ class Measure:
 class Poisson:
     """dx/dt = clock {x, hamiltonian} with a bracket that is skew and satisfies Jacobi's identity.
 
-    ``variables`` name new symbols with their meaning, functions of the state that determine it;
-    ``bracket`` gives {a, b} by pairs of these symbols, one order of each pair, zero where nothing
-    is given; entries, the Hamiltonian and the clock may hold the new symbols and the state.
+    ``variables`` name new symbols with their meaning, functions of the state that determine it; a
+    variable of the state that is taken as it is stands for itself, ``{x: x}``.  ``bracket`` gives
+    {a, b} by pairs of these symbols, one order of each pair, zero where nothing is given; entries,
+    the Hamiltonian and the clock may hold the new symbols and the state.
     """
 
     variables: Mapping[Any, Any]
@@ -79,8 +100,16 @@ class Poisson:
                     f"the bracket of '{shown(pair)}' is no pair of its variables; "
                     "write {(a, b): expression}"
                 )
-        object.__setattr__(self, "variables", variables)
-        object.__setattr__(self, "bracket", bracket)
+        for a, b in bracket:
+            if a == b or (b, a) in bracket:
+                raise DefinitionError(
+                    f"the bracket of '{shown((a, b))}' vanishes or is given twice; give one order "
+                    "of each pair of different variables"
+                )
+        read = {k: expression(v, f"the meaning of '{shown(k)}'") for k, v in variables.items()}
+        entries = {k: expression(v, f"the bracket of {shown(k)}") for k, v in bracket.items()}
+        object.__setattr__(self, "variables", MappingProxyType(read))
+        object.__setattr__(self, "bracket", MappingProxyType(entries))
         for part in ("hamiltonian", "clock"):
             object.__setattr__(self, part, expression(getattr(self, part), f"the {part}"))
 
@@ -103,7 +132,8 @@ class Case:
     """Claims that hold where some parameters take special values.
 
     ``parameters`` gives them as numbers or functions of the other parameters; the claims are
-    those of ``System``.
+    those of ``System``.  For ``integrable`` the integrals of the system count too, and its measure
+    where the case has none.
     """
 
     parameters: Mapping[Any, Any]
@@ -112,8 +142,12 @@ class Case:
     measure: Any = None
     integrable: str = ""
     note: str = ""
+    multiplier: Any = None
 
     def __post_init__(self) -> None:
+        if self.multiplier is not None:
+            read = expression(self.multiplier, "the multiplier of a case")
+            object.__setattr__(self, "multiplier", read)
         for part, entry in (("parameters", "parameter: value"),):
             object.__setattr__(self, part, mapping(getattr(self, part), part, entry))
         for part, value in read_claims(self).items():
@@ -144,8 +178,46 @@ def expressions_of(claim: Any) -> Iterator[sp.Expr]:
         yield from (*claim.function, *claim.rate)
     elif isinstance(claim, Measure):
         yield from (claim.density, *claim.variables)
+    elif isinstance(claim, Poisson):
+        values = (*claim.variables.values(), *claim.bracket.values())
+        yield from (*values, claim.hamiltonian, claim.clock)
     else:
         yield claim
+
+
+def replaced(claim: Any, at: Mapping[Any, Any]) -> Any:
+    """An integral, an equation or a measure with symbols replaced."""
+    if isinstance(claim, Corrected):
+        return Corrected(replaced(claim.right, at), replaced(claim.printed, at), claim.source)
+    if isinstance(claim, Equation):
+        function, rate = (
+            tuple(e.xreplace(at) for e in part) for part in (claim.function, claim.rate)
+        )
+        return Equation(function, rate)
+    if isinstance(claim, Measure):
+        return Measure(claim.density.xreplace(at), claim.variables)
+    return claim.xreplace(at)
+
+
+def claim_names(system: Any) -> Iterator[str]:
+    """Each claim of a system by the name it has; those without one by their kind."""
+    holders: list[tuple[str, Any]] = [("", system)]
+    for label, holder in holders + [(f"{n}: ", c) for n, c in system.cases.items()]:
+        yield from (f"{label}{name}" for name in (*holder.integrals, *holder.equations))
+        if holder.measure is not None:
+            yield f"{label}measure"
+        if holder.integrable:
+            yield f"{label}integrable"
+    for kind in ("multiplier", "poisson", "essential"):
+        if getattr(system, kind):
+            yield kind
+    if system.invariants:
+        yield "descent"
+
+
+def right_of(claim: Any) -> Any:
+    """The claim itself; of a corrected one, the one that is true."""
+    return claim.right if isinstance(claim, Corrected) else claim
 
 
 def _claimed(value: Any, place: str, read: Callable[[Any, str], Any]) -> Any:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import symengine as se
@@ -18,6 +19,7 @@ import symengine as se
 from voronec.algebra.elimination import Solution, solve_linear
 from voronec.algebra.verdicts import decide_zero
 from voronec.errors import DefinitionError
+from voronec.group_frame import GroupFrame
 
 __all__ = [
     "AffineForms",
@@ -91,6 +93,8 @@ class EhresmannConnection:
     """The horizontal lift of a frame: qdot_a = lift[a][i] v_i + lift[a][n].
 
     ``coordinates`` and ``time`` are symengine symbols; the first ``base`` of them are base ones.
+    On a group the rows of the lift are components along its fields X_a in the place of d_a, the
+    first ``base`` of them those of the independent velocities.
     """
 
     coordinates: tuple[Any, ...]
@@ -98,6 +102,7 @@ class EhresmannConnection:
     velocities: tuple[Any, ...]
     time: Any
     lift: tuple[tuple[Any, ...], ...]
+    group: GroupFrame | None = None
 
     @property
     def n(self) -> int:
@@ -106,22 +111,38 @@ class EhresmannConnection:
 
     @property
     def rates(self) -> list[Any]:
-        """qdot as expressions in q, v, t."""
+        """qdot as expressions in q, v, t; on a group, all velocities of its frame."""
         return [
             se.Add(*[h * v for h, v in zip(row, self.velocities, strict=False)], row[-1])
             for row in self.lift
         ]
 
+    @cached_property
+    def coordinate_lift(self) -> tuple[tuple[Any, ...], ...]:
+        """The horizontal fields on the coordinates, a row for each."""
+        if self.group is None:
+            return self.lift
+        columns = [self.group.moved(column) for column in zip(*self.lift, strict=True)]
+        return tuple(zip(*columns, strict=True))
+
     def along(self, i: int, function: Any) -> Any:
         """h_i(function): the derivative along a horizontal field."""
         terms = [
             row[i] * function.diff(q)
-            for q, row in zip(self.coordinates, self.lift, strict=True)
+            for q, row in zip(self.coordinates, self.coordinate_lift, strict=True)
             if row[i] != 0
         ]
         if i == self.n:
             terms.append(function.diff(self.time))
         return se.Add(*terms) if terms else se.Integer(0)
+
+    def lost(self, relations: Sequence[Any]) -> int | None:
+        """The position of the first relation that some horizontal field does not keep, if any."""
+        for k, relation in enumerate(relations):
+            slopes = [self.along(i, relation) for i in range(self.n + 1)]
+            if not all(decide_zero(slope, relations).proved for slope in slopes):
+                return k
+        return None
 
     def flow_derivative(self, function: Any, rates: Sequence[Any]) -> Any:
         """The derivative of a function of q, t (and v, held fixed) along the motion."""
@@ -133,8 +154,12 @@ class EhresmannConnection:
         return se.Add(function.diff(self.time), *terms)
 
     def bracket(self, i: int, j: int) -> list[Any]:
-        """The components of [h_i, h_j] on all coordinates."""
-        return [self.along(i, row[j]) - self.along(j, row[i]) for row in self.lift]
+        """The components of [h_i, h_j] on all coordinates, or along all fields of a group."""
+        moved = [self.along(i, row[j]) - self.along(j, row[i]) for row in self.lift]
+        if self.group is None:
+            return moved
+        turned = self.group.turned([r[i] for r in self.lift], [r[j] for r in self.lift])
+        return [m + t for m, t in zip(moved, turned, strict=True)]
 
     def decompose(
         self, i: int, j: int, dual: Sequence[Sequence[Any]], tidy: Tidy

@@ -29,7 +29,8 @@ class Curvature:
 
     ``curvature[nu, i, j]`` is A_ij^(nu) and ``curvature.time[nu, i]`` is A_i^(nu), with nu over the
     fibre and i, j over the base, from 0; A = -B of the Ehresmann connection
-    [DragovicGajicJovanovic2020, after eq. (v4)].
+    [DragovicGajicJovanovic2020, after eq. (v4)].  On a group, nu is over the velocities in the
+    fibre of its frame, and i, j over the independent ones.
     """
 
     space: sp.ImmutableDenseNDimArray
@@ -41,7 +42,7 @@ class Curvature:
 
 @dataclass(frozen=True)
 class Brackets:
-    """[h_i, h_j] = c_ij^k h_k + B_ij^A d_A in the frame in use.
+    """[h_i, h_j] = c_ij^k h_k + B_ij^A d_A in the frame in use; X_A for d_A on a group.
 
     ``c[k, i, j]`` and ``B[A, i, j]``; the index n of i or j, after the velocities, is the time.
     """
@@ -52,6 +53,8 @@ class Brackets:
 
 def vertical_parts(d: Derivation) -> dict[tuple[int, int], list[Any]]:
     """B_ij^A in the coordinate frame for i < j, the time last; inside the door."""
+    if d.definition.group is not None:
+        return {pair: b for pair, (_, b) in bracket_parts(d).items()}
     connection, n = d.coordinate_connection, d.definition.base
     pairs = [(i, j) for j in range(n + 1) for i in range(j)]
     fibre = len(connection.coordinates) - n
@@ -71,7 +74,7 @@ def curvature_of(
     b: Mapping[tuple[int, int], list[Any]], d: Definition, outward: Outward
 ) -> Curvature:
     """The curvature from its parts B_ij^A, with A = -B."""
-    n, fibre = d.base, len(d.coordinates) - d.base
+    n, fibre = d.base, len(d.dots) - d.base
 
     def a(nu: int, i: int, j: int) -> Any:
         return outward(-b[i, j][nu]) if i < j else outward(b[j, i][nu]) if j < i else 0
@@ -93,7 +96,7 @@ def brackets_of(
         return outward(table[i, j][part][k]) if i < j else -outward(table[j, i][part][k])
 
     arrays = []
-    for part, size in ((0, n), (1, len(d.coordinates) - d.base)):
+    for part, size in ((0, n), (1, len(d.dots) - d.base)):
         m = range(n + 1)
         entries = [entry(part, k, i, j) for k in range(size) for i in m for j in m]
         arrays.append(_array(entries, (size, n + 1, n + 1)))

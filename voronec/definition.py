@@ -10,12 +10,13 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
-from voronec.algebra.elimination import solve_linear
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
-from voronec.connection import AffineForms, FibreSolution, solve_fibre
+from voronec.connection import AffineForms, FibreSolution
 from voronec.errors import DefinitionError
+from voronec.group_frame import GroupFrame, read_group
 from voronec.reading import shown
 from voronec.system import System, require_system
+from voronec.transversality import solved
 
 __all__ = ["Definition", "read"]
 
@@ -25,13 +26,21 @@ Enter = Callable[[sp.Expr, str], Any]
 
 @dataclass(frozen=True)
 class Definition:
-    """A system inside the door: symengine symbols and expressions, constraints solved."""
+    """A system inside the door: symengine symbols and expressions, constraints solved.
+
+    ``dots`` are the velocities in which Lagrangian and constraints are written: those of the
+    coordinates, or of a group's frame; forces act along them.
+    """
 
     system: System
     door: Door
     coordinates: tuple[Any, ...]
     coordinate_velocities: tuple[Any, ...]
+    dots: tuple[Any, ...]
+    group: GroupFrame | None
     velocities: tuple[Any, ...]
+    momenta: tuple[Any, ...]
+    determinant: Any
     parameters: tuple[Any, ...]
     time: Any
     lagrangian: Any
@@ -45,8 +54,28 @@ class Definition:
 
     @property
     def base(self) -> int:
-        """The number of base coordinates."""
-        return len(self.system.fibration.base)
+        """The number of base coordinates; on a group, of independent velocities."""
+        return self.system.base_directions
+
+    @property
+    def split(self) -> tuple[list[str], list[str]]:
+        """What indices over the base and over the fibre count: coordinates, or, on a group,
+        velocities of its frame."""
+        names = [plain_name(x) for x in self.system.directions]
+        return names[: self.base], names[self.base :]
+
+    @property
+    def keeps_vertical(self) -> bool:
+        """Whether the fibre directions are those of a fibration that the brackets know."""
+        return self.group is None or self.group.keeps_vertical(self.base)
+
+    def along_fibre(self, function: Any) -> list[Any]:
+        """The derivatives of a function of the coordinates along the fibre directions."""
+        if self.group is None:
+            return [function.diff(s) for s in self.coordinates[self.base :]]
+        pairs = list(zip(self.coordinates, self.group.fields, strict=True))
+        size = range(self.base, len(self.dots))
+        return [se.Add(*[row[a] * function.diff(q) for q, row in pairs]) for a in size]
 
 
 def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
@@ -58,32 +87,42 @@ def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
     require_system(system)
     door = Door(s for s in system.known_symbols() if s == time or _is_variable(system, s))
     coordinates = tuple(door.inward(q) for q in system.coordinates)
-    dots = tuple(door.inward(velocity(q)) for q in system.coordinates)
-    enter = _reader(system, door)
+    coordinate_velocities = tuple(door.inward(velocity(q)) for q in system.coordinates)
+    group = _group(system, door)
+    dots = group.velocities if group else coordinate_velocities
+    enter = _reader(system, door, group, coordinate_velocities)
     relations = tuple(
         enter(r, f"relation {i + 1}") for i, r in enumerate(system.fibration.relations)
     )
-    differentiated = AffineForms(
-        tuple(tuple(r.diff(q) for q in coordinates) for r in relations),
-        tuple(r.diff(door.inward(time)) for r in relations),
-    )
+    differentiated = AffineForms((), ())
+    if group is None:
+        differentiated = AffineForms(
+            tuple(tuple(r.diff(q) for q in coordinates) for r in relations),
+            tuple(r.diff(door.inward(time)) for r in relations),
+        )
     frame = _frame(system, enter, dots)
     constraints = _constraints(system, enter, dots)
     _count(system, len(constraints.matrix), differentiated)
     point = _start(system) if near is None else dict(near)
-    fibre = _solved(system, constraints, differentiated, relations, point)
+    fibre = solved(system, constraints, differentiated, relations, point)
     zero = se.Integer(0)
+    named = system.frame.momenta if system.frame is not None else ()
+    determinant = system.frame.determinant if system.frame is not None else None
     forces = {q: enter(e, f"the force on '{plain_name(q)}'") for q, e in system.forces.items()}
     return Definition(
         system=system,
         door=door,
         coordinates=coordinates,
-        coordinate_velocities=dots,
+        coordinate_velocities=coordinate_velocities,
+        dots=dots,
+        group=group,
         velocities=tuple(door.inward(v) for v in system.velocities),
+        momenta=tuple(door.inward_all(named)),
+        determinant=determinant if determinant is None else door.inward(determinant),
         parameters=tuple(door.inward(p.symbol) for p in system.parameters),
         time=door.inward(time),
         lagrangian=enter(system.lagrangian, "the Lagrangian"),
-        forces=tuple(forces.get(q, zero) for q in system.coordinates),
+        forces=tuple(forces.get(q, zero) for q in system.directions),
         constraints=constraints,
         frame=frame,
         relations=relations,
@@ -91,6 +130,13 @@ def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
         fibre=fibre,
         near=point,
     )
+
+
+def _group(system: System, door: Door) -> GroupFrame | None:
+    frame = system.frame
+    if frame is None or not frame.is_group:
+        return None
+    return read_group(frame, system.coordinates, door, f"system '{system.name}'")
 
 
 def _start(system: System) -> dict[str, Any]:
@@ -112,8 +158,13 @@ def _is_variable(system: System, symbol: sp.Expr) -> bool:
     )
 
 
-def _reader(system: System, door: Door) -> Enter:
-    """The way in: quasi-velocities are spelled out, and what the door refuses has a place."""
+def _reader(
+    system: System, door: Door, group: GroupFrame | None, coordinate_velocities: Sequence[Any]
+) -> Enter:
+    """The way in: quasi-velocities are spelled out, and what the door refuses has a place.
+
+    On a group it is the velocities of the coordinates that are spelled out.
+    """
 
     def plain(expr: sp.Expr, place: str) -> Any:
         try:
@@ -123,6 +174,10 @@ def _reader(system: System, door: Door) -> Enter:
 
     if system.frame is None:
         return plain
+    if group is not None:
+        rates = group.moved(group.velocities)
+        spelled = dict(zip(coordinate_velocities, rates, strict=True))
+        return lambda expr, place: plain(expr, place).xreplace(spelled)
     pairs = zip(system.frame.velocities, system.frame.expressions, strict=True)
     meanings = {door.inward(v): plain(e, f"the definition of '{plain_name(v)}'") for v, e in pairs}
     return lambda expr, place: plain(expr, place).xreplace(meanings)
@@ -149,6 +204,8 @@ def _constraint(system: System, i: int) -> str:
 
 
 def _frame(system: System, enter: Enter, dots: Sequence[Any]) -> AffineForms | None:
+    if system.on_group:
+        return None
     if system.frame is None:
         if system.fibration.relations and _bound_on_base(system):
             raise DefinitionError(
@@ -179,6 +236,14 @@ def _mentions(expr: sp.Expr, things: set[sp.Expr]) -> bool:
 
 def _count(system: System, constraints: int, differentiated: AffineForms) -> None:
     """As many conditions as fibre coordinates, relations on the fibre counted."""
+    if system.on_group:
+        fibre = len(system.directions) - system.base_directions
+        if constraints != fibre:
+            raise DefinitionError(
+                f"system '{system.name}': {constraints} constraint(s) for {fibre} velocities in "
+                "the fibre of the frame; name as many there as there are constraints"
+            )
+        return
     base, fibre = len(system.fibration.base), len(system.fibration.fibre)
     binding = sum(any(e != 0 for e in row[base:]) for row in differentiated.matrix)
     if constraints > fibre:
@@ -193,62 +258,3 @@ def _count(system: System, constraints: int, differentiated: AffineForms) -> Non
             f"constraint(s); move {fibre - constraints - binding} coordinate(s) to the base, or "
             "add what is missing"
         )
-
-
-def _solved(
-    system: System,
-    constraints: AffineForms,
-    differentiated: AffineForms,
-    ideal: Sequence[Any],
-    near: Mapping[str, Any],
-) -> FibreSolution:
-    base = len(system.fibration.base)
-    fibre, solution = solve_fibre(constraints, differentiated, base, ideal, near)
-    if solution is None:
-        return fibre
-    k = len(constraints.matrix)
-    left_over = [i for i in (*solution.dependent, *solution.contradictory) if i < k]
-    if not solution.free and not left_over:
-        return fibre
-    _explain_dependence(system, constraints, ideal)
-    names = [plain_name(system.fibration.fibre[j]) for j in solution.free]
-    split = _working_split(system, constraints, ideal)
-    raise DefinitionError(
-        f"system '{system.name}': the constraints do not determine the velocities of the fibre "
-        f"coordinates (undetermined: {', '.join(names)}); a split that works: "
-        f"base=({', '.join(split[0])}), fibre=({', '.join(split[1])})"
-    )
-
-
-def _explain_dependence(system: System, constraints: AffineForms, ideal: Sequence[Any]) -> None:
-    """Raise where the constraints themselves are dependent or contradictory."""
-    right = [[-o] for o in constraints.offset]
-    whole = solve_linear(constraints.matrix, right, ideal)
-    if whole.contradictory:
-        raise DefinitionError(
-            f"system '{system.name}': the constraints contradict each other (constraint "
-            f"{whole.contradictory[0] + 1} is inconsistent with the others); correct or drop it"
-        )
-    if whole.dependent:
-        raise DefinitionError(
-            f"system '{system.name}': constraint {whole.dependent[0] + 1} follows from the "
-            "others; drop it, and move one coordinate from the fibre to the base"
-        )
-
-
-def _working_split(
-    system: System, constraints: AffineForms, ideal: Sequence[Any]
-) -> tuple[list[str], list[str]]:
-    """A choice of fibre coordinates for which the constraints can be solved, near the given one."""
-    total, base = len(system.coordinates), len(system.fibration.base)
-    order = [*range(base, total), *range(base)]
-    chosen: list[int] = []
-    for j in order:
-        trial = [*chosen, j]
-        columns = [[row[i] for i in trial] for row in constraints.matrix]
-        if not solve_linear(columns, [[se.Integer(0)]] * len(columns), ideal).free:
-            chosen = trial
-        if len(chosen) == len(constraints.matrix):
-            break
-    names = [plain_name(q) for q in system.coordinates]
-    return [names[i] for i in range(total) if i not in chosen], [names[i] for i in sorted(chosen)]

@@ -26,6 +26,7 @@ from voronec.connection import (
 )
 from voronec.definition import Definition
 from voronec.errors import DefinitionError
+from voronec.reading import shown
 
 __all__ = ["Derivation", "FirstOrderForm"]
 
@@ -36,7 +37,8 @@ class FirstOrderForm:
 
     ``coordinates`` base then fibre; ``definitions`` gives v in terms of q, qdot, t, with
     ``velocity_symbols`` the symbols of qdot; ``relations`` vanish along the motion.  ``stages``
-    are pairs (name, expression), in order, that rates, mass and force may use.
+    are pairs (name, expression), in order, that rates, mass and force may use; ``dependent`` pairs
+    of the other velocities of a group's frame, and named momenta, with what they are.
     """
 
     coordinates: tuple[Any, ...]
@@ -49,6 +51,7 @@ class FirstOrderForm:
     definitions: tuple[Any, ...]
     velocity_symbols: tuple[Any, ...]
     relations: tuple[Any, ...] = ()
+    dependent: tuple[tuple[Any, Any], ...] = ()
     stages: tuple[tuple[Any, Any], ...] = ()
 
 
@@ -95,13 +98,21 @@ class Derivation:
     def _connect(self, framed: bool) -> EhresmannConnection:
         d = self.definition
         lift = self._framed_lift() if framed else coordinate_lift(self.fibre, d.base)
-        return EhresmannConnection(
+        connection = EhresmannConnection(
             coordinates=d.coordinates,
             base=d.base,
-            velocities=d.velocities if framed else d.coordinate_velocities[: d.base],
+            velocities=d.velocities if framed else d.dots[: d.base],
             time=d.time,
             lift=tuple(tuple(row) for row in lift),
+            group=d.group,
         )
+        lost = connection.lost(d.relations) if d.group is not None and not self.exact else None
+        if lost is not None:
+            raise DefinitionError(
+                f"system '{d.system.name}': the motion does not keep the relation "
+                f"{shown(d.system.fibration.relations[lost])} = 0; correct it, or the rates"
+            )
+        return connection
 
     def _framed_lift(self) -> list[list[Any]]:
         d = self.definition
@@ -125,13 +136,39 @@ class Derivation:
         return [flat[k * d.base : (k + 1) * d.base] for k in range(len(rows))]
 
     @cached_property
-    def rates(self) -> list[Any]:
-        """qdot in terms of q, v, t."""
+    def dot_rates(self) -> list[Any]:
+        """The velocities in which the Lagrangian is written, in terms of q, v, t."""
         return self.tidy(self.connection.rates)
 
     @cached_property
+    def rates(self) -> list[Any]:
+        """qdot in terms of q, v, t."""
+        group = self.definition.group
+        return self.dot_rates if group is None else self.tidy(group.moved(self.dot_rates))
+
+    @property
+    def dependent(self) -> tuple[tuple[Any, Any], ...]:
+        """The velocities of a group that are not independent, with what they are."""
+        d = self.definition
+        pairs = tuple(zip(d.dots, self.dot_rates, strict=True))
+        return pairs[d.base :] if d.group is not None else ()
+
+    @property
+    def turning(self) -> tuple[tuple[Any, ...], ...]:
+        """C_ab^k h_i^a w^b of a group, a row for each i; k over the independent velocities."""
+        n = self.definition.base
+        if self.definition.group is None:
+            return ()
+        return tuple(tuple(self._turned(i)[:n]) for i in range(n))
+
+    @property
+    def named_momenta(self) -> tuple[tuple[Any, Any], ...]:
+        """The momenta dLc/dv that the frame gives a name, with what they are."""
+        return tuple(zip(self.definition.momenta, self.quasi_momenta, strict=False))
+
+    @cached_property
     def _on_constraints(self) -> dict[Any, Any]:
-        return dict(zip(self.definition.coordinate_velocities, self.rates, strict=True))
+        return dict(zip(self.definition.dots, self.dot_rates, strict=True))
 
     @cached_property
     def constrained_lagrangian(self) -> Any:
@@ -143,7 +180,7 @@ class Derivation:
     def momenta(self) -> list[Any]:
         """dL/dqdot for every coordinate, on the constraints; the fibre part is K_nu."""
         d = self.definition
-        raw = [d.lagrangian.diff(v).xreplace(self._on_constraints) for v in d.coordinate_velocities]
+        raw = [d.lagrangian.diff(v).xreplace(self._on_constraints) for v in d.dots]
         return self.tidy(raw)
 
     @cached_property
@@ -185,12 +222,20 @@ class Derivation:
         for i in range(connection.n):
             terms = [connection.along(i, self.constrained_lagrangian)]
             for momentum, rate, row, force in zip(
-                self.momenta, rates, connection.lift, applied, strict=True
+                self.momenta, self.dot_rates, connection.lift, applied, strict=True
             ):
                 turn = connection.along(i, rate) - connection.flow_derivative(row[i], rates)
                 terms.append(row[i] * force - momentum * turn)
+            terms += [-p * t for p, t in zip(self.momenta, self._turned(i), strict=False)]
             result.append(se.Add(*terms))
         return result
+
+    def _turned(self, i: int) -> list[Any]:
+        """What the brackets of a group's own frame add to [h_i, h_j]^a v^j; nothing elsewhere."""
+        group = self.definition.group
+        if group is None:
+            return []
+        return group.turned([row[i] for row in self.connection.lift], self.dot_rates)
 
     @cached_property
     def force(self) -> list[Any]:
@@ -203,13 +248,16 @@ class Derivation:
         """d/dt of the rates at fixed v; qddot is this plus the lift of vdot."""
         return [self.connection.flow_derivative(rate, self.rates) for rate in self.rates]
 
+    @cached_property
+    def dot_drift(self) -> list[Any]:
+        """The same for the velocities in which the Lagrangian is written."""
+        return [self.connection.flow_derivative(rate, self.rates) for rate in self.dot_rates]
+
     @property
     def definitions(self) -> tuple[Any, ...]:
-        """The velocities v in terms of q, qdot, t."""
+        """The velocities v in terms of q, qdot, t; on a group they are themselves."""
         d = self.definition
-        if d.frame is None:
-            return d.coordinate_velocities[: d.base]
-        return tuple(d.frame.expressions(d.coordinate_velocities))
+        return d.dots[: d.base] if d.frame is None else tuple(d.frame.expressions(d.dots))
 
     @cached_property
     def form(self) -> FirstOrderForm:
@@ -226,6 +274,7 @@ class Derivation:
             definitions=self.definitions,
             velocity_symbols=d.coordinate_velocities,
             relations=d.relations,
+            dependent=self.dependent + self.named_momenta,
         )
 
 

@@ -24,6 +24,8 @@ __all__ = ["Distribution", "grow"]
 
 Field = tuple[Any, ...]
 BITS = 320
+NODES = 15_000
+"""Fields of more nodes are not bracketed again: symengine would not come to an end."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,8 @@ class Distribution:
     ``growth``: dimensions of D_1, D_2, ... until they stay.  ``integrable``: positions of the
     constraints proved to annihilate the closure; ``undecided``: of those that do so in numbers
     only.  ``dimension``: of the space; ``timed``: whether the time is one of its coordinates, as it
-    is where the constraints move or are affine.
+    is where the constraints move or are affine.  ``cut``: whether further brackets were too large
+    to be made, so that the growth may go on.
     """
 
     growth: tuple[int, ...]
@@ -41,20 +44,27 @@ class Distribution:
     undecided: tuple[int, ...]
     dimension: int
     timed: bool
+    cut: bool = False
 
 
 def grow(definition: Definition, connection: EhresmannConnection) -> Distribution:
     """The growth vector at a generic point, and the constraints proved to be integrable."""
     n = connection.n
     timed = _uses_time(definition, connection)
-    variables = (*connection.coordinates, connection.time) if timed else connection.coordinates
+    space = _Space(connection, timed)
     fields = [_field(connection, i, timed) for i in range(n + 1 if timed else n)]
     frame, tops, growth = list(fields), list(fields), [len(fields)]
     rank_of = _RankOracle(definition.relations)
-    dimension = len(variables) - rank_of.relations(variables)
+    dimension = space.dimension
+    if connection.group is None:
+        dimension -= rank_of.relations(connection.coordinates)
+    cut = False
     while tops and growth[-1] < dimension:
+        cut = Tape([e for field in tops for e in field]).size > NODES
+        if cut:
+            break
         brackets = [
-            _bracket(x, y, variables)
+            space.bracket(x, y)
             for i, x in enumerate(fields)
             for j, y in enumerate(tops)
             if len(growth) > 1 or i < j
@@ -65,12 +75,15 @@ def grow(definition: Definition, connection: EhresmannConnection) -> Distributio
         frame += tops
         growth.append(len(frame))
     standing = _standing(definition, connection, frame[len(fields) :], timed)
+    if cut:  # what annihilates the brackets that were made may not annihilate those that were not
+        standing = ["undecided" if s == "proved" else s for s in standing]
     return Distribution(
         growth=tuple(growth),
         integrable=tuple(i for i, s in enumerate(standing) if s == "proved"),
         undecided=tuple(i for i, s in enumerate(standing) if s == "undecided"),
         dimension=dimension,
         timed=timed,
+        cut=cut,
     )
 
 
@@ -80,6 +93,7 @@ def _standing(
     """For each constraint: is it integrable?  proved, refuted or undecided."""
     relations, result = definition.relations, []
     variables = (*connection.coordinates, *((connection.time,) if timed else ()))
+    alone = connection.group is None  # the form of one constraint by itself, in coordinates
     for row, offset in zip(
         definition.constraints.matrix, definition.constraints.offset, strict=True
     ):
@@ -87,7 +101,7 @@ def _standing(
         on_new = [se.Add(*[c * f for c, f in zip(form, field, strict=True)]) for field in new]
         if _witnessed(on_new, relations):
             result.append("refuted")
-        elif _frobenius(form, variables, relations) or _all_proved(on_new, relations):
+        elif _all_proved(on_new, relations) or (alone and _frobenius(form, variables, relations)):
             result.append("proved")
         else:
             result.append("undecided")
@@ -134,12 +148,37 @@ def _field(connection: EhresmannConnection, i: int, timed: bool) -> Field:
     return (*column, se.Integer(int(i == connection.n))) if timed else tuple(column)
 
 
-def _bracket(x: Field, y: Field, variables: Sequence[Any]) -> Field:
-    def along(field: Field, function: Any) -> Any:
-        terms = [f * function.diff(q) for f, q in zip(field, variables, strict=True) if f != 0]
-        return se.Add(*terms) if terms else se.Integer(0)
+@dataclass(frozen=True)
+class _Space:
+    """Where the fields live: along the coordinates, or the fields of a group, and the time."""
 
-    return tuple(along(x, b) - along(y, a) for a, b in zip(x, y, strict=True))
+    connection: EhresmannConnection
+    timed: bool
+
+    @property
+    def dimension(self) -> int:
+        """The number of components of a field."""
+        return len(self.connection.lift) + int(self.timed)
+
+    def bracket(self, x: Field, y: Field) -> Field:
+        """[x, y]."""
+        moved = tuple(self._along(x, b) - self._along(y, a) for a, b in zip(x, y, strict=True))
+        group = self.connection.group
+        if group is None:
+            return moved
+        turned = group.turned(x[: len(group.velocities)], y[: len(group.velocities)])
+        turned += [se.Integer(0)] * int(self.timed)
+        return tuple(m + t for m, t in zip(moved, turned, strict=True))
+
+    def _along(self, field: Field, function: Any) -> Any:
+        coordinates, group = self.connection.coordinates, self.connection.group
+        rates = list(field if group is None else group.moved(field[: len(group.velocities)]))
+        variables = list(coordinates)
+        if self.timed:
+            variables.append(self.connection.time)
+            rates += [field[-1]] if group is not None else []
+        terms = [f * function.diff(q) for f, q in zip(rates, variables, strict=True) if f != 0]
+        return se.Add(*terms) if terms else se.Integer(0)
 
 
 class _RankOracle:

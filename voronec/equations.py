@@ -132,7 +132,7 @@ class VoronecEquations:
 
     @cached_property
     def momenta(self) -> sp.ImmutableMatrix:
-        """K_nu = dL/d(sdot_nu) on the constraints, for each fibre coordinate."""
+        """K_nu = dL/d(sdot_nu) on the constraints, for each fibre coordinate (or velocity)."""
         return self._column(self.best.polish(self.best.momenta[self.definition.base :]))
 
     @cached_property
@@ -186,8 +186,9 @@ class VoronecEquations:
             return "holonomic"
         d, raw = self.definition, self.raw.fibre
         exprs = [d.lagrangian, *d.forces, *raw.offset, *(e for row in raw.matrix for e in row)]
-        fibre = d.coordinates[d.base :]
-        free = all_vanish([e.diff(s) for e in exprs for s in fibre], ideal)
+        free = d.keeps_vertical and all_vanish(
+            [along for e in exprs for along in d.along_fibre(e)], ideal
+        )
         return "chaplygin" if free else "voronec"
 
     @cached_property

@@ -113,16 +113,20 @@ def acceleration(
             f"system '{system.name}' has no accelerations at this point: its mass matrix is "
             "singular or its equations are not defined there"
         )
-    return dict(zip(system.coordinates, result, strict=True))
+    group = system.directions if system.on_group else ()
+    return dict(zip((*system.coordinates, *group), result, strict=True))
 
 
 def _accelerations(raw: Derivation, values: dict[str, Any], digits: int) -> list[sp.Float] | None:
     """Accelerations to ``digits`` digits; None where the equations give none."""
     system = raw.definition.system
-    n, total = raw.connection.n, len(system.coordinates)
+    n, connection = raw.connection.n, raw.connection
     mass = [e for row in raw.mass for e in row]
-    lift = [e for row in raw.connection.lift for e in row[:n]]
-    tape = Tape([*mass, *raw.force, *lift, *raw.rate_drift, *raw.definition.relations])
+    rows, drifts = list(connection.coordinate_lift), list(raw.rate_drift)
+    if connection.group is not None:
+        rows, drifts = rows + list(connection.lift), drifts + raw.dot_drift
+    lift, total = [e for row in rows for e in row[:n]], len(rows)
+    tape = Tape([*mass, *raw.force, *lift, *drifts, *raw.definition.relations])
     unknown = [a for a in tape.atoms if str(a) not in values]
     if unknown:
         mend = "add it to the point" if unknown[0].is_Symbol else "put a formula in its place"

@@ -26,6 +26,7 @@ from voronec.algebra.staged_elimination import StagedElimination
 from voronec.algebra.stages import ONE, ZERO, Stages, needed
 from voronec.definition import Definition
 from voronec.derivation import Derivation, FirstOrderForm
+from voronec.errors import EngineLimit
 
 __all__ = ["StagedMotion", "lean_form"]
 
@@ -50,11 +51,13 @@ class StagedSystem:
         """Name the sums of a definition, and the parts that sums share."""
         stages = Stages(prefix)
         dots = d.coordinate_velocities
-        constraints = [d.door.inward(c) for c in d.system.constraints]
+        frame = d.frame.expressions(dots) if d.frame else []
+        meaning = dict(zip(d.velocities, frame, strict=False))  # in constraints, spelled out
+        constraints = [d.door.inward(c).xreplace(meaning) for c in d.system.constraints]
         affine = _is_affine(constraints, dots)
         conditions = constraints if affine else d.constraints.expressions(dots)
         right = [ZERO] * len(conditions) + list(d.velocities)
-        conditions += d.frame.expressions(dots) if d.frame else dots[: d.base]
+        conditions += frame or dots[: d.base]
         conditions += d.differentiated.expressions(dots)
         right += [ZERO] * len(d.relations)
         named = [stages.name(e) for e in (d.lagrangian, *d.forces, *conditions)]
@@ -262,6 +265,8 @@ def lean_form(raw: Derivation) -> FirstOrderForm:
     Raises ``EngineLimit`` where the velocities are not determined stage by stage.
     """
     d = raw.definition
+    if d.group is not None:
+        raise EngineLimit("systems on a group have no lean form")
     taken = {str(s) for s in (*d.coordinates, *d.velocities, *d.parameters, d.time)}
     prefix = "z"
     while any(name.startswith(prefix) for name in taken):

@@ -38,8 +38,8 @@ def equations_dict(eqs: VoronecEquations) -> dict[str, Any]:
 
     For a system beyond the exact normal form, the Python source of its program instead.
     """
-    fibre = [plain_name(s) for s in eqs.system.fibration.fibre]
-    base = [plain_name(s) for s in eqs.system.fibration.base]
+    base, fibre = eqs.definition.split
+    coordinates = [plain_name(q) for q in eqs.coordinates]
     data: dict[str, Any] = {
         "system": eqs.system.name,
         "base": base,
@@ -54,7 +54,7 @@ def equations_dict(eqs: VoronecEquations) -> dict[str, Any]:
     if not eqs.in_normal_form:  # written out, a shared graph is endless
         return data | {"program": _program(eqs), "operations": eqs.operations}
     data |= {
-        "rates": dict(zip(base + fibre, map(plain_text, eqs.rates), strict=True)),
+        "rates": dict(zip(coordinates, map(plain_text, eqs.rates), strict=True)),
         "mass": [[plain_text(e) for e in eqs.mass.row(i)] for i in range(eqs.mass.rows)],
         "force": [plain_text(e) for e in eqs.force],
         "left": [plain_text(e) for e in eqs.left],

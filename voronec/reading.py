@@ -73,7 +73,9 @@ def several(
 
     ``entry`` shows in messages what one of them looks like.
     """
-    many = isinstance(things, (sp.Tuple, sp.MatrixBase, sp.NDimArray))
+    if isinstance(things, sp.MatrixBase):
+        return tuple(things)
+    many = isinstance(things, (sp.Tuple, sp.NDimArray))
     if (isinstance(things, (str, sp.Basic)) and not many) or isinstance(things, kind):
         return (things,)
     if isinstance(things, Iterable) and not isinstance(things, (Mapping, set, frozenset)):

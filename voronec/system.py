@@ -10,7 +10,7 @@ import sympy as sp
 
 from voronec import checks
 from voronec.algebra.symbols import time, velocity
-from voronec.claims import Case, Poisson, read_claims
+from voronec.claims import Case, Poisson, read_claims, right_of
 from voronec.errors import DefinitionError
 from voronec.geometry import Fibration, Frame
 from voronec.reading import expression, mapping, several, shown, vanishing
@@ -36,7 +36,8 @@ class System:
     forces
         coordinate -> generalized force, for what does not come from the Lagrangian.
     frame
-        quasi-velocities, ``Frame.quasi({v: expression, ...})``; the base velocities by default.
+        quasi-velocities, ``Frame.quasi({v: expression, ...})``, or the frame of a Lie group,
+        ``Frame.group(...)``; the base velocities by default.
     invariants
         name -> function of the coordinates to which the equations are claimed to descend.
     integrals, equations, measure
@@ -56,7 +57,8 @@ class System:
     cases
         name -> ``Case``: claims under special values of parameters.
     undecided
-        name of a claim -> why the engine cannot decide it.
+        name of a claim -> why the engine cannot decide it; a measure, a bracket and the like, which
+        have no names, are called by their kind: ``measure``, ``poisson``.
     scenes
         name -> ``Scene``; the one called ``default`` is what ``voronec run NAME`` shows.
     references
@@ -112,6 +114,7 @@ class System:
         checks.check_symbols(self)
         checks.check_frame(self)
         checks.check_relations(self)
+        checks.check_claims(self)
 
     def _check_kinds(self) -> None:
         """A fibration and a frame come ready made."""
@@ -176,13 +179,38 @@ class System:
         return tuple(velocity(x) for x in self.fibration.base)
 
     @property
+    def on_group(self) -> bool:
+        """Whether the frame is that of a group: its velocities stand for those of coordinates."""
+        return self.frame is not None and self.frame.is_group
+
+    @property
+    def directions(self) -> tuple[sp.Expr, ...]:
+        """Along which forces act and constraints bind: coordinates, or velocities of a group, those
+        of the base before those of the fibre."""
+        if self.frame is not None and self.frame.is_group:
+            return self.frame.ambient
+        return self.coordinates
+
+    @property
+    def base_directions(self) -> int:
+        """How many of the directions are of the base."""
+        return len(self.velocities if self.on_group else self.fibration.base)
+
+    @property
     def invariant_symbols(self) -> tuple[sp.Symbol, ...]:
         """The names of the invariants, as symbols that stand for them in claims."""
         return tuple(sp.Symbol(name) for name in self.invariants)
 
+    @property
+    def conserved(self) -> Mapping[str, sp.Expr]:
+        """The integrals as functions of coordinates and velocities: of a corrected one the right
+        form, and invariants written out."""
+        meaning = dict(zip(self.invariant_symbols, self.invariants.values(), strict=True))
+        return {name: right_of(e).xreplace(meaning) for name, e in self.integrals.items()}
+
     def known_symbols(self) -> tuple[sp.Expr, ...]:
         """Everything expressions may be made of, each once."""
-        frame = self.frame.velocities if self.frame is not None else ()
+        frame = self.frame.ambient if self.frame is not None else ()
         parameters = tuple(p.symbol for p in self.parameters)
         dots = tuple(velocity(x) for x in self.coordinates)
         return (*self.coordinates, *dots, *frame, *parameters, time)

@@ -8,22 +8,30 @@ Claims and relations are statements about such fields.  Everything here is insid
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.determinant import determinant
 from voronec.algebra.door import Door
 from voronec.algebra.elimination import solve_linear
+from voronec.algebra.normal import canonical
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.rank import independent_rows
 from voronec.algebra.symbols import velocity
+from voronec.algebra.tape import Tape
 from voronec.equations import VoronecEquations, derive
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.errors import DefinitionError, EngineLimit, VoronecError
 from voronec.reduction import Reduction, descend
 from voronec.system import System
 
 __all__ = ["Motions", "VectorField"]
+
+BITS = 192
+"""The precision of ranks."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +39,11 @@ class VectorField:
     """A field on ``variables``, positions before velocities, where ``relations`` vanish.
 
     ``meaning`` says what other symbols stand for: velocities of coordinates in terms of the state,
-    and, on the coordinates, the invariants.  ``level`` is ``coordinates`` or ``invariants``.
+    and, on the coordinates, the invariants.  There ``dots`` are the symbols of the coordinates'
+    velocities, and ``definitions`` give the velocities of the equations in terms of them;
+    ``momenta`` are named in functions, dLc/dv, and ``determinant`` is a name of that of the mass.
+    On a group ``turning[i][k]`` is C_ab^k h_i^a w^b, k over the independent velocities.
+    ``level`` is ``coordinates`` or ``invariants``.
     """
 
     system: System
@@ -46,6 +58,11 @@ class VectorField:
     force: tuple[Any, ...]
     relations: tuple[Any, ...]
     meaning: dict[Any, Any]
+    dots: tuple[Any, ...] = ()
+    definitions: dict[Any, Any] = field(default_factory=dict)
+    momenta: dict[Any, Any] = field(default_factory=dict)
+    determinant: Any = None
+    turning: tuple[tuple[Any, ...], ...] = ()
 
     @property
     def variables(self) -> tuple[Any, ...]:
@@ -54,16 +71,30 @@ class VectorField:
 
     @property
     def dimension(self) -> int:
-        """How many of the variables are independent, where relations are."""
-        return len(self.variables) - len(self.relations)
+        """How many of the variables are independent where the relations vanish."""
+        return len(self.variables) - len(self.independent_relations)
 
     def read(self, expr: sp.Expr) -> Any:
         """A function of the state, from the user's symbols."""
         return self.express(self.door.inward(expr))
 
+    def read_named(self, expr: sp.Expr) -> Any:
+        """The same with named momenta as they are: its rate is simpler so."""
+        return self._spelled(self.door.inward(expr)).xreplace(self.meaning)
+
+    def read_density(self, expr: sp.Expr) -> Any:
+        """The same with the determinant of the mass by its name."""
+        return self.door.inward(expr).xreplace(self.meaning).xreplace(self.momenta)
+
     def express(self, expr: Any) -> Any:
         """A function inside the door, with everything that has a meaning spelled out."""
-        return expr.xreplace(self.meaning)
+        return self._spelled(expr).xreplace(self.meaning).xreplace(self.momenta)
+
+    def _spelled(self, expr: Any) -> Any:
+        """An expression with the determinant of the mass spelled out."""
+        if self.determinant is None or self.determinant not in expr.free_symbols:
+            return expr
+        return expr.xreplace({self.determinant: determinant(self.mass)})
 
     def solve(self, columns: Sequence[Sequence[Any]]) -> list[list[Any]]:
         """mass^-1 times the columns of a matrix given by rows."""
@@ -73,8 +104,12 @@ class VectorField:
 
     @cached_property
     def accelerations(self) -> tuple[Any, ...]:
-        """velocities' = mass^-1 force."""
-        return tuple(row[0] for row in self.solve([[f] for f in self.force]))
+        """velocities' = mass^-1 force, in normal form where that is within the budget."""
+        raw = [row[0] for row in self.solve([[f] for f in self.force])]
+        try:
+            return tuple(canonical(raw, self.relations))
+        except EngineLimit:
+            return tuple(raw)
 
     @property
     def components(self) -> tuple[Any, ...]:
@@ -82,19 +117,78 @@ class VectorField:
         return self.rates + self.accelerations
 
     def derivative(self, function: Any) -> Any:
-        """d/dt along the motion.
+        """d/dt along the motion."""
+        return self.derivatives([function])[0]
 
-        dF/dv . mass^-1 force is computed as y . force with mass y = dF/dv [Theory, eq. (13)].
+    def derivatives(self, functions: Sequence[Any]) -> list[Any]:
+        """d/dt of several functions along the motion.
+
+        dF/dv . mass^-1 force is computed as y . force with mass y = dF/dv [Theory, eq. (13)]; of an
+        energy y is v.
         """
-        gradient = [[function.diff(v)] for v in self.velocities]
-        pushed: list[Any] = []
-        if any(g[0] != 0 for g in gradient):
-            solved = self.solve(gradient)
-            pushed = [row[0] * f for row, f in zip(solved, self.force, strict=True)]
-        moved = [
-            rate * function.diff(q) for q, rate in zip(self.positions, self.rates, strict=True)
+        found = [self.at_rest(f) for f in functions]
+        slopes = [self._slopes(f) for f in functions]
+        moving = [k for k, row in enumerate(slopes) if any(s != 0 for s in row)]
+        if len(moving) == 1 and self._are_momenta(slopes[moving[0]]):
+            power = [v * f for v, f in zip(self.velocities, self.force, strict=True)]
+            found[moving[0]] = se.Add(found[moving[0]], *power)
+        elif moving:
+            columns = zip(*[slopes[k] for k in moving], strict=True)
+            solved = self.solve([list(row) for row in columns])
+            for column, k in enumerate(moving):
+                pushed = [row[column] * f for row, f in zip(solved, self.force, strict=True)]
+                found[k] = se.Add(found[k], *pushed)
+        return found
+
+    def _are_momenta(self, slopes: Sequence[Any]) -> bool:
+        """Whether dF/dv is proved to be mass v."""
+        pairs = zip(slopes, self.mass, strict=True)
+        differences = [s - se.Add(*map(se.Mul, row, self.velocities)) for s, row in pairs]
+        for _, values in sample_evaluable(Tape(differences), self.relations, BITS, count=1):
+            if any(not value.contains(0) for value in values):
+                return False
+        try:
+            return all(e == 0 for e in canonical(differences, self.relations))
+        except EngineLimit:
+            return False
+
+    def at_rest(self, function: Any) -> Any:
+        """The part of d/dt that holds no acceleration."""
+        pairs = [*zip(self.positions, self.rates, strict=True)]
+        if not self.momenta.keys().isdisjoint(function.free_symbols):
+            pairs += zip(self.momenta, self._momentum_rates, strict=True)
+        rate = se.Add(function.diff(self.time), *[rate * function.diff(q) for q, rate in pairs])
+        return rate.xreplace(self.momenta)
+
+    def _slopes(self, function: Any) -> list[Any]:
+        """dF/dv, named momenta held; where it vanishes, dF/dt needs no acceleration."""
+        slopes = [function.diff(v).xreplace(self.momenta) for v in self.velocities]
+        if self.momenta.keys().isdisjoint(function.free_symbols):
+            return slopes
+        return [s if s == 0 else canonical([s], self.relations)[0] for s in slopes]
+
+    @cached_property
+    def _momentum_rates(self) -> list[Any]:
+        """d/dt dLc/dv = force + the rate of the momenta where the velocities are constant."""
+        pairs = [*zip(self.positions, self.rates, strict=True)]
+        drifts = [
+            se.Add(p.diff(self.time), *[rate * p.diff(q) for q, rate in pairs])
+            for p in self.momenta.values()
         ]
-        return se.Add(function.diff(self.time), *moved, *pushed)
+        rates = [f + d for f, d in zip(self.force, drifts, strict=True)]
+        return canonical(rates, self.relations)
+
+    @cached_property
+    def independent_relations(self) -> tuple[Any, ...]:
+        """As many of the relations as are independent, by their rank at a point."""
+        if not self.relations:
+            return ()
+        slopes = [r.diff(q) for r in self.relations for q in self.positions]
+        width = len(self.positions)
+        for _, values in sample_evaluable(Tape(slopes), self.relations, BITS, count=1):
+            rows = [values[i : i + width] for i in range(0, len(values), width)]
+            return tuple(self.relations[i] for i in independent_rows(rows, BITS))
+        raise EngineLimit("no point was found on the relations between the variables")
 
 
 @dataclass(frozen=True)
@@ -114,9 +208,19 @@ class Motions:
         return self.equations.system
 
     @cached_property
+    def _descent(self) -> Reduction | VoronecError:
+        """The descent, or why there is none: it is tried once."""
+        try:
+            return descend(self.equations)
+        except (DefinitionError, EngineLimit) as refusal:
+            return refusal
+
+    @property
     def reduction(self) -> Reduction:
         """The descent to the declared invariants; raises as ``descend`` does."""
-        return descend(self.equations)
+        if isinstance(self._descent, VoronecError):
+            raise self._descent
+        return self._descent
 
     @cached_property
     def on_coordinates(self) -> VectorField:
@@ -124,7 +228,7 @@ class Motions:
         d, door = self.equations.best, self.equations.door
         own = d.definition
         rates = tuple(d.rates)
-        meaning = dict(zip(own.coordinate_velocities, rates, strict=True))
+        meaning = dict(zip(own.coordinate_velocities, rates, strict=True)) | dict(d.dependent)
         for v in own.velocities:
             meaning.pop(v, None)
         for name, g in self.system.invariants.items():
@@ -142,6 +246,11 @@ class Motions:
             force=tuple(d.force),
             relations=own.relations,
             meaning=meaning,
+            dots=tuple(own.coordinate_velocities),
+            definitions=dict(zip(own.velocities, d.definitions, strict=True)),
+            momenta=dict(d.named_momenta),
+            determinant=own.determinant,
+            turning=d.turning,
         )
 
     @cached_property
@@ -178,9 +287,7 @@ class Motions:
     def deciding(self, exprs: Sequence[sp.Expr]) -> VectorField:
         """The field on which a claim about these functions is decided: the reduced one, where they
         hold no coordinate and the system descends to its invariants."""
-        if not self.system.invariants or self.holds_coordinate(exprs):
+        low = not self.system.invariants or self.holds_coordinate(exprs)
+        if low or isinstance(self._descent, VoronecError):
             return self.on_coordinates
-        try:
-            return self.on_invariants
-        except (DefinitionError, EngineLimit):
-            return self.on_coordinates
+        return self.on_invariants

@@ -12,7 +12,19 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Fibration, Frame, Parameter, Scene, System, kinematics, velocity
+from voronec import (
+    Case,
+    Equation,
+    Fibration,
+    Frame,
+    Measure,
+    Parameter,
+    Poisson,
+    Scene,
+    System,
+    kinematics,
+    velocity,
+)
 
 x, y, phi, theta, psi = sp.symbols("x y phi theta psi")
 omega = sp.symbols("omega1 omega2 omega3")
@@ -24,9 +36,19 @@ rates = rotation.space_rates
 vertical = rotation.matrix.row(2)  # gamma = R^T e_z
 
 D = m * R**2
-spin, gamma = sp.Matrix(omega), sp.Matrix(vertical).T
-momentum = sp.diag(*inertia) * spin + D * (spin - gamma * gamma.dot(spin))
-share = sum(D * g**2 / (i + D) for g, i in zip(vertical, inertia, strict=True))
+gamma = sp.symbols("gamma1:4")
+spin, normal = sp.Matrix(omega), sp.Matrix(gamma)
+momentum = kinematics.contact_momentum(inertia, D, omega, gamma)
+share = sum(D * g**2 / (i + D) for g, i in zip(gamma, inertia, strict=True))
+root = sp.sqrt(1 - share)
+in_angles = share.xreplace(dict(zip(gamma, vertical, strict=True)))
+
+# In the time dtau = dt / root the ball is Hamiltonian on (G, gamma) [BorisovMamaev2001].
+M = sp.symbols("M1:4")
+bracket = {}
+for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+    bracket[M[i], M[j]] = -root * (M[k] - D * spin.dot(normal) * gamma[k])
+    bracket[M[i], gamma[j]], bracket[M[i], gamma[k]] = -root * gamma[k], root * gamma[j]
 
 SYSTEM = System(
     name="chaplygin-ball",
@@ -47,14 +69,33 @@ SYSTEM = System(
             for i, tenths in zip(inertia, (4, 5, 7), strict=True)
         ),
     ),
-    invariants={f"gamma{i + 1}": g for i, g in enumerate(vertical)},
+    invariants=dict(zip(map(str, gamma), vertical, strict=True)),
+    equations={
+        "momentum": Equation(tuple(momentum), tuple(momentum.cross(spin))),
+        "normal": Equation(gamma, tuple(normal.cross(spin))),
+    },
     integrals={
         "energy": momentum.dot(spin) / 2,
         "momentum squared": momentum.dot(momentum),
-        "vertical momentum": momentum.dot(gamma),
+        "vertical momentum": momentum.dot(normal),
     },
-    # In the Euler angles; the factor sin(theta) is the volume of the rotation group.
-    measure=sp.sqrt(1 - share) * sp.sin(theta),
+    measure=Measure(root, (*gamma, *omega)),
+    poisson=Poisson(
+        variables={**dict(zip(M, momentum, strict=True)), **{g: g for g in gamma}},
+        bracket=bracket,
+        hamiltonian=momentum.dot(spin) / 2,
+        clock=1 / root,
+    ),
+    integrable="Euler-Jacobi",
+    essential=(theta, psi, *omega),
+    cases={
+        # The factor sin(theta) is the volume of the rotation group.
+        "in Euler angles": Case(
+            parameters={},
+            measure=sp.sqrt(1 - in_angles) * sp.sin(theta),
+            note="the same measure, with the coordinates of the contact",
+        ),
+    },
     scenes={
         "default": Scene(
             initial={theta: 1, **dict(zip(omega, (sp.Rational(1, 2), 2, 0.2), strict=True))},
@@ -63,5 +104,5 @@ SYSTEM = System(
             caption="The ball spins about a direction close to its middle axis, and wanders.",
         ),
     },
-    references=("Chaplygin1903", "BorisovMamaev2002"),
+    references=("Chaplygin1903", "BorisovMamaev2001", "BorisovMamaev2002"),
 )

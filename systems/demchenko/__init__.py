@@ -13,7 +13,19 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Fibration, Frame, Parameter, Scene, System, kinematics
+from voronec import (
+    Case,
+    Fibration,
+    Frame,
+    Limit,
+    Measure,
+    Parameter,
+    Relation,
+    Scene,
+    Square,
+    System,
+    kinematics,
+)
 
 u, v, theta, u1, v1 = sp.symbols("u v theta u1 v1")
 s, tau, n = sp.symbols("s tau n")
@@ -31,6 +43,13 @@ rotor = kinematics.axial_rotor(k, axis, contact.spin)
 P = M * R2**2 + A
 momentum = sp.Matrix([P * s, P * tau, A * n]) + k * axis.T
 in_space = contact.fixed.frame * contact.turn * momentum
+axial = A * n + k * (1 + R2 / R1) * sp.cos(u)
+# P s sin(u) is a quadratic function of cos(u) along each motion; this is its constant term.
+level = (
+    P * s * sp.sin(u)
+    - (1 + (1 + R2 / R1) * M * R2**2 / A) * axial * sp.cos(u)
+    + k * (1 + R2 / R1) * ((1 + R2 / R1) * M * R2**2 + 2 * A) / (2 * A) * sp.cos(u) ** 2
+)
 
 
 def turning_point(spin: object, normal: object, turn: object) -> dict[sp.Expr, object]:
@@ -66,10 +85,20 @@ SYSTEM = System(
         "momentum x": in_space[0],
         "momentum y": in_space[1],
         "momentum z": in_space[2],
-        "axial": A * n + k * (1 + R2 / R1) * sp.cos(u),
+        "axial": axial,
     },
     invariants={"x": sp.cos(u), "y": sp.sin(u)},
     measure=sp.sin(u) * sp.sin(u1),
+    essential=(u, s, tau, n),
+    cases={
+        "on the ball": Case(
+            parameters={},
+            integrals={"level": level},
+            measure=Measure(sp.sin(u), (u, s, tau, n)),
+            integrable="Euler-Jacobi",
+            note="colatitude of the contact and the three spins, without the other angles",
+        ),
+    },
     scenes={
         "default": Scene(
             initial=turning_point(sp.Rational(1, 5), sp.Rational(3, 2), 1),
@@ -94,4 +123,64 @@ SYSTEM = System(
     },
     drawing={"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")},
     references=("Demchenko1924", "DragovicGajicJovanovic2020", "Voronec1902", "Zhukovsky1893"),
+)
+
+# Along the ball's principal axes: the angular velocity, and gamma, minus the ball's own normal.
+h = sp.Symbol("h")
+turning = {f"omega{i + 1}": e for i, e in enumerate(contact.body.frame * sp.Matrix([s, tau, n]))}
+normal = {f"gamma{i + 1}": -e for i, e in enumerate(contact.body.frame[:, 2])}
+place = {q: q for q in contact.coordinates}
+RELATIONS = (
+    Relation(
+        "demchenko",
+        "symmetric-gyroscopic-ball-on-sphere",
+        state={**place, **turning},
+        parameters={R1: R1, R2: R2, "m": M, A: A, "C": A, k: k},
+        note="Zhukovsky's condition",
+    ),
+    Relation(
+        "demchenko",
+        "homogeneous-ball-on-sphere",
+        state={**place, **turning},
+        parameters={R1: R1, R2: R2, "m": M, A: A},
+        limit=Limit(h, {k: h}),
+        note="the gyroscope is taken away",
+    ),
+    Relation(
+        "demchenko",
+        "zhukovsky-ball",
+        state={**normal, **turning},
+        parameters={"R": R2, "m": M, A: A, k: k},
+        limit=Limit(h, {R1: 1 / h}),
+        note="the sphere becomes a plane",
+    ),
+)
+SQUARES = (
+    Square(
+        first=("demchenko -> zhukovsky-ball", "zhukovsky-ball -> homogeneous-ball"),
+        second=(
+            "demchenko -> homogeneous-ball-on-sphere",
+            "homogeneous-ball-on-sphere -> homogeneous-ball",
+        ),
+        name="Demchenko's gyroscope and the curvature of the sphere vanish in either order",
+    ),
+    Square(
+        first=(
+            "demchenko -> symmetric-gyroscopic-ball-on-sphere",
+            "symmetric-gyroscopic-ball-on-sphere -> bobylev-ball",
+        ),
+        second=("demchenko -> zhukovsky-ball", "zhukovsky-ball -> bobylev-ball"),
+        name="Zhukovsky's condition, and the sphere becomes a plane",
+    ),
+    Square(
+        first=(
+            "demchenko -> symmetric-gyroscopic-ball-on-sphere",
+            "symmetric-gyroscopic-ball-on-sphere -> symmetric-ball-on-sphere",
+        ),
+        second=(
+            "demchenko -> homogeneous-ball-on-sphere",
+            "homogeneous-ball-on-sphere -> symmetric-ball-on-sphere",
+        ),
+        name="Zhukovsky's condition, and the gyroscope is taken away",
+    ),
 )

@@ -12,7 +12,7 @@ from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.ring import Ring
 from voronec.algebra.shape import expanded, expression
 
-__all__ = ["canonical", "shorten", "shortest"]
+__all__ = ["canonical", "quotient", "shorten", "shortest"]
 
 
 def shortest(
@@ -36,6 +36,13 @@ def canonical(
     """Each symengine expression as an expanded fraction: what ``shortest`` starts from."""
     ring = Ring(exprs, relations, work_limit)
     return [expanded(ring, ring.field.absorbed(ring.fraction(e))) for e in exprs]
+
+
+def quotient(expr: Any, relations: Sequence[Any] = ()) -> tuple[Any, Any]:
+    """Numerator and denominator of a symengine expression, without common factors."""
+    ring = Ring([expr], relations)
+    element = ring.field.absorbed(ring.fraction(expr))
+    return ring.polynomial(element.num), ring.polynomial(ring.field.denominator(element.den))
 
 
 def shorten(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> list[sp.Expr]:

@@ -96,6 +96,11 @@ class Tape:
         self._slots: dict[Any, int] = {}
         self._outputs = [self._slot(se.sympify(e)) for e in exprs]
 
+    @property
+    def size(self) -> int:
+        """How many nodes the shared graph of the expressions has."""
+        return len(self._slots)
+
     def arb(self, point: Mapping[Any, Any], bits: int) -> list[Any]:
         """Enclosures of all expressions at a point ``{atom: number}``, computed with ``bits``.
 

@@ -1,5 +1,7 @@
 """What is true of a motion: claims proved or refuted."""
 
-from voronec.analysis.claims import Claim, check_claims, measure_defect, rate_of_change
+from voronec.analysis.cases import specialised
+from voronec.analysis.claims import Claim, check_claims
+from voronec.analysis.measures import divergence
 
-__all__ = ["Claim", "check_claims", "measure_defect", "rate_of_change"]
+__all__ = ["Claim", "check_claims", "divergence", "specialised"]

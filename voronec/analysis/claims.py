@@ -1,115 +1,196 @@
-"""Claims of a system, each proved or refuted: integrals, invariant measures, descent."""
+"""Claims of a system, each proved, refuted or left undecided."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import time as clock
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
-import symengine as se
-
-from voronec.algebra.elimination import solve_linear
-from voronec.algebra.verdicts import Verdict, decide_zero
-from voronec.derivation import Derivation
-from voronec.equations import VoronecEquations, derive
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.verdicts import Verdict
+from voronec.analysis.brackets import decide_poisson
+from voronec.analysis.cases import case_of, specialised
+from voronec.analysis.closure import decide_essential
+from voronec.analysis.decision import Decision
+from voronec.analysis.integrability import decide_integrable
+from voronec.analysis.measures import decide_measure
+from voronec.analysis.multiplier import decide_multiplier
+from voronec.analysis.rates import decide_equation, decide_integral
+from voronec.claims import Corrected, right_of
+from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit
-from voronec.reduction import descend
 from voronec.system import System
+from voronec.vector_field import Motions
 
-__all__ = ["Claim", "check_claims", "measure_defect", "rate_of_change"]
+__all__ = ["Claim", "check_claims"]
+
+Decide = Callable[[Motions, Any], Decision]
 
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim with its verdict; ``kind`` is ``integral``, ``measure`` or ``descent``."""
+    """One claim with its verdict.
+
+    kind
+        ``integral``, ``equation``, ``measure``, ``multiplier``, ``poisson``, ``essential``,
+        ``integrable`` or ``descent``.
+    name
+        as declared, with the name of the case before it where it belongs to one.
+    level
+        ``coordinates`` or ``invariants``: the equations on which it was decided.
+    seconds
+        what the decision took.
+    printed, source
+        where a claim stands corrected: the verdict on the printed one, and who printed it.
+    reason
+        why the engine cannot decide it, as declared under ``undecided``.
+    """
 
     kind: str
     name: str
     verdict: Verdict
+    level: str = ""
+    seconds: float = 0.0
+    printed: Verdict | None = None
+    source: str = ""
+    reason: str = ""
+
+    @property
+    def admitted(self) -> bool:
+        """Whether it is undecided, and declared to be so."""
+        return bool(self.reason) and self.verdict.undecided
+
+    @property
+    def stale(self) -> bool:
+        """Whether it is declared undecided, but has been decided."""
+        return bool(self.reason) and not self.verdict.undecided
+
+    @property
+    def standing(self) -> str:
+        """The verdict in words for a table."""
+        words = self.verdict.status
+        if self.printed is not None and self.verdict.proved:
+            words += f"; refuted as printed in {self.source}"
+        if self.admitted:
+            words += f": {self.reason}"
+        if self.stale:
+            words += "; declared undecided, which is out of date"
+        return words
 
 
-def check_claims(system: System | VoronecEquations) -> list[Claim]:
-    """Prove or refute every claim that a system declares."""
-    eqs = derive(system) if isinstance(system, System) else system
-    claims = []
-    for name, expr in eqs.system.integrals.items():
-        claims.append(Claim("integral", name, _vanishes(eqs, rate_of_change, expr)))
-    if eqs.system.measure is not None:
-        verdict = _vanishes(eqs, measure_defect, eqs.system.measure.density)
-        claims.append(Claim("measure", "density", verdict))
-    if eqs.system.invariants:
-        claims.append(Claim("descent", ", ".join(eqs.system.invariants), _descends(eqs)))
+@dataclass(frozen=True)
+class _Known:
+    """What a theorem may rest on: integrals that are proved, a measure and the verdict on it."""
+
+    integrals: tuple[Any, ...] = ()
+    measure: Any = None
+    measured: Verdict | None = None
+
+    def with_claims(self, system: System, claims: list[Claim]) -> _Known:
+        """With what has been decided of a system and is still declared."""
+        proved = {c.name for c in claims if c.kind == "integral" and c.verdict.proved}
+        found = tuple(right_of(e) for name, e in system.integrals.items() if name in proved)
+        integrals = self.integrals + found
+        for claim in claims:
+            if claim.kind == "measure" and system.measure is not None:
+                return _Known(integrals, right_of(system.measure), claim.verdict)
+        return replace(self, integrals=integrals)
+
+
+def check_claims(system: System | VoronecEquations | Motions) -> list[Claim]:
+    """Prove or refute every claim that a system declares, those of its cases included."""
+    motions = system if isinstance(system, Motions) else Motions.of(system)
+    own = motions.system
+    claims = _claims_of(motions, _Known())
+    for name, case in own.cases.items():
+        special = specialised(own, case.parameters)
+        known = _Known().with_claims(special, claims)
+        found = _claims_of(Motions.of(case_of(own, case)), known)
+        claims += [replace(c, name=f"{name}: {c.name}") for c in found if c.kind != "descent"]
+    return [_admitted(claim, own) for claim in claims]
+
+
+def _claims_of(motions: Motions, general: _Known) -> list[Claim]:
+    """The claims of one system; ``general`` is what is known already."""
+    own = motions.system
+    _ = motions.on_coordinates  # the derivation belongs to no claim
+    descent = _decided("descent", ", ".join(own.invariants), _descends, motions, None)
+    claims = [*_rates(motions)]
+    if own.measure is not None:
+        claims.append(_decided("measure", "density", decide_measure, motions, own.measure))
+    if own.multiplier is not None:
+        name = "reducing multiplier"
+        claims.append(_decided("multiplier", name, decide_multiplier, motions, own.multiplier))
+    if own.poisson is not None:
+        names = ", ".join(map(plain_name, own.poisson.variables))
+        claims.append(_decided("poisson", names, decide_poisson, motions, own.poisson))
+    if own.essential:
+        names = ", ".join(map(plain_name, own.essential))
+        claims.append(_decided("essential", names, decide_essential, motions, own.essential))
+    if own.integrable:
+        known = general.with_claims(own, claims)
+        claims.append(_decided("integrable", own.integrable, _integrable, motions, known))
+    if own.invariants:
+        claims.append(descent)
     return claims
 
 
-def _vanishes(eqs: VoronecEquations, defect: Callable[..., Any], expr: Any) -> Verdict:
-    try:
-        return decide_zero(defect(eqs, eqs.door.inward(expr)), eqs.definition.relations)
-    except EngineLimit as limit:
-        return Verdict("undecided", str(limit))
+def _rates(motions: Motions) -> Iterator[Claim]:
+    for name, integral in motions.system.integrals.items():
+        yield _decided("integral", name, decide_integral, motions, integral)
+    for name, equation in motions.system.equations.items():
+        yield _decided("equation", name, decide_equation, motions, equation)
 
 
-def _descends(eqs: VoronecEquations) -> Verdict:
+def _integrable(motions: Motions, known: _Known) -> Decision:
+    """The theorem of Euler and Jacobi."""
+    if known.measured is None:
+        return Decision(Verdict("refuted", "no measure is declared"))
+    return decide_integrable(motions, known.measure, known.measured, known.integrals)
+
+
+def _descends(motions: Motions, _: Any) -> Decision:
+    if not motions.system.invariants:
+        return Decision(Verdict("undecided", "no invariants are declared"))
     try:
-        descend(eqs)
+        _ = motions.reduction
     except DefinitionError as refusal:
-        return Verdict("refuted", str(refusal))
+        return Decision(Verdict("refuted", str(refusal)))
+    return Decision(Verdict("proved", "equations closed in the invariants, by elimination"))
+
+
+def _decided(kind: str, name: str, decide: Decide, motions: Motions, claim: Any) -> Claim:
+    """A claim, timed; a corrected one is two."""
+    begin = clock.perf_counter()
+    found = _limited(decide, motions, right_of(claim))
+    printed, source, verdict = None, "", found.verdict
+    if isinstance(claim, Corrected):
+        printed, source = _limited(decide, motions, claim.printed).verdict, claim.source
+        verdict = _corrected(found.verdict, printed)
+    seconds = clock.perf_counter() - begin
+    return Claim(kind, name, verdict, found.level, seconds, printed, source)
+
+
+def _limited(decide: Decide, motions: Motions, claim: Any) -> Decision:
+    try:
+        return decide(motions, claim)
     except EngineLimit as limit:
-        return Verdict("undecided", str(limit))
-    return Verdict("proved", "equations closed in the invariants, by elimination")
+        return Decision(Verdict("undecided", str(limit)))
 
 
-def _in_velocities(d: Derivation, expr: Any) -> Any:
-    """A function of the state, coordinate velocities expressed by v."""
-    velocities = d.definition.coordinate_velocities
-    own = set(d.definition.velocities)
-    rates = dict(zip(velocities, d.rates, strict=True))
-    return expr.xreplace({dot: rate for dot, rate in rates.items() if dot not in own})
+def _corrected(right: Verdict, printed: Verdict) -> Verdict:
+    """A correction is proved where the right form is proved and the printed one refuted."""
+    if not right.proved or printed.refuted:
+        return right
+    if printed.proved:
+        return Verdict("refuted", "the printed form is proved too; there is nothing to correct")
+    return Verdict("undecided", f"the printed form is not refuted: {printed.method}")
 
 
-def _solve_mass(d: Derivation, right: Sequence[Sequence[Any]]) -> list[list[Any]]:
-    """mass^-1 times the columns of ``right``."""
-    if d.connection.n == 0:
-        return []
-    return solve_linear(d.mass, right, d.definition.relations).values
-
-
-def rate_of_change(eqs: VoronecEquations, function: Any) -> Any:
-    """d/dt along the motion of a function of q, v, t (all inside the door).
-
-    dF/dv . mass^-1 force is computed as y . force with mass y = dF/dv [Theory, eq. (13)].
-    """
-    d = eqs.best
-    function = _in_velocities(d, function)
-    gradient = [[function.diff(v)] for v in d.definition.velocities]
-    y = _solve_mass(d, gradient)
-    pushed = [row[0] * f for row, f in zip(y, d.force, strict=True)]
-    return se.Add(d.connection.flow_derivative(function, d.rates), *pushed)
-
-
-def measure_defect(eqs: VoronecEquations, density: Any) -> Any:
-    """div(density * X) for the first-order field X in the variables (q, v).
-
-    With redundant coordinates the divergence is the ambient one, which is the intrinsic one where
-    the field leaves each relation constant; otherwise ``EngineLimit``.
-    """
-    d = eqs.best
-    density = _in_velocities(d, density)
-    velocities, connection = d.definition.velocities, d.connection
-    for relation in d.definition.relations:
-        if not decide_zero(connection.flow_derivative(relation, d.rates)).proved:
-            raise EngineLimit("the field does not keep the relations constant off their zero set")
-    vdot = [row[0] for row in _solve_mass(d, [[f] for f in d.force])]
-    columns = [
-        [
-            f.diff(v) - se.Add(*[m.diff(v) * a for m, a in zip(row, vdot, strict=True)])
-            for v in velocities
-        ]
-        for f, row in zip(d.force, d.mass, strict=True)
-    ]
-    jacobian = _solve_mass(d, columns)
-    divergence = [rate.diff(q) for rate, q in zip(d.rates, connection.coordinates, strict=True)]
-    divergence += [jacobian[i][i] for i in range(len(velocities))]
-    along = [density.diff(v) * a for v, a in zip(velocities, vdot, strict=True)]
-    moving = connection.flow_derivative(density, d.rates)
-    return se.Add(moving, *along) + density * se.Add(*divergence)
+def _admitted(claim: Claim, system: System) -> Claim:
+    """The claim with the reason why it is declared undecided, if it is."""
+    case, _, _ = claim.name.rpartition(": ")
+    kind = f"{case}: {claim.kind}" if case in system.cases else claim.kind
+    reason = system.undecided.get(claim.name) or system.undecided.get(kind)
+    return replace(claim, reason=reason) if reason else claim

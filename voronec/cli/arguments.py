@@ -29,7 +29,9 @@ def command_parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"voronec {voronec.__version__}")
     parser.set_defaults(module=None)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
-    for add in (_list, _show, _derive, _regenerate, _run, _new, _cite):
+    for add in (
+        _list, _show, _derive, _regenerate, _run, _check, _compare, _graph, _search, _new, _cite,
+    ):  # fmt: skip
         add(commands)
     return parser
 
@@ -66,6 +68,7 @@ def _derive(commands: Any) -> None:
     form.add_argument("--latex", action="store_true", help="the equations as LaTeX")
     form.add_argument("--python", action="store_true", help="the right-hand side as Python")
     form.add_argument("--c", action="store_true", help="the right-hand side as C")
+    form.add_argument("--store", metavar="FILE.json", help="store the derivation, for 'compare'")
 
 
 def _regenerate(commands: Any) -> None:
@@ -107,6 +110,73 @@ def _run(commands: Any) -> None:
     parser.add_argument(
         "--out", metavar="DIR", help="folder for trajectory.csv and pictures (./NAME-run)"
     )
+
+
+def _check(commands: Any) -> None:
+    summary = "prove or refute all claims, relations and squares"
+    parser = _command(commands, "check", "checking", summary)
+    parser.add_argument(
+        "names",
+        metavar="NAME|FILE",
+        nargs="*",
+        help="only these systems, with the relations and squares in which they stand",
+    )
+    parser.add_argument("--fresh", action="store_true", help="reuse no verdict of an earlier check")
+    parser.add_argument(
+        "--jobs", metavar="N", type=int, help="processes; as many as processors unless told"
+    )
+
+
+def _compare(commands: Any) -> None:
+    summary = "compare two systems, or a stored derivation with today's"
+    parser = _command(commands, "compare", "comparison", summary)
+    for side in ("first", "second"):
+        parser.add_argument(
+            side,
+            metavar="NAME|FILE",
+            help="a system, a Python file defining SYSTEM, or a .json of 'derive --store'",
+        )
+
+
+def _graph(commands: Any) -> None:
+    summary = "draw the systems and their relations"
+    parser = _command(commands, "graph", "graph", summary)
+    parser.add_argument(
+        "names", metavar="NAME", nargs="*", help="only these systems and their neighbours"
+    )
+    parser.add_argument(
+        "--out",
+        metavar="FILE",
+        help="a .svg, .png, .pdf, .dot or .json; lines of text unless told",
+    )
+
+
+def _search(commands: Any) -> None:
+    summary = "search first integrals of a given form; what is not found does not exist"
+    parser = commands.add_parser("search", help=summary, description=summary, allow_abbrev=False)
+    kinds = parser.add_subparsers(title="what is searched", metavar="KIND", required=True)
+    parser = _command(kinds, "integrals", "search", summary)
+    _system(parser)
+    for name, default, meaning in (
+        ("degree", 2, "the degree in the velocities"),
+        ("positions", 3, "the degree in the positions: in the invariants, where there are some"),
+        ("power", 1, "the power of each denominator"),
+        ("limit", 2000, "how many monomials of one class of symmetry are taken on"),
+    ):
+        parser.add_argument(
+            f"--{name}", metavar="N", type=int, default=default, help=f"{meaning} ({default})"
+        )
+    for name, target, value, meaning in (
+        ("denominator", "denominator", "G", "divide by G too; 'mass': the mass determinant"),
+        ("with", "functions", "F=EXPR", "a further letter F; without '=', a declared equation's"),
+        ("at", "at", "P=VALUE", "a special value of a parameter, such as R2=-2*R1"),
+    ):
+        parser.add_argument(
+            f"--{name}", dest=target, metavar=value, action="append", default=[],
+            help=f"{meaning}; may be given several times",
+        )  # fmt: skip
+    parser.add_argument("--momenta", action="store_true", help="momenta in place of velocities")
+    parser.add_argument("--again", action="store_true", help="find declared integrals too")
 
 
 def _new(commands: Any) -> None:

@@ -6,10 +6,12 @@ from argparse import Namespace
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from voronec.cli.claimed import declared_claims
 from voronec.cli.output import columns, plain, print_json
 from voronec.cli.subject import resolve
 
 if TYPE_CHECKING:
+    from voronec.geometry import Frame
     from voronec.scene import Scene
     from voronec.system import System
 
@@ -27,6 +29,8 @@ def execute(arguments: Namespace) -> int:
 
 
 def _data(system: System) -> dict[str, Any]:
+    from voronec.claims import right_of
+
     frame = system.frame
     return {
         "name": system.name,
@@ -36,7 +40,8 @@ def _data(system: System) -> dict[str, Any]:
         "fibre": _words(system.fibration.fibre),
         "relations": _words(system.fibration.relations),
         "velocities": _words(system.velocities),
-        "frame": _pairs(frame.velocities, frame.expressions) if frame else None,
+        "frame": _quasi(frame) if frame and not frame.is_group else None,
+        "group": _group(frame) if frame and frame.is_group else None,
         "lagrangian": plain(system.lagrangian),
         "constraints": _words(system.constraints),
         "forces": _pairs(system.forces.keys(), system.forces.values()),
@@ -45,12 +50,32 @@ def _data(system: System) -> dict[str, Any]:
              "range": _range(p), "meaning": p.meaning}
             for p in system.parameters
         ],
-        "integrals": {name: plain(e) for name, e in system.integrals.items()},
-        "measure": None if system.measure is None else plain(system.measure.density),
+        "integrals": {name: plain(e) for name, e in system.conserved.items()},
+        "measure": None if system.measure is None else plain(right_of(system.measure).density),
+        "claims": declared_claims(system),
         "invariants": {name: plain(e) for name, e in system.invariants.items()},
         "scenes": {name: _scene(scene) for name, scene in system.scenes.items()},
         "references": list(system.references),
     }  # fmt: skip
+
+
+def _quasi(frame: Frame) -> dict[str, str]:
+    """The definitions of quasi-velocities."""
+    return _pairs(frame.velocities, frame.expressions)
+
+
+def _group(frame: Frame) -> dict[str, Any]:
+    """The frame of a group: its velocities, their brackets and the rates of the coordinates."""
+    brackets = {
+        f"[{plain(a)}, {plain(b)}]": plain(sum(x * c for c, x in parts.items()))
+        for (a, b), parts in (frame.brackets or {}).items()
+    }
+    return {
+        "velocities": _words(frame.velocities),
+        "fibre": _words(frame.fibre),
+        "brackets": brackets,
+        "rates": _pairs(frame.rates.keys(), frame.rates.values()),
+    }
 
 
 def _scene(scene: Scene) -> dict[str, Any]:
@@ -70,6 +95,13 @@ def _lines(system: System) -> list[str]:
     heads = [["base", ", ".join(data["base"])], ["fibre", ", ".join(data["fibre"]) or "none"]]
     heads += [["relation", f"{e} = 0"] for e in data["relations"]]
     heads += [["velocity", f"{v} = {e}"] for v, e in (data["frame"] or {}).items()]
+    if data["group"] is not None:
+        heads += [["velocities", ", ".join(data["group"]["velocities"])]]
+        heads += [["in the fibre", ", ".join(data["group"]["fibre"]) or "none"]]
+        heads += [[f"d{q}/dt", e] for q, e in data["group"]["rates"].items()]
+        heads += [
+            ["brackets", f"{len(data['group']['brackets'])} of the group (--json lists them)"]
+        ]
     heads += [["L", data["lagrangian"]]]
     heads += [[f"constraint {i + 1}", f"{e} = 0"] for i, e in enumerate(data["constraints"])]
     heads += [[f"force on {q}", e] for q, e in data["forces"].items()]
@@ -85,12 +117,20 @@ def _lines(system: System) -> list[str]:
             for p in data["parameters"]
         ]
         lines += ["", "parameters", *columns(rows, "  ")]
-    claims = [["integral", name, e] for name, e in data["integrals"].items()]
-    claims += [["measure", "density", data["measure"]]] if data["measure"] else []
-    claims += [["invariant", name, e] for name, e in data["invariants"].items()]
-    lines += ["", "claims", *(columns(claims, "  ") or ["  none: unvalidated"])]
+    lines += ["", "claims", *_claim_lines(data["claims"])]
     lines += ["", "scenes", *_scene_lines(data["scenes"])]
     return [*lines, "", "references  " + (", ".join(system.references) or "none")]
+
+
+def _claim_lines(claims: list[dict[str, str]]) -> list[str]:
+    """One line a claim, and one for a printed form that it corrects."""
+    rows = []
+    for claim in claims:
+        rows.append([claim["kind"], claim["name"], claim["statement"]])
+        if "printed" in claim:
+            words = f"not {claim['printed']}, as printed in {claim['source']}"
+            rows.append(["", "", words])
+    return columns(rows, "  ") or ["  none: unvalidated"]
 
 
 def _scene_lines(scenes: dict[str, dict[str, Any]]) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from argparse import Namespace
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.cli.output import columns, plain, print_json
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from voronec.analysis import Claim
     from voronec.equations import VoronecEquations
     from voronec.reduction import Reduction
+    from voronec.vector_field import Motions
 
 __all__ = ["execute"]
 
@@ -23,40 +25,66 @@ def execute(arguments: Namespace) -> int:
     """Derive and print; ``--latex``, ``--python`` and ``--c`` print source only."""
     from voronec.analysis import check_claims
     from voronec.equations import derive
+    from voronec.vector_field import Motions
 
     system, _ = resolve(arguments.system)
     eqs = derive(system)
+    if arguments.store is not None:
+        return _store(eqs, Path(arguments.store), arguments.json)
     for language in ("latex", "python", "c"):
         if getattr(arguments, language):
             text = getattr(eqs, language)()
             print_json({language: text}) if arguments.json else print(text.rstrip("\n"))
             return 0
-    reduction = _reduction(eqs)
-    claims = check_claims(eqs)
+    motions = Motions(eqs)
+    reduction = _reduction(motions)
+    claims = check_claims(motions)
     if arguments.json:
-        found = [
-            {"kind": c.kind, "name": c.name, "verdict": c.verdict.status, "why": c.verdict.method}
-            for c in claims
-        ]
-        print_json(eqs.as_dict() | _descent_data(reduction) | {"claims": found})
+        found = {"claims": [_claim_data(claim) for claim in claims]}
+        print_json(eqs.as_dict() | _descent_data(reduction) | found)
     else:
         print("\n".join([*_lines(eqs), *_descent(eqs, reduction), *_claims(claims)]))
     return 1 if any(claim.verdict.refuted for claim in claims) else 0
 
 
+def _store(eqs: VoronecEquations, path: Path, as_json: bool) -> int:
+    """Write the derivation into a file, for ``voronec compare``; an old one is replaced."""
+    from voronec.cli.files import deliver
+    from voronec.comparison import Derived
+
+    deliver(path, Derived.of(eqs).text())
+    if as_json:
+        print_json({"system": eqs.system.name, "file": str(path)})
+    else:
+        print(f"wrote {path}; now try: voronec compare {path} {eqs.system.name}")
+    return 0
+
+
 def _claims(claims: Sequence[Claim]) -> list[str]:
-    rows = [[claim.kind, claim.name, claim.verdict.status] for claim in claims]
+    rows = [[claim.kind, claim.name, claim.standing] for claim in claims]
     return ["", "claims", *columns(rows, "  ")] if rows else []
 
 
-def _reduction(eqs: VoronecEquations) -> Reduction | VoronecError | None:
-    """The descent to the invariants that a system declares; the refusal where there is none."""
-    if not eqs.system.invariants:
-        return None
-    from voronec.reduction import descend
+def _claim_data(claim: Claim) -> dict[str, Any]:
+    data = {
+        "kind": claim.kind,
+        "name": claim.name,
+        "verdict": claim.verdict.status,
+        "why": claim.verdict.method,
+        "level": claim.level,
+        "seconds": round(claim.seconds, 3),
+    }
+    if claim.printed is not None:
+        data |= {"printed": claim.printed.status, "source": claim.source}
+    return data | ({"reason": claim.reason} if claim.reason else {})
 
+
+def _reduction(motions: Motions) -> Reduction | VoronecError | None:
+    """The descent to the invariants that a system declares; the refusal where there is none."""
+    if not motions.system.invariants:
+        return None
     try:
-        return descend(eqs)
+        return motions.reduction
     except (DefinitionError, EngineLimit) as refusal:
         return refusal
 
@@ -111,14 +139,16 @@ def _lines(eqs: VoronecEquations) -> list[str]:
 def _facts(eqs: VoronecEquations) -> list[list[str]]:
     count = len(eqs.system.constraints)
     whole = ", ".join(f"{i + 1}" for i in eqs.integrable)
-    growth = "(" + ", ".join(map(str, eqs.growth)) + ")"
+    more = ", ..." if eqs.distribution.cut else ""
+    growth = "(" + ", ".join(map(str, eqs.growth)) + more + ")"
     timed = ", the time included" if eqs.distribution.timed else ""
     rows = [["kind", eqs.kind]]
     rows.append(["growth vector", f"{growth} of {eqs.distribution.dimension}{timed}"])
     if count:
-        rows.append(["integrable constraints", whole or f"none of {count}"])
+        none = "undecided" if eqs.distribution.cut else f"none of {count}"
+        rows.append(["integrable constraints", whole or none])
     frame = eqs.system.frame
-    if frame is None:
+    if frame is None or frame.is_group:
         return [*rows, ["velocities", _names(eqs)]]
     pairs = zip(frame.velocities, frame.expressions, strict=True)
     return [*rows, *(["quasi-velocity", f"{plain(v)} = {plain(e)}"] for v, e in pairs)]
@@ -155,9 +185,9 @@ def _equations(pairs: Any) -> list[str]:
 
 def _curvature(eqs: VoronecEquations) -> list[str]:
     """The components A_ij^(nu) and A_i^(nu) that do not vanish, by the names of coordinates."""
-    base = [plain(q) for q in eqs.system.fibration.base]
+    base, fibres = eqs.definition.split
     size, found = range(len(base)), []
-    for nu, fibre in enumerate(map(plain, eqs.system.fibration.fibre)):
+    for nu, fibre in enumerate(fibres):
         entries = [(i, j, eqs.curvature[nu, i, j]) for i in size for j in size if i < j]
         found += [(f"A^{fibre}[{base[i]}, {base[j]}]", plain(e)) for i, j, e in entries if e != 0]
         moving = [(i, eqs.curvature.time[nu, i]) for i in size]

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from voronec.errors import DefinitionError
 
-__all__ = ["create", "delivery", "refuse_file", "wanted_folder"]
+__all__ = ["create", "deliver", "delivery", "refuse_file", "wanted_folder"]
 
 
 @contextmanager
@@ -77,3 +77,15 @@ def create(path: Path, text: str) -> None:
         raise DefinitionError(f"'{path}' exists; remove it, or choose another name") from None
     except OSError as error:
         raise DefinitionError(f"'{path}' cannot be written: {error.strerror}") from None
+
+
+def deliver(path: Path, content: str | bytes) -> None:
+    """Write a file whole or not at all; one that is there is replaced."""
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        draft.write_bytes(content.encode() if isinstance(content, str) else content)
+        draft.replace(path)
+    except OSError as error:
+        raise DefinitionError(f"'{path}' cannot be written: {error.strerror}") from None
+    finally:
+        draft.unlink(missing_ok=True)

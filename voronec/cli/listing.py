@@ -1,16 +1,19 @@
 """``voronec list``: the systems and the papers.
 
-Every system is loaded, to say what it is; one that fails is a warning and a mark.
+Every system is loaded, to say what it is; one that fails, or whose relations are wrong at sight,
+is a warning and a mark.
 """
 
 from __future__ import annotations
 
 from argparse import Namespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from voronec.catalogue import Entry, entries, names, papers
 from voronec.cli.output import columns, print_json, warn
-from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from voronec.checking import Inventory, Trouble
 
 __all__ = ["execute"]
 
@@ -21,8 +24,11 @@ def execute(arguments: Namespace) -> int:
         found = names()
         print_json(found) if arguments.json else print("\n".join(found))
         return 0
-    known, warnings = entries()
-    rows = [_row(entry) for entry in known]
+    from voronec.checking import Inventory
+
+    warnings = entries()[1]
+    stock = Inventory.of()
+    rows = [_row(stock, entry) for entry in stock.entries.values()]
     if arguments.json:
         print_json({"systems": rows, "papers": papers(), "warnings": list(warnings)})
         return 0
@@ -34,23 +40,40 @@ def execute(arguments: Namespace) -> int:
     return 0
 
 
-def _row(entry: Entry) -> dict[str, Any]:
+def _row(stock: Inventory, entry: Entry) -> dict[str, Any]:
     row: dict[str, Any] = {"name": entry.name, "distribution": entry.distribution}
-    try:
-        system = entry.load()
-    except DefinitionError as error:
-        return row | {"title": "", "claims": 0, "scenes": [], "trouble": str(error)}
-    claims = len(system.integrals) + bool(system.measure is not None) + bool(system.invariants)
-    title = system.title or system.description
-    return row | {"title": title, "claims": claims, "scenes": [*system.scenes], "trouble": ""}
+    system = stock.systems.get(entry.name)
+    # A name that is hidden is a warning of the catalogue; the system that stands is sound.
+    wrong = [t for t in stock.all_troubles if t.owner == entry.name and t.place == entry.place]
+    trouble = "; ".join(t.why if t.kind == "system" else _told(t) for t in wrong)
+    if system is None:
+        return row | {"title": "", "claims": 0, "relations": 0, "scenes": [], "trouble": trouble}
+    related = sum(entry.name in (r.value.source, r.value.target) for r in stock.relations)
+    return row | {
+        "title": system.title or system.description,
+        "claims": _claims(system) + sum(_claims(case) for case in system.cases.values()),
+        "relations": related,
+        "scenes": [*system.scenes],
+        "trouble": trouble,
+    }
+
+
+def _told(trouble: Trouble) -> str:
+    return f"{trouble.kind} '{trouble.name}' in {trouble.place}: {trouble.why}"
+
+
+def _claims(holder: Any) -> int:
+    """How many claims a system makes, or a case of it."""
+    single = ("measure", "multiplier", "poisson", "essential", "integrable", "invariants")
+    count = sum(getattr(holder, part, None) not in (None, "", (), {}) for part in single)
+    return count + len(holder.integrals) + len(holder.equations)
 
 
 def _mark(row: dict[str, Any], with_paper: list[str]) -> str:
     if row["trouble"]:
         return "broken"
-    words = [
-        f"{row['claims']} claim{'s' * (row['claims'] != 1)}" if row["claims"] else "unvalidated"
-    ]
+    counted = [(row["claims"], "claim"), (row["relations"], "relation")]
+    words = [f"{n} {word}{'s' * (n != 1)}" for n, word in counted if n] or ["unvalidated"]
     if row["name"] in with_paper:
         words.append("paper")
     if row["distribution"] != "voronec":

@@ -43,9 +43,10 @@ def watched(vocabulary: Vocabulary, outputs: Sequence[Any]) -> Watch:
     sizes = {name: f"size of integral {name}" for name in system.integrals}
     relations = {f"{r} = 0": f"relation {r}" for r in system.fibration.relations}
     expressions = dict(shown)
-    for name, expr in system.integrals.items():
-        expressions[integrals[name]] = vocabulary.inward(expr)
-        expressions[sizes[name]] = _size(vocabulary.inward(expr))
+    for name in system.integrals:
+        inside = vocabulary.inward(vocabulary.claims[name])
+        expressions[integrals[name]] = inside
+        expressions[sizes[name]] = _size(inside)
     for expr, key in zip(system.fibration.relations, relations.values(), strict=True):
         expressions[key] = vocabulary.inward(expr)
     return Watch(tuple(shown), integrals, sizes, relations, expressions)

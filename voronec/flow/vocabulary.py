@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
+from voronec.claims import right_of
 from voronec.errors import DefinitionError, did_you_mean
 
 if TYPE_CHECKING:
@@ -35,7 +36,8 @@ def label(expr: sp.Expr) -> str:
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """Names of one system: coordinates, velocities, parameters, integrals, invariants."""
+    """Names of one system: coordinates, velocities, parameters; what follows from these, such as
+    integrals, invariants, and the dependent velocities and momenta of a group."""
 
     equations: VoronecEquations
     symbols: Mapping[str, sp.Expr]
@@ -49,7 +51,11 @@ class Vocabulary:
         constants = [p.symbol for p in system.parameters]
         things = [*system.coordinates, *system.velocities, *dots, *constants, time]
         symbols = {plain_name(s): s for s in things}
-        return cls(equations, symbols, {**system.invariants, **system.integrals})
+        integrals = {name: right_of(claim) for name, claim in system.integrals.items()}
+        frame = system.frame
+        others = (*frame.fibre, *frame.momenta) if frame is not None else ()
+        named = {plain_name(x): x for x in others}
+        return cls(equations, symbols, {**system.invariants, **named, **integrals})
 
     def name(self, key: Any, among: Iterable[str], role: str) -> str:
         """The plain name of a symbol or name, which must be among some."""
@@ -73,20 +79,24 @@ class Vocabulary:
             return name, self.inward(self.symbols.get(name, self.claims.get(name)))
         expr = sp.sympify(key)
         for symbol in sorted(expr.free_symbols, key=str):
-            if str(symbol) not in self.symbols:
+            if str(symbol) not in {*self.symbols, *system.invariants}:
                 raise DefinitionError(
                     f"system '{system.name}': the output '{expr}' contains '{symbol}'"
                     f"{did_you_mean(str(symbol), self.symbols)}"
                 )
         name = label(expr)
+        if expr in system.invariant_symbols:
+            return name, self.inward(expr)
         if name != str(expr) or name in self.symbols:
             name = self.name(name, self.symbols, "output")
             return name, self.inward(self.symbols[name])
         return name, self.inward(expr)
 
     def inward(self, expr: Any) -> Any:
-        """A user's expression inside the door."""
-        return self.equations.door.inward(expr)
+        """A user's expression inside the door, its invariants spelled out."""
+        system = self.equations.system
+        meaning = dict(zip(system.invariant_symbols, system.invariants.values(), strict=True))
+        return self.equations.door.inward(sp.sympify(expr).xreplace(meaning))
 
     def _plain(self, key: Any, role: str) -> str:
         try:

@@ -3,24 +3,47 @@
 SymPy expressions in and out; nothing here knows about equations of motion.
 """
 
+from voronec.kinematics.balls import RollingBall, contact_momentum
 from voronec.kinematics.bodies import (
     axial_rotor,
     kinetic_energy,
     point_velocity,
     uniform_field_energy,
 )
+from voronec.kinematics.carried import CarriedContact
+from voronec.kinematics.convex import ConvexBody
+from voronec.kinematics.ellipsoids import RollingEllipsoid
 from voronec.kinematics.forms import SurfaceForms
+from voronec.kinematics.groups import (
+    BodyVelocity,
+    product_form,
+    product_moments,
+    skew,
+    skew_entries,
+    wedge_square,
+)
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.surfaces import Surface
 
 __all__ = [
+    "BodyVelocity",
+    "CarriedContact",
+    "ConvexBody",
+    "RollingBall",
     "RollingContact",
+    "RollingEllipsoid",
     "Rotation",
     "Surface",
     "SurfaceForms",
     "axial_rotor",
+    "contact_momentum",
     "kinetic_energy",
     "point_velocity",
+    "product_form",
+    "product_moments",
+    "skew",
+    "skew_entries",
     "uniform_field_energy",
+    "wedge_square",
 ]

@@ -30,6 +30,8 @@ class SurfaceForms:
         the Lame lengths (L_u, L_v), whose squares are E and G; else positive square roots.
     support
         the components of the position along the moving frame (e_u, e_v, n), where they are known.
+    bending
+        E_v/(2 L_u L_v) and G_u/(2 L_u L_v), where they are known otherwise than by derivatives.
 
     Forms that belong to a surface satisfy ``relations``.  Where the forms are unknown functions,
     ``rules`` solves these, and the equations of Gauss and Weingarten, for derivatives; then what
@@ -42,6 +44,7 @@ class SurfaceForms:
     second: tuple[sp.Expr, sp.Expr]
     lengths: tuple[sp.Expr, sp.Expr] | None = None
     support: Vector | None = None
+    bending: tuple[sp.Expr, sp.Expr] | None = None
 
     def __post_init__(self) -> None:
         store = object.__setattr__
@@ -53,6 +56,8 @@ class SurfaceForms:
         store(self, "lengths", given)
         if self.support is not None:
             store(self, "support", three(self.support, "the support of a surface"))
+        if self.bending is not None:
+            store(self, "bending", _two(self.bending, "the bendings"))
 
     @classmethod
     def unknown(cls, u: sp.Expr, v: sp.Expr, mark: str = "") -> SurfaceForms:
@@ -77,6 +82,28 @@ class SurfaceForms:
                 "; use others"
             )
         return cls(surface.coordinates, (e, g), (d, dd), surface.lengths, surface.support)
+
+    @classmethod
+    def revolution(
+        cls, u: sp.Expr, v: sp.Expr, radii: Sequence[Any], support: Sequence[Any] | None = None
+    ) -> SurfaceForms:
+        """A surface of revolution about z; u is the colatitude of its normal, v the longitude.
+
+        ``radii`` (r1, r2) are the radii of curvature along u and v, the lengths (r1, r2 sin u),
+        and the frame turns as a sphere's does.  The radii of a surface satisfy Codazzi's equation
+        d(r2 sin u)/du = r1 cos u; it is taken for granted, so that they may hold any symbols.
+        """
+        first, second = _two(radii, "radii")
+        reach = second * sp.sin(u)
+        given = None if support is None else three(support, "the support of a surface")
+        return cls(
+            (u, v),
+            (first**2, reach**2),
+            (-first, -reach * sp.sin(u)),
+            (first, reach),
+            given,
+            (sp.Integer(0), sp.cos(u)),
+        )
 
     @property
     def first_form(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
@@ -178,10 +205,9 @@ class SurfaceForms:
         (u, v), (e, g), (d, dd) = self.coordinates, self.first, self.second
         lu, lv = self._lengths
         zero = sp.Integer(0)
-        return (
-            (zero, -d / lu, -sp.diff(e, v) / (2 * lu * lv)),
-            (dd / lv, zero, sp.diff(g, u) / (2 * lu * lv)),
-        )
+        slopes = (sp.diff(e, v) / (2 * lu * lv), sp.diff(g, u) / (2 * lu * lv))
+        across, along = slopes if self.bending is None else self.bending
+        return (zero, -d / lu, -across), (dd / lv, zero, along)
 
     @property
     def _steps(self) -> tuple[Vector, Vector]:

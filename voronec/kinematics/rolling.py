@@ -10,8 +10,10 @@ with the moving frames B = [e_u e_v n] on the body and B1 on the fixed surface.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import sympy as sp
 
@@ -20,7 +22,7 @@ from voronec.errors import DefinitionError
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
-from voronec.kinematics.vectors import Vector, cross
+from voronec.kinematics.vectors import Vector, cross, three
 
 __all__ = ["RollingContact"]
 
@@ -134,6 +136,30 @@ class RollingContact:
         """The constraint n = 0 of a rubber body: it does not turn about the common normal."""
         return self.spin[2]
 
+    def rolled(self, spin: Sequence[Any]) -> dict[sp.Expr, sp.Expr]:
+        """The velocities of (u, v, u1, v1, theta) where the body rolls with spin (s, tau, n).
+
+        Along lines of curvature, with k = -D/E, h = -D''/G, and k1, h1 of the fixed surface, the
+        contact has the velocity (x, y) along e_u, e_v with
+            s = b x + q y,  tau = -p x - b y,  p = k + k1 sin^2 + h1 cos^2,
+            q = h + k1 cos^2 + h1 sin^2,  b = (h1 - k1) sin cos,
+        sin and cos of theta; p q - b^2 is the determinant of the relative curvature.
+        """
+        (k, h), (k1, h1) = _curvatures(self.body), _curvatures(self.fixed)
+        c, sine = sp.cos(self.theta), sp.sin(self.theta)
+        p, q = k + k1 * sine**2 + h1 * c**2, h + k1 * c**2 + h1 * sine**2
+        b = (h1 - k1) * sine * c
+        s, tau, n = three(spin, "a spin")
+        x, y = -(b * s + q * tau) / (p * q - b**2), (p * s + b * tau) / (p * q - b**2)
+        steps = (x, y, y * c - x * sine, x * c + y * sine)
+        lengths = (*_lengths(self.body), *_lengths(self.fixed))
+        names = self.coordinates[:4]
+        found = {a: step / length for a, step, length in zip(names, steps, lengths, strict=True)}
+        dots = {velocity(a): rate for a, rate in found.items()}
+        own, carried = self.body.frame_rates[2], self.fixed.frame_rates[2]
+        found[self.theta] = -n - sp.sympify(own + carried).xreplace(dots)
+        return found
+
     def _turned(self, vector: Vector) -> Vector:
         """Q vector, and Q^T vector, which is the same."""
         c, s = sp.cos(self.theta), sp.sin(self.theta)
@@ -146,6 +172,24 @@ def _content(surface: Surface | SurfaceForms) -> tuple[sp.Expr, ...]:
     if isinstance(surface, Surface):
         return surface.position
     return (*surface.first, *surface.second, *(surface.support or ()))
+
+
+def _curvatures(surface: Surface | SurfaceForms) -> tuple[sp.Expr, sp.Expr]:
+    """-D/E and -D''/G, positive where the surface bends away from its normal."""
+    (e, f, g), (d, mixed, dd) = surface.first_form, surface.second_form
+    if (f, mixed) != (0, 0):
+        u, v = surface.coordinates
+        raise DefinitionError(
+            f"the coordinates {u}, {v} are not along lines of curvature: F = {f}, D' = {mixed}"
+            "; use others"
+        )
+    return -d / e, -dd / g
+
+
+def _lengths(surface: Surface | SurfaceForms) -> tuple[sp.Expr, sp.Expr]:
+    du, dv = (velocity(q) for q in surface.coordinates)
+    along, across, _ = surface.trace_velocity
+    return sp.diff(along, du), sp.diff(across, dv)
 
 
 def _support(surface: Surface | SurfaceForms) -> Vector:

@@ -4,6 +4,11 @@
 
 With W = (dL/dq) qdot + dL/dt at fixed qdot, the chain rule gives, for the part of d/dt dL/dqdot_i
 that holds no acceleration, dW/dqdot_i - dL/dq_i: 2 N derivatives instead of N^2.
+
+On a group with fields X_a, [X_a, X_b] = C_ab^c X_c, the velocities w^a stand for qdot and X_a for
+d/dq_a, and the principle reads
+
+    d/dt dL/dw^a - X_a L + C_ab^c w^b dL/dw^c = Q_a + (C^T lambda)_a      [Theory, eq. (19)].
 """
 
 from __future__ import annotations
@@ -37,6 +42,10 @@ class Form:
 class Plan:
     """A system laid out for evaluation; N coordinates, m constraints, r relations, n velocities.
 
+    On a group N counts the velocities of its frame, called ``dots``, which are the velocities of
+    the coordinates elsewhere; ``followers`` evaluates to the rates of the coordinates' rates:
+    their derivatives by ``dots``, and what is left where these are constant.
+
     ``relations`` evaluates to the r relations, then their r x N derivatives;
     ``kinematics`` to the coefficients and the offset of each form, N + 1 numbers a form: the
     constraints, the differentiated relations, the definitions of the velocities;
@@ -48,7 +57,7 @@ class Plan:
 
     system: System
     coordinates: tuple[str, ...]
-    coordinate_velocities: tuple[str, ...]
+    dots: tuple[str, ...]
     velocities: tuple[str, ...]
     labels: tuple[str, ...]
     exact: int
@@ -57,6 +66,7 @@ class Plan:
     dynamics: Sequenced
     bends: Sequenced
     bent: tuple[str, ...]
+    followers: Sequenced | None
 
     @property
     def needs_time(self) -> bool:
@@ -73,6 +83,7 @@ class _Entered:
     door: Door
     q: tuple[Any, ...]
     v: tuple[Any, ...]
+    qdot: tuple[Any, ...]
     time: Any
     definitions: dict[Any, Any]
 
@@ -82,7 +93,7 @@ class _Entered:
 
     def drift(self, expr: Any) -> Any:
         """The time derivative at fixed velocities."""
-        terms = (expr.diff(q) * v for q, v in zip(self.q, self.v, strict=True))
+        terms = (expr.diff(q) * v for q, v in zip(self.q, self.qdot, strict=True))
         return se.Add(expr.diff(self.time), *terms)
 
 
@@ -103,7 +114,7 @@ def make_plan(system: System) -> Plan:
     return Plan(
         system=system,
         coordinates=tuple(map(str, inside.q)),
-        coordinate_velocities=tuple(map(str, inside.v)),
+        dots=tuple(map(str, inside.v)),
         velocities=tuple(map(plain_name, system.velocities)),
         labels=tuple(labels),
         exact=exact,
@@ -112,6 +123,7 @@ def make_plan(system: System) -> Plan:
         dynamics=Sequenced([*_dynamics(inside), *(-inside.drift(c) for c in bound[:exact])]),
         bends=Sequenced([b for _, b in bends]),
         bent=tuple(label for label, _ in bends),
+        followers=_followers(inside),
     )
 
 
@@ -120,19 +132,23 @@ def _entered(system: System) -> _Entered:
     moving = [p.symbol for p in system.parameters if not isinstance(p.symbol, sp.Symbol)]
     door = Door(s for s in system.known_symbols() if s not in moving)
     v = tuple(door.inward(velocity(x)) for x in system.coordinates)
+    q, frame = tuple(map(door.inward, system.coordinates)), system.frame
+    if frame is not None and frame.is_group:
+        w = tuple(door.inward_all(frame.ambient))
+        rates = tuple(door.inward(frame.rates[x]) for x in system.coordinates)
+        spelled = dict(zip(v, rates, strict=True))
+        return _Entered(system, door, q, w, rates, door.inward(time), spelled)
     definitions = {}
-    if system.frame is not None:
-        names = door.inward_all(system.frame.velocities)
-        definitions = dict(zip(names, door.inward_all(system.frame.expressions), strict=True))
+    if frame is not None:
+        names = door.inward_all(frame.velocities)
+        definitions = dict(zip(names, door.inward_all(frame.expressions), strict=True))
     for name, expr in definitions.items():
         if any(se.has_symbol(expr, other) for other in definitions):
             raise DefinitionError(
                 f"the definition of '{name}' contains a quasi-velocity; "
                 "write it with the velocities of the coordinates"
             )
-    return _Entered(
-        system, door, tuple(map(door.inward, system.coordinates)), v, door.inward(time), definitions
-    )
+    return _Entered(system, door, q, v, v, door.inward(time), definitions)
 
 
 def _dynamics(inside: _Entered) -> list[Any]:
@@ -140,13 +156,45 @@ def _dynamics(inside: _Entered) -> list[Any]:
     lagrangian = _smooth(inside.enter(inside.system.lagrangian))
     change = inside.drift(lagrangian)
     momenta = [lagrangian.diff(v) for v in inside.v]
+    slopes = [lagrangian.diff(q) for q in inside.q]
+    if inside.qdot != inside.v:  # X_a L
+        slopes = [
+            se.Add(*[s * rate.diff(w) for s, rate in zip(slopes, inside.qdot, strict=True)])
+            for w in inside.v
+        ]
     zero = sp.Integer(0)
-    applied = [inside.enter(inside.system.forces.get(x, zero)) for x in inside.system.coordinates]
+    applied = [inside.enter(inside.system.forces.get(x, zero)) for x in inside.system.directions]
     force = [
-        q_force + 2 * lagrangian.diff(q) - change.diff(v)
-        for q, v, q_force in zip(inside.q, inside.v, applied, strict=True)
+        q_force + 2 * slope - change.diff(v) - turn
+        for slope, v, q_force, turn in zip(
+            slopes, inside.v, applied, _turning(inside, momenta), strict=True
+        )
     ]
     return [*(p.diff(v) for p in momenta for v in inside.v), *force]
+
+
+def _turning(inside: _Entered, momenta: list[Any]) -> list[Any]:
+    """C_ab^c w^b p_c of a group; zero in coordinates."""
+    frame = inside.system.frame
+    total = dict.fromkeys(inside.v, se.Integer(0))
+    momentum = dict(zip(inside.v, momenta, strict=True))
+    for pair, parts in ((frame.brackets if frame is not None else None) or {}).items():
+        a, b = map(inside.door.inward, pair)
+        weight = se.Add(
+            *[inside.door.inward(x) * momentum[inside.door.inward(c)] for c, x in parts.items()]
+        )
+        total[a] += b * weight
+        total[b] -= a * weight
+    return list(total.values())
+
+
+def _followers(inside: _Entered) -> Sequenced | None:
+    """On a group, the second derivatives of the coordinates: A wdot + b, row by row."""
+    if inside.qdot == inside.v:
+        return None
+    return Sequenced(
+        [e for r in inside.qdot for e in (*(r.diff(w) for w in inside.v), inside.drift(r))]
+    )
 
 
 def _form(inside: _Entered, label: str, expr: Any) -> Form:

@@ -55,6 +55,8 @@ def multiplier_acceleration(
 ) -> dict[sp.Expr, sp.Float]:
     """Second time derivatives of all coordinates by d'Alembert's principle with multipliers.
 
+    On a group, the derivatives of its frame's velocities follow.
+
         d/dt dL/dqdot - dL/dq = Q + A^T lambda,    A qddot = b
 
     where A holds the constraints and the derivatives of the relations.  ``point`` maps symbols or
@@ -71,7 +73,8 @@ def multiplier_acceleration(
     velocity has no inertia; for an unknown function; where the equations are not defined.
     """
     solution = _confirmed(system, point, digits)
-    return _labelled(system, solution.accelerations, digits)
+    things = (*system.coordinates, *(system.directions if system.on_group else ()))
+    return _labelled(things, solution.accelerations, digits)
 
 
 def reaction_forces(system: System, point: Mapping[Any, Any], digits: int = 30) -> Reactions:
@@ -87,13 +90,12 @@ def reaction_forces(system: System, point: Mapping[Any, Any], digits: int = 30) 
     return Reactions(
         multipliers=unique(slice(None, count)),
         relation_multipliers=unique(slice(count, None)),
-        generalized=MappingProxyType(_labelled(system, solution.reaction, digits)),
+        generalized=MappingProxyType(_labelled(system.directions, solution.reaction, digits)),
     )
 
 
-def _labelled(system: System, numbers: Vector, digits: int) -> dict[sp.Expr, sp.Float]:
-    pairs = zip(system.coordinates, numbers, strict=True)
-    return {coordinate: sp.Float(number, digits) for coordinate, number in pairs}
+def _labelled(things: tuple[sp.Expr, ...], numbers: Vector, digits: int) -> dict[sp.Expr, sp.Float]:
+    return {x: sp.Float(number, digits) for x, number in zip(things, numbers, strict=True)}
 
 
 def _confirmed(system: System, point: Mapping[Any, Any], digits: int) -> Solution:
@@ -150,7 +152,8 @@ def _agreed(before: Solution, after: Solution, digits: int, lower: int) -> Solut
             else:
                 return None
     n = len(after.accelerations)
-    return Solution(settled[:n], settled[n : 2 * n], settled[2 * n :], after.determined)
+    end = n + len(after.reaction)
+    return Solution(settled[:n], settled[n:end], settled[end:], after.determined)
 
 
 def _plan(system: System) -> Plan:

@@ -102,7 +102,7 @@ def _least_step(jacobian: list[Vector], residual: Vector) -> Vector:
 
 def _find_velocities(plan: Plan, numbers: dict[str, Any]) -> list[Vector]:
     """Solve for qdot, store it in ``numbers``, and return the rows of A."""
-    width = len(plan.coordinates)
+    width = len(plan.dots)
     flat = plan.kinematics(numbers)
     forms = [flat[k * (width + 1) : (k + 1) * (width + 1)] for k in range(len(plan.labels))]
     values = [mp.mpf(0)] * plan.exact + [numbers[name] for name in plan.velocities]
@@ -118,18 +118,18 @@ def _find_velocities(plan: Plan, numbers: dict[str, Any]) -> list[Vector]:
                 "relations make of it; correct the velocities"
             )
     if found.free:
-        names = ", ".join(f"'{plan.coordinate_velocities[c]}'" for c in found.free)
+        names = ", ".join(f"'{plan.dots[c]}'" for c in found.free)
         raise DefinitionError(
             f"constraints and velocities do not determine {names} at this point; add a "
             "constraint, or define the missing velocities with frame="
         )
-    numbers.update(zip(plan.coordinate_velocities, found.solution, strict=True))
+    numbers.update(zip(plan.dots, found.solution, strict=True))
     return matrix[: plan.exact]
 
 
 def _check_affinity(plan: Plan, numbers: Mapping[str, Any]) -> None:
     """What looked as if it bent in the velocities must not do so at generic ones."""
-    generic = {v: mp.mpf(3 * k + 4) / (7 + k) for k, v in enumerate(plan.coordinate_velocities)}
+    generic = {v: mp.mpf(3 * k + 4) / (7 + k) for k, v in enumerate(plan.dots)}
     values = plan.bends({**numbers, **generic}) if plan.bent else []
     for label, value in zip(plan.bent, values, strict=True):
         if abs(value) > negligible():
@@ -154,7 +154,7 @@ def _check_consistency(plan: Plan, found: Elimination, verb: str) -> None:
 
 
 def _solve_motion(plan: Plan, numbers: Mapping[str, Any], rows: list[Vector]) -> Solution:
-    width = len(plan.coordinates)
+    width = len(plan.dots)
     mass, force, right = _split(plan.dynamics(numbers), width * width, width)
     found = eliminate(rows, right, width)
     _check_consistency(plan, found, "depends on the others, and its derivative contradicts them,")
@@ -181,7 +181,17 @@ def _solve_motion(plan: Plan, numbers: Mapping[str, Any], rows: list[Vector]) ->
     ]
     determined = _determined(rows, width) if found.leftover else (True,) * len(rows)
     unique = [m if d else mp.mpf(0) for m, d in zip(multipliers, determined, strict=True)]
-    return Solution(motion.solution[:width], reaction, unique, determined)
+    accelerations = _followed(plan, numbers, motion.solution[:width])
+    return Solution(accelerations, reaction, unique, determined)
+
+
+def _followed(plan: Plan, numbers: Mapping[str, Any], found: Vector) -> Vector:
+    """On a group, the accelerations of the coordinates before those of the frame's velocities."""
+    if plan.followers is None:
+        return found
+    flat, width = plan.followers(numbers), len(found) + 1
+    rows = [flat[k * width : (k + 1) * width] for k in range(len(plan.coordinates))]
+    return [*(mp.fdot(row[:-1], found) + row[-1] for row in rows), *found]
 
 
 def _determined(rows: list[Vector], width: int) -> tuple[bool, ...]:
@@ -195,7 +205,7 @@ def _refuse(plan: Plan, direction: Vector) -> None:
     largest = max(map(abs, direction)) or mp.mpf(1)
     parts = [
         f"{name} = {mp.nstr(x / largest, 5)}"
-        for name, x in zip(plan.coordinate_velocities, direction, strict=True)
+        for name, x in zip(plan.dots, direction, strict=True)
         if abs(x) > negligible() * largest
     ]
     raise DefinitionError(

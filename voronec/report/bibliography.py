@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterable
 from importlib import resources
 from pathlib import Path
 
 from voronec.errors import DefinitionError
 
-__all__ = ["bibtex", "read_entries"]
+__all__ = ["bibtex", "citation", "read_entries"]
 
 FILE = "references.bib"
+_FIELD = re.compile(r"(\w+)\s*=\s*\{(.*?)\}\s*(?:,\s*\n|\n?\s*\}\s*$)", re.DOTALL)
+_ACCENT = re.compile(r"\\(?P<sign>['`^\"~uvcH=.])\s*\{?(?P<letter>\\?[A-Za-z])\}?")
+_SIGNS = dict(
+    zip(
+        "'`^\"~uvcH=.",
+        "\u0301\u0300\u0302\u0308\u0303\u0306\u030c\u0327\u030b\u0304\u0307",
+        strict=True,
+    )
+)
 _START = re.compile(r"^@(\w+)\{([^,\s]+),", re.MULTILINE)
 
 
@@ -30,6 +40,33 @@ def bibtex(keys: Iterable[str], folder: Path | None = None) -> dict[str, str]:
         if key not in known:
             raise DefinitionError(f"the reference '{key}' is not in {own or FILE}; add its entry")
     return {key: known[key] for key in wanted}
+
+
+def citation(entry: str) -> str:
+    """A BibTeX entry as a line of text: authors (year), title, where it appeared."""
+    fields = {name.lower(): _plain(value) for name, value in _FIELD.findall(entry)}
+    who = fields.get("author") or fields.get("editor", "")
+    names = [" ".join(reversed(a.split(", ", 1))) for a in who.split(" and ")]
+    listed = " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
+    numbers = ", ".join(fields[k] for k in ("volume", "pages") if k in fields)
+    homes = ("journal", "booktitle", "publisher", "school")
+    home = next((fields[k] for k in homes if k in fields), "")
+    parts = [f"{listed} ({fields.get('year', 'n. d.')})", fields.get("title", "")]
+    parts += [f"{home} {numbers}".strip(), fields.get("note", "")]
+    return ". ".join(filter(None, parts)) + "."
+
+
+def _plain(value: str) -> str:
+    """A field without the marks of TeX."""
+
+    def accented(match: re.Match[str]) -> str:
+        letter = match["letter"].lstrip("\\")
+        return unicodedata.normalize("NFC", letter + _SIGNS[match["sign"]])
+
+    text = _ACCENT.sub(accented, value)
+    for mark, sign in (("--", "\u2013"), ("~", " "), ("\\&", "&"), ("{", ""), ("}", "")):
+        text = text.replace(mark, sign)
+    return " ".join(text.split())
 
 
 def read_entries(text: str) -> dict[str, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from voronec.errors import DefinitionError
 from voronec.execution import failure
@@ -53,13 +53,15 @@ def drawing(trajectory: Trajectory) -> Any:
         raise DefinitionError(f"the drawing of system '{name}' failed: {what}") from error
 
 
-def save(figure: Any, path: Path) -> None:
-    """Write a figure, the same bytes every time; its format is that of the path."""
+def save(figure: Any, target: Path | BinaryIO, suffix: str = "") -> None:
+    """Write a figure, the same bytes every time, to a path, or in the format ``suffix`` to a
+    stream."""
     from matplotlib import rc_context
 
+    suffix = suffix or getattr(target, "suffix", ".svg")
     dated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with rc_context({"svg.hashsalt": "voronec"}):
-        figure.savefig(path, dpi=150, metadata=dated.get(path.suffix))
+        figure.savefig(target, dpi=150, metadata=dated.get(suffix), format=suffix[1:])
 
 
 def _path(trajectory: Trajectory) -> Any:

@@ -16,9 +16,9 @@ import sympy as sp
 
 import voronec as vo
 from voronec.audit import Motion, Range, Study, Verdict, shorten
-from voronec.kinematics import RollingContact, Surface, kinetic_energy
+from voronec.kinematics import RollingBall, Surface
 
-from .measures import density, divergence, quadratic
+from .measures import density, quadratic
 from .verdicts import all_equal, worst
 
 u, v, theta, u1, v1 = sp.symbols("u v theta u1 v1")
@@ -44,54 +44,27 @@ CONFIGURATIONS = (
 )
 
 
-@dataclass(frozen=True)
-class Rolling:
-    """The ball before it is brought down: contact, energy, and a gyroscope's momentum."""
+def rolling_ball(fixed: Surface) -> RollingBall:
+    """The ball before it is brought down, on a fixed surface in the coordinates u1, v1."""
+    return RollingBall.on(fixed, R2, M, MOMENTS)
 
-    contact: RollingContact
-    kappa: sp.Matrix
 
-    @classmethod
-    def on(cls, fixed: Surface, kappa: sp.Matrix | None = None) -> Rolling:
-        """On a fixed surface in the coordinates u1, v1."""
-        contact = RollingContact(Surface.sphere(R2, u, v), fixed, theta)
-        return cls(contact, sp.zeros(3, 1) if kappa is None else kappa)
+def system_of(ball: RollingBall, kappa: sp.Matrix) -> vo.System:
+    """The declaration, with a gyroscope's momentum."""
+    spin = sp.Matrix(ball.spin)
 
-    @property
-    def spin(self) -> sp.Matrix:
-        """The angular velocity along the ball's axes."""
-        return sp.Matrix(self.contact.angular_velocity)
+    def holds(symbol: sp.Symbol) -> bool:
+        return any(e.has(symbol) for e in (ball.energy, *ball.no_slip, *kappa))
 
-    @property
-    def normal(self) -> sp.Matrix:
-        """The normal of the fixed surface along the ball's axes."""
-        return sp.Matrix(-self.contact.body.frame[:, 2])
-
-    @property
-    def energy(self) -> sp.Expr:
-        """The kinetic energy."""
-        return kinetic_energy(M, self.contact.centre_velocity, MOMENTS, self.spin)
-
-    @property
-    def momentum(self) -> sp.Matrix:
-        """The angular momentum of the ball about the point of contact, along the ball's axes."""
-        lever = sp.Matrix(self.contact.arm).cross(sp.Matrix(self.contact.centre_velocity))
-        return sp.diag(*MOMENTS) * self.spin - M * sp.Matrix(self.contact.body.frame) * lever
-
-    def system(self) -> vo.System:
-        """The declaration."""
-        return vo.System(
-            name="ball",
-            fibration=vo.Fibration((u, v, theta), (u1, v1)),
-            frame=vo.Frame.quasi(dict(zip(OMEGA, self.spin, strict=True))),
-            lagrangian=self.energy + self.kappa.dot(self.spin),
-            constraints=self.contact.no_slip,
-            parameters=tuple(x for x in (R1, R2, M, *MOMENTS, SIGNED, *KAPPA) if self._holds(x)),
-            invariants=dict(zip(map(str, GAMMA), self.normal, strict=True)),
-        )
-
-    def _holds(self, symbol: sp.Symbol) -> bool:
-        return any(e.has(symbol) for e in (self.energy, *self.contact.no_slip, *self.kappa))
+    return vo.System(
+        name="ball",
+        fibration=vo.Fibration((u, v, theta), (u1, v1)),
+        frame=vo.Frame.quasi(dict(zip(OMEGA, spin, strict=True))),
+        lagrangian=ball.energy + kappa.dot(spin),
+        constraints=ball.no_slip,
+        parameters=tuple(x for x in (R1, R2, M, *MOMENTS, SIGNED, *KAPPA) if holds(x)),
+        invariants=dict(zip(map(str, GAMMA), ball.normal, strict=True)),
+    )
 
 
 @dataclass(frozen=True)
@@ -105,8 +78,8 @@ class Ball:
     @classmethod
     def on(cls, fixed: Surface, kappa: sp.Matrix | None = None) -> Ball:
         """Derive them."""
-        rolling = Rolling.on(fixed, kappa)
-        return cls(vo.descend(rolling.system()), rolling.kappa)
+        still = sp.zeros(3, 1) if kappa is None else kappa
+        return cls(vo.descend(system_of(rolling_ball(fixed), still)), still)
 
     @classmethod
     def on_sphere(cls, radius: Any, kappa: sp.Matrix | None = None) -> Ball:
@@ -156,7 +129,7 @@ class Ball:
 
     def measure(self, where: Range | None = None) -> Verdict:
         """Whether that is invariant, in a range of the parameters."""
-        return self._vanishes(divergence(self.density, self.flow), where)
+        return self._vanishes(vo.divergence(self.density, self.flow), where)
 
     def _vanishes(self, value: sp.Expr, where: Range | None) -> Verdict:
         values = {} if where is None else dict(where.values)
@@ -171,7 +144,7 @@ class Ball:
         rates = momentum.jacobian(OMEGA).LUsolve(right)
         weight = sp.sqrt(1 - D * (tensor().inv() * GAMMA).dot(GAMMA))
         flow = dict(zip((*GAMMA, *OMEGA), (*turned, *rates), strict=True))
-        proved = vo.prove_equal(divergence(weight, flow), 0).proved
+        proved = vo.prove_equal(vo.divergence(weight, flow), 0).proved
         return r"\mu=\sqrt{1-D(\mathbf I^{-1}\gamma,\gamma)}\quad\text{for all }\gamma" * proved
 
     @cached_property
@@ -259,9 +232,9 @@ class Ball:
 
 def momentum_is_about_contact() -> Verdict:
     """Whether mass times omega is the angular momentum about the point of contact."""
-    rolling = Rolling.on(Surface.sphere(SIGNED, u1, v1))
-    eqs = vo.derive(rolling.system())
-    found = Motion.of(eqs).restrict(rolling.momentum)
+    ball = rolling_ball(Surface.sphere(SIGNED, u1, v1))
+    eqs = vo.derive(system_of(ball, sp.zeros(3, 1)))
+    found = Motion.of(eqs).restrict(sp.Matrix(ball.momentum))
     return all_equal(zip(eqs.mass * OMEGA, found, strict=True))
 
 

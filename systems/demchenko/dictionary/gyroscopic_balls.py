@@ -20,7 +20,8 @@ from .chaplygin_balls import (
     SIGNED,
     Ball,
     M,
-    Rolling,
+    rolling_ball,
+    system_of,
     theta,
     u,
     u1,
@@ -39,15 +40,15 @@ def rotor_is_kappa() -> Verdict:
     With W = (e, omega) + dchi/dt the equations are those of the ball with kappa = C W e, and W is
     constant.  The rotor's transverse moments belong to the ball.
     """
-    rolling = Rolling.on(Surface.sphere(SIGNED, u1, v1))
-    turn = AXIS.dot(rolling.spin) + vo.velocity(chi)
+    rolling = rolling_ball(Surface.sphere(SIGNED, u1, v1))
+    turn = AXIS.dot(sp.Matrix(rolling.spin)) + vo.velocity(chi)
     frame = dict(zip((*OMEGA, W), (*rolling.spin, turn), strict=True))
     system = vo.System(
         name="ball-with-rotor",
         fibration=vo.Fibration((u, v, theta, chi), (u1, v1)),
         frame=vo.Frame.quasi(frame),
         lagrangian=rolling.energy + C * turn**2 / 2,
-        constraints=rolling.contact.no_slip,
+        constraints=rolling.no_slip,
         parameters=(SIGNED, R2, M, C, *MOMENTS, *AXIS),
         invariants=dict(zip(map(str, GAMMA), rolling.normal, strict=True)),
     )
@@ -65,11 +66,11 @@ def is_demchenkos(system: vo.System) -> Verdict:
 
     Under Zhukovsky's condition the moments A_1 + A_2, A_1 + A_2, C_1 of ball and rotor are equal.
     """
-    rolling = Rolling.on(Surface.sphere(R1, u1, v1), sp.Matrix([0, 0, KAPPA[2]]))
+    ball = rolling_ball(Surface.sphere(R1, u1, v1))
     known = {p.name: p.symbol for p in system.parameters}
     to_theirs = {R1: known["R1"], R2: known["R2"], M: known["M"]}
     to_theirs |= {**dict.fromkeys(MOMENTS, known["A"]), KAPPA[2]: known["k"]}
-    mine = rolling.system()
+    mine = system_of(ball, sp.Matrix([0, 0, KAPPA[2]]))
     pairs: list[tuple[Any, Any]] = [(mine.lagrangian, system.lagrangian)]
     pairs += zip(mine.constraints, system.constraints, strict=True)
     return all_equal((sp.sympify(a).xreplace(to_theirs), b) for a, b in pairs)

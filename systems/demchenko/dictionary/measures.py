@@ -10,14 +10,9 @@ import sympy as sp
 import voronec as vo
 from voronec.audit import shorten
 
-__all__ = ["density", "divergence", "quadratic"]
+__all__ = ["density", "quadratic"]
 
 Flow = Mapping[sp.Expr, sp.Expr]
-
-
-def divergence(weight: Any, flow: Flow) -> sp.Expr:
-    """div(weight * field); it vanishes where the weight is the density of an invariant measure."""
-    return sp.Add(*[sp.diff(weight * rate, x) for x, rate in flow.items()])
 
 
 def density(base: sp.Expr, flow: Flow, point: Mapping[sp.Expr, sp.Expr], volume: Any = 1) -> Any:
@@ -27,7 +22,7 @@ def density(base: sp.Expr, flow: Flow, point: Mapping[sp.Expr, sp.Expr], volume:
     point.  Whether the same p does everywhere remains to be proved.
     """
     growth = sp.Add(*[sp.diff(base, x) * rate for x, rate in flow.items()])
-    power = -base * divergence(volume, flow) / (volume * growth)
+    power = -base * vo.divergence(volume, flow) / (volume * growth)
     return base ** shorten([power.xreplace(dict(point))])[0]
 
 

@@ -26,7 +26,7 @@ from .chaplygin_balls import (
     Ball,
     D,
     M,
-    Rolling,
+    rolling_ball,
     tensor,
     theta,
     u,
@@ -34,7 +34,7 @@ from .chaplygin_balls import (
     v,
     v1,
 )
-from .measures import density, divergence, quadratic
+from .measures import density, quadratic
 from .verdicts import all_equal
 
 phi, psi = sp.symbols("phi psi")
@@ -44,18 +44,17 @@ AREA = 1 / GAMMA[2]
 
 def rubber_system(fixed: Surface) -> vo.System:
     """The ball on a fixed surface with the third constraint."""
-    rolling = Rolling.on(fixed)
-    contact = rolling.contact
+    rolling = rolling_ball(fixed)
     return vo.System(
         name="rubber-ball",
         fibration=vo.Fibration((u, v), (u1, v1, theta)),
         frame=vo.Frame.quasi(dict(zip(OMEGA[:2], rolling.spin[:2], strict=True))),
         lagrangian=rolling.energy,
-        constraints=(*contact.no_slip, contact.no_twist),
+        constraints=(*rolling.no_slip, rolling.no_twist),
         parameters=tuple(
             x
             for x in (R1, R2, M, *MOMENTS)
-            if rolling.energy.has(x) or any(e.has(x) for e in contact.no_slip)
+            if rolling.energy.has(x) or any(e.has(x) for e in rolling.no_slip)
         ),
         invariants=dict(zip(map(str, GAMMA), rolling.normal, strict=True)),
     )
@@ -142,7 +141,7 @@ class Rubber:
     def measure(self, _: Any = None) -> Verdict:
         """Whether that is invariant."""
         weight = self.density * AREA
-        return vo.prove_equal(divergence(weight, self.flow), 0, self.relations)
+        return vo.prove_equal(vo.divergence(weight, self.flow), 0, self.relations)
 
     def study(self) -> Study:
         """The dictionary."""

@@ -1,0 +1,77 @@
+"""The nonholonomic particle: free in space but for the constraint zdot = y xdot.
+
+On the constraint the energy is m ((1 + y^2) xdot^2 + ydot^2)/2, and
+
+    (1 + y^2) xddot + y xdot ydot = 0,    yddot = 0    [Rosenberg1977].
+
+With dtau = dt/sqrt(1 + y^2) these are the geodesics of a flat plane, with the Cartesian coordinates
+x and asinh(y): the particle is free in another time.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from voronec import Equation, Fibration, Parameter, Poisson, Relation, Scene, System, velocity
+
+x, y, z, m = sp.symbols("x y z m")
+Dx, Dy, Dz = map(velocity, (x, y, z))
+root = sp.sqrt(1 + y**2)
+X, Y, px, py = sp.symbols("X Y px py")
+scale = sp.sqrt(1 + Y**2)
+
+kinetic = m * (Dx**2 + Dy**2 + Dz**2) / 2
+
+SYSTEM = System(
+    name="nonholonomic-particle",
+    title="Nonholonomic particle",
+    description="A particle in space, free but for one constraint, zdot = y xdot.",
+    fibration=Fibration(base=(x, y), fibre=(z,)),
+    lagrangian=kinetic,
+    constraints=(Dz - y * Dx,),
+    parameters=(Parameter(m, 1, positive=True, meaning="mass"),),
+    invariants={"X": x, "Y": y},
+    # Energy and four others, of which any three with one of the first three: all there can be.
+    integrals={
+        "energy": kinetic,
+        "along y": Dy,
+        "along the constraint": root * Dx,
+        "place, x": x * Dy - root * sp.asinh(y) * Dx,
+        "place, z": z * Dy - root**2 * Dx,
+    },
+    equations={
+        "x": Equation((1 + y**2) * Dx, y * Dx * Dy),
+        "y": Equation(Dy, sp.Integer(0)),
+    },
+    measure=root,
+    multiplier=1 / root,
+    # Chaplygin's Hamiltonian form: the momenta of the Lagrangian in the other time.
+    poisson=Poisson(
+        variables={X: X, Y: Y, px: m * scale * Dx, py: m * Dy / scale},
+        bracket={(X, px): 1, (Y, py): 1},
+        hamiltonian=(px**2 + (1 + Y**2) * py**2) / (2 * m),
+        clock=1 / scale,
+    ),
+    essential=(y, Dx, Dy),
+    integrable="Euler-Jacobi",
+    scenes={
+        "default": Scene(
+            initial={y: -2, Dx: 1, Dy: sp.Rational(1, 2)},
+            times=(0.0, 8.0),
+            outputs=(x, y, z),
+            caption="While y grows uniformly, z falls and rises again along a hyperbola.",
+        ),
+    },
+    references=("Rosenberg1977", "BatesSniatycki1993", "Chaplygin1911"),
+)
+
+RELATIONS = (
+    Relation(
+        "nonholonomic-particle",
+        "free-particle",
+        state={"X": x, "Y": sp.asinh(y), "Xdot": root * Dx, "Ydot": Dy},
+        parameters={"m": m},
+        clock=1 / root,
+        note="Chaplygin's change of time, by the reducing multiplier.",
+    ),
+)

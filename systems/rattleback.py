@@ -1,0 +1,151 @@
+"""The rattleback: a heavy ellipsoid on a plane whose axes of inertia are turned against its own.
+
+The axes of the ellipsoid are a, b, c, with the centre of mass in the middle; the inertia has the
+product I12 in these axes, so that two of its principal axes are turned about the third.  gamma is
+the vertical and G the angular momentum about the point of contact, in the axes of the ellipsoid;
+with S = diag(a^2, b^2, c^2), h = (gamma, S gamma)^(1/2) the height and r = -S gamma/h the contact,
+
+    G' = G x omega + m r' x (omega x r) + m g r x gamma,    gamma' = gamma x omega,
+
+where G = I omega + m r x (omega x r).  Spun against its hand, the body begins to rattle and turns
+back, though it is conservative and reversible: no measure keeps motions from attracting each other
+[Walker1896, GarciaHubbard1988].
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from voronec import (
+    Case,
+    Equation,
+    Fibration,
+    Frame,
+    Measure,
+    Parameter,
+    Relation,
+    Scene,
+    System,
+    kinematics,
+    velocity,
+)
+
+x, y, phi, theta, psi = sp.symbols("x y phi theta psi")
+gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
+m, g = sp.symbols("m g")
+axes, moments, I12 = sp.symbols("a b c"), sp.symbols("I1:4"), sp.Symbol("I12")
+a, b, c = axes
+I1, I2, I3 = moments
+
+product = sp.Matrix([[0, I12, 0], [I12, 0, 0], [0, 0, 0]])
+body = kinematics.ConvexBody.ellipsoid(axes, gamma, height)
+spin = sp.Matrix(omega)
+turned = body.rolled(omega)
+momentum = body.momentum(m, moments, omega) + product * spin
+moving = body.momentum_rate(momentum, m, omega, turned, m * g)
+
+# The same in angles that are regular where the third axis is upright: heading, roll and pitch.
+rotation = kinematics.Rotation.euler("zxy", phi, theta, psi)
+vertical = tuple(rotation.matrix.row(2))
+level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, vertical, strict=True)))
+placed = kinematics.ConvexBody.ellipsoid(axes, vertical, level)
+rates = rotation.body_rates
+across = -rotation.matrix * rates.cross(placed.arm)  # of the centre, where the contact rests
+rising = -placed.arm.dot(placed.rolled(rates))
+inertia = sp.diag(*moments) + product
+kinetic = kinematics.kinetic_energy(m, (velocity(x), velocity(y), rising), inertia, rates)
+
+# A ball of radius a, about its contact; D = m a^2.
+normal = sp.Matrix(gamma)
+share = m * a**2 * normal.dot((inertia + m * a**2 * sp.eye(3)).inv() * normal)
+
+SYSTEM = System(
+    name="rattleback",
+    title="Rattleback",
+    description="A heavy ellipsoid on a plane whose principal axes of inertia are turned against "
+    "the axes of its surface.",
+    fibration=Fibration(base=(phi, theta, psi), fibre=(x, y)),
+    frame=Frame.quasi(dict(zip(omega, rates, strict=True))),
+    lagrangian=kinetic - m * g * level,
+    constraints=(velocity(x) - across[0], velocity(y) - across[1]),
+    parameters=(
+        Parameter(m, 1, positive=True, meaning="mass"),
+        Parameter(g, 1, meaning="gravity"),
+        *(
+            Parameter(q, value, positive=True, meaning="semi-axis")
+            for q, value in zip(axes, (5, 1, sp.Rational(4, 5)), strict=True)
+        ),
+        *(
+            Parameter(i, value, positive=True, meaning="moment about an axis of the surface")
+            for i, value in zip(moments, (sp.Rational(2, 5), 5, 5), strict=True)
+        ),
+        Parameter(I12, sp.Rational(-1, 4), meaning="product of inertia: the hand"),
+    ),
+    invariants={**dict(zip(map(str, gamma), vertical, strict=True)), "height": level},
+    integrals={"energy": momentum.dot(spin) / 2 + m * g * height},
+    equations={
+        "momentum": Equation(tuple(momentum), tuple(moving)),
+        "normal": Equation(gamma, tuple(turned)),
+    },
+    essential=(*gamma, height, *omega),
+    cases={
+        "round": Case(
+            parameters={b: a, c: a},
+            integrals={
+                "momentum squared": momentum.dot(momentum).subs({b: a, c: a, height: a}),
+                "vertical momentum": normal.dot(inertia * spin),
+            },
+            measure=Measure(sp.sqrt(1 - share), (*gamma, height, *omega)),
+            integrable="Euler-Jacobi",
+            note="The ball of Chaplygin, whose weight does nothing: here are two more integrals, "
+            "and a measure.",
+        ),
+    },
+    scenes={
+        "default": Scene(
+            initial={
+                theta: sp.Rational(1, 100),
+                omega[0]: sp.Rational(1, 50),
+                omega[2]: -sp.Rational(1, 2),
+            },
+            times=(0.0, 100.0),
+            outputs=(x, y, *omega),
+            caption="Spun against its hand, the rattleback rattles, and turns back.",
+        ),
+    },
+    references=("Walker1896", "GarciaHubbard1988", "BorisovMamaev2003Rattleback"),
+)
+
+state = {str(s): s for s in (*gamma, height, *omega)}
+constants = {str(s): s for s in (m, g, *axes, *moments, I12)}
+
+RELATIONS = (
+    Relation(
+        "ellipsoid-on-plane",
+        "rattleback",
+        parameters={**constants, "I12": 0},
+        note="The axes of inertia are those of the surface: no hand.",
+    ),
+    Relation(
+        "rattleback",
+        "rattleback",
+        state={**state, **{str(w): -w for w in omega}},
+        parameters=constants,
+        clock=-1,
+        name="rattleback reversed",
+        note="Time runs back.",
+    ),
+    Relation(
+        "rattleback",
+        "rattleback",
+        state={
+            **state,
+            "gamma1": -gamma[0],
+            "omega2": -omega[1],
+            "omega3": -omega[2],
+        },
+        parameters={**constants, "I12": -I12},
+        name="rattleback mirrored",
+        note="The mirror image has the other hand.",
+    ),
+)

@@ -1,0 +1,92 @@
+"""Chaplygin's sleigh with a mass that swings across the blade, in a prescribed way.
+
+The centre of mass is at the distance ``a`` before the blade's point of contact and, to the left,
+b(t) = b1 sin(nu t).  With the speed v along the blade and the rate of turning w, the momentum
+p = m (v - b w) along the blade and the angular momentum M about the point of contact obey
+
+    p' = m w (a w + b'),    M' = -m v (a w + b'),    M = J w + a m (a w + b') - b p.
+
+The equations for v and w hold the time, and the motion is chaotic [BizyaevBorisovMamaev2017]; but
+where a = 0 the sleigh turns uniformly, and nothing is gained from the swing in the mean.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from voronec import (
+    Case,
+    Equation,
+    Fibration,
+    Frame,
+    Measure,
+    Parameter,
+    Relation,
+    Scene,
+    System,
+    time,
+    velocity,
+)
+
+x, y, phi = sp.symbols("x y phi")
+v, w = sp.symbols("v w")
+m, J, a, b1, nu = sp.symbols("m J a b1 nu")
+Dx, Dy, Dphi = velocity(x), velocity(y), velocity(phi)
+
+b = b1 * sp.sin(nu * time)
+Db = b.diff(time)
+# The velocity of the centre of mass, along the blade and across.
+forward = Dx * sp.cos(phi) + Dy * sp.sin(phi) - b * Dphi
+across = Dy * sp.cos(phi) - Dx * sp.sin(phi) + a * Dphi + Db
+
+drift = m * (a * w + Db)
+momentum = m * (v - b * w)
+turning = J * w + a * drift - b * momentum
+
+SYSTEM = System(
+    name="sleigh-in-time",
+    title="Sleigh with a swinging mass",
+    description="A Chaplygin sleigh on which a mass swings across the blade in a prescribed way: "
+    "the Lagrangian depends on the time.",
+    fibration=Fibration(base=(x, phi), fibre=(y,)),
+    frame=Frame.quasi({v: Dx * sp.cos(phi) + Dy * sp.sin(phi), w: Dphi}),
+    lagrangian=(m * (forward**2 + across**2) + J * Dphi**2) / 2,
+    constraints=(Dx * sp.sin(phi) - Dy * sp.cos(phi),),
+    parameters=(
+        Parameter(m, 1, positive=True, meaning="mass"),
+        Parameter(J, sp.Rational(1, 2), positive=True, meaning="inertia about the centre of mass"),
+        Parameter(a, sp.Rational(3, 10), meaning="centre of mass, before the blade"),
+        Parameter(b1, sp.Rational(1, 2), meaning="amplitude of the swing"),
+        Parameter(nu, 2, meaning="angular frequency of the swing"),
+    ),
+    equations={
+        "momentum": Equation(momentum, w * drift),
+        "angular momentum": Equation(turning, -v * drift),
+    },
+    essential=(v, w),
+    cases={
+        "centre of mass beside the blade": Case(
+            parameters={a: 0},
+            integrals={"turning": w, "speed less swing": v - 2 * b * w},
+            measure=Measure(sp.Integer(1), variables=(v, w)),
+        ),
+    },
+    scenes={
+        "default": Scene(
+            initial={v: sp.Rational(1, 5), w: sp.Rational(1, 2)},
+            times=(0.0, 60.0),
+            outputs=(x, y, phi, v, w),
+            caption="The swing of the mass drives the sleigh.",
+        ),
+    },
+    references=("BizyaevBorisovMamaev2017", "Chaplygin1911"),
+)
+
+RELATIONS = (
+    Relation(
+        "sleigh",
+        "sleigh-in-time",
+        parameters={"m": m, "J": J, "a": a, "b1": 0, "nu": 1},
+        note="The swing has no amplitude.",
+    ),
+)

@@ -1,0 +1,136 @@
+"""A sleigh on a turntable, held by a spring: not reversible, and chaotic.
+
+The blade of Chaplygin's sleigh does not slip sideways over a table that turns with the angular
+velocity Omega, so the constraint is affine.  A spring of stiffness k draws a hook on the sleigh, at
+the distance ``along`` before the blade and ``beside`` to its left, to the axis of the table.  Here
+everything is seen in axes that turn with the table: the constraint is homogeneous, the Lagrangian
+has Coriolis and centrifugal terms, and the Jacobi integral takes the place of the energy
+[BorisovMamaevBizyaev2015].
+
+The usual tests of integrators for nonholonomic systems are reversible and integrable, and flatter
+every method [ModinVerdier2020].  This system is neither.  With time run back it is that of a table
+that turns the other way; a mirror mends that, but puts the hook on the other side.  Where the
+centre of mass is over the blade, the volume is kept, and numbers show the motion chaotic; elsewhere
+it is attracted.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from voronec import (
+    Case,
+    Equation,
+    Fibration,
+    Frame,
+    Limit,
+    Measure,
+    Parameter,
+    Relation,
+    Scene,
+    System,
+    velocity,
+)
+
+x, y, phi = sp.symbols("x y phi")
+ahead, left = sp.symbols("ahead left")
+v, w = sp.symbols("v w")
+m, J, a, Omega, k, along, beside = sp.symbols("m J a Omega k along beside")
+Dx, Dy, Dphi = velocity(x), velocity(y), velocity(phi)
+cos, sin = sp.cos(phi), sp.sin(phi)
+
+# The blade from the axis of the table, along the sleigh and across.
+before, aside = x * cos + y * sin, y * cos - x * sin
+potential = k * ((before + along) ** 2 + (aside + beside) ** 2) / 2
+
+# In space: of the centre of mass, along the sleigh and across; of the turning.
+forward = Dx * cos + Dy * sin - Omega * aside
+across = Dy * cos - Dx * sin + Omega * before + a * (Dphi + Omega)
+kinetic = (m * (forward**2 + across**2) + J * (Dphi + Omega) ** 2) / 2
+
+# The same of the place as the sleigh sees it.
+K = J + m * a**2
+seen = (m * v**2 + K * w**2) / 2
+stretched = k * ((ahead + along) ** 2 + (left + beside) ** 2) / 2
+centrifugal = m * Omega**2 * (left**2 + (ahead + a) ** 2) / 2
+drive = a * w**2 + 2 * Omega * a * w + Omega**2 * (ahead + a) - k / m * (ahead + along)
+turn = -m * a * v * (w + 2 * Omega) + m * a * Omega**2 * left + k * (beside * ahead - along * left)
+
+SYSTEM = System(
+    name="sleigh-on-turntable",
+    title="Sleigh on a turntable, held by a spring",
+    description="A sleigh whose blade does not slip over a turning table, with a spring from the "
+    "table's axis to a hook beside the sleigh's middle: neither reversible nor integrable.",
+    fibration=Fibration(base=(x, phi), fibre=(y,)),
+    frame=Frame.quasi({v: Dx * cos + Dy * sin, w: Dphi}),
+    lagrangian=kinetic - potential,
+    constraints=(Dx * sin - Dy * cos,),
+    parameters=(
+        Parameter(m, 1, positive=True, meaning="mass"),
+        Parameter(J, sp.Rational(1, 2), positive=True, meaning="inertia about the centre of mass"),
+        Parameter(a, sp.Rational(3, 10), meaning="centre of mass, before the blade"),
+        Parameter(Omega, sp.Rational(1, 2), meaning="angular velocity of the table"),
+        Parameter(k, 1, lower=0, meaning="stiffness of the spring"),
+        Parameter(along, sp.Rational(1, 5), meaning="hook, before the blade"),
+        Parameter(beside, sp.Rational(2, 5), meaning="hook, to the left of the blade"),
+    ),
+    invariants={"ahead": before, "left": aside},
+    integrals={"Jacobi": seen + stretched - centrifugal},
+    equations={
+        "place": Equation((ahead, left), (v + w * left, -w * ahead)),
+        "speed and turning": Equation((v, K * w), (drive, turn)),
+    },
+    essential=(ahead, left, v, w),
+    cases={
+        "centre of mass over the blade": Case(
+            parameters={a: 0},
+            measure=Measure(sp.Integer(1), variables=(ahead, left, v, w)),
+        ),
+    },
+    scenes={
+        "default": Scene(
+            initial={x: 1, v: sp.Rational(1, 2), w: sp.Rational(1, 2)},
+            parameters={a: 0},
+            times=(0.0, 60.0),
+            outputs=(x, y, phi, v, w),
+            caption="With its centre of mass over the blade, the sleigh settles into no rhythm.",
+        ),
+        "attracted": Scene(
+            initial={x: 1, v: sp.Rational(-1, 2), w: sp.Rational(1, 2)},
+            times=(0.0, 60.0),
+            outputs=(x, y, phi, v, w),
+            caption="With its centre of mass before the blade, the sleigh learns to go forward.",
+        ),
+    },
+    references=("BorisovMamaevBizyaev2015", "ModinVerdier2020"),
+)
+
+h = sp.Symbol("h")
+constants = {str(s): s for s in (m, J, a, Omega, k, along, beside)}
+
+RELATIONS = (
+    Relation(
+        "sleigh-on-turntable",
+        "sleigh",
+        parameters={"m": m, "J": J, "a": a},
+        limit=Limit(h, {Omega: h, k: h}),
+        note="The table comes to rest and the spring goes slack.",
+    ),
+    Relation(
+        "sleigh-on-turntable",
+        "sleigh-on-turntable",
+        state={"x": x, "y": y, "phi": phi, "v": -v, "w": -w},
+        parameters={**constants, "Omega": -Omega},
+        clock=-1,
+        name="sleigh on a turntable reversed",
+        note="With time run back, the table turns the other way.",
+    ),
+    Relation(
+        "sleigh-on-turntable",
+        "sleigh-on-turntable",
+        state={"x": x, "y": -y, "phi": -phi, "v": v, "w": -w},
+        parameters={**constants, "Omega": -Omega, "beside": -beside},
+        name="sleigh on a turntable mirrored",
+        note="In the mirror the table turns the other way, and the hook is on the other side.",
+    ),
+)

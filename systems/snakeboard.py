@@ -1,0 +1,81 @@
+"""The snakeboard: a board with a rotor and two pairs of wheels that are steered against each other.
+
+The board's middle is at (x, y) and its direction is ``theta``; the rotor has turned by ``psi``
+against the board, the front wheels by ``phi`` and the rear wheels by -``phi``.  Neither pair, at
+the distance l from the middle, slips sideways.  Without a rider's torques
+
+    phi'' = 0,    (theta' + psi')' = 0,    theta' sqrt(J + 2 W + m l^2 cot(phi)^2) = constant,
+
+with the moments J of the board, W of each pair of wheels [OstrowskiLewisMurrayBurdick1994,
+BlochKrishnaprasadMarsdenMurray1996].
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from voronec import Equation, Fibration, Measure, Parameter, Scene, System, velocity
+
+theta, psi, phi, x, y = sp.symbols("theta psi phi x y")
+m, length, J, rotor, wheels = sp.symbols("m l J J_r J_w")
+sine, cosine = sp.symbols("sine cosine")
+Dtheta, Dpsi, Dphi, Dx, Dy = map(velocity, (theta, psi, phi, x, y))
+
+kinetic = (
+    m * (Dx**2 + Dy**2)
+    + J * Dtheta**2
+    + rotor * (Dtheta + Dpsi) ** 2
+    + wheels * ((Dtheta + Dphi) ** 2 + (Dtheta - Dphi) ** 2)
+) / 2
+
+# sin(phi)^2 times the board's inertia against turning, with the way it makes along its track.
+turning = (J + 2 * wheels) * sine**2 + m * length**2 * cosine**2
+
+SYSTEM = System(
+    name="snakeboard",
+    title="Snakeboard",
+    description="A board with a rotor and two steered pairs of wheels, without torques.",
+    fibration=Fibration(base=(theta, psi, phi), fibre=(x, y)),
+    lagrangian=kinetic,
+    constraints=(
+        sp.cos(theta + phi) * Dy - sp.sin(theta + phi) * Dx - length * sp.cos(phi) * Dtheta,
+        sp.cos(theta - phi) * Dy - sp.sin(theta - phi) * Dx + length * sp.cos(phi) * Dtheta,
+    ),
+    parameters=(
+        Parameter(m, 6, positive=True, meaning="mass"),
+        Parameter(length, sp.Rational(1, 5), positive=True, meaning="half the wheelbase"),
+        Parameter(J, sp.Rational(1, 10), positive=True, meaning="inertia of the board"),
+        Parameter(rotor, sp.Rational(1, 20), positive=True, meaning="inertia of the rotor"),
+        Parameter(wheels, sp.Rational(1, 100), positive=True, meaning="inertia of a pair"),
+    ),
+    invariants={"sine": sp.sin(phi), "cosine": sp.cos(phi)},
+    integrals={
+        "energy": kinetic,
+        "steering": Dphi,
+        "rotor": Dtheta + Dpsi,
+        "turning": Dtheta * sp.sqrt(turning) / sine,
+        "angle of the rotor": (theta + psi) * Dphi - phi * (Dtheta + Dpsi),
+    },
+    equations={
+        "steering and rotor": Equation((Dphi, Dtheta + Dpsi), (sp.Integer(0), sp.Integer(0))),
+        "turning": Equation(Dtheta, m * length**2 * cosine * Dtheta * Dphi / (sine * turning)),
+    },
+    measure=Measure(sp.sqrt(turning) / sine, variables=(sine, cosine, Dtheta, Dpsi, Dphi)),
+    essential=(sine, cosine, Dtheta, Dphi),
+    integrable="Euler-Jacobi",
+    scenes={
+        "default": Scene(
+            initial={
+                theta: sp.Rational(1, 10),
+                phi: sp.Rational(3, 10),
+                Dtheta: sp.Rational(1, 5),
+                Dpsi: 1,
+                Dphi: sp.Rational(1, 10),
+            },
+            times=(0.0, 5.0),
+            outputs=(x, y, theta, psi, phi),
+            caption="The wheels turn steadily, and the board's track curls up.",
+        ),
+    },
+    references=("OstrowskiLewisMurrayBurdick1994", "BlochKrishnaprasadMarsdenMurray1996"),
+)

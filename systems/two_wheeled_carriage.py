@@ -1,0 +1,133 @@
+"""The two-wheeled carriage: a body on a common axle of two wheels that roll without slipping.
+
+The middle of the axle is over (x, y), the carriage heads along (cos phi, sin phi), and the centre
+of mass is at the distance ``a`` before the axle.  The wheels, at the distance ``b`` to the left and
+to the right, have turned by ``left`` and ``right``.  Three constraints: no slip sideways, and each
+wheel's rim follows the ground; the difference of the latter two is integrable.  The body moves as
+Chaplygin's sleigh, made heavier by the spin of its wheels [NeimarkFufaev1972].
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from voronec import (
+    Case,
+    Equation,
+    Fibration,
+    Frame,
+    Measure,
+    Parameter,
+    Relation,
+    Scene,
+    Square,
+    System,
+    velocity,
+)
+
+x, y, phi, left, right = sp.symbols("x y phi left right")
+v, w = sp.symbols("v w")
+m, J, a, b, R, C = sp.symbols("m J a b R C")
+Dx, Dy, Dphi, Dleft, Dright = map(velocity, (x, y, phi, left, right))
+cos, sin = sp.cos(phi), sp.sin(phi)
+
+forward = Dx * cos + Dy * sin
+kinetic = m * (Dx**2 + Dy**2 + a**2 * Dphi**2) / 2 + J * Dphi**2 / 2
+kinetic += m * a * Dphi * (Dy * cos - Dx * sin) + C * (Dleft**2 + Dright**2) / 2
+
+# The inertia against driving and turning, the wheels' spin with it.
+drive = m + 2 * C / R**2
+turn = J + m * a**2 + 2 * C * b**2 / R**2
+root = sp.sqrt(drive * turn)
+
+SYSTEM = System(
+    name="two-wheeled-carriage",
+    title="Two-wheeled carriage",
+    description="A carriage, or a robot, on two wheels with a common axle that roll without "
+    "slipping and turn independently.",
+    fibration=Fibration(base=(left, right), fibre=(x, y, phi)),
+    frame=Frame.quasi({v: forward, w: Dphi}),
+    lagrangian=kinetic,
+    constraints=(
+        Dx * sin - Dy * cos,
+        forward - b * Dphi - R * Dleft,
+        forward + b * Dphi - R * Dright,
+    ),
+    parameters=(
+        Parameter(m, 1, positive=True, meaning="mass, wheels included"),
+        Parameter(J, sp.Rational(1, 2), positive=True, meaning="inertia about the centre of mass"),
+        Parameter(a, sp.Rational(3, 10), meaning="centre of mass, before the axle"),
+        Parameter(b, sp.Rational(1, 2), positive=True, meaning="half the track"),
+        Parameter(R, sp.Rational(1, 4), positive=True, meaning="radius of the wheels"),
+        Parameter(C, sp.Rational(1, 100), positive=True, meaning="a wheel's inertia, axial"),
+    ),
+    integrals={
+        "energy": (drive * v**2 + turn * w**2) / 2,
+        "heading by the wheels": 2 * b * phi - R * (right - left),
+        "heading": m * a * phi - root * sp.atan(v * drive / (w * root)),
+    },
+    equations={
+        "driving": Equation(drive * v, m * a * w**2),
+        "turning": Equation(turn * w, -m * a * v * w),
+    },
+    measure=Measure(1 / w, variables=(v, w)),
+    integrable="Euler-Jacobi",
+    essential=(v, w),
+    cases={
+        "centre of mass over the axle": Case(
+            parameters={a: 0},
+            integrals={
+                "driving": v,
+                "turning": w,
+                "centre of the circle, x": x * w - v * sin,
+                "centre of the circle, y": y * w + v * cos,
+            },
+            measure=sp.Integer(1),
+            integrable="Euler-Jacobi",
+            note="Both wheels turn uniformly.",
+        ),
+    },
+    scenes={
+        "default": Scene(
+            initial={v: -1, w: sp.Rational(1, 20)},
+            times=(0.0, 20.0),
+            outputs=(x, y, phi, left, right),
+            caption="Pushed with the load behind the axle, the carriage turns about.",
+        ),
+    },
+    references=("NeimarkFufaev1972", "Bloch2015"),
+)
+
+disc = {name: sp.Symbol(name) for name in ("x", "y", "phi", "theta", "thetadot", "phidot")}
+B = sp.Symbol("B")
+
+RELATIONS = (
+    Relation(
+        "two-wheeled-carriage",
+        "sleigh",
+        state={"x": x, "y": y, "phi": phi, "v": v, "w": w},
+        parameters={"m": drive, "J": turn - (m * a) ** 2 / drive, "a": m * a / drive},
+        note="A sleigh with the inertia of the wheels' spin.",
+    ),
+    Relation(
+        "vertical-disc",
+        "two-wheeled-carriage",
+        state={
+            **{name: disc[name] for name in ("x", "y", "phi")},
+            "left": disc["theta"],
+            "right": disc["theta"],
+            "v": R * disc["thetadot"],
+            "w": disc["phidot"],
+        },
+        parameters={"m": m, "J": C, "a": 0, "b": 0, "R": R, "C": B / 2},
+        note="The disc is split into two wheels with no distance between them.",
+    ),
+)
+
+SQUARES = (
+    Square(
+        first=("vertical-disc -> sleigh",),
+        second=("vertical-disc -> two-wheeled-carriage", "two-wheeled-carriage -> sleigh"),
+        name="a disc as a carriage, and both as a sleigh",
+    ),
+)

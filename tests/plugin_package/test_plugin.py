@@ -1,0 +1,3 @@
+from voronec.testing import conformance
+
+test_conformance = conformance("plugin-hoop")

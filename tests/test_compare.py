@@ -1,0 +1,206 @@
+"""Two derivations side by side, and every system against the derivation that is stored."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+import sympy as sp
+from command_line import Call, refused
+
+import voronec as vo
+from voronec import catalogue
+from voronec.comparison import Derived, compare, read_derived
+from voronec.comparison.text import read_expression
+
+STORED = Path(__file__).parent / "derivations"
+OWN = [e.name for e in catalogue.entries()[0] if e.distribution == catalogue.OWN]
+
+
+@cache
+def derived(name: str) -> Derived:
+    return Derived.of(vo.derive(vo.load(name)))
+
+
+def changed(name: str, group: str, entry: str, text: str) -> Derived:
+    """A stored derivation with another entry, and no values at points."""
+    found = derived(name)
+    groups = {**found.groups, group: {**found.groups[group], entry: text}}
+    return replace(found, groups=groups, equations=None, points=())
+
+
+# -- every system --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_every_system_is_derived_as_it_is_stored(name: str) -> None:
+    """A rewriting that is proved equal passes, with a note."""
+    file = STORED / f"{name}.json"
+    assert file.exists(), f"store it: python tools/store_derivations.py {name}"
+    today = Derived.of(vo.derive(vo.load(name)))
+    if today.text() == file.read_text(encoding="utf-8"):
+        return
+    found = compare(read_derived(file), today)
+    told = [f"{r.group} {r.name}: {r.first} was, {r.second} is; {r.how}" for r in found.differences]
+    assert not told, "\n".join(told)
+    for row in found.rewritten:
+        print(f"rewritten, proved equal: {row.group} {row.name}")
+
+
+def test_what_is_stored_is_small_and_nothing_else() -> None:
+    files = [f for f in STORED.iterdir() if f.suffix == ".json"]
+    assert {f.stem for f in files} <= {*OWN}
+    assert sum(f.stat().st_size for f in files) < 2_000_000
+
+
+# -- comparison --------------------------------------------------------------------------------
+
+
+def test_a_rewriting_is_proved_and_a_difference_is_shown_at_a_point() -> None:
+    ours = derived("sleigh")
+    same = compare(changed("sleigh", "mass", "w,w", "m*a*a + J*(sin(phi)**2 + cos(phi)**2)"), ours)
+    assert same.equal
+    assert [(r.group, r.name) for r in same.rewritten] == [("mass", "w,w")]
+    other = compare(changed("sleigh", "force", "v", "a*m*w**3"), ours)
+    (row,) = other.differences
+    assert (row.group, row.name, row.status) == ("force", "v", "refuted")
+    assert " against " in row.how and "w = " in row.how
+
+
+def test_an_entry_that_one_side_lacks_is_zero() -> None:
+    (row,) = compare(changed("sleigh", "mass", "v,w", "a"), derived("sleigh")).differences
+    assert (row.name, row.first, row.second, row.status) == ("v,w", "a", "0", "refuted")
+    assert compare(changed("sleigh", "mass", "v,w", "a - a"), derived("sleigh")).equal
+
+
+def test_the_relations_of_invariants_count() -> None:
+    ball = derived("chaplygin-ball")
+    text = ball.groups["reduced mass"]["omega1,omega1"]
+    rewritten = f"{text} + gamma1**2 + gamma2**2 + gamma3**2 - 1"
+    assert compare(
+        changed("chaplygin-ball", "reduced mass", "omega1,omega1", rewritten), ball
+    ).equal
+    wrong = changed("chaplygin-ball", "reduced mass", "omega1,omega1", f"{text} + gamma1**2")
+    assert not compare(wrong, ball).equal
+
+
+def test_what_is_too_long_to_store_is_compared_in_numbers() -> None:
+    ours = derived("sleigh")
+    short = replace(ours.stored(), groups={}, equations=None)
+    assert compare(short, ours).equal
+    (at, values), *rest = short.points
+    wrong = replace(short, points=((at, {**values, "x": "1.5"}), *rest))
+    (row,) = compare(wrong, ours).differences
+    assert row.group == "acceleration at point 1" and row.name == "x"
+    nothing = compare(replace(short, points=()), replace(ours, equations=None, points=()))
+    assert [r.status for r in nothing.differences] == ["undecided"]
+
+
+def test_a_group_that_is_too_long_is_not_stored(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = derived("demchenko")
+    size = {k: sum(map(len, g.values())) for k, g in whole.groups.items()}
+    monkeypatch.setattr("voronec.comparison.derived.LONGEST", size["mass"])
+    stored = whole.stored()
+    assert {*stored.groups} == {k for k, n in size.items() if n <= size["mass"]} < {*size}
+    found = compare(replace(stored, equations=None), whole)
+    assert found.equal and {r.status for r in found.rows} == {"identical", "numeric"}
+
+
+def test_other_facts_are_differences() -> None:
+    facts = {**derived("sleigh").facts, "kind": "voronec"}
+    (row,) = compare(replace(derived("sleigh"), facts=facts), derived("sleigh")).differences
+    assert (row.name, row.status, row.first, row.second) == (
+        "kind", "different", "voronec", "chaplygin",
+    )  # fmt: skip
+
+
+def test_motions_of_two_systems_are_compared() -> None:
+    assert max(compare(derived("sleigh"), derived("sleigh")).deviations.values()) == 0
+    m = sp.Symbol("m")
+    sleigh = vo.load("sleigh")
+    heavy = replace(sleigh, lagrangian=sleigh.lagrangian.xreplace({m: 2 * m}), **NO_CLAIMS)
+    found = compare(derived("sleigh"), Derived.of(vo.derive(heavy)))
+    assert not found.equal and max(found.deviations.values()) > 1e-2
+    other = compare(derived("sleigh"), derived("vertical-disc"))
+    assert not other.deviations and other.remark == "the variables differ"
+    assert {r.name for r in other.differences} >= {"base", "fibre"}
+
+
+NO_CLAIMS = {
+    "integrals": {}, "equations": {}, "measure": None, "multiplier": None, "cases": {},
+    "essential": (), "integrable": "",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["sleigh", "chaplygin-ball", "demchenko", "bicycle"])
+def test_what_is_stored_is_read_back(name: str) -> None:
+    stored = derived(name).stored()
+    data = json.loads(derived(name).text())
+    assert Derived.from_dict(data, "here") == replace(stored, equations=None)
+
+
+# -- texts -----------------------------------------------------------------------------------
+
+
+x, y, word = sp.symbols("x y lambda")
+
+
+@pytest.mark.parametrize(
+    "expr",
+    [
+        x**2 / 3 - sp.sqrt(y) * sp.sin(x),
+        -(x ** sp.Rational(-3, 2)),
+        word + sp.pi * sp.atan2(y, x),
+        sp.Function("f")(x).diff(x) * sp.Function("f")(x) + sp.Function("E")(x, y).diff(x, 2, y),
+        sp.Symbol("E") + sp.Symbol("I1"),
+        sp.exp(-x) * sp.Abs(y) + sp.log(1 + x),
+    ],
+)
+def test_an_expression_comes_back_from_its_text(expr: sp.Expr) -> None:
+    assert read_expression(str(expr)) == expr
+
+
+@pytest.mark.parametrize(
+    "text", ["", "x +", "x.y", "__import__('os')", "[x]", "x if y else x", "'x'", "f(x=1)", 3]
+)
+def test_what_is_no_expression_is_refused(text: object) -> None:
+    with pytest.raises(vo.DefinitionError, match="expression"):
+        read_expression(text)
+
+
+# -- the command -----------------------------------------------------------------------------
+
+
+def test_the_command_stores_and_compares(call: Call) -> None:
+    assert "voronec compare old.json sleigh" in call("derive", "sleigh", "--store", "old.json").out
+    answer = call("compare", "old.json", "sleigh")
+    assert answer.status == 0 and answer.out.endswith("\nequal\n")
+    text = Path("old.json").read_text()
+    Path("old.json").write_text(text.replace('"a*m*w**2"', '"2*a*m*w**2"'))
+    answer = call("compare", "old.json", "sleigh")
+    assert answer.status == 1 and answer.out.endswith("\ndifferent\n")
+    assert "force v: refuted\n  sleigh: 2*a*m*w**2\n  sleigh: a*m*w**2\n" in answer.out
+    data = json.loads(call("compare", "old.json", "sleigh", "--json").out)
+    assert data["equal"] is False
+    assert [r["name"] for r in data["rows"] if r["status"] == "refuted"] == ["v"]
+
+
+def test_wrong_files_are_refused(call: Call) -> None:
+    assert "'none.json' cannot be read" in refused(call("compare", "none.json", "sleigh"))
+    assert "cannot be written" in refused(call("derive", "sleigh", "--store", "no/where.json"))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [("{", "is not JSON"), ("[]", "holds no derivation"), ('{"format": 7}', "has the format 7")],
+)
+def test_a_file_that_holds_something_else_is_refused(
+    tmp_path: Path, text: str, message: str
+) -> None:
+    file = tmp_path / "odd.json"
+    file.write_text(text)
+    with pytest.raises(vo.DefinitionError, match=message):
+        read_derived(file)

@@ -1,0 +1,102 @@
+"""The systems of the project pass the tests that those of others pass; a wrong one does not."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from plugins import install
+
+from voronec import catalogue
+from voronec.checking import Inventory
+from voronec.checking.record import told
+from voronec.checking.unit import units_of
+from voronec.checking.work import Bench, examine
+from voronec.errors import DefinitionError
+from voronec.testing import STATEMENTS, conformance
+
+PLUGIN = Path(__file__).parent / "plugin_package"
+STOCK = Inventory.of()
+OWN = [e.name for e in catalogue.entries()[0] if e.distribution == catalogue.OWN]
+RELATED = sorted(name for name in STOCK.graph if "@" in name)
+SINGLE = {what: holds for what, holds in STATEMENTS.items() if what != "relations hold"}
+
+test_conformance = conformance(*OWN, *RELATED, statements=SINGLE)
+
+
+# Relations and squares one by one, each once, and not for each of its systems.
+UNITS = [u for u in units_of(STOCK) if u.kind != "system"]
+BENCH = Bench()
+
+
+@pytest.mark.parametrize("unit", UNITS, ids=lambda u: f"{u.kind} {u.name}")
+def test_every_relation_holds_and_every_square_commutes(unit):
+    result = examine(unit, BENCH)
+    assert not [told(result, f) for f in result.failures]
+
+
+def test_nothing_declared_is_broken():
+    assert [(t.name, t.why) for t in STOCK.all_troubles if {t.name, t.owner} & {*OWN}] == []
+
+
+# -- somebody else's package ---------------------------------------------------------------------
+
+
+def test_a_package_of_somebody_else_runs_the_same_tests_with_three_lines(tmp_path: Path):
+    assert len((PLUGIN / "test_plugin.py").read_text().splitlines()) == 3
+    shutil.copytree(PLUGIN, tmp_path, dirs_exist_ok=True)
+    install(tmp_path, "voronec-plugin", PLUGIN / "pyproject.toml")
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_plugin.py"],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+    assert f"{len(STATEMENTS)} passed" in done.stdout
+
+
+HOOP = (PLUGIN / "voronec_plugin" / "systems" / "plugin_hoop.py").read_text()
+SHARED = "from voronec_plugin.systems._shared import R, m\n"
+
+
+@pytest.mark.parametrize(
+    ("change", "statement", "message"),
+    [
+        (('"energy": kinetic', '"energy": kinetic + x'), "claims hold", "'energy' is refuted"),
+        (('integrals={"energy": kinetic},', ""), "claims hold", "claims nothing"),
+        (("Hoop2000", "Hoops"), "references are known", "'Hoops' is not in"),
+        (("phi: -phi", "phi: phi"), "relations hold", "'plugin-hoop mirrored' is refuted"),
+        (('"free-particle"', '"free-partcle"'), "relations hold", "did you mean 'free-particle'"),
+        (('title="A hoop on a line"', 'title=""'), "names are fine", "has no title"),
+        (('"plugin-hoop",\n    title', '"Hoop",\n    title'), "names are fine", "'Hoop' is not"),
+        (("(phi): 1}", '(phi): 1, "xdot": 1}'), "scenes run", "off the constraints"),
+    ],
+)
+def test_the_kit_finds_what_is_wrong(tmp_path: Path, change, statement, message):
+    file = tmp_path / "hoop.py"
+    text = HOOP.replace(SHARED, 'R, m = sp.symbols("R m")\n')
+    (tmp_path / "references.bib").write_text("@misc{Hoop2000,\n}\n")
+    file.write_text(text)
+    STATEMENTS[statement](str(file))
+    assert change[0] in text
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text(text.replace(*change))
+    with pytest.raises((AssertionError, DefinitionError), match=message):
+        STATEMENTS[statement](str(wrong))
+
+
+def test_the_kit_finds_equations_that_the_multipliers_refute(monkeypatch):
+    from voronec import testing
+
+    def wrong(system, point, digits):
+        return {q: a + 1 for q, a in right(system, point, digits).items()}
+
+    right = testing.multiplier_acceleration
+    testing.routes_agree_at_random_points("sleigh")
+    monkeypatch.setattr(testing, "multiplier_acceleration", wrong)
+    with pytest.raises(AssertionError, match="'sleigh': the acceleration of x is"):
+        testing.routes_agree_at_random_points("sleigh")

@@ -1,0 +1,82 @@
+"""The pages of the systems are those of today's declarations, and of proved claims."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from voronec.checking import Inventory, Result
+from voronec.report.bibliography import citation
+
+TOOLS = Path(__file__).resolve().parent.parent / "tools"
+STALE = "run: python tools/build_pages.py"
+
+
+@pytest.fixture(name="build", scope="module")
+def _build() -> Iterator[ModuleType]:
+    sys.path.insert(0, str(TOOLS))
+    try:
+        import build_pages
+
+        yield build_pages
+    finally:
+        sys.path.remove(str(TOOLS))
+
+
+@pytest.fixture(name="stock", scope="module")
+def _stock() -> Inventory:
+    return Inventory.of()
+
+
+@pytest.fixture(name="results", scope="module")
+def _results(build: ModuleType) -> list[Result]:
+    found: list[Result] = build.read_results()
+    return found
+
+
+def test_the_pages_say_what_is_declared(
+    build: ModuleType, stock: Inventory, results: list[Result]
+) -> None:
+    expected = build.pages(stock, results)
+    found = {page.name for page in build.FOLDER.glob("*.md")}
+    assert found == set(expected), STALE
+    for name, text in expected.items():
+        assert (build.FOLDER / name).read_text("utf-8") == text, f"{name} is stale; {STALE}"
+
+
+def test_every_claim_relation_and_square_has_its_verdict(
+    stock: Inventory, results: list[Result]
+) -> None:
+    own = {r.name: r for r in results if r.kind == "system"}
+    for name, system in stock.systems.items():
+        decided = {f.name for f in own[name].findings}
+        assert {*system.integrals, *system.equations} <= decided, f"{name}; {STALE}"
+    kinds = {kind: {r.name for r in results if r.kind == kind} for kind in ("relation", "square")}
+    assert kinds["relation"] == {r.label for r in stock.relations}, STALE
+    assert kinds["square"] == {s.label for s in stock.faces}, STALE
+
+
+def test_nothing_failed_and_what_is_open_has_a_reason(results: list[Result]) -> None:
+    assert results
+    for result in results:
+        assert not result.failures, (result.name, result.failures)
+
+
+def test_a_citation_is_a_line_of_text() -> None:
+    entry = """@article{Key,
+  author  = {Demchenko, Vasilije and Bilimovi\\'c, Anton},
+  title   = {Rouler sans {G}lissement},
+  journal = {Matemati\\v{c}ki Vesnik},
+  volume  = {3},
+  year    = {1924},
+  pages   = {1--6},
+  note    = {In French}
+}"""
+    assert citation(entry) == (
+        "Vasilije Demchenko and Anton Bilimovi\u0107 (1924). Rouler sans Glissement. "
+        "Matemati\u010dki Vesnik 3, 1\u20136. In French."
+    )

@@ -1,0 +1,229 @@
+"""Balls on planes and spheres: their claims hold, hold only there, and are those of one family."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from importlib import import_module
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec import Equation, prove_equal
+from voronec.analysis.claims import check_claims
+from voronec.relations.chains import check_square
+from voronec.relations.checking import check_relation
+from voronec.vector_field import Motions
+
+PLANE = ("gyroscopic-ball-on-plane", "bobylev-ball", "zhukovsky-ball", "homogeneous-ball")
+SPHERE = (
+    "ball-on-sphere",
+    "gyroscopic-ball-on-sphere",
+    "symmetric-ball-on-sphere",
+    "symmetric-gyroscopic-ball-on-sphere",
+    "homogeneous-ball-on-sphere",
+)
+BALLS = (*PLANE, *SPHERE, "borisov-fedorov-ball", "chaplygin-ball", "demchenko")
+INTEGRABLE = {*PLANE, "chaplygin-ball", "borisov-fedorov-ball", "homogeneous-ball-on-sphere"}
+SYMMETRIC = ("symmetric-ball-on-sphere", "symmetric-gyroscopic-ball-on-sphere")
+
+omega = sp.symbols("omega1:4")
+gamma = sp.symbols("gamma1:4")
+R1, R2, m, A, C, k = sp.symbols("R1 R2 m A C k")
+UNIT = sum(g**2 for g in gamma) - 1
+
+
+def module(name):
+    return import_module(f"voronec.systems.{name.replace('-', '_')}")
+
+
+@cache
+def motions(name):
+    return Motions.of(vo.load(name))
+
+
+RELATIONS = {r.label: r for name in BALLS for r in getattr(module(name), "RELATIONS", ())}
+SQUARES = {s.label: s for name in BALLS for s in getattr(module(name), "SQUARES", ())}
+
+
+def verdict_on(name, **claims):
+    """The verdict on one claim about a ball, without its own claims."""
+    bare = replace(
+        vo.load(name),
+        integrals={}, equations={}, measure=None, essential=(), cases={}, integrable="",
+    )  # fmt: skip
+    kind = next(iter(claims)).removesuffix("s")
+    return next(c for c in check_claims(replace(bare, **claims)) if c.kind == kind).verdict
+
+
+@pytest.mark.parametrize("name", BALLS)
+def test_every_claim_is_proved(name):
+    claims = check_claims(motions(name))
+    assert not [(c.name, c.verdict) for c in claims if not c.verdict.proved]
+    kinds = [c.kind for c in claims]
+    assert kinds.count("measure") >= 1 and kinds.count("essential") == 1
+    if name != "demchenko":
+        assert kinds.count("equation") >= 2
+    assert ("integrable" in kinds) == (name != "gyroscopic-ball-on-sphere")
+    assert (vo.load(name).integrable != "") == (name in INTEGRABLE)
+
+
+@pytest.mark.parametrize("name", [n for n in BALLS if n != "demchenko"])
+def test_the_equations_are_the_printed_ones_and_no_others(name):
+    """Gdot = (G + kappa) x omega with this sign, gammadot with this epsilon."""
+    declared = vo.load(name).equations
+    for key in ("momentum", "normal"):
+        right = declared[key]
+        turned = Equation(right.function, tuple(-r for r in right.rate))
+        assert verdict_on(name, equations={key: turned}).refuted
+    if name in SPHERE:
+        normal = sp.Matrix(gamma)
+        plane = Equation(gamma, tuple(normal.cross(sp.Matrix(omega))))
+        assert verdict_on(name, equations={"normal": plane}).refuted
+
+
+def test_the_normal_momentum_is_constant_on_the_plane_only():
+    vertical = vo.load("gyroscopic-ball-on-plane").integrals["vertical momentum"]
+    on_sphere = vertical.xreplace({sp.Symbol("R"): R2})
+    assert verdict_on("gyroscopic-ball-on-plane", integrals={"F4": vertical}).proved
+    assert verdict_on("gyroscopic-ball-on-sphere", integrals={"F4": on_sphere}).refuted
+
+
+def test_the_integral_of_borisov_and_fedorov_needs_its_weights_and_its_epsilon():
+    name = "borisov-fedorov-ball"
+    integral = vo.load(name).integrals["Borisov-Fedorov"]
+    assert verdict_on(name, integrals={"F4": integral}).proved
+    plain = sum(p * g for p, g in zip(module(name).momentum, gamma, strict=True))
+    assert verdict_on(name, integrals={"F4": plain}).refuted
+    lighter = integral - m * R2**2 * plain
+    assert verdict_on(name, integrals={"F4": lighter}).refuted
+    assert verdict_on("ball-on-sphere", integrals={"F4": integral}).refuted
+
+
+def test_a_gyroscope_spoils_the_integral_of_borisov_and_fedorov():
+    """Nor does the same sum with the whole momentum do."""
+    system = vo.load("gyroscopic-ball-on-sphere")
+    mine = module("ball-on-sphere")
+    whole = module("gyroscopic-ball-on-sphere").whole
+    other = sum(b * p * g for b, p, g in zip(mine.weights, whole, gamma, strict=True))
+    for integral in (mine.fourth, other):
+        case = vo.Case(parameters={R1: -R2 / 2}, integrals={"F4": integral})
+        (verdict,) = [
+            c.verdict for c in check_claims(replace(system, cases={"shell": case}))
+            if c.name == "shell: F4"
+        ]  # fmt: skip
+        assert verdict.refuted
+
+
+@pytest.mark.parametrize("name", ["ball-on-sphere", "gyroscopic-ball-on-plane"])
+def test_the_density_needs_its_root(name):
+    density = vo.load(name).measure.density
+    for power, proved in ((1, True), (0, False), (2, False), (-1, False)):
+        verdict = verdict_on(name, measure=vo.Measure(density**power, (*gamma, *omega)))
+        assert (verdict.proved, verdict.refuted) == (proved, not proved)
+
+
+@pytest.mark.parametrize("name", SYMMETRIC)
+def test_the_linear_integrals_need_the_ratio_of_the_radii(name):
+    """With mu = 2 + R2/R1 in the place of 1 + R2/R1 they are none."""
+    ball = module(name)
+    growth = sp.exp((1 + ball.mu) * sp.asinh(ball.oblate * ball.x))
+    angle = (1 + ball.mu) * sp.asin(ball.prolate * ball.x)
+    for wrong in (
+        (ball.spread - ball.partner) * growth,
+        (ball.spread + ball.partner) * ball.growth,
+        ball.swing * sp.cos(angle) - ball.partner * sp.sin(angle),
+    ):
+        assert verdict_on(name, integrals={"wrong": wrong}).refuted
+
+
+@pytest.mark.parametrize("name", SYMMETRIC)
+def test_the_product_of_the_linear_integrals_is_one_of_the_known_quadratic_ones(name):
+    """J+ J- = ((C - A)((A + D) 2 energy - |G + k e3|^2) - (A + D) k^2) / (C + D)."""
+    system, D = vo.load(name), m * R2**2
+    axial = k if name == "symmetric-gyroscopic-ball-on-sphere" else 0
+    twice, square = 2 * system.integrals["energy"], system.integrals["momentum squared"]
+    quadratic = ((C - A) * ((A + D) * twice - square) - (A + D) * axial**2) / (C + D)
+    oblate, prolate = (system.cases[n].integrals for n in ("oblate", "prolate"))
+    product = oblate["growing"] * oblate["falling"]
+    assert prove_equal(product, quadratic, relations=(UNIT,)).proved
+    squares = prolate["cosine"] ** 2 + prolate["sine"] ** 2
+    assert prove_equal(squares, -quadratic, relations=(UNIT,)).proved
+    assert not prove_equal(squares, quadratic, relations=(UNIT,)).proved
+
+
+@pytest.mark.parametrize("name", SYMMETRIC)
+@pytest.mark.parametrize("scene", ["default", "inner", "shell"])
+@pytest.mark.parametrize(("shape", "axial"), [("oblate", 0.6), ("prolate", 0.3)])
+def test_the_linear_integrals_stay_along_a_motion(name, scene, shape, axial):
+    """In numbers, outside, inside and as a shell, for both shapes of the ball."""
+    system = vo.load(name)
+    names = [*(f"gamma{i}" for i in (1, 2, 3)), *map(str, omega)]
+    moved = vo.integrate(
+        motions(name).equations, scene=scene, times=np.linspace(0, 10, 21),
+        parameters={"C": axial}, outputs=names, tol=1e-13,
+    )  # fmt: skip
+    values = {p.symbol: p.value for p in system.parameters} | {C: axial}
+    values |= system.scenes[scene].parameters
+    for integral in system.cases[shape].integrals.values():
+        number = sp.lambdify((*gamma, *omega), integral.xreplace(values), "numpy")
+        series = number(*(moved[n] for n in names))
+        assert np.isrealobj(series) and abs(series[0]) > 1e-3
+        assert np.ptp(series) < 1e-8 * abs(series).max()
+
+
+def test_demchenkos_integrals_are_those_of_the_symmetric_ball_under_zhukovskys_condition():
+    """A n + k mu cos(u) and the constant of P s sin(u) are, up to sign, the two of the case."""
+    image = {
+        sp.Symbol(name): e for name, e in RELATIONS["demchenko -> zhukovsky-ball"].state.items()
+    }
+    mass = {m: sp.Symbol("M"), C: A}
+    case = vo.load("symmetric-gyroscopic-ball-on-sphere").cases["Zhukovsky"].integrals
+    theirs = {name: e.xreplace(mass).xreplace(image) for name, e in case.items()}
+    demchenko = vo.load("demchenko")
+    assert prove_equal(theirs["axial"], -demchenko.integrals["axial"]).proved
+    level = demchenko.cases["on the ball"].integrals["level"]
+    assert prove_equal(theirs["level"], -level).proved
+
+
+@pytest.mark.parametrize("label", RELATIONS)
+def test_every_relation_is_proved_and_carries_the_targets_claims(label):
+    checked = check_relation(RELATIONS[label], motions)
+    assert checked.verdict.proved, checked.verdict
+    assert not [(c.name, c.verdict) for c in checked.pulled if not c.verdict.proved]
+    target = vo.load(RELATIONS[label].target)
+    names = {c.name for c in checked.pulled if c.kind == "integral"}
+    assert names == {*target.integrals}
+    kind = "limit" if RELATIONS[label].limit else "specialisation"
+    assert kind in checked.kinds
+
+
+def test_the_wrong_radius_or_the_wrong_shape_is_no_relation():
+    bobylev = RELATIONS["bobylev-ball -> gyroscopic-ball-on-plane"]
+    shape = replace(bobylev, parameters={**bobylev.parameters, "I2": C})
+    plane = RELATIONS["ball-on-sphere -> chaplygin-ball"]
+    radius = replace(plane, parameters={**plane.parameters, "R": 2 * R2})
+    finite = replace(plane, limit=None)
+    mirrored = RELATIONS["demchenko -> symmetric-gyroscopic-ball-on-sphere"]
+    mirrored = replace(mirrored, parameters={**mirrored.parameters, k: -k})
+    for wrong in (shape, radius, finite, mirrored):
+        assert check_relation(wrong, motions).verdict.refuted
+
+
+@pytest.mark.parametrize("label", SQUARES)
+def test_every_square_commutes(label):
+    checked = check_square(SQUARES[label], RELATIONS, motions)
+    assert checked.verdict.proved, checked.verdict
+
+
+@pytest.mark.parametrize("name", [*PLANE, *SPHERE, "borisov-fedorov-ball"])
+def test_scenes_stay_away_from_the_poles_of_the_coordinates(name):
+    system = vo.load(name)
+    for scene in system.scenes:
+        moved = vo.integrate(
+            motions(name).equations, scene=scene, outputs=("u",), tol=1e-8,
+            times=np.linspace(*system.scenes[scene].times, 201),
+        )  # fmt: skip
+        assert moved["u"].min() > 0.3 and moved["u"].max() < np.pi - 0.3

@@ -1,0 +1,35 @@
+"""What the decision of a claim gives: a verdict, and the level on which it was found."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from voronec.algebra.verdicts import Verdict, decide_zero
+
+__all__ = ["Decision", "all_zero"]
+
+
+@dataclass(frozen=True)
+class Decision:
+    """A verdict; ``level`` is ``coordinates``, ``invariants`` or, where neither, empty."""
+
+    verdict: Verdict
+    level: str = ""
+
+
+def all_zero(residuals: Iterable[tuple[str, Any]], relations: Sequence[Any] = ()) -> Verdict:
+    """Whether labelled expressions vanish where relations do; the first that fails is named."""
+    doubt: Verdict | None = None
+    proof = Verdict("proved", "nothing to prove")
+    for label, residual in residuals:
+        verdict = decide_zero(residual, relations)
+        named = f"{label}: {verdict.method}" if label else verdict.method
+        if verdict.refuted:
+            return Verdict("refuted", named, verdict.witness)
+        if verdict.undecided:
+            doubt = Verdict("undecided", named) if doubt is None else doubt
+        else:
+            proof = verdict
+    return proof if doubt is None else doubt

@@ -1,0 +1,36 @@
+"""Rates along the motion: first integrals, and equations that a system is said to satisfy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from voronec.analysis.decision import Decision, all_zero
+from voronec.claims import Equation, expressions_of
+from voronec.vector_field import Motions
+
+__all__ = ["decide_equation", "decide_integral"]
+
+
+def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
+    """dF/dt = 0 along the motion."""
+    field = motions.deciding([function])
+    rate = field.derivative(field.read_named(function))
+    return Decision(all_zero([("", rate)], field.relations), field.level)
+
+
+def decide_equation(motions: Motions, equation: Equation) -> Decision:
+    """dF/dt = G along the motion, entry by entry; the first entry that fails is named."""
+    field = motions.deciding([*expressions_of(equation)])
+    functions = [field.read_named(f) for f in equation.function]
+    found = field.derivatives(functions)
+    claimed = [field.read(g) for g in equation.rate]
+    residuals = [a - b for a, b in zip(found, claimed, strict=True)]
+    return Decision(all_zero(_numbered(residuals), field.relations), field.level)
+
+
+def _numbered(residuals: list[Any]) -> list[tuple[str, Any]]:
+    if len(residuals) == 1:
+        return [("", residuals[0])]
+    return [(f"entry {i + 1}", r) for i, r in enumerate(residuals)]

@@ -1,0 +1,134 @@
+"""What a search found, and what it proves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.typeset import plain_text
+from voronec.algebra.verdicts import Verdict
+
+__all__ = ["FoundIntegral", "IntegralSearch"]
+
+
+@dataclass(frozen=True)
+class FoundIntegral:
+    """A first integral: ``expression`` in the user's symbols, ``short`` in the letters of the
+    ansatz, the verdict on its rate of change.
+
+    ``independent`` says whether its gradient is independent of those known before it.
+    """
+
+    name: str
+    expression: sp.Expr
+    short: sp.Expr
+    verdict: Verdict
+    independent: bool
+
+
+@dataclass(frozen=True)
+class IntegralSearch:
+    """The outcome of a search.
+
+    Among ``functions`` linearly independent ones (of ``monomials`` in ``classes`` classes), the
+    integrals make a space of at most ``dimension``, of which sums of products of ``known`` and of
+    those found before make ``explained``.  ``ignored`` are declared, but no integrals on this
+    field.  ``missing`` counts those that were found modulo a prime only.  ``finished`` is
+    false where the search was stopped.
+    """
+
+    system: str
+    level: str
+    form: str
+    letters: dict[str, sp.Expr]
+    at: dict[sp.Symbol, sp.Expr]
+    parameters: tuple[sp.Expr, ...]
+    known: tuple[str, ...]
+    ignored: tuple[str, ...]
+    monomials: int
+    examined: int
+    classes: int
+    functions: int
+    dimension: int
+    explained: int
+    integrals: tuple[FoundIntegral, ...]
+    missing: int
+    finished: bool
+    seconds: float
+
+    @property
+    def new(self) -> tuple[FoundIntegral, ...]:
+        """Those found that are functionally independent of the known ones and of one another."""
+        return tuple(f for f in self.integrals if f.independent)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every integral of the form is a sum of products of the known and found ones."""
+        proved = all(f.verdict.proved for f in self.integrals)
+        return self.finished and proved and not self.missing
+
+    @property
+    def statement(self) -> str:
+        """What is proved, in words."""
+        if not self.finished:
+            return "The search was stopped; what it found stands, what it did not see is open."
+        where = f" at {_equations(self.at)}" if self.at else ""
+        generic = f", for generic {_listed(self.parameters)}" if self.parameters else ""
+        if not self.complete:
+            return (
+                f"Integrals that are {self.form}{where}{generic} make a space of dimension at "
+                f"most {self.dimension}; some of them are not proved over the rational numbers."
+            )
+        names = [*self.known, *(f.name for f in self.integrals)] if self.dimension > 1 else []
+        if names:
+            text = (
+                f"Every first integral that is {self.form}{where} is{generic}, a sum of products "
+                f"of: {', '.join(names)}."
+            )
+        else:
+            text = f"No first integral but constants is {self.form}{where}{generic}."
+        if self.parameters:
+            text += " Parameters on the zeros of some polynomial may allow more."
+        return text
+
+    def as_dict(self) -> dict[str, Any]:
+        """The outcome as text and numbers that JSON can hold."""
+        return {
+            "system": self.system,
+            "level": self.level,
+            "form": self.form,
+            "letters": {name: plain_text(e) for name, e in self.letters.items()},
+            "at": {str(s): plain_text(v) for s, v in self.at.items()},
+            "known": list(self.known),
+            "ignored": list(self.ignored),
+            "monomials": self.monomials,
+            "functions": self.functions,
+            "dimension": self.dimension,
+            "explained": self.explained,
+            "missing": self.missing,
+            "integrals": [
+                {
+                    "name": f.name,
+                    "expression": plain_text(f.expression),
+                    "short": plain_text(f.short),
+                    "verdict": f.verdict.status,
+                    "independent": f.independent,
+                }
+                for f in self.integrals
+            ],
+            "finished": self.finished,
+            "complete": self.complete,
+            "statement": self.statement,
+            "seconds": round(self.seconds, 3),
+        }
+
+
+def _listed(symbols: Sequence[Any]) -> str:
+    return ", ".join(map(str, symbols))
+
+
+def _equations(values: dict[Any, Any]) -> str:
+    return ", ".join(f"{s} = {plain_text(v)}" for s, v in values.items()).replace("**", "^")

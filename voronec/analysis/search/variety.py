@@ -1,0 +1,226 @@
+"""Random points, modulo a prime, of the variety on which a system moves.
+
+Every expression is a fraction in the generators of a ring; the values of these are drawn at
+random, those of radicals and of variables bound by relations computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isqrt
+from typing import Any
+
+import flint
+import numpy as np
+
+from voronec.algebra.groebner import groebner_basis
+from voronec.algebra.ring import Ring, sparse_terms
+from voronec.algebra.verdicts import PROOF_LIMIT
+from voronec.analysis.search.residues import Array, as_residue, inverse, root
+from voronec.errors import EngineLimit
+
+__all__ = ["Variety"]
+
+SURPLUS = 40
+"""Points drawn beyond those asked for; some fall out because a square root does not exist."""
+
+
+@dataclass(frozen=True)
+class _Bound:
+    """A generator that is a root of a polynomial in earlier ones, of degree one or two."""
+
+    generator: int
+    polynomial: dict[int, Any]
+
+
+class Variety:
+    """Values of ``exprs`` at random points where ``relations`` vanish.
+
+    ``parameters`` are the symbols that keep one value for many points.
+    """
+
+    def __init__(
+        self, exprs: Sequence[Any], relations: Sequence[Any], parameters: Sequence[Any]
+    ) -> None:
+        self.ring = Ring([*exprs, *relations, *parameters], (), PROOF_LIMIT)
+        self.fractions = [self.ring.fraction(e) for e in exprs]
+        equations = [self.ring.fraction(r).num for r in relations]
+        self.relations = [e for e in equations if e != 0]
+        self._rules = {g: (q, self.ring.field.gens[g] ** q - r) for g, q, r in self.rules}
+        self.fixed = self._depending_on(parameters)
+        self.parameters = sorted((self.fixed & self._present()) - set(self._rules))
+        self._bound = self._triangular()
+
+    @property
+    def constants(self) -> list[Any]:
+        """What keeps one value for many points: the parameters and what is made of them."""
+        return [self.ring.meaning[i] for i in self.parameters]
+
+    @property
+    def rules(self) -> list[tuple[int, int, Any]]:
+        """(generator, q, g^q - f) for each radical and each sine."""
+        return list(self.ring.field.rules)
+
+    @property
+    def size(self) -> int:
+        """How many generators there are."""
+        return len(self.ring.meaning)
+
+    def denominators(self, index: int) -> list[tuple[Any, int]]:
+        """The factors under an expression, with their powers."""
+        return list(self.ring.field.factors(self.fractions[index].den))
+
+    def _present(self) -> set[int]:
+        """The generators that occur."""
+        polynomials = [*self.relations, *(f for _, f in self._rules.values())]
+        for i, f in enumerate(self.fractions):
+            polynomials += [f.num, *(factor for factor, _ in self.denominators(i))]
+        return {g for poly in polynomials for m in sparse_terms(poly) for g, _ in m}
+
+    def _depending_on(self, parameters: Sequence[Any]) -> set[int]:
+        """The generators that depend on nothing but parameters."""
+        free = set(parameters)
+        return {i for i, e in enumerate(self.ring.meaning) if e.free_symbols <= free}
+
+    def _triangular(self) -> list[_Bound]:
+        """The relations, each solved for one generator in terms of those before."""
+        if not self.relations:
+            return []
+        used = {g for r in self.relations for m in sparse_terms(r) for g, _ in m}
+        if used & set(self._rules):
+            raise EngineLimit("relations that hold sines or roots are not solved")
+        order = sorted(used, key=lambda g: (g in self.fixed, -g))
+        place = {g: i for i, g in enumerate(order)}
+        context = flint.fmpq_mpoly_ctx.get([f"z{i}" for i in range(len(order))], "lex")
+        moved = []
+        for poly in self.relations:
+            terms = {}
+            for monomial, coefficient in sparse_terms(poly).items():
+                exponents = [0] * len(order)
+                for g, e in monomial:
+                    exponents[place[g]] = e
+                terms[tuple(exponents)] = coefficient
+            moved.append(context.from_dict(terms))
+        leading: dict[int, list[Any]] = {}
+        for poly in groebner_basis(moved, context):
+            highest = next(i for i, d in enumerate(poly.degrees()) if d)
+            leading.setdefault(highest, []).append(poly)
+        found = []
+        for i in sorted(leading, reverse=True):
+            power, _, poly = min((int(f.degrees()[i]), k, f) for k, f in enumerate(leading[i]))
+            if order[i] in self.fixed or power > 2:
+                raise EngineLimit("the relations are not solved by square roots alone")
+            found.append(_Bound(order[i], self._by_power(poly, i, order)))
+        return found
+
+    def _by_power(self, poly: Any, top: int, order: Sequence[int]) -> dict[int, Any]:
+        parts: dict[int, Any] = {}
+        context = self.ring.field.context
+        for monomial, coefficient in poly.to_dict().items():
+            exponents = [0] * self.size
+            for i, e in enumerate(monomial):
+                if i != top:
+                    exponents[order[i]] = int(e)
+            part = parts.setdefault(int(monomial[top]), {})
+            part[tuple(exponents)] = coefficient
+        return {power: context.from_dict(terms) for power, terms in parts.items()}
+
+    def draw(self, parameters: Array, count: int, p: int, rng: Any) -> tuple[Array, Array]:
+        """Values of the expressions, (expression, setting, point), for settings of the parameters.
+
+        The second array says which settings have ``count`` points; the others are to be left out.
+        """
+        roots = sum(2 in b.polynomial for b in self._bound)
+        roots += sum(degree % 2 == 0 for degree, _ in self._rules.values())
+        trials = 2**roots * (count + 8 * isqrt(count) + SURPLUS)
+        settings = len(parameters)
+        values: list[Any] = [None] * self.size
+        for i, column in zip(self.parameters, parameters.T, strict=True):
+            values[i] = np.repeat(column % p, trials)
+        alive = np.ones(settings * trials, dtype=bool)
+        self._fill(values, alive, settings * trials, p, rng)
+        for relation in self.relations:
+            alive &= self._polynomial(relation, values, p) == 0
+        enough = alive.reshape(settings, trials).sum(axis=1) >= count
+        rows = alive.reshape(settings, trials)
+        keep = np.concatenate(
+            [s * trials + np.flatnonzero(rows[s])[:count] for s in np.flatnonzero(enough)]
+            or [np.zeros(0, dtype=np.int64)]
+        )
+        values = [v[keep] for v in values]
+        found, sound = self._evaluate(values, p)
+        whole = sound.reshape(int(enough.sum()), count).all(axis=1)
+        shaped = found.reshape(len(found), int(enough.sum()), count)[:, whole]
+        enough[enough] = whole
+        return shaped, enough
+
+    def _fill(self, values: list[Any], alive: Array, total: int, p: int, rng: Any) -> None:
+        """Give every generator its values; ``alive`` loses the points that do not exist."""
+        bound = {b.generator for b in self._bound}
+        for i in range(self.size):
+            if values[i] is None and i not in bound and i not in self._rules:
+                values[i] = rng.integers(1, p, total, dtype=np.int64)
+        for b in self._bound:
+            self._solve(b, values, alive, p)
+        for generator, degree, _ in reversed(self.rules):  # inner radicals before outer ones
+            value = self._polynomial(self._rules[generator][1], values, p)
+            found, exists = root(value, degree, p)
+            values[generator] = found
+            alive &= exists
+
+    def _solve(self, b: _Bound, values: list[Any], alive: Array, p: int) -> None:
+        """The linear or quadratic equation of one generator.
+
+        Of two roots one is taken: as the other generators vary, no polynomial tells which.
+        """
+        zero = np.zeros(len(alive), dtype=np.int64)
+        c, d, a = (
+            self._polynomial(b.polynomial[k], values, p) if k in b.polynomial else zero
+            for k in (0, 1, 2)
+        )
+        if 2 not in b.polynomial:
+            alive &= d != 0
+            values[b.generator] = -c * inverse(d, p) % p
+            return
+        found, exists = root((d * d - 4 * a % p * c) % p, 2, p)
+        alive &= exists & (a != 0)
+        values[b.generator] = (found - d) % p * inverse(2 * a % p, p) % p
+
+    def _polynomial(self, poly: Any, values: Sequence[Any], p: int) -> Array:
+        length = next(len(v) for v in values if v is not None)
+        total = np.zeros(length, dtype=np.int64)
+        powers: dict[tuple[int, int], Array] = {}
+
+        def power(g: int, e: int) -> Array:
+            known = powers.get((g, e))
+            if known is None:
+                known = values[g] if e == 1 else power(g, e - 1) * values[g] % p
+                powers[g, e] = known
+            return known
+
+        for monomial, coefficient in sparse_terms(poly).items():
+            term = np.full(length, as_residue(coefficient, p), dtype=np.int64)
+            for g, e in monomial:
+                term = term * power(g, e) % p
+            total = (total + term) % p
+        return total
+
+    def _evaluate(self, values: Sequence[Any], p: int) -> tuple[Array, Array]:
+        """All expressions, and at which points none of them has a vanishing denominator."""
+        length = len(values[0]) if values else 0
+        sound = np.ones(length, dtype=bool)
+        below: dict[str, Array] = {}
+        rows = []
+        for i, f in enumerate(self.fractions):
+            value = self._polynomial(f.num, values, p)
+            for factor, power in self.denominators(i):
+                key = str(factor)
+                if key not in below:
+                    found = self._polynomial(factor, values, p)
+                    sound &= found != 0
+                    below[key] = inverse(found, p)
+                for _ in range(power):
+                    value = value * below[key] % p
+            rows.append(value)
+        return np.array(rows, dtype=np.int64).reshape(len(rows), length), sound

@@ -1,0 +1,80 @@
+"""The claims of a system in words, as ``show`` prints them: nothing is decided."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any
+
+from voronec.cli.output import plain
+
+if TYPE_CHECKING:
+    from voronec.claims import Poisson
+    from voronec.system import System
+
+__all__ = ["declared_claims"]
+
+
+def declared_claims(system: System) -> list[dict[str, str]]:
+    """Every claim: kind, name and statement; where corrected, what is printed and its source."""
+    claims = [*_held(system, "")]
+    if system.multiplier is not None:
+        claims.append(_claim("multiplier", "dtau = N dt", "N = " + plain(system.multiplier)))
+    if system.poisson is not None:
+        claims.append(_claim("poisson", "bracket", _bracket(system.poisson)))
+    if system.essential:
+        claims.append(_claim("essential", "closed", _list(system.essential)))
+    for name, case in system.cases.items():
+        values = ", ".join(f"{plain(k)} = {plain(v)}" for k, v in case.parameters.items())
+        claims.append(_claim("case", name, ": ".join(filter(None, (values, case.note)))))
+        claims += _held(case, f"{name}: ")
+    claims += [_claim("undecided", name, why) for name, why in system.undecided.items()]
+    claims += [_claim("invariant", name, plain(e)) for name, e in system.invariants.items()]
+    return claims
+
+
+def _claim(kind: str, name: str, statement: str) -> dict[str, str]:
+    return {"kind": kind, "name": name, "statement": statement}
+
+
+def _held(holder: Any, case: str) -> Iterator[dict[str, str]]:
+    """The claims that a system and a case have in common."""
+    named = [("integral", name, claim) for name, claim in holder.integrals.items()]
+    named += [("equation", name, claim) for name, claim in holder.equations.items()]
+    if holder.measure is not None:
+        named.append(("measure", "density", holder.measure))
+    for kind, name, claim in named:
+        yield _claim(kind, case + name, _statement(claim)) | _correction(claim)
+    if holder.integrable:
+        yield _claim("integrable", case + holder.integrable, "by quadratures")
+
+
+def _correction(claim: Any) -> dict[str, str]:
+    from voronec.claims import Corrected
+
+    if not isinstance(claim, Corrected):
+        return {}
+    return {"printed": _statement(claim.printed), "source": claim.source}
+
+
+def _statement(claim: Any) -> str:
+    from voronec.claims import Equation, Measure, right_of
+
+    claim = right_of(claim)
+    if isinstance(claim, Equation):
+        pairs = zip(claim.function, claim.rate, strict=True)
+        return "; ".join(f"d/dt ({plain(f)}) = {plain(g)}" for f, g in pairs)
+    if isinstance(claim, Measure):
+        variables = f" in {_list(claim.variables)}" if claim.variables else ""
+        return plain(claim.density) + variables
+    return plain(claim)
+
+
+def _bracket(claim: Poisson) -> str:
+    pairs = [f"{{{plain(a)}, {plain(b)}}} = {plain(e)}" for (a, b), e in claim.bracket.items()]
+    meanings = [f"{plain(z)} = {plain(e)}" for z, e in claim.variables.items() if z != e]
+    clock = [] if claim.clock == 1 else [f"clock {plain(claim.clock)}"]
+    return "; ".join([*meanings, *pairs, f"H = {plain(claim.hamiltonian)}", *clock])
+
+
+def _list(things: Iterable[Any]) -> str:
+    return ", ".join(map(plain, things))

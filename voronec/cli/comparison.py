@@ -1,0 +1,70 @@
+"""``voronec compare``: two systems, or a stored derivation and today's, entry by entry."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from collections import Counter
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from voronec.cli.output import columns, print_json, progress
+from voronec.cli.subject import resolve
+
+if TYPE_CHECKING:
+    from voronec.comparison import Comparison, Derived
+
+__all__ = ["execute"]
+
+
+def execute(arguments: Namespace) -> int:
+    """Print what is the same and where the two differ."""
+    from voronec.comparison import compare
+
+    try:
+        first, second = (_side(subject) for subject in (arguments.first, arguments.second))
+        progress(f"comparing '{first.name}' and '{second.name}'")
+        found = compare(first, second)
+    finally:
+        progress("")
+    if arguments.json:
+        print_json(found.as_dict())
+    else:
+        print("\n".join(_lines(found)))
+    return 0 if found.equal else 1
+
+
+def _side(subject: str) -> Derived:
+    from voronec.comparison import Derived, read_derived
+    from voronec.equations import derive
+
+    if subject.endswith(".json"):
+        return read_derived(subject)
+    system, _ = resolve(subject)
+    progress(f"deriving '{system.name}'")
+    return Derived.of(derive(system))
+
+
+def _lines(found: Comparison) -> Iterator[str]:
+    yield f"{found.first} and {found.second}"
+    yield ""
+    yield from columns(_summary(found), "  ")
+    for row in (*found.rewritten, *found.differences):
+        yield from ("", f"{row.group} {row.name}: {row.status}")
+        yield f"  {found.first}: {row.first or '-'}"
+        yield f"  {found.second}: {row.second or '-'}"
+        if row.status != "proved" and row.how:
+            yield f"  {row.how}"
+    yield ""
+    if found.deviations:
+        yield "largest differences along the scene 'default'"
+        yield from columns(([x, f"{d:.1e}"] for x, d in found.deviations.items()), "  ")
+    elif found.remark:
+        yield f"no motions compared: {found.remark}"
+    yield "equal" if found.equal else "different"
+
+
+def _summary(found: Comparison) -> Iterator[list[str]]:
+    """For each group, how many entries came out how."""
+    for group in dict.fromkeys(row.group for row in found.rows):
+        count = Counter(row.status for row in found.rows if row.group == group)
+        yield [group, ", ".join(f"{n} {status}" for status, n in count.items())]

@@ -1,0 +1,107 @@
+"""``voronec graph``: the systems and their relations, drawn or listed."""
+
+from __future__ import annotations
+
+import io
+import json
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from voronec.cli.files import deliver
+from voronec.cli.output import columns, print_json, progress, warn
+from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from voronec.checking import Inventory
+
+__all__ = ["execute"]
+
+PICTURES = (".svg", ".png", ".pdf")
+
+
+def execute(arguments: Namespace) -> int:
+    """List the diagram, or write it into a file of the kind that its name says."""
+    from voronec.checking import Inventory
+    from voronec.checking.inventory import around
+    from voronec.checking.run import known_results
+
+    path = None if arguments.out is None else Path(arguments.out)
+    if path is not None and path.suffix not in (*PICTURES, ".dot", ".json"):
+        raise DefinitionError(
+            f"'{path}' must end in {', '.join(PICTURES)}, .dot or .json; rename it"
+        )
+    progress("reading the systems")
+    try:
+        stock = Inventory.of()
+        names = {stock.entry(name).name for name in arguments.names}
+        graph = around(stock.graph, names) if names else stock.graph
+        known = {r.name: r for r in known_results(stock, names) if r.kind == "relation"}
+    finally:
+        progress("")
+    data = _data(graph, known)
+    _warn_of_trouble(stock)
+    if path is not None:
+        deliver(path, _content(graph, data, path.suffix))
+    if arguments.json:
+        print_json({"file": str(path)} if path is not None else data)
+    elif path is not None:
+        print(f"wrote {path}: {len(graph)} systems, {graph.number_of_edges()} relations")
+    else:
+        rows = ([e["label"], e["line"], ", ".join(e["kinds"]), e["status"]] for e in data["edges"])
+        print("\n".join([*columns(rows), *(f"{n} stands alone" for n in _alone(graph))]))
+    return 0
+
+
+def _warn_of_trouble(stock: Inventory) -> None:
+    for trouble in stock.all_troubles:
+        warn(f"{trouble.kind} '{trouble.name}': {trouble.why}")
+
+
+def _alone(graph: Any) -> list[str]:
+    return sorted(n for n in graph if not graph.degree(n))
+
+
+def _data(graph: Any, known: dict[str, Any]) -> dict[str, Any]:
+    """Nodes and edges; kinds and verdicts are those of an earlier check, if nothing changed."""
+    from voronec.report.diagram_picture import line_of
+
+    edges = []
+    for source, target, label, data in sorted(graph.edges(keys=True, data=True), key=str):
+        result = known.get(label)
+        edges.append({
+            "label": label, "source": source, "target": target,
+            "line": line_of(data["relation"]), "note": data["relation"].note,
+            "kinds": list(result.notes) if result else [],
+            "status": result.status if result else "not checked",
+        })  # fmt: skip
+    return {"nodes": sorted(graph), "edges": edges}
+
+
+def _content(graph: Any, data: dict[str, Any], suffix: str) -> str | bytes:
+    if suffix == ".json":
+        return json.dumps(data, indent=1, ensure_ascii=False) + "\n"
+    if suffix == ".dot":
+        return _dot(data)
+    from voronec.report.diagram_picture import diagram_figure
+    from voronec.report.pictures import save
+
+    status = {e["label"]: e["status"] for e in data["edges"] if e["status"] != "not checked"}
+    stream = io.BytesIO()
+    save(diagram_figure(graph, status or None), stream, suffix)
+    return stream.getvalue()
+
+
+def _dot(data: dict[str, Any]) -> str:
+    """The diagram in the language of graphviz."""
+    styles = {"limit": "dashed", "change of time": "dotted", "change of variables": "bold"}
+    lines = [f"  {_quoted(node)};" for node in data["nodes"]]
+    for edge in data["edges"]:
+        style = styles.get(edge["line"], "solid")
+        ends = f"{_quoted(edge['source'])} -> {_quoted(edge['target'])}"
+        lines.append(f"  {ends} [label={_quoted(edge['label'])}, style={style}];")
+    return "\n".join(["digraph voronec {", "  rankdir=LR;", "  node [shape=box];", *lines, "}", ""])
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'

@@ -1,0 +1,97 @@
+"""``voronec search integrals``: first integrals of a given form, and what there is not."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+from typing import TYPE_CHECKING, Any
+
+from voronec.cli.formula import formula
+from voronec.cli.output import columns, plain, print_json, progress
+from voronec.cli.subject import resolve
+from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from voronec.analysis.search import IntegralSearch
+
+__all__ = ["execute"]
+
+
+def execute(arguments: Namespace) -> int:
+    """Search and print; stopped by Ctrl-C, print what was found until then."""
+    from voronec.analysis.search import searches
+
+    system, _ = resolve(arguments.system)
+    options = {
+        "degree": arguments.degree,
+        "positions": arguments.positions,
+        "denominators": [_denominator(text) for text in arguments.denominator],
+        "power": arguments.power,
+        "functions": dict(_function(text) for text in arguments.functions),
+        "momenta": arguments.momenta,
+        "at": dict(_value(text) for text in arguments.at),
+        "again": arguments.again,
+        "limit": arguments.limit,
+    }
+    result, stopped = None, False
+    try:
+        for result in searches(system, **options):
+            progress(f"{system.name}: {result.examined} of {result.monomials} monomials, "
+                     f"{len(result.integrals)} found")  # fmt: skip
+    except KeyboardInterrupt:
+        stopped = True
+    progress("")
+    if result is None:
+        raise KeyboardInterrupt
+    print_json(result.as_dict()) if arguments.json else print("\n".join(_lines(result)))
+    if stopped:
+        print("voronec: stopped", file=sys.stderr)
+        return 130
+    return 0 if result.complete else 1
+
+
+def _denominator(text: str) -> Any:
+    return text if text == "mass" else formula(text, "--denominator")
+
+
+def _function(text: str) -> tuple[str, Any]:
+    """NAME=EXPRESSION, or the name of a declared equation."""
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not equals:
+        return name, None
+    if not name.isidentifier():
+        raise DefinitionError(f"--with {text}: give NAME=EXPRESSION, such as r=sqrt(1+x^2)")
+    return name, formula(value, f"--with {name}")
+
+
+def _value(text: str) -> tuple[str, Any]:
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not equals or not name:
+        raise DefinitionError(f"--at {text}: give PARAMETER=VALUE, such as R2=-2*R1 or m=1")
+    return name, formula(value, f"--at {name}")
+
+
+def _lines(result: IntegralSearch) -> list[str]:
+    where = ", ".join(f"{s} = {plain(v)}" for s, v in result.at.items())
+    lines = [f"{result.system}: first integrals" + (f" at {where}" if where else ""), ""]
+    rows = [["form", result.form]]
+    rows += [["letter", f"{name} = {plain(e)}"] for name, e in result.letters.items()]
+    size = f"{result.monomials} monomials, {result.functions} independent functions"
+    rows.append(["ansatz", f"{size}, in {result.classes} classes, {result.seconds:.2f} s"])
+    rows.append(["known", ", ".join(result.known) or "none"])
+    if result.ignored:
+        rows.append(["not used", f"{', '.join(result.ignored)} (no integrals in these variables)"])
+    lines += [*columns(rows), "", "found"]
+    found = [
+        [f.name, f"= {plain(f.short)}", _verdict(f.verdict.status, f.independent)]
+        for f in result.integrals
+    ]
+    for name, equation, verdict in found:
+        lines += [f"  {name} {equation}", f"  {' ' * len(name)} {verdict}"]
+    if not found:
+        lines.append("  nothing new")
+    return [*lines, "", result.statement]
+
+
+def _verdict(status: str, independent: bool) -> str:
+    return status if independent else f"{status}, a function of those before"

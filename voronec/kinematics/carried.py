@@ -1,0 +1,128 @@
+"""A body of any shape that rolls: its contact carried along with the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import velocity
+from voronec.kinematics.bodies import kinetic_energy
+from voronec.kinematics.forms import SurfaceForms
+from voronec.kinematics.rolling import RollingContact
+from voronec.kinematics.rotations import Rotation
+from voronec.kinematics.vectors import three
+
+__all__ = ["CarriedContact"]
+
+
+@dataclass(frozen=True)
+class CarriedContact:
+    """A body that rolls on a surface, both known by their forms along lines of curvature.
+
+    The base is Euler's angles (phi, chi, psi) of the body.  The fibre is what the motion carries
+    along: o = (o1, o2, o3), the place of O seen from the body; r = OM; e and f, the directions
+    e_u and e_v; all of these along the axes of the body; and Neumann's coordinates of ``contact``.
+    No position of the surfaces in space or in the body is asked for, and no derivative of their
+    forms is taken but for the bending of the coordinate lines.
+    """
+
+    contact: RollingContact
+    mass: Any
+    inertia: tuple[Any, Any, Any]
+
+    @classmethod
+    def unknown(cls, mass: Any, inertia: Sequence[Any]) -> CarriedContact:
+        """Two surfaces of which nothing is known: see ``unknown_forms``."""
+        u, v, u1, v1, theta = sp.symbols("u v u1 v1 theta")
+        contact = RollingContact(unknown_forms(u, v), unknown_forms(u1, v1, "1"), theta)
+        return cls(contact, mass, three(inertia, "the moments of a body"))
+
+    @property
+    def base(self) -> tuple[sp.Expr, ...]:
+        """Euler's angles."""
+        return self.rotation.coordinates
+
+    @property
+    def omega(self) -> sp.Matrix:
+        """The angular velocity along the axes of the body, as symbols."""
+        return sp.Matrix(sp.symbols("omega1:4"))
+
+    @cached_property
+    def rotation(self) -> Rotation:
+        """The attitude of the body."""
+        return Rotation.euler("zxz", *sp.symbols("phi chi psi"))
+
+    @property
+    def spin(self) -> dict[sp.Expr, sp.Expr]:
+        """omega by the velocities of Euler's angles."""
+        return dict(zip(self.omega, self.rotation.body_rates, strict=True))
+
+    @property
+    def vectors(self) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix, sp.Matrix]:
+        """o, r, e, f."""
+        o, r, e, f = (sp.Matrix(sp.symbols(f"{name}1:4")) for name in "oref")
+        return o, r, e, f
+
+    @cached_property
+    def rates(self) -> dict[sp.Expr, sp.Expr]:
+        """The velocities of the fibre, as functions of the fibre and of omega."""
+        o, r, e, f = self.vectors
+        n = e.cross(f)
+        turned = self.contact.rolled([axis.dot(self.omega) for axis in (e, f, n)])
+        known = {velocity(q): rate for q, rate in turned.items()}
+        a, b, c = (sp.sympify(x).xreplace(known) for x in self.contact.body.frame_rates)
+        pairs = (
+            (o, -self.omega.cross(r + o)),
+            (r, self.trace(known)),
+            (e, c * f - b * n),
+            (f, a * n - c * e),
+        )
+        found = [pair for q, rate in pairs for pair in zip(q, rate, strict=True)]
+        return dict(found) | turned
+
+    def trace(self, known: dict[sp.Expr, sp.Expr]) -> sp.Matrix:
+        """The velocity of the contact over the body, where those of (u, v) are ``known``."""
+        x, y, _ = (sp.sympify(z).xreplace(known) for z in self.contact.body.trace_velocity)
+        return x * self.vectors[2] + y * self.vectors[3]
+
+    @property
+    def constraints(self) -> tuple[sp.Expr, ...]:
+        """Expressions that vanish: the body rolls without slipping."""
+        return tuple(velocity(q) - rate for q, rate in self.rates.items())
+
+    @property
+    def kinetic(self) -> sp.Expr:
+        """The kinetic energy, by omega and the velocity of O."""
+        place = self.vectors[0]
+        moved = sp.Matrix([velocity(q) for q in place]) + self.omega.cross(place)
+        return kinetic_energy(self.mass, moved, self.inertia, self.omega)
+
+    @property
+    def momentum(self) -> sp.ImmutableMatrix:
+        """G = I omega + m r x (omega x r), about the contact."""
+        arm = self.vectors[1]
+        own = sp.diag(*self.inertia) * self.omega
+        return sp.ImmutableMatrix(own + self.mass * arm.cross(self.omega.cross(arm)))
+
+    def momentum_rate(self, rotor: Sequence[Any] = (0, 0, 0)) -> sp.ImmutableMatrix:
+        """dG/dt = (G + kappa) x omega + m dr/dt x (omega x r), kappa the momentum of a rotor."""
+        arm = self.vectors[1]
+        moved = sp.Matrix([self.rates[q] for q in arm])
+        whole = self.momentum + sp.Matrix(rotor)
+        turned = self.mass * moved.cross(self.omega.cross(arm))
+        return sp.ImmutableMatrix(whole.cross(self.omega) + turned)
+
+
+def unknown_forms(u: sp.Expr, v: sp.Expr, mark: str = "") -> SurfaceForms:
+    """Any surface: lengths L_u, L_v, curvatures k_u = -D/E, k_v = -D''/G and bendings b_u, b_v.
+
+    All are unknown functions of u and v; the bendings are E_v/(2 L_u L_v) and G_u/(2 L_u L_v).
+    """
+    names = (f"{name}{mark}" for name in ("L_u", "L_v", "k_u", "k_v", "b_u", "b_v"))
+    lu, lv, ku, kv, bu, bv = (sp.Function(name)(u, v) for name in names)
+    second = (-ku * lu**2, -kv * lv**2)
+    return SurfaceForms((u, v), (lu**2, lv**2), second, (lu, lv), None, (bu, bv))

@@ -1,0 +1,134 @@
+"""An ellipsoid that rolls on a plane or a sphere: a chart, and what is seen from the ellipsoid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import velocity
+from voronec.kinematics.bodies import kinetic_energy
+from voronec.kinematics.convex import ConvexBody
+from voronec.kinematics.rotations import Rotation
+
+__all__ = ["RollingEllipsoid"]
+
+GAMMA = sp.symbols("gamma1:4")
+HEIGHT = sp.Symbol("height")
+OMEGA = sp.symbols("omega1:4")
+ANGLES = sp.symbols("phi theta psi")
+ROTATION = Rotation.euler("zxz", *ANGLES)
+
+
+@dataclass(frozen=True)
+class RollingEllipsoid:
+    """An ellipsoid that rolls without slipping, its mass centred, its axes principal.
+
+    The base is Euler's angles (phi, theta, psi).  ``fibre`` are (x, y), where the centre is over
+    the plane; on a sphere, (u, v, p), colatitude and longitude of gamma along the axes of the
+    ellipsoid and the support function, bound by ``relations``: then no root occurs.
+    ``invariants`` are gamma1, gamma2, gamma3 and height in these coordinates.
+
+    body
+        what is seen from the ellipsoid, in the symbols gamma1, gamma2, gamma3, height.
+    kinetic
+        the kinetic energy in omega1, omega2, omega3 and the velocities of the fibre.
+    contact
+        the point of contact in space, on the sphere divided by its radius.
+    turned
+        dgamma/dt.
+    """
+
+    body: ConvexBody
+    mass: Any
+    inertia: tuple[Any, Any, Any]
+    fibre: tuple[sp.Expr, ...]
+    relations: tuple[sp.Expr, ...]
+    kinetic: sp.Expr
+    constraints: tuple[sp.Expr, ...]
+    invariants: dict[str, sp.Expr]
+    contact: tuple[sp.Expr, ...]
+    turned: sp.ImmutableMatrix
+
+    @classmethod
+    def on_plane(cls, axes: Sequence[Any], mass: Any, inertia: Sequence[Any]) -> RollingEllipsoid:
+        """On the plane z = 0; the height of the centre is a square root."""
+        x, y = fibre = sp.symbols("x y")
+        vertical = tuple(ROTATION.matrix.row(2))
+        level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, vertical, strict=True)))
+        placed = ConvexBody.ellipsoid(axes, vertical, level)
+        across = -ROTATION.matrix * sp.Matrix(OMEGA).cross(placed.arm)
+        rising = -placed.arm.dot(placed.rolled(OMEGA))
+        reach = ROTATION.matrix * placed.arm
+        body = ConvexBody.ellipsoid(axes, GAMMA, HEIGHT)
+        return cls(
+            body,
+            mass,
+            (inertia[0], inertia[1], inertia[2]),
+            fibre,
+            (),
+            kinetic_energy(mass, (velocity(x), velocity(y), rising), inertia, OMEGA),
+            (velocity(x) - across[0], velocity(y) - across[1]),
+            _named(vertical, level),
+            (x + reach[0], y + reach[1]),
+            body.rolled(OMEGA),
+        )
+
+    @classmethod
+    def on_sphere(
+        cls, axes: Sequence[Any], mass: Any, inertia: Sequence[Any], sphere: Any
+    ) -> RollingEllipsoid:
+        """On a fixed sphere of that signed radius R1, negative where it is touched from inside.
+
+        The centre is at R1 gamma - r from that of the sphere, along the axes of the ellipsoid.
+        """
+        *polar, support = fibre = sp.symbols("u v p")
+        u, v = polar
+        normal = (sp.sin(u) * sp.cos(v), sp.sin(u) * sp.sin(v), sp.cos(u))
+        down, along = sp.Matrix(normal).diff(u), sp.Matrix([-sp.sin(v), sp.cos(v), 0])
+        placed = ConvexBody.ellipsoid(axes, normal, support)
+        rate = down * velocity(u) + along * sp.sin(u) * velocity(v)
+        moved = sphere * rate - placed.arm_rate(rate)
+        moved += sp.Matrix(OMEGA).cross(sphere * placed.normal - placed.arm)
+        turned = placed.rolled(OMEGA, sphere)
+        body = ConvexBody.ellipsoid(axes, GAMMA, HEIGHT)
+        square = sum((q * n) ** 2 for q, n in zip(axes, normal, strict=True))
+        return cls(
+            body,
+            mass,
+            (inertia[0], inertia[1], inertia[2]),
+            fibre,
+            (support**2 - square,),
+            kinetic_energy(mass, moved, inertia, OMEGA),
+            (velocity(u) - turned.dot(down), velocity(v) - turned.dot(along) / sp.sin(u)),
+            _named(normal, support),
+            tuple(ROTATION.matrix * sp.Matrix(normal)),
+            body.rolled(OMEGA, sphere),
+        )
+
+    @property
+    def base(self) -> tuple[sp.Expr, ...]:
+        """Euler's angles."""
+        return ROTATION.coordinates
+
+    @property
+    def spin(self) -> dict[sp.Expr, sp.Expr]:
+        """omega1, omega2, omega3 by the velocities of Euler's angles."""
+        return dict(zip(OMEGA, ROTATION.body_rates, strict=True))
+
+    @property
+    def momentum(self) -> sp.ImmutableMatrix:
+        """G, the angular momentum about the contact, in gamma, height and omega."""
+        return self.body.momentum(self.mass, self.inertia, OMEGA)
+
+    def momentum_rate(self, rotor: Sequence[Any] = (0, 0, 0), weight: Any = 0) -> Any:
+        """dG/dt, where a ``rotor`` of constant momentum kappa is built in."""
+        whole = self.momentum + sp.Matrix(rotor)
+        return self.body.momentum_rate(whole, self.mass, OMEGA, self.turned, weight)
+
+
+def _named(normal: Sequence[Any], height: Any) -> dict[str, sp.Expr]:
+    names = (*map(str, GAMMA), str(HEIGHT))
+    return dict(zip(names, (*normal, height), strict=True))

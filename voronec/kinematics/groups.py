@@ -1,0 +1,197 @@
+"""Rotations and motions of R^n without coordinates: angular velocities as skew matrices.
+
+A body of R^n turns by g in SO(n); Omega = g^T dg/dt is its angular velocity along the body's axes,
+and W = g^T dx/dt the velocity of its centre x.  The entries of Omega and W are velocities along the
+left-invariant fields of SO(n) and SE(n), whose brackets are those of the matrices,
+
+    [E_ij, E_kl] = d_jk E_il - d_ik E_jl - d_jl E_ik + d_il E_jk,
+    [E_ij, F_k] = d_jk F_i - d_ik F_j,
+
+with E_ij = e_i e_j^T - e_j e_i^T.  Take them to ``voronec.Frame.group``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import Any
+
+import sympy as sp
+
+from voronec.errors import DefinitionError
+
+__all__ = [
+    "BodyVelocity",
+    "product_form",
+    "product_moments",
+    "skew",
+    "skew_entries",
+    "wedge_square",
+]
+
+Pair = tuple[int, int]
+DIMENSIONS = range(2, 10)
+
+
+@dataclass(frozen=True)
+class BodyVelocity:
+    """The velocity of a body in R^n along its own axes; ``dimension`` is n, from 2 to 9.
+
+    For n = 3 and omega with Omega x = omega x x: Omega12 = -omega3, Omega13 = omega2,
+    Omega23 = -omega1.
+    """
+
+    dimension: int
+
+    def __post_init__(self) -> None:
+        if self.dimension not in DIMENSIONS:
+            raise DefinitionError(
+                f"a body in R^n with n = {self.dimension}; names of entries such as Omega12 allow "
+                f"n from {DIMENSIONS[0]} to {DIMENSIONS[-1]}"
+            )
+
+    @cached_property
+    def pairs(self) -> tuple[Pair, ...]:
+        """The pairs i < j, counted from 1."""
+        return tuple(combinations(range(1, self.dimension + 1), 2))
+
+    @cached_property
+    def angular(self) -> tuple[sp.Symbol, ...]:
+        """The entries Omega_ij, i < j, of Omega."""
+        return self.named("Omega")
+
+    @cached_property
+    def linear(self) -> tuple[sp.Symbol, ...]:
+        """The entries of W."""
+        return tuple(sp.Symbol(f"W{i + 1}") for i in range(self.dimension))
+
+    @cached_property
+    def normal(self) -> tuple[sp.Symbol, ...]:
+        """gamma, a unit vector seen from the body."""
+        return tuple(sp.Symbol(f"gamma{i + 1}") for i in range(self.dimension))
+
+    def named(self, letter: str) -> tuple[sp.Symbol, ...]:
+        """Symbols for the entries i < j of a skew matrix."""
+        return tuple(sp.Symbol(f"{letter}{i}{j}") for i, j in self.pairs)
+
+    @cached_property
+    def matrix(self) -> sp.ImmutableMatrix:
+        """Omega."""
+        return skew(self.angular, self.dimension)
+
+    def seen(
+        self, vector: Sequence[Any], moving: Sequence[Any] | None = None
+    ) -> sp.ImmutableMatrix:
+        """The rate, along the body's axes, of a vector that is fixed in space: -Omega gamma; of one
+        that moves with the velocity ``moving`` there, which is added."""
+        rate = -self.matrix * sp.Matrix(vector)
+        return sp.ImmutableMatrix(rate if moving is None else rate + sp.Matrix(moving))
+
+    def energy(self, moments: Sequence[Any], mass: Any = 0) -> sp.Expr:
+        """sum J_ij Omega_ij^2 / 2 + mass |W|^2 / 2, for moments J_ij in the planes i < j.
+
+        A rigid body with the second moments a_i of its mass has J_ij = a_i + a_j."""
+        turning = sum(j * w**2 for j, w in zip(moments, self.angular, strict=True))
+        return sp.sympify(turning + mass * sum(w**2 for w in self.linear)) / 2
+
+    @property
+    def last(self) -> tuple[sp.Symbol, ...]:
+        """Omega_in, i < n."""
+        return tuple(w for w, p in zip(self.angular, self.pairs, strict=True) if self._ends(p))
+
+    @property
+    def others(self) -> tuple[sp.Symbol, ...]:
+        """Omega_ij, i < j < n."""
+        return tuple(w for w, p in zip(self.angular, self.pairs, strict=True) if not self._ends(p))
+
+    def _ends(self, pair: Pair) -> bool:
+        return pair[1] == self.dimension
+
+    def twist(self, normal: Sequence[Any]) -> tuple[sp.Expr, ...]:
+        """gamma_n Omega_ij - gamma_j Omega_in + gamma_i Omega_jn, i < j < n: they vanish where the
+        body does not turn in planes at right angles to gamma, Omega = gamma u^T - u gamma^T; for
+        n = 3, where (omega, gamma) = 0.  They are independent where gamma_n is not 0."""
+        g, w, n = normal, self.matrix, self.dimension - 1
+        return tuple(
+            g[n] * w[i, j] - g[j] * w[i, n] + g[i] * w[j, n] for i, j in combinations(range(n), 2)
+        )
+
+    def normal_momentum(self, momenta: Sequence[Any]) -> sp.ImmutableMatrix:
+        """G gamma of a body without twist: gamma_n P_i and -(P, gamma), P_i those of Omega_in.
+
+        P_i is dL/dOmega_in with the other Omega_ij as functions of these; G is dL/dOmega."""
+        *others, last = self.normal
+        final = -sum(p * g for p, g in zip(momenta, others, strict=True))
+        return sp.ImmutableMatrix([*(last * p for p in momenta), final])
+
+    @cached_property
+    def rotations(self) -> Mapping[tuple[sp.Symbol, sp.Symbol], Mapping[sp.Symbol, int]]:
+        """The brackets of SO(n), by the names of the velocities."""
+        name = dict(zip(self.pairs, self.angular, strict=True))
+        found: dict[tuple[sp.Symbol, sp.Symbol], Mapping[sp.Symbol, int]] = {}
+        for p, q in combinations(self.pairs, 2):
+            shared = {*p} & {*q}
+            if len(shared) != 1:
+                continue
+            k = shared.pop()
+            (i,), (j,) = {*p} - {k}, {*q} - {k}  # [E_ik, E_kj] = E_ij
+            sign = (1 if p == (i, k) else -1) * (1 if q == (k, j) else -1)
+            found[name[p], name[q]] = {name[min(i, j), max(i, j)]: sign if i < j else -sign}
+        return found
+
+    @cached_property
+    def motions(self) -> Mapping[tuple[sp.Symbol, sp.Symbol], Mapping[sp.Symbol, int]]:
+        """The brackets of SE(n)."""
+        found = dict(self.rotations)
+        for (i, j), omega in zip(self.pairs, self.angular, strict=True):
+            at, to = self.linear[i - 1], self.linear[j - 1]
+            found[omega, to] = {at: 1}
+            found[omega, at] = {to: -1}
+        return found
+
+
+def skew(entries: Sequence[Any], dimension: int) -> sp.ImmutableMatrix:
+    """The skew matrix with these entries above the diagonal, row by row."""
+    table = sp.zeros(dimension, dimension)
+    for (i, j), entry in zip(combinations(range(dimension), 2), entries, strict=True):
+        table[i, j], table[j, i] = entry, -entry
+    return sp.ImmutableMatrix(table)
+
+
+def product_moments(moments: Sequence[Any], dimension: int) -> dict[Pair, sp.Expr]:
+    """J_ij = a_i a_j: the other moments in terms of J_12, ..., J_1n and J_23."""
+    given = dict(zip(combinations(range(1, dimension + 1), 2), moments, strict=True))
+    scale = given[2, 3] / (given[1, 2] * given[1, 3])
+    others = [pair for pair in given if pair[0] > 1 and pair != (2, 3)]
+    return {(i, j): scale * given[1, i] * given[1, j] for i, j in others}
+
+
+def product_form(moments: Sequence[Any], vector: Sequence[Any]) -> sp.Expr:
+    """a_1 sum a_i gamma_i^2 for moments J_ij = a_i a_j."""
+    size = len(vector)
+    given = dict(zip(combinations(range(1, size + 1), 2), moments, strict=True))
+    form = given[1, 2] * given[1, 3] / given[2, 3] * vector[0] ** 2
+    return sp.sympify(form + sum(given[1, j] * vector[j - 1] ** 2 for j in range(2, size + 1)))
+
+
+def wedge_square(matrix: sp.MatrixBase) -> sp.ImmutableMatrix:
+    """The bivector of a skew matrix times itself: a number for n = 4, for n = 5 a vector, which
+    turns with the axes as the matrix does; nothing for n = 3.
+
+    The entries are Pfaffians, M_ab M_cd - M_ac M_bd + M_ad M_bc, with the sign of the axis that is
+    left out.
+    """
+    m, size = matrix, range(matrix.rows)
+    entries = [
+        (-1) ** sum({*size} - {a, b, c, d})
+        * (m[a, b] * m[c, d] - m[a, c] * m[b, d] + m[a, d] * m[b, c])
+        for a, b, c, d in combinations(size, 4)
+    ]
+    return sp.ImmutableMatrix(len(entries), 1, entries[::-1])
+
+
+def skew_entries(matrix: sp.MatrixBase) -> tuple[sp.Expr, ...]:
+    """The entries above the diagonal, row by row."""
+    return tuple(matrix[i, j] for i, j in combinations(range(matrix.rows), 2))

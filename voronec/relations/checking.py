@@ -1,0 +1,151 @@
+"""Relations decided in the exact algebra: DPhi f = nu g(Phi), and what it does to claims."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.elimination import solve_linear
+from voronec.algebra.verdicts import Verdict, decide_zero
+from voronec.analysis.claims import Claim
+from voronec.errors import EngineLimit
+from voronec.relations.declaration import Relation
+from voronec.relations.kinds import generic_rank, kinds_of
+from voronec.relations.orders import at_zero, vanishes
+from voronec.relations.pulled import pulled_claims
+from voronec.relations.residuals import residuals
+from voronec.relations.statemap import StateMap
+from voronec.vector_field import Motions
+
+__all__ = ["CheckedRelation", "check_relation", "completed", "decided_at_limit"]
+
+
+@dataclass(frozen=True)
+class CheckedRelation:
+    """A relation with its verdict.
+
+    ``kinds`` says what it is, as computed from the maps; ``levels`` on which variables of source
+    and target it stands, ``coordinates`` or ``invariants``.  ``pulled`` are the claims of the
+    target, carried to the source, each with its verdict there.
+    """
+
+    relation: Relation
+    kinds: tuple[str, ...]
+    levels: tuple[str, str]
+    verdict: Verdict
+    pulled: tuple[Claim, ...]
+    seconds: float
+
+
+def check_relation(relation: Relation, motions: Callable[[str], Motions]) -> CheckedRelation:
+    """Decide a relation and the claims that it carries from the target to the source.
+
+    ``motions`` gives the motions of a system by its name.
+    Raises ``DefinitionError`` where the relation maps too little or too much.
+    """
+    start = clock.perf_counter()
+    statemap = completed(StateMap.of(relation, motions))
+    stated, verdict = decided_at_limit(statemap)
+    pulled = pulled_claims(stated) if not verdict.refuted else ()
+    return CheckedRelation(
+        relation=relation,
+        kinds=kinds_of(statemap),
+        levels=(statemap.source.level, statemap.target.level),
+        verdict=verdict,
+        pulled=tuple(pulled),
+        seconds=clock.perf_counter() - start,
+    )
+
+
+def decided_at_limit(statemap: StateMap) -> tuple[StateMap, Verdict]:
+    """The verdict, and the map on which it was found.
+
+    A limit of first order, where everything has one, is an exact relation of the limits: all that
+    is in a residual is continuous there.
+    """
+    limit = statemap.relation.limit
+    if limit is not None and limit.order == 1:
+        try:
+            there = at_limit(statemap)
+            verdict = _decided(there)
+            if not verdict.undecided:
+                return there, verdict
+        except EngineLimit:
+            pass  # a pole that cancels, say: the residuals are expanded instead
+    return statemap, _decided(statemap)
+
+
+def at_limit(statemap: StateMap) -> StateMap:
+    """The relation where the small parameter vanishes; ``EngineLimit`` where that is singular."""
+    source, small, rules = statemap.source, statemap.small, statemap.relations
+
+    def there(exprs: Iterable[Any]) -> tuple[Any, ...]:
+        return tuple(at_zero(statemap.scale(e), rules, small) for e in exprs)
+
+    field = replace(
+        source,
+        rates=there(source.rates),
+        mass=tuple(map(there, source.mass)),
+        force=there(source.force),
+        relations=there(source.relations),
+    )
+    unit = [[se.Integer(0)] for _ in field.velocities]
+    if unit and solve_linear(field.mass, unit, field.relations).free:
+        raise EngineLimit(f"the mass matrix is singular where '{small}' vanishes")
+    return replace(
+        statemap,
+        source=field,
+        state=dict(zip(statemap.state, there(statemap.state.values()), strict=True)),
+        parameters=dict(zip(statemap.parameters, there(statemap.parameters.values()), strict=True)),
+        clock=there([statemap.clock])[0],
+        small=None,
+        scaled={},
+    )
+
+
+def _decided(statemap: StateMap) -> Verdict:
+    """Whether DPhi f = nu g(Phi), with nu not zero and a target that is determined there."""
+    if decide_zero(statemap.clock, statemap.relations).proved:
+        return Verdict("refuted", "the clock stands still")
+    if not _is_determined(statemap):
+        return Verdict("refuted", "the mass matrix of the target is singular on the image")
+    for place, residual in residuals(statemap):
+        verdict = _decide(statemap, residual)
+        if not verdict.proved:
+            return replace(verdict, method=f"{place}: {verdict.method}")
+    return Verdict("proved", "zero in exact normal form")
+
+
+def _decide(statemap: StateMap, residual: Any) -> Verdict:
+    limit = statemap.relation.limit
+    order = 1 if limit is None else limit.order
+    try:
+        return vanishes(residual, statemap.relations, statemap.small, order)
+    except EngineLimit as error:
+        return Verdict("undecided", str(error))
+
+
+def _is_determined(statemap: StateMap) -> bool:
+    """Whether the target's equations of motion determine its accelerations on the image."""
+    target = statemap.target
+    mass = [[statemap.pull_back(e) for e in row] for row in target.mass]
+    return generic_rank(mass, statemap.relations) == len(target.velocities)
+
+
+def completed(statemap: StateMap) -> StateMap:
+    """The map with the velocities that follow from the positions: v(q', q), q' = q-dot / nu."""
+    target = statemap.target
+    missing = [v for v in target.velocities if v not in statemap.state]
+    if not missing:
+        return statemap
+    dots = {
+        dot: statemap.derivative(statemap.state[q]) / statemap.clock
+        for q, dot in zip(target.positions, target.dots, strict=True)
+    }
+    partial = replace(statemap, state={**statemap.state, **dots})
+    found = {v: partial.pull_back(target.definitions[v]) for v in missing}
+    return replace(statemap, state={**statemap.state, **found})

@@ -1,0 +1,101 @@
+"""Claims of a target, carried along a relation to its source and decided there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.verdicts import Verdict
+from voronec.analysis.claims import Claim
+from voronec.analysis.measures import defect
+from voronec.claims import Corrected, Equation, Measure
+from voronec.errors import EngineLimit
+from voronec.relations.orders import vanishes
+from voronec.relations.statemap import StateMap
+from voronec.relations.substitution import Infinite
+from voronec.relations.volumes import corresponds, volume_factor
+
+__all__ = ["pulled_claims"]
+
+
+def pulled_claims(statemap: StateMap) -> Iterator[Claim]:
+    """Integrals, equations and the measure of the target, as they stand for the source.
+
+    F(Phi) is an integral; d/dt F(Phi) = nu rate(Phi); and where states correspond one to one,
+    rho(Phi) det DPhi / nu is the density of an invariant measure [Theory, eq. (16)].  A claim that
+    the map says nothing about, as one of coordinates where invariants are mapped, or that is
+    infinite on the image, is left out.
+    """
+    system = statemap.target.system
+    for name, claim in system.integrals.items():
+        function = _right(claim)
+        if _is_mapped(statemap, function):
+            yield from _claim(statemap, "integral", name, _rates(statemap, function))
+    for name, claim in system.equations.items():
+        equation: Equation = _right(claim)
+        if _is_mapped(statemap, *equation.function, *equation.rate):
+            yield from _claim(statemap, "equation", name, _defects(statemap, equation))
+    if system.measure is not None and _is_measured(statemap, _right(system.measure)):
+        yield from _claim(statemap, "measure", "density", _dilation(statemap, system.measure))
+
+
+def _claim(statemap: StateMap, kind: str, name: str, residuals: Iterator[Any]) -> Iterator[Claim]:
+    """The claim that residuals vanish, unless it has no meaning on the image."""
+    limit = statemap.relation.limit
+    order = 1 if limit is None else limit.order
+    verdict = Verdict("proved", "nothing to decide")
+    try:
+        for residual in residuals:
+            verdict = vanishes(residual, statemap.relations, statemap.small, order)
+            if not verdict.proved:
+                break
+    except Infinite:
+        return
+    except EngineLimit as reached:
+        verdict = Verdict("undecided", str(reached))
+    yield Claim(kind, name, verdict)
+
+
+def _right(claim: Any) -> Any:
+    return claim.right if isinstance(claim, Corrected) else claim
+
+
+def _is_mapped(statemap: StateMap, *exprs: sp.Expr) -> bool:
+    """Whether functions of the target's state are functions of the variables that are mapped."""
+    target = statemap.target
+    if target.level == "coordinates":
+        return True
+    known = {*target.variables, *target.parameters, target.time}
+    return all(target.door.inward(e).free_symbols <= known for e in exprs)
+
+
+def _pulled(statemap: StateMap, expr: sp.Expr) -> Any:
+    return statemap.pull_back(statemap.target.read(expr))
+
+
+def _rates(statemap: StateMap, function: sp.Expr) -> Iterator[Any]:
+    yield statemap.derivative(_pulled(statemap, function))
+
+
+def _defects(statemap: StateMap, equation: Equation) -> Iterator[Any]:
+    for function, rate in zip(equation.function, equation.rate, strict=True):
+        moved = statemap.derivative(_pulled(statemap, function))
+        yield moved - statemap.clock * _pulled(statemap, rate)
+
+
+def _is_measured(statemap: StateMap, measure: Measure) -> bool:
+    """Whether states correspond one to one, and the density is one in the mapped variables."""
+    target = statemap.target
+    own = (*target.system.coordinates, *target.system.velocities)
+    given = {str(v) for v in measure.variables or map(plain_name, own)}
+    return given == {str(x) for x in target.variables} and corresponds(statemap)
+
+
+def _dilation(statemap: StateMap, claim: Any) -> Iterator[Any]:
+    density = _pulled(statemap, _right(claim).density) * volume_factor(statemap)
+    if statemap.clock.free_symbols & {*statemap.source.variables}:
+        density = density / statemap.clock  # a clock that only the time drives keeps volumes
+    yield statemap.scale(defect(statemap.source, density))
