@@ -15,7 +15,8 @@ at the contact, are both constant in space.
 Where N = 0, W = -c omega_t with c = m R1 R2/(J + m R1^2), and the ball moves as one on a sphere at
 rest, of another mass and with another ratio of the radii: so every ball on a fixed sphere occurs
 here (the relation takes J = m R1^2), Demchenko's among them, whose contact moves by quadratures.
-Of the moving spheres that ``bychkov-ball`` speaks of, this is the free one.  R1 is signed.
+Of the two readings of a moving sphere [Bychkov2004] this is the free one; in ``bychkov-ball`` it
+turns in a prescribed way.  R1 is signed.
 """
 
 from __future__ import annotations
@@ -125,7 +126,7 @@ SYSTEM = System(
             caption="The ball drives the sphere and is driven; the contact, seen from space.",
         ),
     },
-    references=("DragovicGajicJovanovic2020",),
+    references=("Bychkov2004", "DragovicGajicJovanovic2020"),
 )
 
 RELATIONS = (

@@ -127,6 +127,7 @@ RELATIONS = (
         },
         note="three dimensions",
     ),
+    # For n = 5 it holds too; the claims that it carries are too large to be decided.
     *(
         Relation(
             f"ball-on-sphere-in-rn{at}",

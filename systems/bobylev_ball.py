@@ -9,6 +9,9 @@ the rotor's axial momentum [Bobylev1892].  With D = m R^2, along the ball's prin
 Symmetry gives one more integral, linear in the velocities,
 
     sqrt(A + b gamma_3^2) ((C - A) omega_3 + k),   b = (C - A) D / (C + D).
+
+Where C = A this is the number sqrt(A) k, and says nothing; in its place stand the integrals of
+Zhukovsky's ball.
 """
 
 from __future__ import annotations

@@ -14,11 +14,12 @@ G + kappa is constant in space, as it is over a sphere at rest.  The energy is n
 energy less Omega times the momentum about the vertical is, which is the energy in the frame that
 turns with the sphere.
 
-Yu. P. Bychkov treated, in 2004, a body with a gyroscope on a moving sphere, where the central
-ellipsoid of the two is one of revolution, and found the contact of a ball by quadratures
-[DragovicGajicJovanovic2020].  How his sphere moves is not told there.  Here it is the motion said
-above, which is prescribed, and the ball may have three different moments; where the sphere is free,
-see ``ball-on-free-sphere``.  R1 is signed: negative inside the sphere and for a shell around it.
+Yu. P. Bychkov treated a body with a gyroscope on a moving sphere, where the central ellipsoid of
+the two is one of revolution, and found the contact of a ball by quadratures [Bychkov2004], as told
+in [DragovicGajicJovanovic2020].  Of his bodies only the ball is done, and it may have three
+different moments.  How his sphere moves is not told there, so that there are two readings: here it
+turns as said above, which is prescribed; in ``ball-on-free-sphere`` it turns freely.  R1 is signed:
+negative inside the sphere and for a shell around it.
 """
 
 from __future__ import annotations
@@ -136,7 +137,7 @@ SYSTEM = System(
             caption="The same start on a sphere at rest: Demchenko's ball.",
         ),
     },
-    references=("Demchenko1924", "DragovicGajicJovanovic2020"),
+    references=("Bychkov2004", "Demchenko1924", "DragovicGajicJovanovic2020"),
 )
 
 h = sp.Symbol("h")

@@ -104,6 +104,8 @@ def member(n: int, name: str) -> System:
 MEMBERS = {str(n): partial(member, n, f"chaplygin-ball-in-rn@{n}") for n in (3, 4, 5)}
 SYSTEM = member(4, "chaplygin-ball-in-rn")
 
+SHARED = ("gamma1", "gamma2", "gamma3", "Omega12", "Omega13", "Omega23")
+
 RELATIONS = (
     Relation(
         "chaplygin-ball-in-rn@3",
@@ -122,5 +124,20 @@ RELATIONS = (
             "I3": sp.Symbol("I12"),
         },
         note="three dimensions",
+    ),
+    Relation(
+        "chaplygin-ball-in-rn@3",
+        "chaplygin-ball-in-rn",
+        state={
+            **{x: sp.Symbol(x) for x in SHARED},
+            **dict.fromkeys(("gamma4", "Omega14", "Omega24", "Omega34"), 0),
+        },
+        parameters={
+            m: m,
+            R: R,
+            **{f"I{i}{j}": sp.Symbol(f"I{i}{j}") for i, j in BodyVelocity(3).pairs},
+            **dict.fromkeys(("I14", "I24", "I34"), sp.Symbol("I12")),
+        },
+        note="a ball of four dimensions that turns in the hyperplane of its first three axes",
     ),
 )

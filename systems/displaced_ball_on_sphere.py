@@ -135,7 +135,7 @@ SYSTEM = System(
         ),
     },
     drawing={"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")},
-    references=("BorisovMamaev2002Hierarchy", "DragovicGajicJovanovic2020"),
+    references=("BorisovMamaev2002", "DragovicGajicJovanovic2020"),
 )
 
 general = dict(zip(sp.symbols("s tau n"), ball.contact.body.frame.T * spin, strict=True))

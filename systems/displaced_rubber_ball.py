@@ -83,7 +83,6 @@ SYSTEM = System(
     },
     integrals={
         "energy": K.dot(omega) / 2,
-        "normal": gamma.dot(gamma),
         "momentum across the normal": L.dot(L) - 2 * s * K.dot(omega),
     },
     essential=(u, v, w1, w2),

@@ -64,7 +64,7 @@ SYSTEM = System(
         ),
     },
     measure=Measure(gamma2, variables=(gamma2, gamma3, p, q, s)),
-    essential=(gamma2, gamma3, p, q, s),
+    essential=(theta, p, q, s),
     scenes={
         "default": Scene(
             initial={theta: sp.Rational(1, 5), q: sp.Rational(2, 5), s: sp.Rational(3, 2)},

@@ -1,13 +1,16 @@
 """A free particle in the plane: no constraint, straight lines run through uniformly.
 
-Several nonholonomic systems are this one in other coordinates and, it may be, another time.
+Several nonholonomic systems are this one in other coordinates and, it may be, another time.  And it
+occurs in others: a homogeneous body keeps its angular velocity; where that is omega = (X', Y', 0),
+and level, the vertical gamma goes round it with the speed |omega|, which is also the rate of the
+angle (X X' + Y Y')/|omega| along straight lines.
 """
 
 from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Parameter, Scene, System, velocity
+from voronec import Equation, Fibration, Parameter, Relation, Scene, System, velocity
 
 X, Y = sp.symbols("X Y")
 m = sp.Symbol("m")
@@ -42,4 +45,39 @@ SYSTEM = System(
         ),
     },
     references=("Chaplygin1911",),
+)
+
+# The third axis is upright where the line is nearest to (0, 0).  X' and Y' must not both be 0.
+speed = sp.sqrt(DX**2 + DY**2)
+angle = (X * DX + Y * DY) / speed
+turning = {
+    "gamma1": -DY / speed * sp.sin(angle),
+    "gamma2": DX / speed * sp.sin(angle),
+    "gamma3": sp.cos(angle),
+    "omega1": DX,
+    "omega2": DY,
+}
+
+RELATIONS = (
+    Relation(
+        "free-particle",
+        "suslov",
+        state=turning,
+        parameters={"I1": m, "I2": m, "I3": m, "I13": 0, "I23": 0},
+        note="A homogeneous body turns uniformly.",
+    ),
+    Relation(
+        "free-particle",
+        "homogeneous-ball",
+        state={**turning, "omega3": 0},
+        parameters={"m": m, "R": 1, "A": m},
+        note="A ball rolls straight on, about an axis of its own that stays level.",
+    ),
+    Relation(
+        "free-particle",
+        "veselova",
+        state=turning,
+        parameters={"J1": m, "J2": m, "J3": m},
+        note="A homogeneous body turns uniformly about a level axis.",
+    ),
 )

@@ -14,12 +14,10 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import (
-    Case,
     Equation,
     Fibration,
     Frame,
     Limit,
-    Measure,
     Parameter,
     Relation,
     Scene,
@@ -36,12 +34,6 @@ rolling = kinematics.RollingEllipsoid.on_sphere(axes, m, inertia, R1)
 theta = rolling.base[1]
 u, v, support = rolling.fibre
 rotor = sp.Matrix(kappa).dot(sp.Matrix(omega))
-# Of an ellipsoid of revolution, b = a and I2 = I1, with r = OM.
-I1, I2, I3 = inertia
-arm = rolling.body.arm
-axial = I1 * I3 + m * (I1 * (arm[0] ** 2 + arm[1] ** 2) + I3 * arm[2] ** 2)
-density = height * (I1 + m * arm.dot(arm)) * sp.sqrt(axial) * rolling.body.widened(R1)
-
 # At the end of the axis a, the support function is a itself.
 start = {theta: 1, u: sp.pi / 2, support: 1}
 
@@ -77,12 +69,6 @@ SYSTEM = System(
     },
     integrals={"energy": rolling.momentum.dot(sp.Matrix(omega)) / 2},
     essential=(u, v, support, *omega),
-    cases={
-        "revolution": Case(
-            parameters={axes[1]: axes[0], I2: I1, kappa[0]: 0, kappa[1]: 0},
-            measure=Measure(density.subs(axes[1], axes[0]), (*gamma, height, *omega)),
-        ),
-    },
     scenes={
         "default": Scene(
             initial={**start, **dict(zip(omega, (1, sp.Rational(1, 2), 2), strict=True))},
@@ -98,7 +84,7 @@ SYSTEM = System(
             caption="Inside a sphere four times as large.",
         ),
     },
-    references=("Voronec1911", "Voronec1912", "BorisovMamaev2002Hierarchy"),
+    references=("Voronec1911", "Voronec1912", "BorisovMamaev2002"),
 )
 
 g, R2, h = sp.symbols("g R2 h")

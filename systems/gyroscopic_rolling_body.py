@@ -12,10 +12,11 @@ follows from the angular velocity by the relative curvature; then
     G = I omega + m r x (omega x r):
 
 the momentum about the contact, as in [Voronec1911], with the constant momentum kappa of the
-gyroscope.  What is proved here holds for every pair of
-surfaces; the equations of Codazzi and Gauss are not needed for it.  The energy is the only
-integral.  A system in which the functions are given is a special case, by a relation; unknown
-functions have no values, so that there is no motion to show here.
+gyroscope.
+What is proved here holds for every pair of surfaces; the equations of Codazzi and Gauss are not
+needed for it.  The energy is the only integral.  A system in which the functions are given is a
+special case, by a relation (``gyroscopic-torus-on-ellipsoid``, ``gyroscopic-spheroid-on-sphere``);
+unknown functions have no values, so that there is no motion to show here.
 """
 
 from __future__ import annotations

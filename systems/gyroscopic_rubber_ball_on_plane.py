@@ -9,6 +9,9 @@ omega3 follows from (omega, gamma) = 0.  With J = I + D, D = m R^2, and G = J om
 Because lambda = d(G + kappa, gamma)/dt, the part of G + kappa across gamma keeps its length.  With
 dtau = Q^(-1/2) dt the motion is Hamilton's on the cotangent bundle of the sphere, in a magnetic
 field.
+
+The gyroscope enters as in the ball of Markeev, which rolls without slipping and may twist
+[Markeev1985]; of the rubber ball he says nothing.
 """
 
 from __future__ import annotations
@@ -80,7 +83,6 @@ SYSTEM = System(
     },
     integrals={
         "energy": G.dot(omega) / 2,
-        "normal": gamma.dot(gamma),
         "momentum across the normal": whole.dot(whole) - whole.dot(gamma) ** 2,
     },
     # In omega1, omega2: the plane (omega, gamma) = 0 has the area domega1 domega2 / gamma3.

@@ -10,6 +10,9 @@ epsilon = R1/(R1 + R2),
 The measure is that of the ball without a gyroscope.  With dtau = N dt, N = Q^(1/(2 epsilon) - 1),
 the motion is Hamilton's on the cotangent bundle of the sphere, in a magnetic field.  R1 is signed,
 as for the other balls on a sphere.
+
+The gyroscope enters as in the ball of Markeev, which rolls without slipping and may twist
+[Markeev1985]; of the rubber ball he says nothing.
 """
 
 from __future__ import annotations
@@ -81,7 +84,7 @@ SYSTEM = System(
         "momentum": Equation(tuple(G), tuple(torque + multiplier * gamma)),
         "normal": Equation(tuple(gamma), tuple(epsilon * gamma.cross(omega))),
     },
-    integrals={"energy": G.dot(omega) / 2, "normal": gamma.dot(gamma)},
+    integrals={"energy": G.dot(omega) / 2},
     # In omega1, omega2: the plane (omega, gamma) = 0 has the area domega1 domega2 / gamma3.
     measure=Measure(Q ** (1 / (2 * epsilon)) / gamma[2], (*gamma, w1, w2)),
     poisson=Poisson(

@@ -69,6 +69,18 @@ whole = momentum + k * axis.T
 moving = whole.cross(rates) + m * trace.cross(rates.cross(arm)) - turning.cross(momentum)
 energy = momentum.dot(rates) / 2
 
+# The same in what the rolling knows of the place.
+invariants = {
+    "cos_u": sp.cos(u),
+    "sin_u": sp.sin(u),
+    "cos_theta": sp.cos(theta),
+    "sin_theta": sp.sin(theta),
+    "cos_u1": sp.cos(u1),
+    "sin_u1": sp.sin(u1),
+    "slant": w,
+}
+named = {function: sp.Symbol(name) for name, function in invariants.items()}
+
 SYSTEM = System(
     name="gyroscopic-torus-on-ellipsoid",
     title="Torus with a gyroscope on an ellipsoid",
@@ -95,17 +107,9 @@ SYSTEM = System(
         Parameter(C, sp.Rational(3, 2), positive=True, meaning="inertia about the axis"),
         Parameter(k, 2, meaning="axial momentum of the gyroscope"),
     ),
-    invariants={
-        "cos_u": sp.cos(u),
-        "sin_u": sp.sin(u),
-        "cos_theta": sp.cos(theta),
-        "sin_theta": sp.sin(theta),
-        "cos_u1": sp.cos(u1),
-        "sin_u1": sp.sin(u1),
-        "slant": w,
-    },
-    equations={"momentum": Equation(tuple(momentum), tuple(moving))},
-    integrals={"energy": energy},
+    invariants=invariants,
+    equations={"momentum": Equation(momentum.xreplace(named), moving.xreplace(named))},
+    integrals={"energy": energy.xreplace(named)},
     essential=(u, theta, u1, w, s, tau, n),
     scenes={
         "default": Scene(
@@ -134,12 +138,7 @@ RELATIONS = (
         "symmetric-gyroscopic-ball-on-sphere",
         "gyroscopic-torus-on-ellipsoid",
         state={
-            "cos_u": sp.cos(u),
-            "sin_u": sp.sin(u),
-            "cos_theta": sp.cos(theta),
-            "sin_theta": sp.sin(theta),
-            "cos_u1": sp.cos(u1),
-            "sin_u1": sp.sin(u1),
+            **invariants,
             "slant": sp.Integer(1),
             **dict(zip(quasi, torus.frame.T * sp.Matrix(sp.symbols("omega1:4")), strict=True)),
         },

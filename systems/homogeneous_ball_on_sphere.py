@@ -108,7 +108,6 @@ RELATIONS = (
     Relation(
         "homogeneous-ball-on-sphere",
         "symmetric-ball-on-sphere",
-        state={q: q for q in (*ball.base, *ball.fibre, *omega)},
         parameters={**{p: p for p in (R1, R2, m, A)}, "C": A},
     ),
     Relation(

@@ -87,7 +87,7 @@ SYSTEM = System(
         "momentum": Equation(tuple(momentum), tuple(moving)),
         "normal": Equation(gamma, tuple(turned)),
     },
-    essential=(*gamma, height, *omega),
+    essential=(theta, psi, *omega),
     cases={
         "round": Case(
             parameters={b: a, c: a},

@@ -13,8 +13,13 @@ follows from the angular velocity by the relative curvature; then
 
 the momentum about the contact, as in [Voronec1911].  What is proved here holds for every pair of
 surfaces; the equations of Codazzi and Gauss are not needed for it.  The energy is the only
-integral.  A system in which the functions are given is a special case, by a relation; unknown
-functions have no values, so that there is no motion to show here.
+integral.  A system in which the functions are given is a special case, by a relation, where its
+chart carries the contact along as here: ``torus-on-ellipsoid``, ``spheroid-on-sphere``.  An
+ellipsoid of three axes has lines of curvature too, but the colatitude and longitude of its normal,
+by which ``ellipsoid-on-sphere`` knows the contact, are not along them.  The position of a body in
+Neumann's coordinates alone, as in ``symmetric-body-on-sphere``, gives Euler's angles by inverse
+trigonometric functions only, and that system has a force; this one has none.  Unknown functions
+have no values, so that there is no motion to show here.
 """
 
 from __future__ import annotations

@@ -65,7 +65,6 @@ SYSTEM = System(
     },
     integrals={
         "energy": G.dot(omega) / 2,
-        "normal": gamma.dot(gamma),
         "Borisov and Mamaev": J.det() * omega.dot(omega) - spread / Q,
     },
     # In omega1, omega2: the plane (omega, gamma) = 0 has the area domega1 domega2 / gamma3.

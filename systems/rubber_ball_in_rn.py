@@ -133,6 +133,7 @@ RELATIONS = (
         },
         note="three dimensions",
     ),
+    # For n = 5 it holds too; the claims that it carries are too large to be decided.
     *(
         Relation(
             f"rubber-ball-in-rn{at}",

@@ -71,7 +71,6 @@ SYSTEM = System(
     },
     integrals={
         "energy": G.dot(omega) / 2,
-        "normal": gamma.dot(gamma),
         "momentum across the normal": G.dot(G) - G.dot(gamma) ** 2,
     },
     # In omega1, omega2: the plane (omega, gamma) = 0 has the area domega1 domega2 / gamma3.

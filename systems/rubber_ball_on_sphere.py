@@ -74,7 +74,7 @@ SYSTEM = System(
         ),
         "normal": Equation(tuple(gamma), tuple(epsilon * gamma.cross(omega))),
     },
-    integrals={"energy": G.dot(omega) / 2, "normal": gamma.dot(gamma)},
+    integrals={"energy": G.dot(omega) / 2},
     # In omega1, omega2: the plane (omega, gamma) = 0 has the area domega1 domega2 / gamma3.
     measure=Measure(Q ** (1 / (2 * epsilon)) / gamma[2], (*gamma, w1, w2)),
     multiplier=Q ** (1 / (2 * epsilon) - 1),

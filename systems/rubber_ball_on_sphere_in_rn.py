@@ -145,6 +145,7 @@ RELATIONS = (
         },
         note="three dimensions",
     ),
+    # For n = 5 it holds too; the claims that it carries are too large to be decided.
     *(
         Relation(
             f"rubber-ball-on-sphere-in-rn{at}",

@@ -1,7 +1,8 @@
-"""Chaplygin's sleigh with a mass that swings across the blade, in a prescribed way.
+"""Chaplygin's sleigh whose body slides across the blade, to and fro, in a prescribed way.
 
-The centre of mass is at the distance ``a`` before the blade's point of contact and, to the left,
-b(t) = b1 sin(nu t).  With the speed v along the blade and the rate of turning w, the momentum
+The blade has no mass; the whole rigid body on it slides, so that J stays the same about the moving
+centre of mass, which is at the distance ``a`` before the blade's point of contact and, to the left,
+at b(t) = b1 sin(nu t).  With the speed v along the blade and the rate of turning w, the momentum
 p = m (v - b w) along the blade and the angular momentum M about the point of contact obey
 
     p' = m w (a w + b'),    M' = -m v (a w + b'),    M = J w + a m (a w + b') - b p.
@@ -45,8 +46,8 @@ turning = J * w + a * drift - b * momentum
 
 SYSTEM = System(
     name="sleigh-in-time",
-    title="Sleigh with a swinging mass",
-    description="A Chaplygin sleigh on which a mass swings across the blade in a prescribed way: "
+    title="Sleigh with a sliding body",
+    description="A Chaplygin sleigh whose body slides across the blade in a prescribed way: "
     "the Lagrangian depends on the time.",
     fibration=Fibration(base=(x, phi), fibre=(y,)),
     frame=Frame.quasi({v: Dx * sp.cos(phi) + Dy * sp.sin(phi), w: Dphi}),
@@ -76,7 +77,7 @@ SYSTEM = System(
             initial={v: sp.Rational(1, 5), w: sp.Rational(1, 2)},
             times=(0.0, 60.0),
             outputs=(x, y, phi, v, w),
-            caption="The swing of the mass drives the sleigh.",
+            caption="The swing of the body drives the sleigh.",
         ),
     },
     references=("BizyaevBorisovMamaev2017", "Chaplygin1911"),

@@ -80,7 +80,6 @@ SYSTEM = System(
         "place": Equation((ahead, left), (v + w * left, -w * ahead)),
         "speed and turning": Equation((v, K * w), (drive, turn)),
     },
-    essential=(ahead, left, v, w),
     cases={
         "centre of mass over the blade": Case(
             parameters={a: 0},

@@ -1,7 +1,7 @@
 """The snakeboard: a board with a rotor and two pairs of wheels that are steered against each other.
 
 The board's middle is at (x, y) and its direction is ``theta``; the rotor has turned by ``psi``
-against the board, the front wheels by ``phi`` and the rear wheels by -``phi``.  Neither pair, at
+against the board, the rear wheels by ``phi`` and the front wheels by -``phi``.  Neither pair, at
 the distance l from the middle, slips sideways.  Without a rider's torques
 
     phi'' = 0,    (theta' + psi')' = 0,    theta' sqrt(J + 2 W + m l^2 cot(phi)^2) = constant,
@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Measure, Parameter, Scene, System, velocity
+from voronec import Equation, Fibration, Measure, Parameter, Relation, Scene, System, velocity
 
 theta, psi, phi, x, y = sp.symbols("theta psi phi x y")
 m, length, J, rotor, wheels = sp.symbols("m l J J_r J_w")
@@ -78,4 +78,14 @@ SYSTEM = System(
         ),
     },
     references=("OstrowskiLewisMurrayBurdick1994", "BlochKrishnaprasadMarsdenMurray1996"),
+)
+
+RELATIONS = (
+    Relation(
+        "snakeboard",
+        "free-particle",
+        state={"X": phi, "Y": theta + psi, "Xdot": Dphi, "Ydot": Dtheta + Dpsi},
+        parameters={"m": rotor},
+        note="The wheels' angle and the rotor's angle in space.",
+    ),
 )

@@ -15,10 +15,16 @@ tau only, du/dt is a multiple of tau, and
 
     dZ/du = b J,    dJ/du = c Z,    with b and c functions of u:
 
-linear equations with u for the time, so that b Z'' = b' Z' + b^2 c Z.  With its solutions, the
-energy gives tau, and the rest are quadratures.  They are not elementary in general, so that no
-integral but the energy is declared; where the body is a ball whose mass centre lies off its centre
-they are (``displaced-ball-on-sphere``).  P and V being unknown functions, there is no motion to
+linear equations with u for the time, so that b Z'' = b' Z' + b^2 c Z: the linear differential
+equation of second order to which the problem reduces [KuleshovKatasonova2018].  With its solutions,
+the energy gives tau, and the rest are quadratures.  They are not elementary in general, so that no
+integral but the energy is declared.  Liouvillian solutions exist for a ball that is dynamically
+symmetric and not homogeneous [KuleshovKatasonova2018]: P = R2 - l cos u, the mass centre at l from
+the centre along the axis, which is ``displaced-ball-on-sphere``, with the solutions in its cases;
+for l = 0 it is ``symmetric-ball-on-sphere``.  An ellipsoid of revolution is another body of this
+kind (``spheroid-on-sphere``), for which none are known here.
+
+P and V being unknown functions, there is no motion to
 show.
 """
 
@@ -108,5 +114,5 @@ SYSTEM = System(
     integrals={"energy": momentum.dot(rates) / 2 + V},
     measure=density * sp.sin(u1),
     essential=(u, s, tau, n),
-    references=("Voronec1912", "DragovicGajicJovanovic2020"),
+    references=("Voronec1912", "KuleshovKatasonova2018", "DragovicGajicJovanovic2020"),
 )

@@ -181,7 +181,6 @@ RELATIONS = (
     Relation(
         "symmetric-gyroscopic-ball-on-sphere",
         "symmetric-ball-on-sphere",
-        state={q: q for q in (*ball.base, *ball.fibre, *omega)},
         parameters={p: p for p in (R1, R2, m, A, C)},
         limit=Limit(h, {k: h}),
         note="the gyroscope is taken away",

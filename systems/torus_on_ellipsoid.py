@@ -66,6 +66,18 @@ whole = momentum
 moving = whole.cross(rates) + m * trace.cross(rates.cross(arm)) - turning.cross(momentum)
 energy = momentum.dot(rates) / 2
 
+# The same in what the rolling knows of the place.
+invariants = {
+    "cos_u": sp.cos(u),
+    "sin_u": sp.sin(u),
+    "cos_theta": sp.cos(theta),
+    "sin_theta": sp.sin(theta),
+    "cos_u1": sp.cos(u1),
+    "sin_u1": sp.sin(u1),
+    "slant": w,
+}
+named = {function: sp.Symbol(name) for name, function in invariants.items()}
+
 SYSTEM = System(
     name="torus-on-ellipsoid",
     title="Torus on an ellipsoid",
@@ -90,17 +102,9 @@ SYSTEM = System(
         Parameter(A, 1, positive=True, meaning="inertia about a diameter"),
         Parameter(C, sp.Rational(3, 2), positive=True, meaning="inertia about the axis"),
     ),
-    invariants={
-        "cos_u": sp.cos(u),
-        "sin_u": sp.sin(u),
-        "cos_theta": sp.cos(theta),
-        "sin_theta": sp.sin(theta),
-        "cos_u1": sp.cos(u1),
-        "sin_u1": sp.sin(u1),
-        "slant": w,
-    },
-    equations={"momentum": Equation(tuple(momentum), tuple(moving))},
-    integrals={"energy": energy},
+    invariants=invariants,
+    equations={"momentum": Equation(momentum.xreplace(named), moving.xreplace(named))},
+    integrals={"energy": energy.xreplace(named)},
     essential=(u, theta, u1, w, s, tau, n),
     scenes={
         "default": Scene(
@@ -129,12 +133,7 @@ RELATIONS = (
         "symmetric-ball-on-sphere",
         "torus-on-ellipsoid",
         state={
-            "cos_u": sp.cos(u),
-            "sin_u": sp.sin(u),
-            "cos_theta": sp.cos(theta),
-            "sin_theta": sp.sin(theta),
-            "cos_u1": sp.cos(u1),
-            "sin_u1": sp.sin(u1),
+            **invariants,
             "slant": sp.Integer(1),
             **dict(zip(quasi, torus.frame.T * sp.Matrix(sp.symbols("omega1:4")), strict=True)),
         },

@@ -122,4 +122,23 @@ RELATIONS = (
         parameters={"J1": sp.Symbol("J23"), "J2": sp.Symbol("J13"), "J3": sp.Symbol("J12")},
         note="three dimensions",
     ),
+    Relation(
+        "veselova-in-rn@3",
+        "veselova-in-rn",
+        state={
+            **{f"gamma{i}": sp.Symbol(f"gamma{i}") for i in (1, 2)},
+            "gamma3": 0,
+            "gamma4": sp.Symbol("gamma3"),
+            "Omega14": sp.Symbol("Omega13"),
+            "Omega24": sp.Symbol("Omega23"),
+            "Omega34": 0,
+        },
+        parameters={
+            "J12": sp.Symbol("J12"),
+            "J14": sp.Symbol("J13"),
+            "J24": sp.Symbol("J23"),
+            **dict.fromkeys(("J13", "J23", "J34"), sp.Symbol("J12")),
+        },
+        note="a body of four dimensions that turns in the hyperplane of its axes 1, 2 and 4",
+    ),
 )

@@ -163,6 +163,31 @@ def test_a_measure_in_invariants_and_its_falsification():
     assert status(top(measure=Measure(GAMMA[0] + 2, (*GAMMA, *OMEGA))), "measure") == "refuted"
 
 
+HIDDEN = sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1
+
+
+@pytest.mark.parametrize("density", [0, HIDDEN, HIDDEN * sp.exp(Dx)])
+def test_a_density_that_vanishes_is_none(density):
+    """Friction has no invariant measure, and zero is no density."""
+    system = System(
+        name="friction",
+        fibration=Fibration((x,)),
+        lagrangian=Dx**2 / 2 - x**4 / 4,
+        forces={x: -(Dx**3)},
+        measure=density,
+        integrable="Euler-Jacobi",
+    )
+    claims = {c.kind: c.verdict for c in vo.check_claims(system)}
+    assert claims["measure"].refuted and "vanishes identically" in claims["measure"].method
+    assert claims["integrable"].refuted
+
+
+def test_a_density_that_is_nowhere_seen_is_undecided():
+    away = Measure(sp.sqrt(-1 - w**2), (phi, w))
+    verdict = only(skate(measure=away), "measure").verdict
+    assert verdict.undecided and "whether the density vanishes" in verdict.method
+
+
 # The reducing multiplier.
 
 
@@ -192,6 +217,12 @@ def test_a_multiplier_needs_a_lagrangian_over_the_base():
     assert claim.verdict.refuted and "Lc depends on 'y'" in claim.verdict.method
     claim = only(nonuniform(1 + y**2), "multiplier")
     assert claim.verdict.refuted and "the multiplier depends on 'y'" in claim.verdict.method
+
+
+@pytest.mark.parametrize("zero", [0, HIDDEN])
+def test_a_multiplier_that_vanishes_is_refuted(zero):
+    claim = only(nonuniform(sp.sympify(zero)), "multiplier")
+    assert claim.verdict.refuted and "vanishes identically" in claim.verdict.method
 
 
 def test_a_multiplier_in_a_frame_of_quasi_velocities():
@@ -306,6 +337,19 @@ def test_closed_parts_of_the_state():
     assert status(top(essential=OMEGA), "essential") == "proved"
     verdict = only(top(essential=GAMMA), "essential").verdict
     assert verdict.refuted and "changes with 'omega" in verdict.method
+
+
+def test_the_time_is_no_variable_of_a_closed_part():
+    driven = System(
+        name="driven",
+        fibration=Fibration((x, y)),
+        lagrangian=(Dx**2 + Dy**2) / 2 + x * sp.cos(vo.time) + y * x,
+        essential=(x, y, Dx, Dy),
+    )
+    assert status(driven, "essential") == "proved"
+    apart = replace(driven, lagrangian=driven.lagrangian - y * x, essential=(x, Dx))
+    assert status(apart, "essential") == "proved"
+    assert status(replace(driven, essential=(x, Dx)), "essential") == "refuted"
 
 
 def test_a_part_with_variables_that_relations_bind():

@@ -221,7 +221,7 @@ def test_two_processes_find_what_one_finds() -> None:
     names = ["vertical-disc", "falling-disc"]
 
     def found(jobs: int) -> list[tuple[str, str, tuple[Finding, ...]]]:
-        report = check_catalogue(stock, names, jobs)
+        report = check_catalogue(names, stock, jobs)
         return [(r.kind, r.name, r.findings) for r in report.results]
 
     assert found(1) == found(2)
@@ -265,7 +265,7 @@ def test_a_second_check_reuses_and_an_edit_does_not(tmp_path: Path) -> None:
     file.write_text(sled("mine"))
 
     def reused() -> bool:
-        report = check_catalogue(Inventory.of([str(file)]), ["mine"], 1, store)
+        report = check_catalogue(["mine"], Inventory.of([str(file)]), 1, store)
         (result,) = report.results
         assert result.status == "proved"
         return result.reused
@@ -285,7 +285,7 @@ def test_what_was_broken_is_tried_again(tmp_path: Path) -> None:
     (unit,) = units_of(stock, ["mine"])
     broken = Result("system", "mine", "", (Finding("system", "mine", "broken"),))
     store.save(unit.key({}), "result", broken.as_dict())
-    (result,) = check_catalogue(stock, ["mine"], 1, store).results
+    (result,) = check_catalogue(["mine"], stock, 1, store).results
     assert result.status == "proved" and not result.reused
 
 
@@ -301,9 +301,9 @@ def test_another_engine_is_another_check(tmp_path: Path, monkeypatch: pytest.Mon
     file, store = tmp_path / "mine.py", Store(tmp_path / "store")
     file.write_text(sled("mine"))
     stock = Inventory.of([str(file)])
-    check_catalogue(stock, ["mine"], 1, store)
+    check_catalogue(["mine"], stock, 1, store)
     monkeypatch.setattr(sources, "engine_digest", lambda bystanders: "another")
-    assert not check_catalogue(stock, ["mine"], 1, store).results[0].reused
+    assert not check_catalogue(["mine"], stock, 1, store).results[0].reused
 
 
 def test_fresh_reuses_nothing(call: Call) -> None:

@@ -63,9 +63,9 @@ def test_wrong_words_are_refused(call: Call) -> None:
 
 
 def test_each_kind_has_its_line() -> None:
-    assert line_of(Relation("a", "b")) == "special case"
-    assert line_of(Relation("a", "b", state={"x": "x"})) == "special case"
-    assert line_of(Relation("a", "b", state={"x": "y"})) == "change of variables"
+    assert line_of(Relation("a", "b")) == "specialisation"
+    assert line_of(Relation("a", "b", state={"x": "x"})) == "specialisation"
+    assert line_of(Relation("a", "b", state={"x": "y"})) == "change of coordinates"
     assert line_of(Relation("a", "b", clock=2)) == "change of time"
     assert line_of(Relation("a", "b", limit=Limit("h", {"m": "h"}))) == "limit"
 

@@ -241,3 +241,9 @@ def test_the_split_offered_works():
     assert asked(
         fibration=Fibration(base, fibre), lagrangian=KINETIC + Dz**2, constraints=constraints
     ).rows == len(base)
+
+
+@pytest.mark.parametrize("name", ["rolling-body", "symmetric-body-on-sphere"])
+def test_a_system_with_unknown_functions_has_no_motion_in_numbers(name):
+    with pytest.raises(vo.DefinitionError, match="holds the unknown function"):
+        vo.integrate(vo.load(name), times=[0, 1], initial={})

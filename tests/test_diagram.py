@@ -4,8 +4,11 @@ import pytest
 import sympy as sp
 
 import voronec as vo
+from voronec.checking.inventory import Inventory
+from voronec.errors import EngineLimit
 from voronec.relations.chains import check_square
 from voronec.relations.diagram import diagram, squares_of
+from voronec.relations.families import Course
 from voronec.vector_field import Motions
 
 x, h = sp.symbols("x h")
@@ -111,6 +114,121 @@ def test_limits_are_taken_in_the_order_of_the_chain():
     assert sorted(map(len, found.limits)) == [1, 2]
     longer = max(found.limits, key=len)
     assert longer == ("sum -> two: h -> 0", "second spring off: h -> 0")
+
+
+def test_a_limit_is_taken_on_the_whole_chain():
+    """A map that holds the small parameter goes to its limit, too."""
+    pair = oscillator("pair", a + b, a, b)
+    motions = {**MOTIONS, "pair": Motions.of(pair)}
+    stretched = edge("two", "pair", state={x: x * (1 + b)}, name="stretched", a=a, b=b)
+    plain = edge("two", "pair", state={x: x}, name="plain", a=a, b=b)
+    off = edge("pair", "one", name="off", limit=vo.Limit(h, {b: h}), a=a)
+    named = {r.label: r for r in (stretched, plain, off)}
+    square = vo.Square(("stretched", "off"), ("plain", "off"))
+    assert check_square(square, named, motions.__getitem__).verdict.proved
+    shrunk = edge("two", "pair", state={x: x * b}, name="shrunk", a=a, b=b)
+    grown = edge("pair", "one", state={x: x / b}, name="grown", limit=off.limit, a=a)
+    named |= {r.label: r for r in (shrunk, grown)}
+    square = vo.Square(("shrunk", "grown"), ("plain", "off"))  # x b / b, before b vanishes
+    assert check_square(square, named, motions.__getitem__).verdict.proved
+    exact = vo.Square(("stretched",), ("plain",))
+    assert check_square(exact, named, motions.__getitem__).verdict.refuted
+
+
+def test_a_limit_is_carried_back_through_quotients():
+    """b = a/c comes to zero where a does; d = 1/c does so where c is infinite."""
+    ratio = edge("damped", "two", name="ratio", a=c, b=a / (a + c))
+    back = edge("two", "one", name="back", limit=vo.Limit(h, {b: h * b}), a=a)
+    course = Course.of([ratio, back])
+    assert dict(course.moved) == {"a": 0}
+    assert dict(course.values) == {"a": c}
+    reciprocal = edge("damped", "two", name="reciprocal", a=a, b=1 / c)
+    far = Course.of([reciprocal, edge("two", "one", limit=vo.Limit(h, {b: h}), a=a)])
+    assert dict(far.moved) == {"c": sp.zoo}
+
+
+def test_a_parameter_at_its_limit_need_not_move():
+    chain = edge("one", "two", name="none", a=a, b=0)
+    back = edge("two", "one", name="back", limit=vo.Limit(h, {b: h}), a=a)
+    (found,) = decide([chain, back], vo.Square(("none", "back"), ()))
+    assert found.verdict.proved
+    assert Course.of([chain, back]).moved == {}
+
+
+def test_a_chain_that_fixes_what_its_limit_moves_has_no_meaning():
+    fixed = edge("one", "two", name="fixed", a=a, b=1)
+    off = edge("two", "damped", name="off", limit=vo.Limit(h, {b: h}), a=a, c=0)
+    keep = edge("two", "damped", name="keep", a=a, c=b)
+    straight = edge("one", "damped", name="straight", a=a, c=1)
+    relations = [fixed, off, keep, straight]
+    squares = squares_of(diagram(SYSTEMS, relations))
+    assert {frozenset({s.first, s.second}) for s in squares} == {
+        frozenset({("off",), ("keep",)}),
+        frozenset({("fixed", "keep"), ("straight",)}),
+    }
+    with pytest.raises(vo.DefinitionError, match="fixes a parameter that the limit"):
+        decide(relations, vo.Square(("fixed", "off"), ("straight",)))
+
+
+def test_chains_that_differ_are_not_joined_by_their_common_limit():
+    off = edge("two", "damped", name="a limit", limit=vo.Limit(h, {b: h}), a=a, c=0)
+    once = edge("two", "damped", name="once", a=a, c=b)
+    twice = edge("two", "damped", name="twice", a=a, c=2 * b)
+    relations = [off, once, twice]
+    squares = squares_of(diagram(SYSTEMS, relations))
+    found = {
+        frozenset((*s.first, *s.second)): v
+        for s, v in zip(squares, _verdicts(relations, squares), strict=True)
+    }
+    assert found == {
+        frozenset({"once", "twice"}): "refuted",
+        frozenset({"a limit", "once"}): "proved",
+    }
+
+
+def _verdicts(relations, squares):
+    return [c.verdict.status for c in decide(relations, *squares)]
+
+
+def test_chains_that_an_automorphism_tells_apart_are_not_joined():
+    copy = oscillator("copy", a + b + c, a, b, c)
+    on = edge("sum", "copy", name="on", a=a, b=b, c=c)
+    relations = [ONE_SUM, CROSSED, SWAP, on]
+    swapped = vo.Square(("one -> sum",), ("turned about",), up_to="swap")
+    graph = diagram([*SYSTEMS, copy.name], relations)
+    declared, asked = squares_of(graph, [swapped])
+    assert declared is swapped
+    assert {asked.first, asked.second} == {("one -> sum", "on"), ("turned about", "on")}
+    named = {r.label: r for r in relations}
+    motions = {**MOTIONS, "copy": Motions.of(copy)}
+    assert check_square(asked, named, motions.__getitem__).verdict.refuted
+
+
+def test_limits_to_different_values_are_not_compared():
+    off = edge("two", "one", name="off", limit=vo.Limit(h, {b: h}), a=a)
+    far = edge("two", "one", name="far", limit=vo.Limit(h, {b: 1 / h}), a=a)
+    assert squares_of(diagram(SYSTEMS, [off, far])) == []
+    with pytest.raises(EngineLimit, match="different values"):
+        decide([off, far], vo.Square(("off",), ("far",)))
+
+
+@pytest.mark.parametrize(
+    "chain",
+    [
+        ("borisov-fedorov-ball -> ball-on-sphere", "ball-on-sphere -> chaplygin-ball"),
+        (
+            "rubber-ball-eps-minus-one -> rubber-ball-on-sphere",
+            "rubber-ball-on-sphere -> rubber-ball-on-plane",
+        ),
+    ],
+)
+def test_a_ball_inside_a_sphere_of_half_its_radius_comes_to_no_plane(chain):
+    stock = Inventory.of()
+    relations = {r.label: r.value for r in stock.relations}
+    assert Course.of(relations[label] for label in chain) is None
+    for face in stock.faces:
+        for side in (face.value.first, face.value.second):
+            assert chain != side[: len(chain)]
 
 
 def test_a_chain_that_leads_back_must_be_the_identity():

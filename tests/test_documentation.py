@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import argparse
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+from voronec.cli.arguments import command_parser
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = sorted((ROOT / "docs").glob("*.md"))
@@ -20,6 +24,29 @@ BLOCKS = [
 def test_examples_run(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     exec(compile(block, "example", "exec"), {"__name__": "example"})
+
+
+def test_every_command_and_option_is_described() -> None:
+    page = (ROOT / "docs" / "commands.md").read_text()
+    for name, options in _commands(command_parser()):
+        assert re.search(rf"`(search )?{name}\b", page), name
+        for option in options:
+            assert option == "--help" or option in page, f"{name} {option}"
+
+
+def _commands(parser: argparse.ArgumentParser) -> Iterator[tuple[str, list[str]]]:
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for name, command in action.choices.items():
+                flags = [o for a in command._actions for o in a.option_strings]
+                yield name, [o for o in flags if o.startswith("--")]
+                yield from _commands(command)
+
+
+def test_links_lead_somewhere() -> None:
+    for page in (ROOT / "README.md", *PAGES, *(ROOT / "docs" / "systems").glob("*.md")):
+        for link in re.findall(r"\]\(([^)#:\s]+)\)", page.read_text()):
+            assert (page.parent / link).exists(), f"{page.name}: {link}"
 
 
 def test_the_architecture_names_every_module() -> None:

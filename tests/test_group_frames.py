@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from itertools import combinations
 
 import pytest
@@ -209,6 +210,74 @@ def test_names_of_momenta_stand_for_what_they_are():
     assert all(c.verdict.proved for c in vo.check_claims(written))
 
 
+def body_with_invariants(**claims):
+    """A heavy top; of its angular velocity the third part is c times the first."""
+    normal, named = sp.Matrix((x, y, z)), sp.symbols("M1 M2")
+    rates = dict(zip((x, y, z), normal.cross(sp.Matrix(omega)), strict=True))
+    first, second, third = omega
+    kinetic = sum(j * v**2 for j, v in zip(J, omega, strict=True)) / 2
+    return System(
+        name="bound-top",
+        fibration=Fibration(base=(x, y, z), relations=(normal.dot(normal) - 1,)),
+        frame=Frame.group(
+            (first, second), SPINS, rates, fibre=(third,), momenta=named, determinant=DELTA,
+        ),
+        lagrangian=kinetic - z,
+        constraints=(third - a * first,),
+        parameters=(a,),
+        invariants={"g1": x, "g2": y, "g3": z},
+        **claims,
+    )  # fmt: skip
+
+
+def test_what_moves_is_no_constant_on_the_invariants():
+    """Named momenta, the determinant and dependent velocities beside names of invariants."""
+    M1, g1, g2, g3 = sp.symbols("M1 g1:4")
+    first, second, third = omega
+    inertia = J[0] + J[2] * a**2  # of the first velocity, with the third
+    energy = (inertia * first**2 + J[1] * second**2) / 2 + g3
+    found = body_with_invariants(
+        integrals={
+            "energy": energy,
+            "bound": third - a * first,
+            "named": M1 - inertia * first,
+            "momentum": M1,
+            "momentum over g1": M1 * (2 + g1),
+            "third": third,
+        },
+        equations={
+            "normal": Equation(g1, g2 * third - g3 * second),
+            "third": Equation(third, 0),
+        },
+    )
+    said = {(c.kind, c.name): c.verdict.status for c in vo.check_claims(found)}
+    true = {("integral", n) for n in ("energy", "bound", "named")} | {("equation", "normal")}
+    true |= {("descent", "g1, g2, g3")}
+    assert said == {k: "proved" if k in true else "refuted" for k in said}
+
+
+def test_a_measure_on_the_invariants_knows_the_determinant_and_no_momentum():
+    volume = (*sp.symbols("g1:4"), *omega[:2])
+    ball = replace(body_with_invariants(), parameters=(), constraints=(omega[2],))
+    ball = replace(ball, lagrangian=ball.lagrangian + sp.Symbol("z") * omega[0] ** 2)
+    eqs = vo.derive(ball)
+    assert eqs.mass.det().has(z)
+    for power in (1, 2):
+        claims = [
+            only_measure(replace(ball, measure=Measure(f**power, volume)))
+            for f in (DELTA, eqs.mass.det().subs(z, sp.Symbol("g3")))
+        ]
+        assert claims[0].status == claims[1].status != "undecided"
+    for moving in (sp.Symbol("M1"), omega[2]):
+        verdict = only_measure(replace(ball, measure=Measure(2 + moving**2, volume)))
+        assert verdict.undecided and "has no meaning on the invariants" in verdict.method
+
+
+def only_measure(system):
+    (claim,) = (c for c in vo.check_claims(system) if c.kind == "measure")
+    return claim.verdict
+
+
 def test_dependent_velocities_and_momenta_can_be_watched():
     scene = Scene(initial={"gamma3": 1, "Omega12": 1, "Omega13": 2}, times=(0.0, 1.0))
     traj = vo.integrate(ball(), scene=scene, outputs=("W1", "G13", "gamma1"))
@@ -257,6 +326,7 @@ def system(brackets=SPINS, rates=None, coordinates=(), velocities=omega, fibre=(
     )
 
 
+clocked = sp.Function("m")(vo.time)
 TURNED = dict(zip((x, y, z), sp.Matrix((x, y, z)).cross(sp.Matrix(omega)), strict=True))
 BAD = {
     "Jacobi": (
@@ -274,6 +344,14 @@ BAD = {
     "foreign rate": (lambda: system(rates={x: omega[0]}), "rate for 'x', which is not a coord"),
     "moving bracket": (
         lambda: system({(omega[0], omega[1]): {omega[2]: x}}, {x: 0}, (x,)), "contains 'x'",
+    ),
+    "time in a rate": (
+        lambda: system({}, {x: vo.time * w1}, (x,), (w1,), lagrangian=w1**2),
+        "the rate of 'x' holds the time",
+    ),
+    "a rate that grows": (
+        lambda: system({}, {x: clocked * w1}, (x,), (w1,), lagrangian=w1**2, parameters=(clocked,)),
+        "the rate of 'x' holds the time",
     ),
     "bracket twice": (
         lambda: system({**SPINS, (omega[1], omega[0]): {omega[2]: -1}}), "given twice",

@@ -212,6 +212,34 @@ def test_the_wrong_radius_or_the_wrong_shape_is_no_relation():
         assert check_relation(wrong, motions).verdict.refuted
 
 
+@pytest.mark.parametrize(
+    "label",
+    [
+        "homogeneous-ball-on-sphere -> symmetric-ball-on-sphere",
+        "symmetric-gyroscopic-ball-on-sphere -> symmetric-ball-on-sphere",
+    ],
+)
+def test_one_symmetric_ball_on_a_sphere_has_its_measure_from_another(label):
+    pulled = check_relation(RELATIONS[label], motions).pulled
+    assert [c.verdict.proved for c in pulled if c.kind == "measure"] == [True]
+
+
+@pytest.mark.parametrize("name", ["torus-on-ellipsoid", "gyroscopic-torus-on-ellipsoid"])
+def test_a_ball_has_its_energy_and_its_momentum_from_the_torus(name):
+    relation = next(r for r in module(name).RELATIONS if r.target == name)
+    checked = check_relation(relation, motions)
+    assert checked.verdict.proved and all(c.verdict.proved for c in checked.pulled)
+    assert [(c.kind, c.name) for c in checked.pulled] == [
+        ("integral", "energy"),
+        ("equation", "momentum"),
+    ]
+
+
+def test_the_axial_integral_of_bobylev_says_nothing_where_the_inertia_is_spherical():
+    axial = vo.load("bobylev-ball").integrals["axial"]
+    assert prove_equal(axial.xreplace({C: A}), sp.sqrt(A) * k).proved
+
+
 @pytest.mark.parametrize("label", SQUARES)
 def test_every_square_commutes(label):
     checked = check_square(SQUARES[label], RELATIONS, motions)

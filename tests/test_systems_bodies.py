@@ -31,10 +31,16 @@ ELLIPSOIDS = (
     "ellipsoid-on-sphere",
     "gyroscopic-ellipsoid-on-sphere",
 )
+SPHEROIDS = (
+    "spheroid-on-plane",
+    "gyroscopic-spheroid-on-plane",
+    "spheroid-on-sphere",
+    "gyroscopic-spheroid-on-sphere",
+)
 TORI = ("torus-on-ellipsoid", "gyroscopic-torus-on-ellipsoid")
 MOVING = ("bychkov-ball", "ball-on-free-sphere")
 GENERAL = ("rolling-body", "gyroscopic-rolling-body", "symmetric-body-on-sphere")
-BODIES = (*ELLIPSOIDS, *TORI, *MOVING, *GENERAL, "displaced-ball-on-sphere")
+BODIES = (*ELLIPSOIDS, *SPHEROIDS, *TORI, *MOVING, *GENERAL, "displaced-ball-on-sphere")
 SHOWN = tuple(name for name in BODIES if name not in GENERAL)
 
 gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
@@ -106,8 +112,31 @@ def test_the_contact_moves_over_the_body_and_that_counts():
 @pytest.mark.parametrize("name", ELLIPSOIDS)
 def test_an_ellipsoid_of_three_axes_has_not_the_measure_of_one_of_revolution(name):
     system = vo.load(name)
-    claim = Measure(module(name).density, (*gamma, height, *omega))
+    rolling = module(name).rolling
+    density = rolling.density * (rolling.body.widened(R1) if name.endswith("sphere") else 1)
+    claim = Measure(density, (*gamma, height, *omega))
     assert verdict_on(system, measure=claim).refuted
+
+
+@pytest.mark.parametrize("name", [name for name in SPHEROIDS if name.endswith("sphere")])
+def test_the_measure_of_a_spheroid_on_a_sphere_is_not_that_on_a_plane(name):
+    claim = Measure(module(name).rolling.density, (*gamma, height, *omega))
+    assert verdict_on(vo.load(name), measure=claim).refuted
+
+
+@pytest.mark.parametrize(
+    ("target", "carried"),
+    [
+        ("spheroid-on-plane", {"energy", "momentum", "normal", "linear", "density"}),
+        ("symmetric-body-on-sphere", {"energy", "momentum", "linear", "second order", "nutation"}),
+        ("ellipsoid-on-sphere", {"energy", "momentum", "normal"}),
+        ("rolling-body", {"energy", "momentum"}),
+    ],
+)
+def test_a_spheroid_on_a_sphere_is_one_of_the_general_bodies(target, carried):
+    found = check_relation(RELATIONS[f"spheroid-on-sphere -> {target}"], motions)
+    assert found.verdict.proved
+    assert {c.name for c in found.pulled if c.verdict.proved} == carried
 
 
 def test_the_measure_on_a_sphere_holds_the_radii_of_curvature():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -64,6 +65,24 @@ def test_three_dimensions_give_the_known_system(family):
     checked = check_relation(relation, motions)
     assert checked.verdict.proved
     assert checked.pulled and all(c.verdict.proved for c in checked.pulled)
+
+
+@pytest.mark.parametrize("family", ["chaplygin-ball-in-rn", "veselova-in-rn"])
+def test_three_dimensions_lie_in_four(family):
+    relation = next(r for r in entry_of(family).load_relations()[0] if r.target == family)
+    assert relation.source == f"{family}@3"
+    checked = check_relation(relation, motions)
+    assert checked.verdict.proved and {"specialisation", "embedding"} <= {*checked.kinds}
+    assert checked.pulled and all(c.verdict.proved for c in checked.pulled)
+
+
+@pytest.mark.parametrize(
+    ("family", "moment"), [("chaplygin-ball-in-rn", "I12"), ("veselova-in-rn", "J14")]
+)
+def test_in_four_dimensions_the_moments_are_those_of_three(family, moment):
+    relation = next(r for r in entry_of(family).load_relations()[0] if r.target == family)
+    wrong = replace(relation, parameters={**relation.parameters, moment: 7})
+    assert check_relation(wrong, motions).verdict.refuted
 
 
 @pytest.mark.parametrize("name", MEMBERS)

@@ -74,6 +74,14 @@ def test_every_claim_is_proved(name):
     }
 
 
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_no_integral_is_a_mere_number(name):
+    field = motions(name).on_coordinates
+    for claim in vo.load(name).integrals.values():
+        slopes = [field.read(claim).diff(w) for w in field.velocities]
+        assert any(decide_zero(slope, field.relations).refuted for slope in slopes)
+
+
 @pytest.mark.parametrize("label", RELATIONS)
 def test_every_relation_is_proved_and_so_is_what_it_carries(label):
     checked = check_relation(RELATIONS[label], motions)

@@ -12,9 +12,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from voronec.checking import Inventory, Result, check_catalogue
-from voronec.checking.record import told
-from voronec.checking.run import user_store
+from voronec.checking import Inventory, Result, check_catalogue, told, user_store
 from voronec.cli import main as voronec
 from voronec.report.bibliography import bibtex
 from voronec.report.system_page import index_page, system_page
@@ -56,7 +54,7 @@ def _lasting(result: Result) -> Result:
 def main() -> int:
     """Check, and write everything."""
     stock = Inventory.of()
-    report = check_catalogue(stock, store=user_store())
+    report = check_catalogue(stock=stock, store=user_store())
     for result, finding in report.failures:
         print(told(result, finding))
     results = [_lasting(r) for r in report.results]

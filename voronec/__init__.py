@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     from voronec.analysis import Claim, check_claims, divergence
     from voronec.analysis.search import FoundIntegral, IntegralSearch, search_integrals
     from voronec.catalogue import load, names
-    from voronec.checking import graph
+    from voronec.checking import check_catalogue, check_relation, graph
     from voronec.claims import Case, Corrected, Equation, Measure, Poisson
+    from voronec.comparison import compare
     from voronec.equations import VoronecEquations, derive
     from voronec.errors import (
         DefinitionError,
@@ -41,6 +42,9 @@ _HOME = {
     "Verdict": "voronec.algebra.verdicts",
     "Witness": "voronec.algebra.verdicts",
     "prove_equal": "voronec.algebra.verdicts",
+    "check_catalogue": "voronec.checking",
+    "check_relation": "voronec.checking",
+    "compare": "voronec.comparison",
     "load": "voronec.catalogue",
     "names": "voronec.catalogue",
     "graph": "voronec.checking",
@@ -104,12 +108,16 @@ __all__ = [
     "VoronecEquations",
     "VoronecError",
     "Witness",
+    "check_catalogue",
     "check_claims",
+    "check_relation",
+    "compare",
     "derive",
     "descend",
     "divergence",
     "graph",
     "integrate",
+    "kinematics",
     "load",
     "multiplier_acceleration",
     "names",

@@ -91,7 +91,7 @@ def check_claims(system: System) -> None:
     names = {p.name for p in system.parameters}
     for label, case in system.cases.items():
         for key in case.parameters:
-            name = key if isinstance(key, str) else plain_name(key)
+            name = plain_name(key)
             if name not in names:
                 raise DefinitionError(
                     f"{place}: case '{label}' gives a value to '{name}', which is no parameter"

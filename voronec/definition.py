@@ -144,7 +144,7 @@ def _start(system: System) -> dict[str, Any]:
     scene = system.scenes.get("default")
     point = {p.name: p.value for p in system.parameters if p.value is not None}
     for given in (scene.parameters, scene.initial) if scene is not None else ():
-        point |= {k if isinstance(k, str) else plain_name(k): v for k, v in given.items()}
+        point |= {plain_name(k): v for k, v in given.items()}
     if not system.fibration.relations:
         point = {plain_name(q): 0 for q in system.coordinates} | point
     return point

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.symbols import is_symbolic_name, plain_name
+from voronec.algebra.symbols import is_symbolic_name, plain_name, velocity
 from voronec.errors import DefinitionError
 from voronec.reading import expression, mapping, several, shown, vanishing
 
-__all__ = ["Fibration", "Frame"]
+__all__ = ["Fibration", "Frame", "moving_names"]
 
 
 @dataclass(frozen=True)
@@ -180,3 +180,10 @@ def _names(things: Any, part: str) -> tuple[sp.Expr, ...]:
                 f"'{shown(thing)}' in the {part} is not a symbol; use sympy.Symbol"
             )
     return names
+
+
+def moving_names(coordinates: Sequence[sp.Expr], frame: Frame | None) -> list[sp.Expr]:
+    """All names for what changes with the motion: coordinates, their velocities, and those of the
+    frame, of its fibre, its momenta and its determinant."""
+    named = () if frame is None else (*frame.ambient, *frame.named)
+    return [*coordinates, *map(velocity, coordinates), *named]

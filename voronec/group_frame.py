@@ -17,7 +17,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
-from voronec.algebra.symbols import plain_name
+from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.verdicts import decide_zero
 from voronec.errors import DefinitionError
 from voronec.geometry import Frame
@@ -70,6 +70,7 @@ def read_group(frame: Frame, coordinates: Sequence[sp.Expr], door: Door, place: 
         if value != 0
     )
     rates = [door.inward(frame.rates[q]) for q in coordinates]
+    _check_still(frame, coordinates, place)
     fields = []
     for q, rate in zip(coordinates, rates, strict=True):
         row = tuple(rate.diff(w) for w in velocities)
@@ -84,6 +85,18 @@ def read_group(frame: Frame, coordinates: Sequence[sp.Expr], door: Door, place: 
     _check_jacobi(group, frame, place)
     _check_rates(group, [door.inward(q) for q in coordinates], frame, coordinates, place)
     return group
+
+
+def _check_still(frame: Frame, coordinates: Sequence[sp.Expr], place: str) -> None:
+    """Rates do not hold the time by itself: with fields that depend on it the equations have a
+    further term, which is not made."""
+    still = {x: sp.Dummy() for x in (*coordinates, *frame.ambient)}
+    for q in coordinates:
+        if frame.rates[q].xreplace(still).has(time):
+            raise DefinitionError(
+                f"{place}: the rate of '{plain_name(q)}' holds the time; take the time in as a "
+                "coordinate, or use Frame.quasi"
+            )
 
 
 def _check_jacobi(group: GroupFrame, frame: Frame, place: str) -> None:

@@ -50,7 +50,7 @@ class System:
     poisson
         claim: a ``Poisson`` bracket and Hamiltonian.
     essential
-        claim: variables whose rates depend on nothing but them and the parameters.
+        claim: variables whose rates depend on nothing but them, the parameters and the time.
     integrable
         claim: ``"Euler-Jacobi"`` where the integrals and the measure suffice for the theorem of
         Euler and Jacobi.

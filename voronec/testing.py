@@ -202,7 +202,7 @@ def _routes_agree(eqs: VoronecEquations, point: Mapping[Any, Any]) -> None:
 
 def _start(system: System, scene: Scene) -> dict[Any, Any] | None:
     """The initial data of a scene as a point; None where velocities of coordinates are given."""
-    given = {_plain(k): sp.sympify(v) for k, v in {**scene.parameters, **scene.initial}.items()}
+    given = {plain_name(k): sp.sympify(v) for k, v in {**scene.parameters, **scene.initial}.items()}
     state = (*system.coordinates, *system.velocities)
     known = {plain_name(s) for s in (*state, *(p.symbol for p in system.parameters))}
     if not {*given} <= known:
@@ -212,7 +212,3 @@ def _start(system: System, scene: Scene) -> dict[Any, Any] | None:
     point = {s: given.get(plain_name(s), value) for s, value in point.items()}
     numbers = {s: value for s, value in point.items() if not value.free_symbols}
     return {s: value.xreplace(numbers) for s, value in point.items()}
-
-
-def _plain(key: Any) -> str:
-    return key if isinstance(key, str) else plain_name(key)

@@ -8,7 +8,7 @@ Claims and relations are statements about such fields.  Everything here is insid
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,11 +20,12 @@ from voronec.algebra.door import Door
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.products import is_product
 from voronec.algebra.rank import independent_rows
-from voronec.algebra.symbols import velocity
 from voronec.algebra.tape import Tape
 from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
+from voronec.geometry import moving_names
 from voronec.reduction import Reduction, descend
 from voronec.system import System
 
@@ -80,15 +81,31 @@ class VectorField:
 
     def read_named(self, expr: sp.Expr) -> Any:
         """The same with named momenta as they are: its rate is simpler so."""
-        return self._spelled(self.door.inward(expr)).xreplace(self.meaning)
+        return self._own(self._spelled(self.door.inward(expr)).xreplace(self.meaning))
 
     def read_density(self, expr: sp.Expr) -> Any:
         """The same with the determinant of the mass by its name."""
-        return self.door.inward(expr).xreplace(self.meaning).xreplace(self.momenta)
+        return self._own(self.door.inward(expr).xreplace(self.meaning).xreplace(self.momenta))
 
     def express(self, expr: Any) -> Any:
         """A function inside the door, with everything that has a meaning spelled out."""
-        return self._spelled(expr).xreplace(self.meaning).xreplace(self.momenta)
+        return self._own(self._spelled(expr).xreplace(self.meaning).xreplace(self.momenta))
+
+    @cached_property
+    def _foreign(self) -> frozenset[Any]:
+        """What moves with the system, but has no meaning on this level."""
+        own = {*self.variables, *self.momenta, self.determinant}
+        moving = moving_names(self.system.coordinates, self.system.frame)
+        return frozenset({*map(self.door.inward, moving)} - own)
+
+    def _own(self, expr: Any) -> Any:
+        """A function that holds nothing foreign: what moves must not pass for a constant."""
+        for symbol in sorted(expr.free_symbols & self._foreign, key=str):
+            raise EngineLimit(
+                f"'{symbol}' of system '{self.system.name}' has no meaning on the {self.level}; "
+                "write the function in the variables there"
+            )
+        return expr
 
     def _spelled(self, expr: Any) -> Any:
         """An expression with the determinant of the mass spelled out."""
@@ -129,7 +146,8 @@ class VectorField:
         found = [self.at_rest(f) for f in functions]
         slopes = [self._slopes(f) for f in functions]
         moving = [k for k, row in enumerate(slopes) if any(s != 0 for s in row)]
-        if len(moving) == 1 and self._are_momenta(slopes[moving[0]]):
+        momenta = slopes[moving[0]] if len(moving) == 1 else ()
+        if momenta and is_product(momenta, self.mass, self.velocities, self.relations):
             power = [v * f for v, f in zip(self.velocities, self.force, strict=True)]
             found[moving[0]] = se.Add(found[moving[0]], *power)
         elif moving:
@@ -139,18 +157,6 @@ class VectorField:
                 pushed = [row[column] * f for row, f in zip(solved, self.force, strict=True)]
                 found[k] = se.Add(found[k], *pushed)
         return found
-
-    def _are_momenta(self, slopes: Sequence[Any]) -> bool:
-        """Whether dF/dv is proved to be mass v."""
-        pairs = zip(slopes, self.mass, strict=True)
-        differences = [s - se.Add(*map(se.Mul, row, self.velocities)) for s, row in pairs]
-        for _, values in sample_evaluable(Tape(differences), self.relations, BITS, count=1):
-            if any(not value.contains(0) for value in values):
-                return False
-        try:
-            return all(e == 0 for e in canonical(differences, self.relations))
-        except EngineLimit:
-            return False
 
     def at_rest(self, function: Any) -> Any:
         """The part of d/dt that holds no acceleration."""
@@ -257,20 +263,19 @@ class Motions:
     def on_invariants(self) -> VectorField:
         """The field on invariants and velocities."""
         found, door = self.reduction, self.equations.door
-        own = self.equations.definition
-        return VectorField(
-            system=self.system,
+        return replace(
+            self.on_coordinates,
             level="invariants",
-            door=door,
             positions=tuple(door.inward(g) for g in found.invariants),
-            velocities=own.velocities,
-            time=own.time,
-            parameters=own.parameters,
             rates=tuple(door.inward_all(found.rates)),
             mass=tuple(tuple(door.inward_all(found.mass.row(i))) for i in range(found.mass.rows)),
             force=tuple(door.inward_all(found.force)),
             relations=tuple(door.inward_all(found.relations)),
             meaning={},
+            dots=(),
+            definitions={},
+            momenta={},
+            turning=(),
         )
 
     def at(self, level: str) -> VectorField:
@@ -278,10 +283,10 @@ class Motions:
         return self.on_invariants if level == "invariants" else self.on_coordinates
 
     def holds_coordinate(self, exprs: Iterable[sp.Expr]) -> bool:
-        """Whether any of the expressions holds a coordinate, or a velocity of one that is not a
-        velocity of the equations."""
-        own = set(self.system.velocities)
-        moving = {*self.system.coordinates, *map(velocity, self.system.coordinates)} - own
+        """Whether any of the expressions holds what has no meaning on the invariants: a
+        coordinate, a velocity that is none of the equations, a named momentum."""
+        names = moving_names(self.system.coordinates, self.system.frame)
+        moving = {*names} - {*self.system.velocities}
         return any(sp.sympify(e).has(*moving) for e in exprs)
 
     def deciding(self, exprs: Sequence[sp.Expr]) -> VectorField:

@@ -22,8 +22,13 @@ def is_symbolic_name(thing: Any) -> bool:
     )
 
 
-def plain_name(thing: sp.Expr) -> str:
-    """The bare name of a symbol, of ``x(t)``, or of ``Derivative(x(t), t)`` (``xdot``)."""
+def plain_name(thing: sp.Expr | str) -> str:
+    """The bare name of a symbol, of ``x(t)``, or of ``Derivative(x(t), t)`` (``xdot``).
+
+    A text is a name already.
+    """
+    if isinstance(thing, str):
+        return thing
     if isinstance(thing, sp.Symbol):
         return str(thing.name)
     if isinstance(thing, AppliedUndef):

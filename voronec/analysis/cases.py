@@ -73,7 +73,7 @@ def case_values(system: System, parameters: Mapping[Any, Any]) -> dict[sp.Expr, 
     known = {p.name: p.symbol for p in system.parameters}
     values = {}
     for key, value in parameters.items():
-        name = key if isinstance(key, str) else plain_name(key)
+        name = plain_name(key)
         if name not in known:
             raise DefinitionError(
                 f"system '{system.name}' has no parameter '{name}' to give a value to; "
@@ -120,9 +120,5 @@ def _replaced_frame(frame: Frame | None, at: Mapping[Any, Any]) -> Frame | None:
 
 def _without(scene: Any, names: set[str]) -> Any:
     """A scene that sets none of the replaced parameters."""
-
-    def name(key: Any) -> str:
-        return key if isinstance(key, str) else plain_name(key)
-
-    kept = {k: v for k, v in scene.parameters.items() if name(k) not in names}
+    kept = {k: v for k, v in scene.parameters.items() if plain_name(k) not in names}
     return replace(scene, parameters=kept)

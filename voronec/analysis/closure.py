@@ -1,4 +1,7 @@
-"""Closed subsets of the state: variables whose rates depend on nothing but them."""
+"""Closed subsets of the state: variables whose rates depend on nothing but them.
+
+The parameters and the time are no part of the state: the rates may hold them.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ BITS = 192
 
 
 def decide_essential(motions: Motions, variables: Sequence[Any]) -> Decision:
-    """Whether the rates of some state variables depend on these and the parameters alone."""
+    """Whether the rates of some state variables depend on these, parameters and the time alone."""
     field = motions.deciding([*variables])
     own = [field.door.inward(x) for x in variables]
     strangers = [x for x, y in zip(variables, own, strict=True) if y not in field.variables]

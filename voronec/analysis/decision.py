@@ -8,7 +8,7 @@ from typing import Any
 
 from voronec.algebra.verdicts import Verdict, decide_zero
 
-__all__ = ["Decision", "all_zero"]
+__all__ = ["Decision", "all_zero", "zero_everywhere"]
 
 
 @dataclass(frozen=True)
@@ -33,3 +33,14 @@ def all_zero(residuals: Iterable[tuple[str, Any]], relations: Sequence[Any] = ()
         else:
             proof = verdict
     return proof if doubt is None else doubt
+
+
+def zero_everywhere(function: Any, name: str, relations: Sequence[Any] = ()) -> Verdict | None:
+    """The verdict on a claim about a density or a factor that vanishes, or may vanish, identically;
+    None where it was found not to vanish at a point."""
+    verdict = decide_zero(function, relations)
+    if verdict.refuted:
+        return None
+    if verdict.proved:
+        return Verdict("refuted", f"{name} vanishes identically")
+    return Verdict("undecided", f"whether {name} vanishes: {verdict.method}")

@@ -11,12 +11,12 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.generic import generic_rank
 from voronec.algebra.verdicts import Verdict
 from voronec.analysis.decision import Decision
 from voronec.analysis.measures import (
     binding,
     chosen_variables,
-    generic_rank,
     measured_field,
 )
 from voronec.claims import Measure
@@ -33,7 +33,8 @@ def decide_integrable(
         return Decision(Verdict(measured.status, f"the measure is {measured.status}"))
     field = measured_field(motions, measure)
     chosen = chosen_variables(field, measure)
-    inside = [field.read(e) for e in integrals]
+    low = field.level == "coordinates"
+    inside = [field.read(e) for e in integrals if low or not motions.holds_coordinate([e])]
     functions = [e for e in inside if not e.free_symbols & _outside(motions, field, chosen)]
     return Decision(_counted(field, chosen, functions, field.read(measure.density)), field.level)
 

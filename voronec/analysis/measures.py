@@ -17,13 +17,14 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.elimination import solve_linear
+from voronec.algebra.generic import generic_rank
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
-from voronec.algebra.rank import independent_rows, proved_rank
+from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.analysis.closure import foreign_rate
-from voronec.analysis.decision import Decision, all_zero
+from voronec.analysis.decision import Decision, all_zero, zero_everywhere
 from voronec.claims import Measure
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.vector_field import Motions, VectorField
@@ -52,8 +53,11 @@ def decide_measure(motions: Motions, measure: Measure) -> Decision:
         closed = foreign_rate(field, chosen)
         if not closed.proved:
             return Decision(closed, field.level)
-    residual = defect(field, field.read_density(measure.density), chosen)
-    return Decision(all_zero([("", residual)], field.relations), field.level)
+    found = zero_everywhere(field.read(measure.density), "the density", field.relations)
+    if found is None:
+        residual = defect(field, field.read_density(measure.density), chosen)
+        found = all_zero([("", residual)], field.relations)
+    return Decision(found, field.level)
 
 
 def measured_field(motions: Motions, measure: Measure) -> VectorField:
@@ -102,16 +106,6 @@ def binding(field: VectorField, chosen: Sequence[Any]) -> list[Any]:
     if rank != len(field.independent_relations) + len(chosen) - len(inside):
         raise EngineLimit("relations with other variables bind those of the measure")
     return inside
-
-
-def generic_rank(rows: Sequence[Sequence[Any]], relations: Sequence[Any]) -> int:
-    """The largest rank that was proved at sample points where the relations vanish."""
-    width = len(rows[0])
-    tape, best = Tape([e for row in rows for e in row]), 0
-    for _, values in sample_evaluable(tape, relations, BITS):
-        table = [values[i : i + width] for i in range(0, len(values), width)]
-        best = max(best, proved_rank(table, BITS))
-    return best
 
 
 def _relative_defect(field: VectorField, density: Any) -> Any:

@@ -27,7 +27,7 @@ from voronec.algebra.points import sample_evaluable
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, decide_zero
-from voronec.analysis.decision import Decision, all_zero
+from voronec.analysis.decision import Decision, all_zero, zero_everywhere
 from voronec.errors import EngineLimit
 from voronec.vector_field import Motions, VectorField
 
@@ -39,7 +39,9 @@ BITS = 192
 def decide_multiplier(motions: Motions, multiplier: sp.Expr) -> Decision:
     """Whether N is a reducing multiplier, dtau = N dt."""
     field = motions.on_coordinates
-    return Decision(_verdict(motions, field, field.read(multiplier)), field.level)
+    n = field.read(multiplier)
+    found = zero_everywhere(n, "the multiplier", field.relations)
+    return Decision(_verdict(motions, field, n) if found is None else found, field.level)
 
 
 def _verdict(motions: Motions, field: VectorField, n: Any) -> Verdict:

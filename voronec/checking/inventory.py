@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from voronec.catalogue import Entry, entries, entry_of, file_entry, members
+from voronec.catalogue import Entry, entries, entry_of, file_entry, members, registered
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.relations import Relation, Square
 from voronec.system import System
@@ -198,8 +198,6 @@ def _wrong_square(square: Square, known: Mapping[str, Declared]) -> str:
 
 def _hidden(known: Sequence[Entry]) -> list[Entry]:
     """Entries whose name another one bears."""
-    from voronec.catalogue import registered
-
     shown = {(e.name, e.module, e.attribute) for e in known}
     return [e for e in registered() if (e.name, e.module, e.attribute) not in shown]
 

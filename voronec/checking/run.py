@@ -32,8 +32,8 @@ def known_results(stock: Inventory, names: Iterable[str] = ()) -> list[Result]:
 
 
 def check_catalogue(
-    stock: Inventory | None = None,
     names: Sequence[str] = (),
+    stock: Inventory | None = None,
     jobs: int | None = None,
     store: Store | None = None,
     progress: Callable[[str], None] | None = None,

@@ -20,9 +20,7 @@ __all__ = ["execute"]
 
 def execute(arguments: Namespace) -> int:
     """Check, print the table, tell the failures one by one; what Ctrl-C leaves is printed too."""
-    from voronec.checking import Inventory, check_catalogue
-    from voronec.checking.record import told
-    from voronec.checking.run import user_store
+    from voronec.checking import Inventory, check_catalogue, told, user_store
 
     if arguments.jobs is not None and arguments.jobs < 1:
         raise DefinitionError(f"--jobs {arguments.jobs}: give a number from 1 upward")
@@ -31,7 +29,7 @@ def execute(arguments: Namespace) -> int:
         names.append(_name_in(stock, subject))
     store = None if arguments.fresh else user_store()
     try:
-        report = check_catalogue(stock, names, arguments.jobs, store, progress)
+        report = check_catalogue(names, stock, arguments.jobs, store, progress)
     finally:
         progress("")
     if arguments.json:

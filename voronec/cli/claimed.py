@@ -17,8 +17,6 @@ __all__ = ["declared_claims"]
 def declared_claims(system: System) -> list[dict[str, str]]:
     """Every claim: kind, name and statement; where corrected, what is printed and its source."""
     claims = [*_held(system, "")]
-    if system.multiplier is not None:
-        claims.append(_claim("multiplier", "dtau = N dt", "N = " + plain(system.multiplier)))
     if system.poisson is not None:
         claims.append(_claim("poisson", "bracket", _bracket(system.poisson)))
     if system.essential:
@@ -44,6 +42,8 @@ def _held(holder: Any, case: str) -> Iterator[dict[str, str]]:
         named.append(("measure", "density", holder.measure))
     for kind, name, claim in named:
         yield _claim(kind, case + name, _statement(claim)) | _correction(claim)
+    if holder.multiplier is not None:
+        yield _claim("multiplier", case + "dtau = N dt", "N = " + plain(holder.multiplier))
     if holder.integrable:
         yield _claim("integrable", case + holder.integrable, "by quadratures")
 

@@ -22,9 +22,8 @@ PICTURES = (".svg", ".png", ".pdf")
 
 def execute(arguments: Namespace) -> int:
     """List the diagram, or write it into a file of the kind that its name says."""
-    from voronec.checking import Inventory
+    from voronec.checking import Inventory, known_results
     from voronec.checking.inventory import around
-    from voronec.checking.run import known_results
 
     path = None if arguments.out is None else Path(arguments.out)
     if path is not None and path.suffix not in (*PICTURES, ".dot", ".json"):
@@ -94,7 +93,8 @@ def _content(graph: Any, data: dict[str, Any], suffix: str) -> str | bytes:
 
 def _dot(data: dict[str, Any]) -> str:
     """The diagram in the language of graphviz."""
-    styles = {"limit": "dashed", "change of time": "dotted", "change of variables": "bold"}
+    # graphviz knows no dash-dotted lines: a change of time is bold instead
+    styles = {"limit": "dashed", "change of time": "bold", "change of coordinates": "dotted"}
     lines = [f"  {_quoted(node)};" for node in data["nodes"]]
     for edge in data["edges"]:
         style = styles.get(edge["line"], "solid")

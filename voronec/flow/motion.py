@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
@@ -70,6 +71,7 @@ def integrate(
     """
     began = perf_counter()
     equations = system if isinstance(system, VoronecEquations) else derive(system)
+    _refuse_unknown_functions(equations.system)
     vocabulary = Vocabulary.of(equations)
     setting = _setting(vocabulary, scene, times, outputs, parameters, initial)
     watch = watched(vocabulary, setting.outputs)
@@ -93,6 +95,18 @@ def integrate(
         raise probe.failure(start, run.halt)
     t = setting.grid[: len(run.states)]
     return observed(vocabulary, watch, program, t, run.states, constants, cost, run.interrupted)
+
+
+def _refuse_unknown_functions(system: System) -> None:
+    """What holds an unknown function has no motion in numbers."""
+    frame = system.frame.expressions if system.frame is not None else ()
+    held = (system.lagrangian, *system.constraints, *system.forces.values(), *frame)
+    unknown = {f for e in held for f in sp.sympify(e).atoms(AppliedUndef)} - {*system.coordinates}
+    if unknown:
+        raise DefinitionError(
+            f"system '{system.name}' holds the unknown function '{min(unknown, key=str)}', so it "
+            "has no motion in numbers; write a formula in its place"
+        )
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,10 @@ import sympy as sp
 from voronec.algebra.symbols import velocity
 from voronec.kinematics.bodies import kinetic_energy
 from voronec.kinematics.convex import ConvexBody
+from voronec.kinematics.forms import SurfaceForms
+from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
+from voronec.kinematics.surfaces import Surface
 
 __all__ = ["RollingEllipsoid"]
 
@@ -20,6 +23,8 @@ HEIGHT = sp.Symbol("height")
 OMEGA = sp.symbols("omega1:4")
 ANGLES = sp.symbols("phi theta psi")
 ROTATION = Rotation.euler("zxz", *ANGLES)
+# Neumann's theta is no angle of Euler's.
+CARRIED = Rotation.euler("zxz", *sp.symbols("phi chi psi"))
 
 
 @dataclass(frozen=True)
@@ -28,7 +33,8 @@ class RollingEllipsoid:
 
     The base is Euler's angles (phi, theta, psi).  ``fibre`` are (x, y), where the centre is over
     the plane; on a sphere, (u, v, p), colatitude and longitude of gamma along the axes of the
-    ellipsoid and the support function, bound by ``relations``: then no root occurs.
+    ellipsoid and the support function, bound by ``relations``: then no root occurs.  A spheroid on
+    a sphere is carried along: see ``spheroid_on_sphere``.
     ``invariants`` are gamma1, gamma2, gamma3 and height in these coordinates.
 
     body
@@ -51,6 +57,7 @@ class RollingEllipsoid:
     invariants: dict[str, sp.Expr]
     contact: tuple[sp.Expr, ...]
     turned: sp.ImmutableMatrix
+    rotation: Rotation = ROTATION
 
     @classmethod
     def on_plane(cls, axes: Sequence[Any], mass: Any, inertia: Sequence[Any]) -> RollingEllipsoid:
@@ -108,20 +115,73 @@ class RollingEllipsoid:
             body.rolled(OMEGA, sphere),
         )
 
+    @classmethod
+    def spheroid_on_sphere(
+        cls, axes: Sequence[Any], mass: Any, inertia: Sequence[Any], sphere: Any
+    ) -> RollingEllipsoid:
+        """An ellipsoid of revolution, semi-axes (a, c), on a sphere; Neumann's coordinates.
+
+        The fibre is what the motion carries along: o = (o1, o2, o3), the place of the centre seen
+        from the body, and (u, v, u1, v1, theta).  The base is Euler's angles (phi, chi, psi).  The
+        support function is a square root in u.
+        """
+        o, (u, v, u1, v1, theta) = sp.symbols("o1:4"), sp.symbols("u v u1 v1 theta")
+        level = sp.sqrt((axes[0] * sp.sin(u)) ** 2 + (axes[1] * sp.cos(u)) ** 2)
+        moving = Surface.sphere(1, u, v).frame
+        normal, omega = tuple(-moving.col(2)), sp.Matrix(OMEGA)
+        radii = ((axes[0] * axes[1]) ** 2 / level**3, axes[0] ** 2 / level)
+        contact = RollingContact(
+            SurfaceForms.revolution(u, v, radii),
+            SurfaceForms.revolution(u1, v1, (sphere, sphere)),
+            theta,
+        )
+        rolled = contact.rolled(moving.T * omega)
+        whole = (axes[0], *axes)
+        arm = ConvexBody.ellipsoid(whole, normal, level).arm
+        moved = sp.Matrix([velocity(q) for q in o]) + omega.cross(sp.Matrix(o))
+        body = ConvexBody.ellipsoid(whole, GAMMA, HEIGHT)
+        return cls(
+            body,
+            mass,
+            (inertia[0], inertia[0], inertia[1]),
+            (*o, *rolled),
+            (),
+            kinetic_energy(mass, moved, (inertia[0], *inertia), OMEGA),
+            (*(velocity(q) - rate for q, rate in rolled.items()), *(moved + omega.cross(arm))),
+            _named(normal, level),
+            tuple(Surface.sphere(1, u1, v1).position),
+            body.rolled(OMEGA, sphere),
+            CARRIED,
+        )
+
     @property
     def base(self) -> tuple[sp.Expr, ...]:
         """Euler's angles."""
-        return ROTATION.coordinates
+        return self.rotation.coordinates
 
     @property
     def spin(self) -> dict[sp.Expr, sp.Expr]:
         """omega1, omega2, omega3 by the velocities of Euler's angles."""
-        return dict(zip(OMEGA, ROTATION.body_rates, strict=True))
+        return dict(zip(OMEGA, self.rotation.body_rates, strict=True))
 
     @property
     def momentum(self) -> sp.ImmutableMatrix:
         """G, the angular momentum about the contact, in gamma, height and omega."""
         return self.body.momentum(self.mass, self.inertia, OMEGA)
+
+    @property
+    def density(self) -> sp.Expr:
+        """h (A + m r^2) (A C + m (A (r_1^2 + r_2^2) + C r_3^2))^(1/2), for A, A, C the moments.
+
+        The density of a measure of gamma, height and omega where a spheroid rolls on a plane; on
+        a sphere times (R1 + r1) (R1 + r2).  The factor h is there because the height, bound to
+        gamma, is one of the variables.
+        """
+        equatorial, _, axial = self.inertia
+        x, y, z = self.body.arm
+        spread = equatorial * (x**2 + y**2) + axial * z**2
+        root = sp.sqrt(equatorial * axial + self.mass * spread)
+        return self.body.height * (equatorial + self.mass * (x**2 + y**2 + z**2)) * root
 
     def momentum_rate(self, rotor: Sequence[Any] = (0, 0, 0), weight: Any = 0) -> Any:
         """dG/dt, where a ``rotor`` of constant momentum kappa is built in."""

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import starmap
 from typing import Any
 
 import symengine as se
+import sympy as sp
 
 from voronec.algebra.verdicts import Verdict, decide_equal
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.relations.checking import completed, decided_at_limit
 from voronec.relations.declaration import Relation, Square
-from voronec.relations.functions import Functions
+from voronec.relations.families import Course, carried_back
+from voronec.relations.functions import Functions, formal
 from voronec.relations.orders import at_zero
+from voronec.relations.parameters import applications
 from voronec.relations.statemap import StateMap
+from voronec.relations.substitution import substituted
 from voronec.vector_field import Motions, VectorField
 
 __all__ = ["CheckedSquare", "check_square"]
@@ -35,7 +40,9 @@ class CheckedSquare:
 class _Chain:
     """Several maps one after the other: the end's variables and parameters by the start's.
 
-    ``family`` tells how parameters of the start depend on small ones, in its limits.
+    ``relations`` vanish on the start's states.  ``small`` is the small parameter of a single
+    limit, not yet taken, and ``scaled`` the parameters that it moves.  ``family`` tells how those
+    of the start depend on small ones, in the limits that have been taken, in their order.
     """
 
     start: VectorField
@@ -43,16 +50,36 @@ class _Chain:
     state: dict[Any, Any]
     parameters: dict[Any, Any]
     clock: Any
-    limits: tuple[str, ...]
+    relations: tuple[Any, ...]
+    limits: tuple[str, ...] = ()
     family: tuple[tuple[Any, dict[Any, Any]], ...] = ()
+    small: Any = None
+    scaled: dict[Any, Any] = field(default_factory=dict)
+
+    def mapped(self, change: Callable[[Any], Any]) -> _Chain:
+        """The same with a change of every expression, as a limit of parameters."""
+        return replace(
+            self,
+            state={x: change(e) for x, e in self.state.items()},
+            parameters={p: change(e) for p, e in self.parameters.items()},
+            clock=change(self.clock),
+        )
+
+    def within(self, small: Any, scaled: dict[Any, Any]) -> _Chain:
+        """The limit where parameters of the start depend on a small one, which vanishes."""
+        rules = tuple(r.xreplace(scaled) for r in self.relations)
+        found = self.mapped(lambda e: at_zero(e.xreplace(scaled), rules, small))
+        return replace(found, relations=tuple(at_zero(r, rules, small) for r in rules))
 
 
 def check_square(square: Square, relations: Mapping[str, Relation], motions: Find) -> CheckedSquare:
     """Decide whether two chains of relations agree: states, parameters and clocks.
 
     ``relations`` by their labels; ``motions`` gives the motions of a system by its name.  An empty
-    chain is the identity.  A chain that goes through a limit stands for its limit, and its limits
-    are taken one by one, in its order.
+    chain is the identity.  A limit in a chain is carried back to parameters of the start of the
+    chain, and taken on all of the chain up to it; so limits are taken one by one, in its order.
+    Where a limit of one chain moves parameters, the other is taken in that limit as well.
+    Raises ``DefinitionError`` where a chain fixes a parameter that its limit moves.
     """
     first = _chain([*square.first, *filter(None, [square.up_to])], relations, motions)
     if square.second:
@@ -60,21 +87,45 @@ def check_square(square: Square, relations: Mapping[str, Relation], motions: Fin
     else:
         second = _identity(first.start)
     _check_ends(square, first, second)
-    start, (first, second) = _from_one_start(first, second, motions)
+    first, second = _from_one_start(first, second, motions)
     first, second = _to_one_end(first, second, motions)
     limits = (first.limits, second.limits)
-    first, second = _within(first, second.family), _within(second, first.family)
-    return CheckedSquare(square, limits, _agreement(start, first, second))
+    _check_limits(square, relations)
+    for small, scaled in (*first.family, *second.family):
+        first, second = first.within(small, scaled), second.within(small, scaled)
+    return CheckedSquare(square, limits, _agreement(first, second))
 
 
-def _agreement(start: VectorField, first: _Chain, second: _Chain) -> Verdict:
+def _check_limits(square: Square, relations: Mapping[str, Relation]) -> None:
+    chains = (square.first, square.second)
+    first, second = (Course.of(relations[n] for n in labels) for labels in chains)
+    if first is not None and second is not None and not first.is_compatible(second):
+        raise EngineLimit("the limits of the two chains move a parameter to different values")
+
+
+def _agreement(first: _Chain, second: _Chain) -> Verdict:
     for part in ("state", "parameters"):
         ours, theirs = getattr(first, part), getattr(second, part)
         for x, image in ours.items():
-            verdict = decide_equal(image, theirs[x], start.relations)
+            verdict = decide_equal(image, theirs[x], first.relations)
+            if not verdict.proved and not x.is_Symbol:
+                verdict = _where_taken(x, first, second) or verdict
             if not verdict.proved:
                 return Verdict(verdict.status, f"'{x}': {verdict.method}", verdict.witness)
-    return decide_equal(first.clock, second.clock, start.relations)
+    return decide_equal(first.clock, second.clock, first.relations)
+
+
+def _where_taken(function: Any, first: _Chain, second: _Chain) -> Verdict | None:
+    """Whether values of an unknown function that hold state agree where the end takes it."""
+    values = [chain.parameters[function] for chain in (first, second)]
+    known = {*function.args, *first.start.parameters}
+    places = applications(first.end)[function.get_name()]
+    if len(places) > 1 or all(v.free_symbols <= known for v in values):
+        return None
+    images = [substituted(a, first.state) for a in places[0].args]
+    at = dict(zip(function.args, images, strict=True))
+    left, right = (substituted(v, at) for v in values)
+    return decide_equal(left, right, first.relations)
 
 
 def _chain(labels: Sequence[str], relations: Mapping[str, Relation], motions: Find) -> _Chain:
@@ -99,12 +150,9 @@ class _Gap(EngineLimit):
 
 def _composed(labels: Sequence[str], maps: Sequence[StateMap], motions: Find) -> _Chain:
     """Maps one after the other, levels fitted by descent where needed."""
-    chain: _Chain | None = None
+    chain = _identity(maps[0].source)
     for label, found in zip(labels, maps, strict=True):
-        link = _at_limit(completed(found))
-        if chain is None:
-            chain = link
-            continue
+        link = _link(completed(found))
         if chain.end.system.name != link.start.system.name:
             raise DefinitionError(
                 f"the chain {', '.join(labels)} breaks: it comes to '{chain.end.system.name}', and "
@@ -118,75 +166,82 @@ def _composed(labels: Sequence[str], maps: Sequence[StateMap], motions: Find) ->
                 f"of '{chain.end.system.name}' only"
             )
         chain = _then(chain, link)
-    assert chain is not None
     return chain
 
 
-def _at_limit(statemap: StateMap) -> _Chain:
-    """One relation; where it is a limit, at the limit."""
-    rules, small = statemap.relations, statemap.small
-    label = () if small is None else (f"{statemap.relation.label}: {small} -> 0",)
-    family = () if small is None else ((small, statemap.scaled),)
-    return _Chain(
-        start=statemap.source,
+def _link(statemap: StateMap) -> _Chain:
+    """One relation, its limit not yet taken; its small parameter bears a name of its own."""
+    found = replace(
+        _identity(statemap.source),
         end=statemap.target,
-        state={x: at_zero(e, rules, small) for x, e in statemap.state.items()},
-        parameters={p: at_zero(e, (), small) for p, e in statemap.parameters.items()},
-        clock=at_zero(statemap.clock, rules, small),
-        limits=label,
-        family=family,
+        state=statemap.state,
+        parameters=statemap.parameters,
+        clock=statemap.clock,
+    )
+    if statemap.small is None:
+        return found
+    small = se.Symbol(f"small {statemap.small}")
+    named = {statemap.small: small}
+    return replace(
+        found.mapped(lambda e: e.xreplace(named)),
+        limits=(f"{statemap.relation.label}: {statemap.small} -> 0",),
+        small=small,
+        scaled={p: e.xreplace(named) for p, e in statemap.scaled.items()},
     )
 
 
-def _identity(field: VectorField) -> _Chain:
-    state = {x: x for x in (*field.variables, field.time)}
-    return _Chain(field, field, state, {p: p for p in field.parameters}, se.Integer(1), ())
+def _identity(start: VectorField) -> _Chain:
+    state = {x: x for x in (*start.variables, start.time)}
+    own = {p: p for p in start.parameters}
+    own |= {f: f for f in starmap(formal, applications(start).items())}
+    return _Chain(start, start, state, own, se.Integer(1), tuple(start.relations))
 
 
 def _descent(motions: Motions) -> _Chain:
     """From the coordinates of a system to its invariants."""
     high, low = motions.on_coordinates, motions.on_invariants
     state = {x: high.express(x) for x in low.variables} | {low.time: high.time}
-    return _Chain(high, low, state, {p: p for p in high.parameters}, se.Integer(1), ())
+    return replace(_identity(high), end=low, state=state)
 
 
 def _then(first: _Chain, second: _Chain) -> _Chain:
-    """``second`` after ``first``."""
-    functions = Functions(first.parameters)
-    mapping = {**first.state, **functions.plain}
+    """``second`` after ``first``; where it is a limit, that is taken on the whole.
 
-    def through(expr: Any) -> Any:
-        return functions.replaced(expr, mapping)
-
-    return _Chain(
-        start=first.start,
-        end=second.end,
-        state={x: through(e) for x, e in second.state.items()},
-        parameters={p: through(e) for p, e in second.parameters.items()},
-        clock=first.clock * through(second.clock),
-        limits=first.limits + second.limits,
-        family=first.family,
-    )
-
-
-def _within(chain: _Chain, family: Sequence[tuple[Any, dict[Any, Any]]]) -> _Chain:
-    """A chain where the parameters of its start go to a limit that the other chain begins with.
-
-    It may come to that limit later, or by way of other parameters, and still hold these.
+    Parameters in ``second`` are those before its own limit, which it has put in already.
     """
-    rules = chain.start.relations
-    for small, scaled in family:
-        if chain.family:  # it begins with limits of its own: these are taken one by one
-            continue
-        chain = replace(
-            chain,
-            state={x: at_zero(e.xreplace(scaled), rules, small) for x, e in chain.state.items()},
-            parameters={
-                p: at_zero(e.xreplace(scaled), rules, small) for p, e in chain.parameters.items()
-            },
-            clock=at_zero(chain.clock.xreplace(scaled), rules, small),
+    small, family = second.small, first.family
+    moving = {} if small is None else _carried_back(first, second)
+    functions = Functions(first.parameters)
+    moved = {x: e.xreplace(moving) for x, e in first.state.items()}
+    mapping = {**moved, **functions.plain}
+    found = second.mapped(lambda e: functions.replaced(e, mapping))
+    rules = tuple(r.xreplace(moving) for r in first.relations)
+    found = replace(
+        found,
+        start=first.start,
+        clock=first.clock.xreplace(moving) * found.clock,
+        relations=rules,
+        limits=first.limits + second.limits,
+        family=family if small is None else (*family, (small, moving)),
+        small=None,
+        scaled={},
+    )
+    return found if small is None else found.within(small, {})
+
+
+def _carried_back(first: _Chain, second: _Chain) -> dict[Any, Any]:
+    """The parameters of the start of ``first`` for which those of its end follow a limit."""
+    small = sp.Symbol(str(second.small))
+    values = {str(p): sp.sympify(e) for p, e in first.parameters.items() if p.is_Symbol}
+    scaled = {str(p): sp.sympify(e) for p, e in second.scaled.items()}
+    family = carried_back(values, scaled, small)
+    own = {str(p): p for p in first.start.parameters}
+    if family is None or not own.keys() >= family.keys():
+        raise DefinitionError(
+            f"the chain that comes to '{second.start.system.name}' fixes a parameter that the "
+            f"limit '{second.limits[0]}' moves; leave it out"
         )
-    return chain
+    return {own[name]: se.sympify(value) for name, value in family.items()}
 
 
 def _check_ends(square: Square, first: _Chain, second: _Chain) -> None:
@@ -198,15 +253,13 @@ def _check_ends(square: Square, first: _Chain, second: _Chain) -> None:
         )
 
 
-def _from_one_start(
-    first: _Chain, second: _Chain, motions: Find
-) -> tuple[VectorField, list[_Chain]]:
+def _from_one_start(first: _Chain, second: _Chain, motions: Find) -> tuple[_Chain, _Chain]:
     """Both chains from the same variables: from coordinates where one of them needs these."""
-    chains = [first, second]
-    if first.start.level != second.start.level:
-        down = _descent(motions(first.start.system.name))
-        chains = [c if c.start.level == "coordinates" else _then(down, c) for c in chains]
-    return chains[0].start, chains
+    if first.start.level == second.start.level:
+        return first, second
+    down = _descent(motions(first.start.system.name))
+    fitted = [c if c.start.level == "coordinates" else _then(down, c) for c in (first, second)]
+    return fitted[0], fitted[1]
 
 
 def _to_one_end(first: _Chain, second: _Chain, motions: Find) -> tuple[_Chain, _Chain]:

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import symengine as se
 
+from voronec.algebra.determinant import determinant
 from voronec.algebra.elimination import solve_linear
+from voronec.algebra.generic import generic_rank
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.analysis.claims import Claim
 from voronec.errors import EngineLimit
 from voronec.relations.declaration import Relation
-from voronec.relations.kinds import generic_rank, kinds_of
+from voronec.relations.dependence import unsound_functions
+from voronec.relations.kinds import kinds_of
 from voronec.relations.orders import at_zero, vanishes
 from voronec.relations.pulled import pulled_claims
 from voronec.relations.residuals import residuals
@@ -53,7 +56,7 @@ def check_relation(relation: Relation, motions: Callable[[str], Motions]) -> Che
     pulled = pulled_claims(stated) if not verdict.refuted else ()
     return CheckedRelation(
         relation=relation,
-        kinds=kinds_of(statemap),
+        kinds=kinds_of(_stated(statemap, stated)),
         levels=(statemap.source.level, statemap.target.level),
         verdict=verdict,
         pulled=tuple(pulled),
@@ -77,6 +80,16 @@ def decided_at_limit(statemap: StateMap) -> tuple[StateMap, Verdict]:
         except EngineLimit:
             pass  # a pole that cancels, say: the residuals are expanded instead
     return statemap, _decided(statemap)
+
+
+def _stated(statemap: StateMap, decided: StateMap) -> StateMap:
+    """The map that the relation is about: that of the limit, where there is one."""
+    if decided.small is None:
+        return decided
+    try:
+        return at_limit(statemap)
+    except EngineLimit:
+        return statemap
 
 
 def at_limit(statemap: StateMap) -> StateMap:
@@ -109,15 +122,50 @@ def at_limit(statemap: StateMap) -> StateMap:
 
 def _decided(statemap: StateMap) -> Verdict:
     """Whether DPhi f = nu g(Phi), with nu not zero and a target that is determined there."""
-    if decide_zero(statemap.clock, statemap.relations).proved:
-        return Verdict("refuted", "the clock stands still")
-    if not _is_determined(statemap):
-        return Verdict("refuted", "the mass matrix of the target is singular on the image")
+    for verdict in (*_grounds(statemap), *unsound_functions(statemap)):
+        if not verdict.proved:
+            return verdict
     for place, residual in residuals(statemap):
         verdict = _decide(statemap, residual)
         if not verdict.proved:
             return replace(verdict, method=f"{place}: {verdict.method}")
     return Verdict("proved", "zero in exact normal form")
+
+
+def _grounds(statemap: StateMap) -> Iterator[Verdict]:
+    """Whether the clock runs and the target is determined, at the limit where there is one."""
+    small, rules = statemap.small, statemap.relations
+    where = "" if small is None else f" where '{small}' vanishes"
+    try:
+        clock_there = at_zero(statemap.clock, rules, small)
+        mass = [
+            [at_zero(statemap.pull_back(e), rules, small) for e in row]
+            for row in statemap.target.mass
+        ]
+        there = [at_zero(r, rules, small) for r in rules]
+    except EngineLimit as limit:
+        yield Verdict("undecided", f"the clock or the mass of the target: {limit}")
+        return
+    stands = decide_zero(clock_there, there)
+    if stands.proved:
+        yield Verdict("refuted", f"the clock stands still{where}")
+    elif stands.undecided:
+        yield Verdict("undecided", f"whether the clock runs{where}: {stands.method}")
+    yield _is_determined(mass, there, where)
+
+
+def _is_determined(mass: list[list[Any]], relations: Sequence[Any], where: str) -> Verdict:
+    """Whether the target's equations of motion determine its accelerations on the image."""
+    try:
+        if generic_rank(mass, relations) == len(mass):
+            return Verdict("proved", "a point where the mass matrix is regular")
+        if decide_zero(determinant(mass), relations).proved:
+            why = f"the mass matrix of the target is singular on the image{where}"
+            return Verdict("refuted", why)
+        reason = "its determinant is not proved to vanish"
+    except EngineLimit as limit:
+        reason = str(limit)
+    return Verdict("undecided", f"whether the mass of the target is regular{where}: {reason}")
 
 
 def _decide(statemap: StateMap, residual: Any) -> Verdict:
@@ -127,13 +175,6 @@ def _decide(statemap: StateMap, residual: Any) -> Verdict:
         return vanishes(residual, statemap.relations, statemap.small, order)
     except EngineLimit as error:
         return Verdict("undecided", str(error))
-
-
-def _is_determined(statemap: StateMap) -> bool:
-    """Whether the target's equations of motion determine its accelerations on the image."""
-    target = statemap.target
-    mass = [[statemap.pull_back(e) for e in row] for row in target.mass]
-    return generic_rank(mass, statemap.relations) == len(target.velocities)
 
 
 def completed(statemap: StateMap) -> StateMap:

@@ -26,7 +26,8 @@ __all__ = ["Limit", "Relation", "Square"]
 class Limit:
     """A parameter that tends to zero: ``parameters`` of the source are functions of it.
 
-    The relation holds up to terms of ``order`` in it.
+    The relation holds up to terms of ``order`` in it.  At zero the clock must run and the target
+    must be determined, and what is expanded must be smooth there.
     """
 
     small: sp.Symbol
@@ -53,7 +54,9 @@ class Relation:
         velocities) as a function of the state, the parameters and the time of the source; by
         symbol or name.  Without it, variables of the same names are the same.
     parameters
-        each parameter of the target as a function of parameters of the source.
+        each parameter of the target as a function of parameters of the source, or of what is
+        constant along its motions; an unknown function of the target by its arguments there, or,
+        where it is taken of several, as ``{f(s): value in s}``.
     clock
         nu; the time of the target runs with the rate nu.
     limit
@@ -93,7 +96,8 @@ class Square:
 
     ``up_to`` is the label of a relation of the last system with itself, an automorphism, that
     takes the end of the first chain to that of the second.  Where limits occur, those of a chain
-    are taken in its order.
+    are carried back to the parameters of its start and taken in its order; the chains agree in the
+    limits of both.  A chain that fixes a parameter which its limit moves has no meaning.
     """
 
     first: tuple[str, ...]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations, pairwise, product
 from typing import Any
 
 from voronec.errors import DefinitionError, did_you_mean
+from voronec.relations.classes import missing_squares
 from voronec.relations.declaration import Relation, Square
+from voronec.relations.families import Course
 
 __all__ = ["diagram", "squares_of"]
 
@@ -39,15 +41,24 @@ def diagram(systems: Iterable[str], relations: Iterable[Relation]) -> Any:
 
 
 def squares_of(graph: Any, declared: Sequence[Square] = ()) -> list[Square]:
-    """Squares that generate the diagram: if they commute, all parallel chains agree.
+    """Squares that generate the diagram.
 
-    Two chains with the same ends agree if they begin with the same relation and the rest agrees,
-    or end with the same one.  So of the chains between two systems, those that hang together in
-    this way are one class, and a square for each further class is enough, by induction on what
-    lies between; that holds where no chain leads back to its beginning.  Where some do, they must
-    be the identity, and every pair of chains that share no system between is a square.
-    Automorphisms, which lead from a system to itself, are no part of chains.  The declared squares
-    come first, and join the classes of their chains.
+    A chain has a meaning where the limits of its relations can be carried back to its start; one
+    that fixes a parameter and moves it in a later limit has none, and nothing is asked of it.  If
+    the squares commute, any two parallel chains with a meaning agree as maps of states, parameters
+    and clocks, in the limits of both: exactly so where neither goes through a limit.  Nothing is
+    said of chains whose limits move a parameter of the start to different values, and those that
+    an automorphism tells apart agree up to it.
+
+    Two chains agree if they begin with the same relation and the rest agrees, or end with the same
+    one; so, for each set of limits, a square for each further class of chains that hang together
+    in this way is enough, by induction on what lies between.  A chain in the middle joins two
+    others only where it has no limits but theirs.  Maps are taken to be continuous at the limits,
+    as proofs of relations show them to be.  That holds where no chain leads back to its beginning.
+    Where some do, they must be the identity, and every pair of chains that share no system between
+    is a square; then that is all that is claimed.  Automorphisms, which lead from a system to
+    itself, are no part of chains.  The declared squares come first, and join the classes of their
+    chains, unless they hold up to an automorphism only.
     """
     import networkx
 
@@ -55,62 +66,26 @@ def squares_of(graph: Any, declared: Sequence[Square] = ()) -> list[Square]:
         _check_labels(graph, square)
     plain = networkx.MultiDiGraph()
     plain.add_nodes_from(graph)
-    plain.add_edges_from((a, b, key) for a, b, key in graph.edges(keys=True) if a != b)
+    edges = graph.edges(keys=True, data=True)
+    plain.add_edges_from((a, b, key, data) for a, b, key, data in edges if a != b)
     if networkx.is_directed_acyclic_graph(plain):
-        return [*declared, *_between_classes(plain, declared)]
+        return [*declared, *missing_squares(plain, declared)]
     known = {_pair(s) for s in declared}
+    relations = {key: data["relation"] for _, _, key, data in edges}
     found = {_pair(s): s for s in (*_disjoint_chains(plain), *_circles(plain))}
-    return [*declared, *(s for pair, s in found.items() if pair not in known)]
+    meant = (s for s in found.values() if _has_meaning(s, relations))
+    return [*declared, *(s for s in meant if _pair(s) not in known)]
+
+
+def _has_meaning(square: Square, relations: Mapping[str, Relation]) -> bool:
+    return all(
+        Course.of(relations[label] for label in chain) is not None
+        for chain in (square.first, square.second)
+    )
 
 
 def _pair(square: Square) -> frozenset[tuple[str, ...]]:
     return frozenset({square.first, square.second})
-
-
-def _between_classes(graph: Any, declared: Sequence[Square]) -> Iterator[Square]:
-    """For each two systems, the squares between the first class of chains and every other."""
-    import networkx
-
-    reach = {node: networkx.descendants(graph, node) | {node} for node in graph}
-    joined = [(s.first, s.second) for s in declared if s.second]
-    for start in graph:
-        for end in reach[start] - {start}:
-            links = networkx.Graph()
-            for _, a, first in graph.out_edges(start, keys=True):
-                for b, _, last in graph.in_edges(end, keys=True):
-                    if first == last or (end not in (a, b) and b in reach[a]):
-                        links.add_edge(("first", first), ("last", last))
-            for one, other in joined:
-                ends = {("first", c[0]) for c in (one, other)} | {
-                    ("last", c[-1]) for c in (one, other)
-                }
-                if ends <= {*links}:
-                    links.add_edge(("first", one[0]), ("first", other[0]))
-            classes = networkx.connected_components(links)
-            chains = sorted((_shortest(graph, links, c) for c in classes), key=_by_length)
-            yield from (Square(chain, chains[0]) for chain in chains[1:])
-
-
-def _by_length(chain: tuple[str, ...]) -> tuple[int, tuple[str, ...]]:
-    return len(chain), chain
-
-
-def _shortest(graph: Any, links: Any, members: Iterable[tuple[str, str]]) -> tuple[str, ...]:
-    """The shortest chain of a class; of several, the first by name."""
-    import networkx
-
-    ends = {key: (a, b) for a, b, key in graph.edges(keys=True)}
-    chains = []
-    for side, first in members:
-        if side == "first":
-            for last in (name for kind, name in links[side, first] if kind == "last"):
-                if first == last:
-                    chains.append((first,))
-                    continue
-                nodes = networkx.shortest_path(graph, ends[first][1], ends[last][0])
-                middle = tuple(min(graph[a][b]) for a, b in pairwise(nodes))
-                chains.append((first, *middle, last))
-    return min(chains, key=_by_length)
 
 
 def _disjoint_chains(graph: Any) -> Iterator[Square]:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator
 
-from voronec.algebra.points import sample_evaluable
-from voronec.algebra.rank import proved_rank
-from voronec.algebra.tape import Tape
+from voronec.algebra.generic import generic_rank
 from voronec.algebra.verdicts import decide_equal
 from voronec.errors import EngineLimit
 from voronec.relations.statemap import StateMap
 
-__all__ = ["generic_rank", "kinds_of", "state_rank"]
+__all__ = ["kinds_of", "state_rank"]
 
 BITS = 256
 
@@ -34,33 +31,44 @@ def kinds_of(statemap: StateMap) -> tuple[str, ...]:
         states correspond one to one, under other names or the same ones.
     """
     words = []
-    if statemap.small is not None:
+    is_limit = statemap.relation.limit is not None
+    if is_limit:
         words.append("limit")
     if not decide_equal(statemap.clock, 1).proved:
         words.append("change of time")
-    if statemap.small is None and _is_special(statemap):
+    if not is_limit and _is_special(statemap):
         words.append("specialisation")
     if statemap.relation.source == statemap.relation.target:
         words.append("automorphism")
-    rank = state_rank(statemap)
-    if rank < statemap.source.dimension:
-        words.append("reduction")
-    if rank < statemap.target.dimension:
-        words.append("embedding")
-    if rank == statemap.source.dimension == statemap.target.dimension:
+    try:
+        return (*words, *_by_rank(statemap, bool(words)))
+    except EngineLimit:  # no point was found: nothing is said about ranks
+        return tuple(words)
+
+
+def _by_rank(statemap: StateMap, is_named: bool) -> Iterator[str]:
+    rank, sizes = state_rank(statemap), (statemap.source.dimension, statemap.target.dimension)
+    if rank < sizes[0]:
+        yield "reduction"
+    if rank < sizes[1]:
+        yield "embedding"
+    if sizes == (rank, rank):
         if not statemap.is_identity:
-            words.append("change of coordinates")
-        elif not words:
-            words.append("equality")
-    return tuple(words)
+            yield "change of coordinates"
+        elif not is_named:
+            yield "equality"
 
 
 def state_rank(statemap: StateMap) -> int:
-    """The rank of the state map on states of the source."""
+    """The rank of the state map on states of the source.
+
+    Raises ``EngineLimit`` where no point is found.
+    """
     source = statemap.source
     images = [statemap.state[x] for x in statemap.target.variables]
     gradients = [[f.diff(x) for x in source.variables] for f in images]
-    bound = [[r.diff(x) for x in source.variables] for r in statemap.relations]
+    kept = [statemap.scale(r) for r in source.independent_relations]
+    bound = [[r.diff(x) for x in source.variables] for r in kept]
     return generic_rank([*bound, *gradients], statemap.relations) - len(bound)
 
 
@@ -70,18 +78,7 @@ def _is_special(statemap: StateMap) -> bool:
     if not values:
         return False
     rows = [[value.diff(p) for p in parameters] for value in values]
-    return (generic_rank(rows, ()) if parameters else 0) < len(values)
-
-
-def generic_rank(rows: Sequence[Sequence[Any]], relations: Sequence[Any]) -> int:
-    """The rank at a generic point: the largest proved one among several."""
-    width = len(rows[0]) if rows else 0
-    entries = [e for row in rows for e in row]
-    if not entries:
-        return 0
     try:
-        samples = sample_evaluable(Tape(entries), relations, BITS)
+        return (generic_rank(rows, ()) if parameters else 0) < len(values)
     except EngineLimit:
-        return 0
-    tables = ([v[i : i + width] for i in range(0, len(v), width)] for _, v in samples)
-    return max((proved_rank(table, BITS) for table in tables), default=0)
+        return False

@@ -8,11 +8,12 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.verdicts import Verdict
+from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.analysis.claims import Claim
 from voronec.analysis.measures import defect
-from voronec.claims import Corrected, Equation, Measure
+from voronec.claims import Equation, Measure, right_of
 from voronec.errors import EngineLimit
+from voronec.relations.dependence import foreign
 from voronec.relations.orders import vanishes
 from voronec.relations.statemap import StateMap
 from voronec.relations.substitution import Infinite
@@ -31,14 +32,14 @@ def pulled_claims(statemap: StateMap) -> Iterator[Claim]:
     """
     system = statemap.target.system
     for name, claim in system.integrals.items():
-        function = _right(claim)
+        function = right_of(claim)
         if _is_mapped(statemap, function):
             yield from _claim(statemap, "integral", name, _rates(statemap, function))
     for name, claim in system.equations.items():
-        equation: Equation = _right(claim)
+        equation: Equation = right_of(claim)
         if _is_mapped(statemap, *equation.function, *equation.rate):
             yield from _claim(statemap, "equation", name, _defects(statemap, equation))
-    if system.measure is not None and _is_measured(statemap, _right(system.measure)):
+    if system.measure is not None and _is_measured(statemap, right_of(system.measure)):
         yield from _claim(statemap, "measure", "density", _dilation(statemap, system.measure))
 
 
@@ -59,17 +60,21 @@ def _claim(statemap: StateMap, kind: str, name: str, residuals: Iterator[Any]) -
     yield Claim(kind, name, verdict)
 
 
-def _right(claim: Any) -> Any:
-    return claim.right if isinstance(claim, Corrected) else claim
-
-
 def _is_mapped(statemap: StateMap, *exprs: sp.Expr) -> bool:
-    """Whether functions of the target's state are functions of the variables that are mapped."""
+    """Whether functions of the target's state are functions of what is mapped."""
     target = statemap.target
-    if target.level == "coordinates":
-        return True
     known = {*target.variables, *target.parameters, target.time}
-    return all(target.door.inward(e).free_symbols <= known for e in exprs)
+    named = (target.door.inward(e).free_symbols <= known for e in exprs)
+    if target.level == "invariants" and not all(named):
+        return False
+    is_timed = any(target.time in target.read(e).free_symbols for e in exprs)
+    return not is_timed or _has_time(statemap)
+
+
+def _has_time(statemap: StateMap) -> bool:
+    """Whether the map gives the time of the target: one that runs with the rate nu."""
+    rate = statemap.derivative(statemap.state[statemap.target.time])
+    return decide_zero(rate - statemap.clock, statemap.relations).proved
 
 
 def _pulled(statemap: StateMap, expr: sp.Expr) -> Any:
@@ -91,11 +96,27 @@ def _is_measured(statemap: StateMap, measure: Measure) -> bool:
     target = statemap.target
     own = (*target.system.coordinates, *target.system.velocities)
     given = {str(v) for v in measure.variables or map(plain_name, own)}
-    return given == {str(x) for x in target.variables} and corresponds(statemap)
+    if given != {str(x) for x in target.variables} or not corresponds(statemap):
+        return False
+    return _is_mapped(statemap, measure.density) and _has_plain_clock(statemap)
+
+
+def _has_plain_clock(statemap: StateMap) -> bool:
+    """Whether (16) holds: parameters are numbers, and a clock that the state drives is all there
+    is to the time."""
+    source, clock = statemap.source, statemap.clock
+    numbers = [(p, v) for p, v in statemap.parameters.items() if p.is_Symbol]
+    if any(foreign(statemap, p, v) for p, v in numbers):
+        return False
+    if not clock.free_symbols & {*source.variables}:
+        return True
+    timed = [clock, *(statemap.state[x] for x in statemap.target.variables)]
+    moved = statemap.state[statemap.target.time].free_symbols & {*source.variables}
+    return not moved and not any(source.time in e.free_symbols for e in timed)
 
 
 def _dilation(statemap: StateMap, claim: Any) -> Iterator[Any]:
-    density = _pulled(statemap, _right(claim).density) * volume_factor(statemap)
+    density = _pulled(statemap, right_of(claim).density) * volume_factor(statemap)
     if statemap.clock.free_symbols & {*statemap.source.variables}:
         density = density / statemap.clock  # a clock that only the time drives keeps volumes
     yield statemap.scale(defect(statemap.source, density))

@@ -9,15 +9,19 @@ import symengine as se
 
 from voronec.algebra.verdicts import decide_zero
 from voronec.errors import EngineLimit
+from voronec.relations.dependence import moving_parameters
 from voronec.relations.statemap import StateMap
 
 __all__ = ["residuals"]
 
 
 def residuals(statemap: StateMap) -> Iterator[tuple[str, Any]]:
-    """Relations of the target, the rates of its positions, and its equations of motion, each with
-    what a message calls it [Theory, eq. (15)]."""
+    """Rates of parameters, relations of the target, rates of its positions, its equations.
+
+    Each comes with what a message calls it [Theory, eq. (15)].
+    """
     target, pull, nu = statemap.target, statemap.pull_back, statemap.clock
+    yield from moving_parameters(statemap)
     for i, relation in enumerate(target.relations):
         yield f"relation {i + 1} of '{target.system.name}'", pull(relation)
     if _is_timed(statemap):

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
+import symengine as se
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, time
 from voronec.errors import DefinitionError, did_you_mean
-from voronec.reading import shown
 from voronec.relations.declaration import Relation
-from voronec.relations.functions import Functions, unknown_functions
+from voronec.relations.functions import Functions
+from voronec.relations.parameters import by_name, read_parameters, refuse_unknown
 from voronec.system import System
 from voronec.vector_field import Motions, VectorField
 
 __all__ = ["StateMap"]
+
+NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,7 @@ class StateMap:
         where something is mapped that the target does not have.
         """
         start, end = motions(relation.source), motions(relation.target)
-        given = _by_name(relation.state or {})
+        given = by_name(relation.state or {})
         shared = level and {*_variables(end.system, level)} <= {*_variables(start.system, level)}
         if relation.state is not None or not shared:
             level = _target_level(relation, start.system, end.system)
@@ -63,7 +67,7 @@ class StateMap:
             source=source,
             target=target,
             state=state,
-            parameters=_parameters(relation, reader, end.system, target),
+            parameters=read_parameters(relation, reader, target),
             clock=reader.read(relation.clock, "the clock"),
             small=reader.small,
             scaled=reader.scaled,
@@ -119,7 +123,7 @@ class _Reader:
             return {}
         symbols = {p.name: p.symbol for p in self.source.system.parameters}
         found = {}
-        for key, value in _by_name(limit.parameters).items():
+        for key, value in by_name(limit.parameters).items():
             if key not in symbols:
                 raise DefinitionError(
                     f"relation '{self.relation.label}': the limit scales '{key}', which is no "
@@ -128,11 +132,12 @@ class _Reader:
             found[self.source.door.inward(symbols[key])] = self.source.door.inward(value)
         return found
 
-    def read(self, expr: sp.Expr, place: str, more: Iterable[str] = ()) -> Any:
+    def read(self, expr: sp.Expr, place: str, formals: Mapping[str, Any] = NONE) -> Any:
+        """An expression inside the door; ``formals`` are put in for symbols of these names."""
         known = {*self.source.system.known_symbols(), *self.source.system.invariant_symbols}
         if self.relation.limit is not None:
             known.add(self.relation.limit.small)
-        names = {*map(plain_name, known), *more}
+        names = {*map(plain_name, known), *formals}
         for symbol in sp.sympify(expr).free_symbols:
             if str(symbol) not in names:
                 raise DefinitionError(
@@ -140,11 +145,9 @@ class _Reader:
                     f"'{self.source.system.name}' does not have" + did_you_mean(str(symbol), names)
                 )
         inside = self.source.door.inward(expr)
+        if formals:
+            inside = inside.xreplace({se.Symbol(name): slot for name, slot in formals.items()})
         return self.source.express(inside).xreplace(self.scaled)
-
-
-def _by_name(mapping: Mapping[Any, Any]) -> dict[str, Any]:
-    return {k if isinstance(k, str) else plain_name(k): v for k, v in mapping.items()}
 
 
 def _symbol(system: System, name: str) -> sp.Expr:
@@ -170,7 +173,7 @@ def _target_level(relation: Relation, source: System, target: System) -> str:
             f"relation '{relation.label}' gives no state, and the variables of '{target.name}' "
             f"are not those of '{source.name}'; write state={{variable: expression}}"
         )
-    given = set(_by_name(relation.state)) - {plain_name(time)}
+    given = set(by_name(relation.state)) - {plain_name(time)}
     for level in levels:
         positions = {plain_name(x) for x in target.coordinates}
         if level == "invariants":
@@ -188,8 +191,8 @@ def _state(
     relation: Relation, reader: _Reader, target: VectorField, given: Mapping[str, Any]
 ) -> dict[Any, Any]:
     """Every variable of the target; velocities that are not given follow from the positions."""
-    known = {str(x) for x in target.variables} | {str(target.time)}
-    _refuse_unknown(relation, "state", given, known, target.system.name)
+    known = [*map(str, target.variables), str(target.time)]
+    refuse_unknown(relation, "state", given, known, target.system.name)
     found = {x: reader.read(given[str(x)], f"'{x}'") for x in target.variables if str(x) in given}
     found[target.time] = reader.read(given.get(str(target.time), time), "the time")
     missing = [v for v in target.velocities if v not in found]
@@ -199,38 +202,3 @@ def _state(
             f"'{target.system.name}' unmapped; add to state="
         )
     return found
-
-
-def _parameters(
-    relation: Relation, reader: _Reader, system: System, target: VectorField
-) -> dict[Any, Any]:
-    """The value of every parameter, and of every unknown function, of the target."""
-    given = _by_name(relation.parameters)
-    wanted = {p.name: target.door.inward(p.symbol) for p in system.parameters}
-    held = (*target.rates, *target.force, *(e for row in target.mass for e in row))
-    wanted |= {f.get_name(): f for f in unknown_functions(held)}
-    _refuse_unknown(relation, "parameters", given, wanted, system.name)
-    missing = sorted(set(wanted) - set(given))
-    if missing:
-        raise DefinitionError(
-            f"relation '{relation.label}' leaves the parameter '{missing[0]}' of "
-            f"'{system.name}' unmapped; add it to parameters="
-        )
-    return {
-        symbol: reader.read(given[name], f"'{name}'", map(str, symbol.free_symbols))
-        if symbol.args
-        else reader.read(given[name], f"'{name}'")
-        for name, symbol in wanted.items()
-    }
-
-
-def _refuse_unknown(
-    relation: Relation, part: str, given: Mapping[str, Any], known: Iterable[str], target: str
-) -> None:
-    known = list(known)
-    for name in given:
-        if name not in known:
-            raise DefinitionError(
-                f"relation '{relation.label}': {part} maps '{shown(name)}', which '{target}' does "
-                "not have" + did_you_mean(name, known)
-            )

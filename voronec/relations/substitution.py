@@ -5,7 +5,7 @@ symengine takes 0 * (1 + 1/0) for 0; here every node is looked at.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import symengine as se
@@ -14,6 +14,7 @@ from voronec.errors import EngineLimit
 
 __all__ = ["Infinite", "substituted"]
 
+_STEPS = {"sign", "abs", "floor", "ceiling"}
 _INFINITE = {se.zoo, se.nan, se.oo, -se.oo}
 
 
@@ -26,7 +27,8 @@ def substituted(
 ) -> Any:
     """An expression with symbols replaced, all at once; ``Infinite`` where a part has no value.
 
-    ``check`` is called with every base, after the replacement, whose power has a denominator.
+    ``check`` is called with everything, after the replacement, at zeros of which a part of the
+    expression is infinite or not smooth: denominators, radicands, arguments of signs.
     """
     known: dict[Any, Any] = dict(mapping)
     wanted = set(mapping)
@@ -39,10 +41,11 @@ def substituted(
 
     def rebuilt(node: Any) -> Any:
         arguments = [put(a) for a in node.args]
-        if check is not None and isinstance(node, se.Pow):
-            base, exponent = arguments
-            if not (exponent.is_Number and exponent > 0):
-                check(base)
+        if check is not None:
+            for critical in _critical(node, arguments):
+                check(critical)
+        if isinstance(node, se.Derivative) and arguments[1:] != list(node.args[1:]):
+            return _derivative(node, put)
         try:
             value = node.func(*arguments)
         except RuntimeError as error:  # a function of an infinite argument
@@ -52,3 +55,24 @@ def substituted(
         return value
 
     return put(expr)
+
+
+def _critical(node: Any, arguments: Sequence[Any]) -> Sequence[Any]:
+    """Where they vanish, a function of these arguments is infinite or not smooth."""
+    if isinstance(node, se.Pow):
+        base, exponent = arguments
+        return () if isinstance(exponent, se.Integer) and exponent > 0 else (base,)
+    return arguments if type(node).__name__.lower() in _STEPS else ()
+
+
+def _derivative(node: Any, put: Callable[[Any], Any]) -> Any:
+    """A derivative of an unknown function by variables for which other symbols are put in."""
+    function, *variables = node.args
+    places = list(dict.fromkeys(variables))
+    moved = [put(v) for v in places]
+    kept = [put(a) for a in function.args]
+    still = [a for v, a in zip(function.args, kept, strict=True) if v not in places]
+    taken = set().union(*(a.free_symbols for a in still)) & {*moved}
+    if taken or len({*moved}) < len(moved) or not all(isinstance(p, se.Symbol) for p in moved):
+        raise EngineLimit(f"'{node}' was not moved to a place that is no variable")
+    return se.Derivative(function.func(*kept), *[put(v) for v in variables])

@@ -1,8 +1,8 @@
 """How a state map changes volumes, where states correspond one to one.
 
-On the zero set of relations R the volume is the Leray form w with dR_1 ... dR_k w = dx.  For
-vectors w_i that span the tangent space, w(w_1, ..., w_d) = det(w_1, ..., w_d, n_1, ..., n_k) with
-any n_j such that dR_i(n_j) = delta_ij.
+On the zero set of independent relations R the volume is the Leray form w with
+dR_1 ... dR_k w = dx.  For vectors w_i that span the tangent space, w(w_1, ..., w_d) =
+det(w_1, ..., w_d, n_1, ..., n_k) with any n_j such that dR_i(n_j) = delta_ij.
 """
 
 from __future__ import annotations
@@ -12,8 +12,10 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.determinant import determinant
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.normal import canonical
+from voronec.errors import EngineLimit
 from voronec.relations.kinds import state_rank
 from voronec.relations.statemap import StateMap
 
@@ -25,15 +27,21 @@ Matrix = list[list[Any]]
 def corresponds(statemap: StateMap) -> bool:
     """Whether states of source and target correspond one to one, near a generic one."""
     source, target = statemap.source, statemap.target
-    return source.dimension == target.dimension == state_rank(statemap)
+    try:
+        return bool(source.dimension == target.dimension == state_rank(statemap))
+    except EngineLimit:
+        return False
 
 
 def volume_factor(statemap: StateMap) -> Any:
     """det DPhi between the volumes of source and target, up to sign."""
     source, target = statemap.source, statemap.target
-    if statemap.is_identity and len(source.variables) == len(target.variables):
+    relations = [statemap.scale(r) for r in source.independent_relations]
+    pulled = [statemap.pull_back(r) for r in target.independent_relations]
+    is_same = len(source.variables) == len(target.variables) and relations == pulled
+    if statemap.is_identity and is_same:
         return se.Integer(1)
-    tangents = _tangents(source.variables, source.relations)
+    tangents = _tangents(source.variables, relations)
     images = [statemap.state[x] for x in target.variables]
     moved = [
         [se.Add(*[f.diff(x) * e for x, e in zip(source.variables, w, strict=True)]) for f in images]
@@ -83,7 +91,7 @@ def _normals(field: Any) -> Matrix:
     """Vectors n_j with dR_i(n_j) = delta_ij: dR^T (dR dR^T)^-1."""
     if not field.relations:
         return []
-    gradient = [[r.diff(x) for x in field.variables] for r in field.relations]
+    gradient = [[r.diff(x) for x in field.variables] for r in field.independent_relations]
     gram = [[_dot(p, q) for q in gradient] for p in gradient]
     unit = [[se.Integer(int(i == j)) for j in range(len(gram))] for i in range(len(gram))]
     inverse = solve_linear(gram, unit, field.relations).values
@@ -96,20 +104,6 @@ def _dot(left: Sequence[Any], right: Sequence[Any]) -> Any:
 
 
 def _determinant(rows: Matrix, relations: Sequence[Any]) -> Any:
-    """By expansion along the row with the fewest entries, after tidying them."""
     flat = canonical([e for row in rows for e in row], relations)
     size = len(rows)
-    return _expanded([flat[i * size : (i + 1) * size] for i in range(size)])
-
-
-def _expanded(rows: Matrix) -> Any:
-    if not rows:
-        return se.Integer(1)
-    best = min(range(len(rows)), key=lambda i: sum(e != 0 for e in rows[i]))
-    others = [row for i, row in enumerate(rows) if i != best]
-    terms = [
-        (-1) ** (best + j) * e * _expanded([[*row[:j], *row[j + 1 :]] for row in others])
-        for j, e in enumerate(rows[best])
-        if e != 0
-    ]
-    return se.Add(*terms) if terms else se.Integer(0)
+    return determinant([flat[i * size : (i + 1) * size] for i in range(size)])

@@ -15,8 +15,8 @@ from voronec.report.plots import INK, MARK, PALE, SOFT, STYLE
 __all__ = ["LINES", "diagram_figure", "line_of"]
 
 LINES: dict[str, Any] = {
-    "special case": "solid",
-    "change of variables": (0, (1, 1.2)),
+    "specialisation": "solid",
+    "change of coordinates": (0, (1, 1.2)),
     "change of time": (0, (6, 1.5, 1, 1.5)),
     "limit": (0, (4, 2.2)),
 }
@@ -37,9 +37,8 @@ def line_of(relation: Any) -> str:
     if relation.clock != 1:
         return "change of time"
     state = relation.state or {}
-    return (
-        "special case" if all(str(k) == str(v) for k, v in state.items()) else "change of variables"
-    )
+    same = all(str(k) == str(v) for k, v in state.items())
+    return "specialisation" if same else "change of coordinates"
 
 
 def diagram_figure(graph: Any, status: Known = None) -> Any:

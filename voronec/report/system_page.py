@@ -195,7 +195,7 @@ def _statement(system: System, finding: Finding) -> Iterator[str]:
         "integral": holder.integrals.get(name),
         "equation": holder.equations.get(name),
         "measure": holder.measure,
-        "multiplier": system.multiplier,
+        "multiplier": holder.multiplier,
     }.get(finding.kind)
     if claim is None:
         return

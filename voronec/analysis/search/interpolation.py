@@ -37,9 +37,11 @@ class Quotient:
     denominator: dict[Monomial, Any]
 
 
-def rational_functions(sample: Sampler, variables: int, rng: Any) -> list[Quotient]:
+def rational_functions(
+    sample: Sampler, variables: int, rng: Any, primes: Sequence[int] = PRIMES
+) -> list[Quotient]:
     """The functions behind the values; ``EngineLimit`` where they are too large."""
-    p = PRIMES[0]
+    p = primes[0]
     base, direction = rng.integers(1, p, (2, variables), dtype=np.int64)
     bounds = [_degrees_along(sample, base, direction, p)]
     for i in range(variables):
@@ -55,7 +57,7 @@ def rational_functions(sample: Sampler, variables: int, rng: Any) -> list[Quotie
         raise EngineLimit(
             f"the coefficients of an integral have up to {largest} terms; give parameters values"
         )
-    return _from_primes(sample, variables, shapes, rng)
+    return _from_primes(sample, variables, shapes, rng, primes)
 
 
 def _degrees_along(sample: Sampler, base: Array, along: Array, p: int) -> list[tuple[int, int]]:
@@ -97,12 +99,12 @@ def _monomials(single: Sequence[int], total: int) -> list[Monomial]:
 
 
 def _from_primes(
-    sample: Sampler, variables: int, shapes: Sequence[Any], rng: Any
+    sample: Sampler, variables: int, shapes: Sequence[Any], rng: Any, primes: Sequence[int]
 ) -> list[Quotient]:
     """Coefficients modulo more and more primes, until they are those of one fraction each."""
     residues: list[list[int]] = []
     modulus = 1
-    for p in PRIMES[:-1]:
+    for p in primes[:-1]:
         vectors, shapes = _modulo(sample, variables, shapes, p, rng)
         if modulus == 1:
             residues = vectors
@@ -114,7 +116,7 @@ def _from_primes(
             ]
         modulus *= p
         found = _fractions(residues, shapes, modulus)
-        if found is not None and _agree(found, sample, variables, rng):
+        if found is not None and _agree(found, sample, variables, rng, primes[-1]):
             return found
     raise EngineLimit("the numbers in an integral are too large to be recovered")
 
@@ -174,9 +176,8 @@ def _fractions(
     return found
 
 
-def _agree(found: Sequence[Quotient], sample: Sampler, variables: int, rng: Any) -> bool:
+def _agree(found: Sequence[Quotient], sample: Sampler, variables: int, rng: Any, p: int) -> bool:
     """Whether the fractions take the right values at points modulo another prime."""
-    p = PRIMES[-1]
     points = rng.integers(1, p, (3, variables), dtype=np.int64)
     for q, values in zip(found, sample(points, p), strict=True):
         above, below = (_value(part, points, p) for part in (q.numerator, q.denominator))

@@ -95,7 +95,7 @@ def coefficients(
         whole[:, left] = points
         return _sampled(candidate, probe, whole, p, rng)
 
-    found = rational_functions(sample, len(left), rng)
+    found = rational_functions(sample, len(left), rng, probe.primes)
     weights = candidate.exponents @ normalization.letters.T
     shifts = weights[candidate.free][None, :] - weights
     whole = [normalization.undone(q, shift, count) for q, shift in zip(found, shifts, strict=True)]

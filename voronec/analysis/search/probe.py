@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from voronec.algebra.ring import sparse_terms
-from voronec.analysis.search.residues import Array, inverse
+from voronec.analysis.search.independence import Independence
+from voronec.analysis.search.residues import PRIMES, Array, inverse
 from voronec.analysis.search.variety import Variety
 from voronec.errors import EngineLimit
 from voronec.vector_field import VectorField
@@ -90,10 +91,11 @@ class Probe:
         functions = [*letters, *known, *field.relations]
         slopes = [f.diff(x) for f in functions for x in variables]
         dynamics = [*field.rates, *field.force, *(e for row in field.mass for e in row)]
+        own = [*letters, *(f.diff(x) for f in letters for x in variables), *dynamics]
         present: set[Any] = set().union(*(e.free_symbols for e in (*functions, *dynamics)))
         parameters = [s for s in field.parameters if s in present]
         self.variety = Variety([*functions, *slopes, *dynamics], field.relations, parameters)
-        self.functions = len(functions)
+        self.functions, self._searched = len(functions), own
         if any(f.diff(field.time) != 0 for f in functions):
             raise EngineLimit("an ansatz that holds the time is not searched")
 
@@ -133,15 +135,27 @@ class Probe:
                 found[i] = self._values(drawn[:, s], motion[:, s], parameters[i], p)
         return found
 
-    def one(self, count: int, p: int, rng: Any) -> Values:
-        """Values for some random setting."""
-        for _ in range(TRIES):
-            (found,) = self.at(self.settings(1, p, rng), count, p, rng)
-            if found is not None:
-                return found
-        raise EngineLimit(
-            f"system '{self.field.system.name}': no points were found at which to test an ansatz"
-        )
+    @cached_property
+    def primes(self) -> tuple[int, ...]:
+        """The primes modulo which the roots of numbers exist."""
+        return tuple(p for p in PRIMES if self.variety.has_numbers(p))
+
+    def independence(self, rng: Any) -> Independence:
+        """Which functions in the letters and in the equations are taken as independent."""
+        ambiguous = self.variety.ambiguous(self.primes[0], rng) if self.primes else ()
+        return Independence.of(self._searched, self.field.relations, ambiguous)
+
+    def one(self, count: int, rng: Any) -> Values:
+        """Values for some random setting, modulo the first prime that has some."""
+        for p in self.primes:
+            for _ in range(TRIES):
+                (found,) = self.at(self.settings(1, p, rng), count, p, rng)
+                if found is not None:
+                    return found
+        why = "no points were found at which to test an ansatz"
+        if not self.primes:
+            why += ": no prime was found modulo which all roots of numbers exist; give other values"
+        raise EngineLimit(f"system '{self.field.system.name}': {why}")
 
     def _motion(self, drawn: Array, p: int) -> tuple[Array, Array]:
         """The rates of all variables, and for which settings the mass is regular throughout."""

@@ -37,7 +37,8 @@ class IntegralSearch:
     integrals make a space of at most ``dimension``, of which sums of products of ``known`` and of
     those found before make ``explained``.  ``ignored`` are declared, but no integrals on this
     field.  ``missing`` counts those that were found modulo a prime only.  ``finished`` is
-    false where the search was stopped.
+    false where the search was stopped.  ``assumed`` are functions that were taken as independent of
+    everything else, which is not proved; ``unknown`` are functions that may be any.
     """
 
     system: str
@@ -58,6 +59,8 @@ class IntegralSearch:
     missing: int
     finished: bool
     seconds: float
+    assumed: tuple[sp.Expr, ...] = ()
+    unknown: tuple[sp.Expr, ...] = ()
 
     @property
     def new(self) -> tuple[FoundIntegral, ...]:
@@ -66,7 +69,13 @@ class IntegralSearch:
 
     @property
     def complete(self) -> bool:
-        """Whether every integral of the form is a sum of products of the known and found ones."""
+        """Whether every integral of the form is proved to be a sum of products of the known and
+        found ones."""
+        return self.exhausted and not self.assumed
+
+    @property
+    def exhausted(self) -> bool:
+        """The same, if the functions in ``assumed`` are independent."""
         proved = all(f.verdict.proved for f in self.integrals)
         return self.finished and proved and not self.missing
 
@@ -75,9 +84,20 @@ class IntegralSearch:
         """What is proved, in words."""
         if not self.finished:
             return "The search was stopped; what it found stands, what it did not see is open."
+        text = self._statement
+        if self.assumed:
+            names = _listed([plain_text(e) for e in self.assumed]).replace("**", "^")
+            first = text[0].lower() + text[1:]
+            text = f"Treating {names} as algebraically independent (not proved): {first}"
+        return text
+
+    @property
+    def _statement(self) -> str:
+        """The same for what is taken as independent."""
+        data = [*self.parameters, *self.unknown]
         where = f" at {_equations(self.at)}" if self.at else ""
-        generic = f", for generic {_listed(self.parameters)}" if self.parameters else ""
-        if not self.complete:
+        generic = f", for generic {_listed(data)}" if data else ""
+        if not self.exhausted:
             return (
                 f"Integrals that are {self.form}{where}{generic} make a space of dimension at "
                 f"most {self.dimension}; some of them are not proved over the rational numbers."
@@ -90,6 +110,8 @@ class IntegralSearch:
             )
         else:
             text = f"No first integral but constants is {self.form}{where}{generic}."
+        if self.unknown:
+            text += " Special functions may allow more."
         if self.parameters:
             text += " Parameters on the zeros of some polynomial may allow more."
         return text
@@ -119,6 +141,8 @@ class IntegralSearch:
                 }
                 for f in self.integrals
             ],
+            "assumed": [plain_text(e) for e in self.assumed],
+            "unknown": [plain_text(e) for e in self.unknown],
             "finished": self.finished,
             "complete": self.complete,
             "statement": self.statement,

@@ -17,6 +17,7 @@ import symengine as se
 
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.analysis.search.gradings import Gradings
+from voronec.analysis.search.independence import Independence
 from voronec.analysis.search.kernels import (
     SURPLUS,
     Candidate,
@@ -30,7 +31,7 @@ from voronec.analysis.search.kernels import (
 from voronec.analysis.search.lifting import Normalization, coefficients
 from voronec.analysis.search.probe import Probe, Values
 from voronec.analysis.search.question import Question
-from voronec.analysis.search.residues import PRIMES, Array
+from voronec.analysis.search.residues import Array
 from voronec.analysis.search.result import FoundIntegral, IntegralSearch
 from voronec.equations import VoronecEquations
 from voronec.errors import EngineLimit
@@ -117,6 +118,7 @@ class _Run:
     classes: list[Array]
     monomials: int
     normalization: Normalization
+    independence: Independence
     rng: Any
     known: list[KnownFunction]
     names: list[str]
@@ -134,7 +136,7 @@ class _Run:
         classes = _classes(question, limit)
         declared = list(question.known.values())
         probe = Probe(question.field, letters, declared)
-        values = probe.one(max(map(len, classes)) + SURPLUS, PRIMES[0], rng)
+        values = probe.one(max(map(len, classes)) + SURPLUS, rng)
         holding = [not values.known_rates[i].any() for i in range(len(declared))]
         places = zip(probe.degrees_of_known(), holding, strict=True)
         known = [KnownFunction(v, q, i) for i, ((v, q), ok) in enumerate(places) if ok]
@@ -143,7 +145,10 @@ class _Run:
         ignored += question.ignored
         count = sum(map(len, classes))
         scaled = Normalization.of(question.field, letters, probe.constants)
-        return cls(question, probe, values, classes, count, scaled, rng, known, names, ignored)
+        free = probe.independence(rng)
+        return cls(
+            question, probe, values, classes, count, scaled, free, rng, known, names, ignored
+        )
 
     def kernels(self) -> Iterator[Kernel]:
         """Degree by degree in the velocities, and class by class."""
@@ -212,14 +217,15 @@ class _Run:
     def outcome(self, finished: bool, seconds: float) -> IntegralSearch:
         question = self.question
         outward = question.field.door.outward
-        order = [outward(s) for s in (*question.field.parameters, *self.probe.constants)]
+        constants = [s for s in self.probe.constants if s.free_symbols]
+        order = [outward(s) for s in (*question.field.parameters, *constants)]
         return IntegralSearch(
             system=question.field.system.name,
             level=question.field.level,
             form=question.ansatz.words(),
             letters={str(x.symbol): x.meaning for x in question.ansatz.letters if x.named},
             at=question.at,
-            parameters=tuple(sorted(map(outward, self.probe.constants), key=order.index)),
+            parameters=tuple(sorted(map(outward, constants), key=order.index)),
             known=tuple(self.names),
             ignored=tuple(self.ignored),
             monomials=self.monomials,
@@ -232,6 +238,8 @@ class _Run:
             missing=self.missing,
             finished=finished,
             seconds=seconds,
+            assumed=tuple(map(outward, self.independence.assumed)),
+            unknown=tuple(map(outward, self.independence.unknown)),
         )
 
 

@@ -24,6 +24,10 @@ __all__ = ["Variety"]
 
 SURPLUS = 40
 """Points drawn beyond those asked for; some fall out because a square root does not exist."""
+SIGNS = 40
+"""At so many points a square root must exist before what is under it counts as a square."""
+SIGN_LIMIT = 10
+"""With so many roots some may be met at too few points, and count as doubtful."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,32 @@ class Variety:
     def size(self) -> int:
         """How many generators there are."""
         return len(self.ring.meaning)
+
+    def has_numbers(self, p: int) -> bool:
+        """Whether the roots of numbers exist modulo p."""
+        for degree, under in self._rules.values():
+            if under.is_constant():
+                (number,) = sparse_terms(under).values() or (flint.fmpq(0),)
+                _, exists = root(np.array([as_residue(number, p)]), degree, p)
+                if not exists.all():
+                    return False
+        return True
+
+    def ambiguous(self, p: int, rng: Any) -> list[Any]:
+        """What roots of even degree are taken of that are not proved to bring in something new.
+
+        A square has a root at every point: one without disproves it.
+        """
+        rules = self._rules.items()
+        even = [g for g, (q, under) in rules if q % 2 == 0 and not under.is_constant()]
+        total = SIGNS * 2 ** min(len(self.rules) + len(self._bound), SIGN_LIMIT)
+        genuine: set[int] = set()
+        alive = np.ones(total, dtype=bool)
+        self._fill([None] * self.size, alive, total, p, rng, genuine)
+        sines = {s for s, _ in self.ring.angle_indices()}
+        doubtful = [g for g in even if g not in genuine | sines]
+        bases = {self.ring.index(e): base for base, e in self.ring.roots.items()}
+        return [bases[g] for g in doubtful]
 
     def denominators(self, index: int) -> list[tuple[Any, int]]:
         """The factors under an expression, with their powers."""
@@ -155,8 +185,19 @@ class Variety:
         enough[enough] = whole
         return shaped, enough
 
-    def _fill(self, values: list[Any], alive: Array, total: int, p: int, rng: Any) -> None:
-        """Give every generator its values; ``alive`` loses the points that do not exist."""
+    def _fill(
+        self,
+        values: list[Any],
+        alive: Array,
+        total: int,
+        p: int,
+        rng: Any,
+        genuine: set[int] | None = None,
+    ) -> None:
+        """Give every generator its values; ``alive`` loses the points that do not exist.
+
+        ``genuine`` gains the roots that some points do not have.
+        """
         bound = {b.generator for b in self._bound}
         for i in range(self.size):
             if values[i] is None and i not in bound and i not in self._rules:
@@ -167,6 +208,8 @@ class Variety:
             value = self._polynomial(self._rules[generator][1], values, p)
             found, exists = root(value, degree, p)
             values[generator] = found
+            if genuine is not None and (alive & ~exists).any():
+                genuine.add(generator)
             alive &= exists
 
     def _solve(self, b: _Bound, values: list[Any], alive: Array, p: int) -> None:

@@ -12,6 +12,7 @@ from voronec.algebra.symbols import is_symbolic_name, plain_name
 from voronec.algebra.verdicts import prove_equal
 from voronec.comparison.derived import FACTS, Derived
 from voronec.comparison.text import read_expression
+from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 from voronec.system import System
 
@@ -81,8 +82,15 @@ class Comparison:
         }
 
 
-def compare(first: Derived, second: Derived) -> Comparison:
-    """Compare what can be compared: entries of the same variables, values at the same points."""
+Side = System | VoronecEquations | Derived
+
+
+def compare(first: Side, second: Side) -> Comparison:
+    """Compare what can be compared: entries of the same variables, values at the same points.
+
+    Either side is a system, its equations, or what was kept of an earlier derivation.
+    """
+    first, second = _derived(first), _derived(second)
     rows = [
         *_facts(first, second),
         *(row for group in _groups(first, second) for row in _entries(first, second, group)),
@@ -90,6 +98,12 @@ def compare(first: Derived, second: Derived) -> Comparison:
     ]
     deviations, remark = _motions(first, second)
     return Comparison(first.name, second.name, tuple(rows), deviations, remark)
+
+
+def _derived(side: Side) -> Derived:
+    if isinstance(side, Derived):
+        return side
+    return Derived.of(side if isinstance(side, VoronecEquations) else derive(side))
 
 
 def _facts(first: Derived, second: Derived) -> Iterator[Row]:
