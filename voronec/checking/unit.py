@@ -55,8 +55,9 @@ def units_of(stock: Inventory, names: Sequence[str] = ()) -> list[Unit]:
     """What is to be checked: everything, or what has to do with some systems."""
     edges = {r.label: r for r in stock.relations}
     found = [Unit("system", n, stock.entries[n], 0, (stock.entries[n],)) for n in stock.systems]
-    # Members of families, NAME@MEMBER, are no entries; those that are asked for or related count.
-    members = {n for n in (*names, *stock.graph) if n not in stock.entries}
+    # Members of families, NAME@MEMBER, are no entries.
+    asked = names or stock.members
+    members = {n for n in (*asked, *stock.graph) if n not in stock.entries}
     found += [Unit("system", n, stock.entry(n), 0, (stock.entry(n),)) for n in sorted(members)]
     found += [_relation(stock, r) for r in stock.relations]
     found += [_square(stock, s, edges) for s in stock.faces]
