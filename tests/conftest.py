@@ -10,6 +10,10 @@ from command_line import Answer, Call
 from voronec.cli import main
 
 
+# A package of somebody else: its tests run where it is installed, in ``test_conformance``.
+collect_ignore = ["plugin_package"]
+
+
 @pytest.fixture
 def call(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -45,7 +45,7 @@ def _commands(parser: argparse.ArgumentParser) -> Iterator[tuple[str, list[str]]
 
 def test_links_lead_somewhere() -> None:
     for page in (ROOT / "README.md", *PAGES, *(ROOT / "docs" / "systems").glob("*.md")):
-        for link in re.findall(r"\]\(([^)#:\s]+)\)", page.read_text()):
+        for link in re.findall(r"\]\(([\w./@-]+[./][\w./@-]+)[)#]", page.read_text()):
             assert (page.parent / link).exists(), f"{page.name}: {link}"
 
 

@@ -13,7 +13,6 @@ import sympy as sp
 import voronec as vo
 from voronec import Equation, prove_equal
 from voronec.analysis.claims import check_claims
-from voronec.relations.chains import check_square
 from voronec.relations.checking import check_relation
 from voronec.vector_field import Motions
 
@@ -56,18 +55,6 @@ def verdict_on(name, **claims):
     )  # fmt: skip
     kind = next(iter(claims)).removesuffix("s")
     return next(c for c in check_claims(replace(bare, **claims)) if c.kind == kind).verdict
-
-
-@pytest.mark.parametrize("name", BALLS)
-def test_every_claim_is_proved(name):
-    claims = check_claims(motions(name))
-    assert not [(c.name, c.verdict) for c in claims if not c.verdict.proved]
-    kinds = [c.kind for c in claims]
-    assert kinds.count("measure") >= 1 and kinds.count("essential") == 1
-    if name != "demchenko":
-        assert kinds.count("equation") >= 2
-    assert ("integrable" in kinds) == (name != "gyroscopic-ball-on-sphere")
-    assert (vo.load(name).integrable != "") == (name in INTEGRABLE)
 
 
 @pytest.mark.parametrize("name", [n for n in BALLS if n != "demchenko"])
@@ -238,12 +225,6 @@ def test_a_ball_has_its_energy_and_its_momentum_from_the_torus(name):
 def test_the_axial_integral_of_bobylev_says_nothing_where_the_inertia_is_spherical():
     axial = vo.load("bobylev-ball").integrals["axial"]
     assert prove_equal(axial.xreplace({C: A}), sp.sqrt(A) * k).proved
-
-
-@pytest.mark.parametrize("label", SQUARES)
-def test_every_square_commutes(label):
-    checked = check_square(SQUARES[label], RELATIONS, motions)
-    assert checked.verdict.proved, checked.verdict
 
 
 @pytest.mark.parametrize("name", [*PLANE, *SPHERE, "borisov-fedorov-ball"])

@@ -70,29 +70,6 @@ def verdict_on(system, **claims):
     return next(c for c in check_claims(replace(bare, **claims)) if c.kind == kind).verdict
 
 
-@pytest.mark.parametrize("name", BODIES)
-def test_every_claim_is_proved(name):
-    claims = check_claims(motions(name).equations)
-    assert claims
-    assert {c.name: c.verdict.method for c in claims if not c.verdict.proved} == {}
-
-
-@pytest.mark.parametrize("label", RELATIONS)
-def test_every_relation_is_proved_and_carries_the_claims_over(label):
-    found = check_relation(RELATIONS[label], motions)
-    assert found.verdict.proved, found.verdict.method
-    assert [c.name for c in found.pulled if c.verdict.refuted] == []
-
-
-@pytest.mark.parametrize(
-    ("name", "scene"), [(name, scene) for name in SHOWN for scene in vo.load(name).scenes]
-)
-def test_the_integrals_stay_along_every_scene(name, scene):
-    motion = vo.integrate(motions(name).equations, scene=scene)
-    assert motion.drift
-    assert max(motion.drift.values()) < 1e-10
-
-
 def test_the_momentum_about_the_vertical_is_no_integral_of_an_ellipsoid():
     system = vo.load("ellipsoid-on-plane")
     momentum = sp.Matrix(system.equations["momentum"].function)
