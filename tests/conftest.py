@@ -9,7 +9,6 @@ from command_line import Answer, Call
 
 from voronec.cli import main
 
-
 # A package of somebody else: its tests run where it is installed, in ``test_conformance``.
 collect_ignore = ["plugin_package"]
 
