@@ -28,7 +28,6 @@ from voronec import (
     Measure,
     Parameter,
     Relation,
-    Scene,
     System,
     kinematics,
 )
@@ -39,8 +38,7 @@ R1, R2, m = sp.symbols("R1 R2 m")
 inertia = sp.symbols("I1:4")
 
 ball = kinematics.RollingBall.on_sphere(R1, R2, m, inertia)
-u, v, theta = ball.base
-u1, v1 = ball.fibre
+u, v, _ = ball.base
 
 D = m * R2**2
 epsilon = R1 / (R1 + R2)
@@ -50,7 +48,6 @@ share = sum(D * g**2 / (i + D) for g, i in zip(gamma, inertia, strict=True))
 moments = sp.Matrix(inertia)
 weights = [sum(moments) - 2 * i + D for i in inertia]
 fourth = sum(b * p * g for b, p, g in zip(weights, momentum, gamma, strict=True))
-start = dict(zip(omega, (sp.Rational(1, 2), 1, 1), strict=True))
 
 SYSTEM = System(
     name="ball-on-sphere",
@@ -88,28 +85,7 @@ SYSTEM = System(
             integrable="Euler-Jacobi",
         ),
     },
-    scenes={
-        "default": Scene(
-            initial={u: 2, theta: 1, u1: 1, **start},
-            times=(0.0, 40.0),
-            outputs=(u, v, u1, v1, *omega),
-            caption="Outside a sphere twice as large.",
-        ),
-        "inner": Scene(
-            initial={u: 2, theta: 1, u1: 1, **start},
-            times=(0.0, 60.0),
-            parameters={R1: -3},
-            outputs=(u, v, u1, v1, *omega),
-            caption="Inside a sphere three times as large.",
-        ),
-        "shell": Scene(
-            initial={u: 2, theta: 1, u1: 1, **start},
-            times=(0.0, 60.0),
-            parameters={R1: -sp.Rational(1, 3)},
-            outputs=(u, v, u1, v1, *omega),
-            caption="A shell around a sphere of a third of its radius.",
-        ),
-    },
+    scenes=ball.scenes_on_sphere(R1, omega),
     drawing={"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")},
     references=(
         "Chaplygin1903",

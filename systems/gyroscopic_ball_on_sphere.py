@@ -26,7 +26,6 @@ from voronec import (
     Measure,
     Parameter,
     Relation,
-    Scene,
     Square,
     System,
     kinematics,
@@ -39,8 +38,7 @@ inertia = sp.symbols("I1:4")
 kappa = sp.symbols("kappa1:4")
 
 ball = kinematics.RollingBall.on_sphere(R1, R2, m, inertia)
-u, v, theta = ball.base
-u1, v1 = ball.fibre
+u, v, _ = ball.base
 
 D = m * R2**2
 epsilon = R1 / (R1 + R2)
@@ -48,7 +46,6 @@ spin, normal = sp.Matrix(omega), sp.Matrix(gamma)
 momentum = kinematics.contact_momentum(inertia, D, omega, gamma)
 whole = momentum + sp.Matrix(kappa)
 share = sum(D * g**2 / (i + D) for g, i in zip(gamma, inertia, strict=True))
-start = dict(zip(omega, (sp.Rational(1, 2), 1, 1), strict=True))
 
 SYSTEM = System(
     name="gyroscopic-ball-on-sphere",
@@ -83,28 +80,7 @@ SYSTEM = System(
     },
     measure=Measure(sp.sqrt(1 - share), (*gamma, *omega)),
     essential=(u, v, *omega),
-    scenes={
-        "default": Scene(
-            initial={u: 2, theta: 1, u1: 1, **start},
-            times=(0.0, 40.0),
-            outputs=(u, v, u1, v1, *omega),
-            caption="Outside a sphere twice as large.",
-        ),
-        "inner": Scene(
-            initial={u: 2, theta: 1, u1: 1, **start},
-            times=(0.0, 60.0),
-            parameters={R1: -3},
-            outputs=(u, v, u1, v1, *omega),
-            caption="Inside a sphere three times as large.",
-        ),
-        "shell": Scene(
-            initial={u: 2, theta: 1, u1: 1, **start},
-            times=(0.0, 60.0),
-            parameters={R1: -sp.Rational(1, 3)},
-            outputs=(u, v, u1, v1, *omega),
-            caption="A shell around a sphere of a third of its radius.",
-        ),
-    },
+    scenes=ball.scenes_on_sphere(R1, omega),
     drawing={"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")},
     references=("Yaroshchuk1992", "Markeev1985", "DragovicGajicJovanovic2020"),
 )

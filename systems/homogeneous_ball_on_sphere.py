@@ -24,7 +24,6 @@ from voronec import (
     Measure,
     Parameter,
     Relation,
-    Scene,
     Square,
     System,
     kinematics,
@@ -37,8 +36,7 @@ A = sp.Symbol("A")
 inertia = (A, A, A)
 
 ball = kinematics.RollingBall.on_sphere(R1, R2, m, inertia)
-u, v, theta = ball.base
-u1, v1 = ball.fibre
+u, v, _ = ball.base
 
 D = m * R2**2
 epsilon = R1 / (R1 + R2)
@@ -46,7 +44,6 @@ spin, normal = sp.Matrix(omega), sp.Matrix(gamma)
 momentum = kinematics.contact_momentum(inertia, D, omega, gamma)
 along = spin.dot(normal)
 kept = (A + D) * spin + D * R2 / R1 * along * normal
-start = dict(zip(omega, (sp.Rational(1, 2), 1, 1), strict=True))
 
 SYSTEM = System(
     name="homogeneous-ball-on-sphere",
@@ -77,28 +74,7 @@ SYSTEM = System(
     measure=Measure(1, (*gamma, *omega)),
     essential=(u, v, *omega),
     integrable="Euler-Jacobi",
-    scenes={
-        "default": Scene(
-            initial={u: 2, theta: 1, u1: 1, **start},
-            times=(0.0, 40.0),
-            outputs=(u, v, u1, v1, *omega),
-            caption="Outside a sphere twice as large.",
-        ),
-        "inner": Scene(
-            initial={u: 2, theta: 1, u1: 1, **start},
-            times=(0.0, 60.0),
-            parameters={R1: -3},
-            outputs=(u, v, u1, v1, *omega),
-            caption="Inside a sphere three times as large.",
-        ),
-        "shell": Scene(
-            initial={u: 2, theta: 1, u1: 1, **start},
-            times=(0.0, 60.0),
-            parameters={R1: -sp.Rational(1, 3)},
-            outputs=(u, v, u1, v1, *omega),
-            caption="A shell around a sphere of a third of its radius.",
-        ),
-    },
+    scenes=ball.scenes_on_sphere(R1, omega),
     drawing={"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")},
     references=("BorisovMamaev2002", "DragovicGajicJovanovic2020"),
 )

@@ -33,7 +33,6 @@ from voronec import (
     Measure,
     Parameter,
     Relation,
-    Scene,
     Square,
     System,
     kinematics,
@@ -46,8 +45,7 @@ A, C = sp.symbols("A C")
 inertia = (A, A, C)
 
 ball = kinematics.RollingBall.on_sphere(R1, R2, m, inertia)
-u, v, theta = ball.base
-u1, v1 = ball.fibre
+u, v, _ = ball.base
 
 D = m * R2**2
 epsilon = R1 / (R1 + R2)
@@ -70,7 +68,6 @@ oblate, prolate = sp.sqrt(b / A), sp.sqrt(-b / A)
 spread, swing = (A * c * sp.sqrt(1 + b * x**2 / A) * sigma for c in (oblate, prolate))
 growth = sp.exp(mu * sp.asinh(oblate * x))
 angle = mu * sp.asin(prolate * x)
-start = dict(zip(omega, (sp.Rational(1, 2), 1, 1), strict=True))
 
 SYSTEM = System(
     name="symmetric-ball-on-sphere",
@@ -121,28 +118,7 @@ SYSTEM = System(
             note="C < A",
         ),
     },
-    scenes={
-        "default": Scene(
-            initial={u: 2, theta: 1, u1: 1, **start},
-            times=(0.0, 40.0),
-            outputs=(u, v, u1, v1, *omega),
-            caption="Outside a sphere twice as large.",
-        ),
-        "inner": Scene(
-            initial={u: 2, theta: 1, u1: 1, **start},
-            times=(0.0, 60.0),
-            parameters={R1: -3},
-            outputs=(u, v, u1, v1, *omega),
-            caption="Inside a sphere three times as large.",
-        ),
-        "shell": Scene(
-            initial={u: 2, theta: 1, u1: 1, **start},
-            times=(0.0, 60.0),
-            parameters={R1: -sp.Rational(1, 3)},
-            outputs=(u, v, u1, v1, *omega),
-            caption="A shell around a sphere of a third of its radius.",
-        ),
-    },
+    scenes=ball.scenes_on_sphere(R1, omega),
     drawing={"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")},
     references=("BorisovMamaev2002", "DragovicGajicJovanovic2020"),
 )
