@@ -17,6 +17,8 @@ around a sphere of half its radius, with an integral linear in G [BorisovFedorov
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -40,6 +42,15 @@ inertia = sp.symbols("I1:4")
 ball = kinematics.RollingBall.on_sphere(R1, R2, m, inertia)
 u, v, _ = ball.base
 
+
+def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
+        "lagrangian": ball.energy,
+    }
+
+
 D = m * R2**2
 epsilon = R1 / (R1 + R2)
 spin, normal = sp.Matrix(omega), sp.Matrix(gamma)
@@ -55,8 +66,8 @@ SYSTEM = System(
     description="A balanced, dynamically non-symmetric ball rolls without slipping over a fixed "
     "sphere: outside, inside, or around it as a shell.",
     fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    frame=Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-    lagrangian=ball.energy,
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=ball.no_slip,
     parameters=(
         Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),

@@ -16,6 +16,8 @@ Zhukovsky's ball.
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -51,14 +53,23 @@ share = sum(D * g**2 / (i + D) for g, i in zip(gamma, inertia, strict=True))
 slope = (C - A) * D / (C + D)
 start = dict(zip(omega, (sp.Rational(1, 2), 1, 1), strict=True))
 
+
+def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
+        "lagrangian": ball.energy + kinematics.axial_rotor(k, (0, 0, 1), ball.spin),
+    }
+
+
 SYSTEM = System(
     name="bobylev-ball",
     title="Bobylev's gyroscopic ball on a plane",
     description="A dynamically symmetric ball with a gyroscope along its axis rolls without "
     "slipping on a plane.",
     fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    frame=Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-    lagrangian=ball.energy + kinematics.axial_rotor(k, (0, 0, 1), ball.spin),
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=ball.no_slip,
     parameters=(
         Parameter(R, 1, positive=True, meaning="radius of the ball"),

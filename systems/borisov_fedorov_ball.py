@@ -9,6 +9,8 @@ and has the integral sum of (I_1 + I_2 + I_3 - 2 I_i + D) G_i gamma_i [BorisovFe
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -40,14 +42,23 @@ weights = [sum(inertia) - 2 * i + D for i in inertia]
 fourth = sum(b * p * g for b, p, g in zip(weights, momentum, gamma, strict=True))
 start = dict(zip(omega, (sp.Rational(1, 2), 1, 1), strict=True))
 
+
+def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
+        "lagrangian": ball.energy,
+    }
+
+
 SYSTEM = System(
     name="borisov-fedorov-ball",
     title="Ball of Borisov and Fedorov",
     description="A balanced, dynamically non-symmetric shell rolls without slipping around a fixed "
     "sphere of half its radius.",
     fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    frame=Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-    lagrangian=ball.energy,
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=ball.no_slip,
     parameters=(
         Parameter(R2, 1, positive=True, meaning="radius of the ball"),

@@ -23,6 +23,8 @@ constant, and the other is algebraic.  The force enters the energy only.
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -68,14 +70,23 @@ side = sp.sqrt((m * A * shift) ** 2 - curve * level)
 swing = side * sp.sqrt(1 - (lean / side) ** 2) * omega[2]
 angle = ratio * sp.asin(lean / side)
 
+
+def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
+        "lagrangian": ball.energy - potential.subs(gamma[2], ball.normal[2]),
+    }
+
+
 SYSTEM = System(
     name="displaced-ball-on-sphere",
     title="Displaced symmetric ball on a sphere",
     description="A symmetric ball whose mass centre lies on its axis, off its centre, rolls "
     "without slipping over a fixed sphere, drawn to its centre.",
     fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    frame=Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-    lagrangian=ball.energy - potential.subs(gamma[2], ball.normal[2]),
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=ball.no_slip,
     parameters=(
         Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),

@@ -17,6 +17,8 @@ because the divergence is no total derivative.  With an axis of symmetry there i
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -53,14 +55,23 @@ level = J[0, 0] + 2 * s
 upright = level * gamma[2] ** 2 + (J[2, 2] + 2 * s) * (1 - gamma[2] ** 2)
 axial = {inertia[1]: inertia[0], offset[0]: 0, offset[1]: 0}
 
+
+def declared(ball: RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi({w1: ball.spin[0], w2: ball.spin[1]}),
+        "lagrangian": ball.energy,
+    }
+
+
 SYSTEM = System(
     name="displaced-rubber-ball",
     title="Displaced rubber ball on a plane",
     description="A ball whose centre of mass is not its centre rolls on a plane without slipping "
     "and without turning about the vertical; there is no gravity.",
     fibration=Fibration(base=(u, v), fibre=(*ball.fibre, theta)),
-    frame=Frame.quasi({w1: ball.spin[0], w2: ball.spin[1]}),
-    lagrangian=ball.energy,
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=(*ball.no_slip, ball.no_twist),
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),

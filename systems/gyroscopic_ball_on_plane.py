@@ -12,6 +12,8 @@ measure that makes the ball integrable [DragovicGajicJovanovic2020, eqs. (Chap*)
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -54,14 +56,23 @@ for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
     bracket[M[i], M[j]] = -root * (M[k] - D * spin.dot(normal) * gamma[k])
     bracket[M[i], gamma[j]], bracket[M[i], gamma[k]] = -root * gamma[k], root * gamma[j]
 
+
+def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
+        "lagrangian": ball.energy + sp.Matrix(kappa).dot(sp.Matrix(ball.spin)),
+    }
+
+
 SYSTEM = System(
     name="gyroscopic-ball-on-plane",
     title="Markeev's gyroscopic ball on a plane",
     description="A balanced, dynamically non-symmetric ball with a gyroscope rolls without "
     "slipping on a plane.",
     fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    frame=Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-    lagrangian=ball.energy + sp.Matrix(kappa).dot(sp.Matrix(ball.spin)),
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=ball.no_slip,
     parameters=(
         Parameter(R, 1, positive=True, meaning="radius of the ball"),

@@ -16,6 +16,8 @@ known beyond those of symmetric balls, of the plane, and of kappa = 0, epsilon =
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -47,14 +49,23 @@ momentum = kinematics.contact_momentum(inertia, D, omega, gamma)
 whole = momentum + sp.Matrix(kappa)
 share = sum(D * g**2 / (i + D) for g, i in zip(gamma, inertia, strict=True))
 
+
+def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
+        "lagrangian": ball.energy + sp.Matrix(kappa).dot(sp.Matrix(ball.spin)),
+    }
+
+
 SYSTEM = System(
     name="gyroscopic-ball-on-sphere",
     title="Gyroscopic Chaplygin ball on a sphere",
     description="A balanced, dynamically non-symmetric ball with a gyroscope rolls without "
     "slipping over a fixed sphere: outside, inside, or around it as a shell.",
     fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    frame=Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-    lagrangian=ball.energy + sp.Matrix(kappa).dot(sp.Matrix(ball.spin)),
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=ball.no_slip,
     parameters=(
         Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),

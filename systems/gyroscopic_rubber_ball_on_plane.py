@@ -16,6 +16,8 @@ The gyroscope enters as in the ball of Markeev, which rolls without slipping and
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -55,14 +57,23 @@ M3 = -(M1 * gamma[0] + M2 * gamma[1]) / gamma[2]
 across = N * (G - G.dot(gamma) * gamma)
 field = -N * kappa.dot(gamma)
 
+
+def declared(ball: RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi({w1: ball.spin[0], w2: ball.spin[1]}),
+        "lagrangian": ball.energy + kappa.dot(sp.Matrix(ball.spin)),
+    }
+
+
 SYSTEM = System(
     name="gyroscopic-rubber-ball-on-plane",
     title="Gyroscopic rubber ball on a plane",
     description="A balanced, dynamically non-symmetric ball with a gyroscope rolls on a "
     "plane without slipping and without turning about the vertical.",
     fibration=Fibration(base=(u, v), fibre=(*ball.fibre, theta)),
-    frame=Frame.quasi({w1: ball.spin[0], w2: ball.spin[1]}),
-    lagrangian=ball.energy + kappa.dot(sp.Matrix(ball.spin)),
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=(*ball.no_slip, ball.no_twist),
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),

@@ -5,6 +5,8 @@ It rolls along a straight line and keeps its angular velocity, both in space and
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -34,14 +36,23 @@ spin, normal = sp.Matrix(omega), sp.Matrix(gamma)
 momentum = kinematics.contact_momentum(inertia, D, omega, gamma)
 start = dict(zip(omega, (sp.Rational(1, 2), 1, 1), strict=True))
 
+
+def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
+        "lagrangian": ball.energy,
+    }
+
+
 SYSTEM = System(
     name="homogeneous-ball",
     title="Ordinary ball on a plane",
     description="A ball whose inertia is the same about all axes rolls without slipping on a "
     "plane.",
     fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    frame=Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-    lagrangian=ball.energy,
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=ball.no_slip,
     parameters=(
         Parameter(R, 1, positive=True, meaning="radius of the ball"),

@@ -14,6 +14,8 @@ of (A + D) omega + D (R2/R1) (omega, gamma) gamma.
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -45,14 +47,23 @@ momentum = kinematics.contact_momentum(inertia, D, omega, gamma)
 along = spin.dot(normal)
 kept = (A + D) * spin + D * R2 / R1 * along * normal
 
+
+def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
+        "lagrangian": ball.energy,
+    }
+
+
 SYSTEM = System(
     name="homogeneous-ball-on-sphere",
     title="Ordinary ball on a sphere",
     description="A ball whose inertia is the same about all axes rolls without slipping over a "
     "fixed sphere: outside, inside, or around it as a shell.",
     fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    frame=Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-    lagrangian=ball.energy,
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=ball.no_slip,
     parameters=(
         Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),

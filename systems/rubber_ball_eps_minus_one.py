@@ -16,6 +16,8 @@ energy span all integrals that are quadratic forms in omega, of degree 2 in gamm
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import Equation, Fibration, Frame, Measure, Parameter, Relation, Scene, System
@@ -41,14 +43,23 @@ spread = sum(
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 )
 
+
+def declared(ball: RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi({w1: ball.spin[0], w2: ball.spin[1]}),
+        "lagrangian": ball.energy,
+    }
+
+
 SYSTEM = System(
     name="rubber-ball-eps-minus-one",
     title="Rubber ball around a sphere of half its radius",
     description="A balanced, dynamically non-symmetric shell rolls, without slipping and without "
     "turning about the common normal, around a fixed sphere of half its radius.",
     fibration=Fibration(base=(u, v), fibre=(*ball.fibre, theta)),
-    frame=Frame.quasi({w1: ball.spin[0], w2: ball.spin[1]}),
-    lagrangian=ball.energy,
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=(*ball.no_slip, ball.no_twist),
     parameters=(
         Parameter(R2, 1, positive=True, meaning="radius of the ball"),

@@ -13,6 +13,8 @@ lambda = d(G, gamma)/dt, the part of G across gamma keeps its length.
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -43,14 +45,23 @@ torque = G.cross(omega)
 multiplier = -gamma.dot(J.inv() * torque) / Q
 printed = -G.dot(J.inv() * torque) / Q
 
+
+def declared(ball: RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi({w1: ball.spin[0], w2: ball.spin[1]}),
+        "lagrangian": ball.energy,
+    }
+
+
 SYSTEM = System(
     name="rubber-ball-on-plane",
     title="Rubber ball on a plane",
     description="A balanced, dynamically non-symmetric ball rolls on a plane without slipping and "
     "without turning about the vertical.",
     fibration=Fibration(base=(u, v), fibre=(*ball.fibre, theta)),
-    frame=Frame.quasi({w1: ball.spin[0], w2: ball.spin[1]}),
-    lagrangian=ball.energy,
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=(*ball.no_slip, ball.no_twist),
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),

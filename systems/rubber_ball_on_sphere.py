@@ -13,6 +13,8 @@ the sphere (|R1| > R2) and for a shell around it (|R1| < R2).
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -47,14 +49,23 @@ multiplier = -gamma.dot(J.inv() * torque) / Q
 printed = -G.dot(J.inv() * torque) / Q
 start = {u: sp.Rational(6, 5), sp.Symbol("u1"): 1, w1: sp.Rational(1, 20), w2: sp.Rational(1, 5)}
 
+
+def declared(ball: RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi({w1: ball.spin[0], w2: ball.spin[1]}),
+        "lagrangian": ball.energy,
+    }
+
+
 SYSTEM = System(
     name="rubber-ball-on-sphere",
     title="Rubber ball on a sphere",
     description="A balanced, dynamically non-symmetric ball rolls over a fixed sphere without "
     "slipping and without turning about the common normal.",
     fibration=Fibration(base=(u, v), fibre=(*ball.fibre, theta)),
-    frame=Frame.quasi({w1: ball.spin[0], w2: ball.spin[1]}),
-    lagrangian=ball.energy,
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=(*ball.no_slip, ball.no_twist),
     parameters=(
         Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),

@@ -22,6 +22,8 @@ linear in the velocities are the constants of this solution; the cases below giv
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -69,14 +71,23 @@ spread, swing = (A * c * sp.sqrt(1 + b * x**2 / A) * sigma for c in (oblate, pro
 growth = sp.exp(mu * sp.asinh(oblate * x))
 angle = mu * sp.asin(prolate * x)
 
+
+def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
+        "lagrangian": ball.energy,
+    }
+
+
 SYSTEM = System(
     name="symmetric-ball-on-sphere",
     title="Symmetric ball on a sphere",
     description="A dynamically symmetric ball rolls without slipping over a fixed sphere: outside, "
     "inside, or around it as a shell.",
     fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    frame=Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-    lagrangian=ball.energy,
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=ball.no_slip,
     parameters=(
         Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),

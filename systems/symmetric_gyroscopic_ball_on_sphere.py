@@ -24,6 +24,8 @@ linear in the velocities are the constants of this solution; the cases below giv
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -75,14 +77,23 @@ angle = mu * sp.asin(prolate * x)
 axial = A * sigma + mu * k * x  # constant where C = A
 half = mu * k * x / 2
 
+
+def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
+        "lagrangian": ball.energy + kinematics.axial_rotor(k, (0, 0, 1), ball.spin),
+    }
+
+
 SYSTEM = System(
     name="symmetric-gyroscopic-ball-on-sphere",
     title="Symmetric gyroscopic ball on a sphere",
     description="A dynamically symmetric ball with a gyroscope along its axis rolls without "
     "slipping over a fixed sphere: outside, inside, or around it as a shell.",
     fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    frame=Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-    lagrangian=ball.energy + kinematics.axial_rotor(k, (0, 0, 1), ball.spin),
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=ball.no_slip,
     parameters=(
         Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),

@@ -12,6 +12,8 @@ A (omega, gamma) + k gamma_3 and A (A + D) omega_3 + D k gamma_3^2 / 2 are const
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from voronec import (
@@ -45,14 +47,23 @@ momentum = kinematics.contact_momentum(inertia, D, omega, gamma)
 whole = momentum + sp.Matrix([0, 0, k])
 start = dict(zip(omega, (sp.Rational(1, 2), 1, 1), strict=True))
 
+
+def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
+    """What depends on the ball's axes."""
+    return {
+        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
+        "lagrangian": ball.energy + kinematics.axial_rotor(k, (0, 0, 1), ball.spin),
+    }
+
+
 SYSTEM = System(
     name="zhukovsky-ball",
     title="Zhukovsky's gyroscopic ball on a plane",
     description="A ball with a gyroscope, spherical in its inertia by Zhukovsky's condition, "
     "rolls without slipping on a plane.",
     fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    frame=Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-    lagrangian=ball.energy + kinematics.axial_rotor(k, (0, 0, 1), ball.spin),
+    **declared(ball),
+    charts=ball.charts(declared),
     constraints=ball.no_slip,
     parameters=(
         Parameter(R, 1, positive=True, meaning="radius of the ball"),

@@ -39,7 +39,7 @@ def first_order(mass: Any, force: Any, rates: Any = (u, v, w), parameters: Any =
         coordinates=(x, y, z)[:n], velocities=(u, v, w)[:n], parameters=tuple(parameters), time=t,
         rates=tuple(map(se.sympify, rates[:n])), mass=tuple(map(tuple, mass)),
         force=tuple(map(se.sympify, force)), velocity_symbols=tuple(dots[:n]),
-        stages=(), dependent=(),
+        stages=(), dependent=(), relations=(), positive=(),
     )  # fmt: skip
 
 
@@ -181,7 +181,7 @@ def test_elimination_on_random_matrices_of_any_size(size: int) -> None:
         coordinates=tuple(qs), velocities=tuple(vs), parameters=tuple(symbols.values()), time=t,
         rates=tuple(vs), force=tuple(qs), velocity_symbols=tuple(se.Symbol(f"{q}dot") for q in qs),
         mass=tuple(tuple(symbols[max(i, j), min(i, j)] for j in range(size)) for i in range(size)),
-        stages=(), dependent=(),
+        stages=(), dependent=(), relations=(), positive=(),
     )  # fmt: skip
     rhs, _ = compiled(Program.of(form), scalar=True)
     q = rng.normal(size=size)

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from voronec.analysis import Claim, check_claims, divergence
     from voronec.analysis.search import FoundIntegral, IntegralSearch, search_integrals
     from voronec.catalogue import load, names
+    from voronec.charts import Chart
     from voronec.checking import check_catalogue, check_relation, graph
     from voronec.claims import Case, Corrected, Equation, Measure, Poisson
     from voronec.comparison import compare
@@ -25,8 +26,20 @@ if TYPE_CHECKING:
         IntegrationError,
         VoronecError,
     )
-    from voronec.flow import Trajectory, integrate
+    from voronec.flow import (
+        Crossings,
+        Ensemble,
+        Event,
+        Section,
+        Trajectory,
+        ensemble,
+        integrate,
+        section,
+    )
+    from voronec.flow.explanation import explain
     from voronec.geometry import Fibration, Frame
+    from voronec.hard import HardCase
+    from voronec.model import Model
     from voronec.multipliers import multiplier_acceleration, reaction_forces
     from voronec.reduction import Reduction, descend
     from voronec.relations import Limit, Relation, Square
@@ -42,6 +55,7 @@ _HOME = {
     "Verdict": "voronec.algebra.verdicts",
     "Witness": "voronec.algebra.verdicts",
     "prove_equal": "voronec.algebra.verdicts",
+    "Chart": "voronec.charts",
     "check_catalogue": "voronec.checking",
     "check_relation": "voronec.checking",
     "compare": "voronec.comparison",
@@ -54,10 +68,19 @@ _HOME = {
     "EngineLimit": "voronec.errors",
     "IntegrationError": "voronec.errors",
     "VoronecError": "voronec.errors",
+    "Crossings": "voronec.flow",
+    "Ensemble": "voronec.flow",
+    "Event": "voronec.flow",
+    "Section": "voronec.flow",
     "Trajectory": "voronec.flow",
+    "ensemble": "voronec.flow",
     "integrate": "voronec.flow",
+    "section": "voronec.flow",
+    "explain": "voronec.flow.explanation",
+    "Model": "voronec.model",
     "Fibration": "voronec.geometry",
     "Frame": "voronec.geometry",
+    "HardCase": "voronec.hard",
     "multiplier_acceleration": "voronec.multipliers",
     "reaction_forces": "voronec.multipliers",
     "Claim": "voronec.analysis",
@@ -84,23 +107,30 @@ _HOME = {
 
 __all__ = [
     "Case",
+    "Chart",
     "Claim",
     "Corrected",
+    "Crossings",
     "DefinitionError",
     "EngineLimit",
+    "Ensemble",
     "Equation",
+    "Event",
     "Fibration",
     "FoundIntegral",
     "Frame",
+    "HardCase",
     "IntegralSearch",
     "IntegrationError",
     "Limit",
     "Measure",
+    "Model",
     "Parameter",
     "Poisson",
     "Reduction",
     "Relation",
     "Scene",
+    "Section",
     "Square",
     "System",
     "Trajectory",
@@ -115,6 +145,8 @@ __all__ = [
     "derive",
     "descend",
     "divergence",
+    "ensemble",
+    "explain",
     "graph",
     "integrate",
     "kinematics",
@@ -125,6 +157,7 @@ __all__ = [
     "prove_inequality",
     "reaction_forces",
     "search_integrals",
+    "section",
     "time",
     "velocity",
 ]

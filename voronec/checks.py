@@ -9,7 +9,7 @@ import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
 from voronec.claims import THEOREMS, Corrected, Measure, claim_names, expressions_of, right_of
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, did_you_mean
 from voronec.reading import shown
 
 if TYPE_CHECKING:
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from voronec.system import System
 
 __all__ = [
+    "check_charts",
     "check_claims",
     "check_forces",
     "check_frame",
@@ -60,14 +61,7 @@ def check_symbols(system: System) -> None:
     claimed = declared | set(system.invariant_symbols)
     claimed |= set(system.frame.named if system.frame is not None else ())
     for place, expr, known in (*places, *((p, e, claimed) for p, e in _claims(system))):
-        names = _names_in(expr) - known
-        unknown = sorted(str(n) for n in names if getattr(n, "expr", n) not in known)
-        if unknown:
-            raise DefinitionError(
-                f"system '{system.name}': {place} contains '{unknown[0]}', which is neither "
-                "coordinate, velocity nor parameter; declare it in parameters=(...) or the "
-                "fibration" + _same_name_hint(unknown[0], known)
-            )
+        _check_known(f"system '{system.name}': {place}", expr, known)
 
 
 def check_claims(system: System) -> None:
@@ -135,6 +129,34 @@ def _check_variables(system: System, measure: Measure) -> None:
         raise DefinitionError(
             f"system '{system.name}': the measure in invariants holds '{foreign[0]}'; write its "
             "density with invariants too"
+        )
+
+
+def check_charts(system: System) -> None:
+    """Charts map variables, to functions of them and of parameters."""
+    names = sorted(map(plain_name, (*system.coordinates, *system.velocities)))
+    resting = {*system.coordinates, *(p.symbol for p in system.parameters)}
+    for name, chart in system.charts.items():
+        place = f"system '{system.name}': chart '{name}'"
+        for key in {*chart.state, *chart.back} - {*names}:
+            wrong = f"{place} maps '{key}', which is no coordinate or velocity"
+            raise DefinitionError(wrong + did_you_mean(key, names))
+        for expr in (*chart.state.values(), *chart.back.values()):
+            _check_known(place, expr, {*system.known_symbols()} - {time})
+        for expr in (chart.singular, chart.singular_there):
+            _check_known(f"{place}: singular", expr, resting)
+
+
+def _check_known(place: str, expr: sp.Expr, known: set[sp.Expr]) -> None:
+    """An expression is made of known symbols, and of derivatives of these."""
+    names = _names_in(expr) - known
+    unknown = sorted(str(n) for n in names if getattr(n, "expr", n) not in known)
+    if unknown:
+        hint = " (a different symbol of that name is declared: use one symbol object)"
+        same = any(unknown[0] in (str(k), plain_name(k)) for k in known)
+        raise DefinitionError(
+            f"{place} contains '{unknown[0]}', which is neither coordinate, velocity nor "
+            f"parameter; declare it in parameters=(...) or the fibration{hint if same else ''}"
         )
 
 
@@ -277,8 +299,3 @@ def _names_in(expr: Any) -> set[sp.Expr]:
 
 def _is_time_derivative(node: Any) -> bool:
     return isinstance(node, sp.Derivative) and set(node.variables) == {time}
-
-
-def _same_name_hint(name: str, known: set[sp.Expr]) -> str:
-    same = any(name in (str(k), plain_name(k)) for k in known)
-    return " (a different symbol of that name is declared: use one symbol object)" if same else ""

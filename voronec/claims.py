@@ -213,6 +213,7 @@ def claim_names(system: Any) -> Iterator[str]:
             yield kind
     if system.invariants:
         yield "descent"
+    yield from system.charts
 
 
 def right_of(claim: Any) -> Any:

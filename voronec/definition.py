@@ -58,6 +58,12 @@ class Definition:
         return self.system.base_directions
 
     @property
+    def positive(self) -> tuple[Any, ...]:
+        """The parameters that are declared to be positive."""
+        pairs = zip(self.parameters, self.system.parameters, strict=True)
+        return tuple(p for p, declared in pairs if declared.positive)
+
+    @property
     def split(self) -> tuple[list[str], list[str]]:
         """What indices over the base and over the fibre count: coordinates, or, on a group,
         velocities of its frame."""
@@ -140,14 +146,32 @@ def _group(system: System, door: Door) -> GroupFrame | None:
 
 
 def _start(system: System) -> dict[str, Any]:
-    """Parameters and coordinates at the start of the default scene, zero where nothing is said."""
+    """Parameters and coordinates at the start of the default scene, zero where nothing is said.
+
+    Initial values may hold parameters; one that has no number then is left out.
+    """
     scene = system.scenes.get("default")
-    point = {p.name: p.value for p in system.parameters if p.value is not None}
-    for given in (scene.parameters, scene.initial) if scene is not None else ():
-        point |= {plain_name(k): v for k, v in given.items()}
+    values = {p.symbol: p.value for p in system.parameters if p.value is not None}
+    named = {p.name: p.symbol for p in system.parameters}
+    for key, value in (scene.parameters if scene is not None else {}).items():
+        values[named.get(plain_name(key), key)] = value
+    point = {plain_name(symbol): value for symbol, value in values.items()}
+    initial = scene.initial if scene is not None else {}
+    point |= {plain_name(k): _spelled(v, values) for k, v in initial.items()}
+    point = {name: value for name, value in point.items() if not _is_open(value)}
     if not system.fibration.relations:
         point = {plain_name(q): 0 for q in system.coordinates} | point
     return point
+
+
+def _spelled(value: Any, values: Mapping[Any, Any]) -> Any:
+    """A value with numbers for the parameters in it, as far as they are known."""
+    return value.subs(values) if _is_open(value) else value
+
+
+def _is_open(value: Any) -> bool:
+    """Whether a value holds symbols, so that it is no number."""
+    return isinstance(value, sp.Expr) and not value.is_number
 
 
 def _is_variable(system: System, symbol: sp.Expr) -> bool:

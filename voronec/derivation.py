@@ -38,7 +38,8 @@ class FirstOrderForm:
     ``coordinates`` base then fibre; ``definitions`` gives v in terms of q, qdot, t, with
     ``velocity_symbols`` the symbols of qdot; ``relations`` vanish along the motion.  ``stages``
     are pairs (name, expression), in order, that rates, mass and force may use; ``dependent`` pairs
-    of the other velocities of a group's frame, and named momenta, with what they are.
+    of the other velocities of a group's frame, and named momenta, with what they are; ``positive``
+    are the parameters that are declared to be positive.
     """
 
     coordinates: tuple[Any, ...]
@@ -53,6 +54,7 @@ class FirstOrderForm:
     relations: tuple[Any, ...] = ()
     dependent: tuple[tuple[Any, Any], ...] = ()
     stages: tuple[tuple[Any, Any], ...] = ()
+    positive: tuple[Any, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -275,6 +277,7 @@ class Derivation:
             velocity_symbols=d.coordinate_velocities,
             relations=d.relations,
             dependent=self.dependent + self.named_momenta,
+            positive=d.positive,
         )
 
 

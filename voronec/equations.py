@@ -36,8 +36,11 @@ from voronec.lean import lean_form
 from voronec.presentation import equations_dict, equations_latex
 from voronec.system import System
 
-SHORT = 200
+SHORT = 1500
 """Normal forms that cost no more operations are taken without looking for a shorter form."""
+LARGE = 2000
+"""Where there are no invariants to descend to and the raw form costs more operations than this,
+normal forms are not tried for numbers: they would take seconds and come out longer."""
 
 __all__ = ["Brackets", "Curvature", "VoronecEquations", "derive"]
 
@@ -91,17 +94,24 @@ class VoronecEquations:
         return self.best is self.exact
 
     @cached_property
+    def is_large(self) -> bool:
+        """Whether numbers are better computed from the straight-line form."""
+        return not self.system.invariants and _cost(self.raw.form) > LARGE
+
+    @cached_property
     def form(self) -> FirstOrderForm:
         """The first-order form that costs the fewest operations, inside the door.
 
         Where normal forms are beyond the budget, or long, it is a straight-line program.
         """
-        if self.in_normal_form and _cost(self.exact.form) <= SHORT:
+        if not self.is_large and self.in_normal_form and _cost(self.exact.form) <= SHORT:
             return self.exact.form
         try:
             lean = lean_form(self.raw)
         except EngineLimit:
             return self.best.form
+        if self.is_large:
+            return lean
         return min(lean, self.exact.form, key=_cost) if self.in_normal_form else lean
 
     @property

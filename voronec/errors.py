@@ -7,6 +7,7 @@ what the engine decides.  ``IntegrationError``: the numbers failed on the way.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 __all__ = ["DefinitionError", "EngineLimit", "IntegrationError", "VoronecError", "did_you_mean"]
 
@@ -24,12 +25,20 @@ class EngineLimit(VoronecError):
 
 
 class IntegrationError(VoronecError):
-    """A trajectory could not be continued; ``time`` and ``state`` say how far it came."""
+    """A trajectory could not be continued; ``time`` and ``state`` say how far it came, and
+    ``trajectory`` is the part up to there, where there is one."""
 
-    def __init__(self, message: str, time: float | None = None, state: object = None) -> None:
+    def __init__(
+        self,
+        message: str,
+        time: Any = None,
+        state: Any = None,
+        trajectory: Any = None,
+    ) -> None:
         super().__init__(message)
         self.time = time
         self.state = state
+        self.trajectory = trajectory
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -288,4 +288,5 @@ def lean_form(raw: Derivation) -> FirstOrderForm:
         velocity_symbols=d.coordinate_velocities,
         relations=d.relations,
         stages=tuple(definitions.items()),
+        positive=d.positive,
     )

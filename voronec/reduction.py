@@ -26,7 +26,7 @@ from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.system import System
 
-__all__ = ["Reduction", "descend"]
+__all__ = ["Reduction", "descend", "in_invariants"]
 
 
 @dataclass(frozen=True)
@@ -111,6 +111,24 @@ def descend(
         rates=sp.ImmutableMatrix(len(tags), 1, found[n * n + n :]),
         relations=_relations_among(eqs, ring, moving),
     )
+
+
+def in_invariants(
+    eqs: VoronecEquations, exprs: Sequence[Any], kept: Sequence[Any] = ()
+) -> list[Any | None]:
+    """Expressions inside the door as functions of the declared invariants, of velocities of the
+    equations and of the coordinates that are ``kept``; None for those that were not rewritten."""
+    chosen = _chosen(eqs, None)
+    inside = [eqs.door.inward(g) for g in chosen.values()]
+    tags = [se.Symbol(name) for name in chosen]
+    plain = canonical(exprs, eqs.definition.relations)
+    ideal = [*eqs.definition.relations, *(g - t for g, t in zip(inside, tags, strict=True))]
+    ring = Ring([*plain, *inside, *tags, *eqs.definition.velocities], ideal)
+    group = [v for v in eqs.definition.velocities if ring.has(v)]
+    free = [q for q in eqs.definition.coordinates if q not in kept]
+    moving = _coordinate_generators(ring, free)
+    elements = [ring.fraction(e) for e in plain]
+    return [expression(ring, e, group) if _free_of(ring, e, moving) else None for e in elements]
 
 
 def _chosen(eqs: VoronecEquations, invariants: Mapping[str, Any] | None) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import sympy as sp
 
 from voronec import checks
 from voronec.algebra.symbols import time, velocity
+from voronec.charts import Chart
 from voronec.claims import Case, Poisson, read_claims, right_of
 from voronec.errors import DefinitionError
 from voronec.geometry import Fibration, Frame
@@ -59,6 +60,9 @@ class System:
     undecided
         name of a claim -> why the engine cannot decide it; a measure, a bracket and the like, which
         have no names, are called by their kind: ``measure``, ``poisson``.
+    charts
+        name -> ``Chart``: other coordinates of the same motion, in which it goes on near a
+        singularity of these.
     scenes
         name -> ``Scene``; the one called ``default`` is what ``voronec run NAME`` shows.
     references
@@ -92,6 +96,7 @@ class System:
     integrable: str = ""
     cases: Mapping[str, Case] = field(default_factory=dict)
     undecided: Mapping[str, str] = field(default_factory=dict)
+    charts: Mapping[str, Chart] = field(default_factory=dict)
     scenes: Mapping[str, Scene] = field(default_factory=dict)
     references: tuple[str, ...] = ()
     title: str = ""
@@ -115,6 +120,7 @@ class System:
         checks.check_frame(self)
         checks.check_relations(self)
         checks.check_claims(self)
+        checks.check_charts(self)
 
     def _check_kinds(self) -> None:
         """A fibration and a frame come ready made."""
@@ -157,6 +163,7 @@ class System:
         store("undecided", mapping(self.undecided, "undecided", "'claim': 'reason'"))
         store("references", several(self.references, "references", "'Key'"))
         for name, kind, entry in (
+            ("charts", Chart, "Chart(state={...}, singular=...)"),
             ("scenes", Scene, "Scene(initial={...}, times=...)"),
             ("cases", Case, "Case(parameters={...}, integrals={...})"),
         ):

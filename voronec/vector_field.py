@@ -8,7 +8,7 @@ Claims and relations are statements about such fields.  Everything here is insid
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -23,6 +23,7 @@ from voronec.algebra.points import sample_evaluable
 from voronec.algebra.products import is_product
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
+from voronec.derivation import Derivation
 from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 from voronec.geometry import moving_names
@@ -231,7 +232,16 @@ class Motions:
     @cached_property
     def on_coordinates(self) -> VectorField:
         """The field on coordinates and velocities."""
-        d, door = self.equations.best, self.equations.door
+        return self._on_coordinates(self.equations.best)
+
+    @cached_property
+    def for_numbers(self) -> VectorField:
+        """The same, without normal forms where these would be too large to be of use."""
+        large = self.equations.is_large
+        return self._on_coordinates(self.equations.raw) if large else self.on_coordinates
+
+    def _on_coordinates(self, d: Derivation) -> VectorField:
+        door = self.equations.door
         own = d.definition
         rates = tuple(d.rates)
         meaning = dict(zip(own.coordinate_velocities, rates, strict=True)) | dict(d.dependent)
@@ -263,19 +273,21 @@ class Motions:
     def on_invariants(self) -> VectorField:
         """The field on invariants and velocities."""
         found, door = self.reduction, self.equations.door
-        return replace(
-            self.on_coordinates,
+        own = self.equations.definition
+        return VectorField(
+            system=self.system,
             level="invariants",
+            door=door,
             positions=tuple(door.inward(g) for g in found.invariants),
+            velocities=own.velocities,
+            time=own.time,
+            parameters=own.parameters,
             rates=tuple(door.inward_all(found.rates)),
             mass=tuple(tuple(door.inward_all(found.mass.row(i))) for i in range(found.mass.rows)),
             force=tuple(door.inward_all(found.force)),
             relations=tuple(door.inward_all(found.relations)),
             meaning={},
-            dots=(),
-            definitions={},
-            momenta={},
-            turning=(),
+            determinant=own.determinant,
         )
 
     def at(self, level: str) -> VectorField:

@@ -37,6 +37,8 @@ contact = kinematics.RollingContact(
 kinetic = kinematics.kinetic_energy(M, contact.centre_velocity, (A, A, A), contact.spin)
 axis = contact.body.frame.row(2)  # the rotor's axis z along (u, v, n)
 rotor = kinematics.axial_rotor(k, axis, contact.spin)
+# The same in a chart whose polar axis is another one of the ball, across the rotor's.
+turned_rotor = kinematics.axial_rotor(k, contact.body.frame.row(0), contact.spin)
 
 # On the constraints: P = M R2^2 + A, and the angular momentum about the contact point, with the
 # rotor's part, along (u, v, n) and in space.
@@ -90,6 +92,7 @@ SYSTEM = System(
     invariants={"x": sp.cos(u), "y": sp.sin(u)},
     measure=sp.sin(u) * sp.sin(u1),
     essential=(u, s, tau, n),
+    charts=kinematics.turned_poles(contact, {"lagrangian": kinetic + turned_rotor}, along=(s, tau)),
     cases={
         "on the ball": Case(
             parameters={},

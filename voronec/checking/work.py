@@ -58,7 +58,11 @@ Work = tuple[list[Finding], tuple[str, ...]]
 
 
 def _system(unit: Unit, bench: Bench) -> Work:
-    return [_claim(c, c.reason) for c in check_claims(bench.motions(unit.entry))], ()
+    from voronec.relations.charts import check_charts
+
+    motions = bench.motions(unit.entry)
+    claims = [*check_claims(motions), *check_charts(motions)]
+    return [_claim(c, c.reason) for c in claims], ()
 
 
 def _relation(unit: Unit, bench: Bench) -> Work:

@@ -9,6 +9,8 @@ import voronec
 
 __all__ = ["command_parser"]
 
+METHODS = ("auto", "heyoka", "scipy", "lsoda", "flint")
+
 SUMMARY = "Exact equations of nonholonomic systems, and the papers that print them."
 EXITS = "exit status: 0 good, 1 a check failed, 2 the input is wrong, 130 stopped by Ctrl-C"
 
@@ -30,7 +32,8 @@ def command_parser() -> argparse.ArgumentParser:
     parser.set_defaults(module=None)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for add in (
-        _list, _show, _derive, _regenerate, _run, _check, _compare, _graph, _search, _new, _cite,
+        _list, _show, _derive, _explain, _regenerate, _run, _check, _compare, _graph, _section,
+        _bench, _hard, _search, _new, _cite,
     ):  # fmt: skip
         add(commands)
     return parser
@@ -71,6 +74,17 @@ def _derive(commands: Any) -> None:
     form.add_argument("--store", metavar="FILE.json", help="store the derivation, for 'compare'")
 
 
+def _explain(commands: Any) -> None:
+    summary = "say what has to be integrated for what is wanted, and why"
+    parser = _command(commands, "explain", "explain", summary)
+    _system(parser)
+    _outputs(parser)
+    _setting(parser)
+    parser.add_argument(
+        "--out", metavar="DIR", help="folder for explanation.txt and pictures of the dependence"
+    )
+
+
 def _regenerate(commands: Any) -> None:
     summary = "derive every formula of a paper and compare it with print"
     parser = _command(commands, "regenerate", "regeneration", summary)
@@ -89,23 +103,14 @@ def _regenerate(commands: Any) -> None:
 def _run(commands: Any) -> None:
     parser = _command(commands, "run", "motion", "integrate a motion, draw and save it")
     _system(parser)
-    parser.add_argument("--scene", metavar="S", help="the scene; 'default' unless told")
+    _outputs(parser)
+    _setting(parser)
     parser.add_argument(
         "--times",
         metavar="[START:]END[:N]",
         help="other times than the scene's, at N instants (1001)",
     )
-    parser.add_argument(
-        "--set",
-        metavar="NAME=VALUE",
-        action="append",
-        default=[],
-        help="another value of a parameter, or of a coordinate or velocity at the start; "
-        "may be given several times",
-    )
-    parser.add_argument(
-        "--method", choices=("auto", "heyoka", "scipy"), default="auto", help="the integrator"
-    )
+    parser.add_argument("--method", choices=METHODS, default="auto", help="the integrator")
     parser.add_argument("--tol", metavar="TOL", help="the integrator's tolerance (1e-13)")
     parser.add_argument(
         "--out", metavar="DIR", help="folder for trajectory.csv and pictures (./NAME-run)"
@@ -151,6 +156,72 @@ def _graph(commands: Any) -> None:
     )
 
 
+def _section(commands: Any) -> None:
+    summary = "draw a Poincare section: where motions pass through a surface"
+    parser = _command(commands, "section", "section", summary)
+    _system(parser)
+    parser.add_argument(
+        "--plane",
+        metavar="EXPR=VALUE",
+        help="the surface, such as omega1=0; something that oscillates unless told",
+    )
+    parser.add_argument(
+        "--outputs", metavar="A,B", help="what is recorded; the first two are drawn"
+    )
+    _setting(parser)
+    for name, default, meaning in (
+        ("starts", 1, "motions on one level of all integrals"),
+        ("crossings", 1000, "points of each motion"),
+    ):
+        parser.add_argument(
+            f"--{name}", metavar="N", type=int, default=default, help=f"{meaning} ({default})"
+        )
+    parser.add_argument(
+        "--direction", choices=("up", "down", "both"), default="up", help="of the change there"
+    )
+    parser.add_argument("--until", metavar="T", help="the time at which a motion is given up")
+    parser.add_argument(
+        "--method", choices=("auto", "heyoka", "scipy"), default="auto", help="the integrator"
+    )
+    parser.add_argument("--tol", metavar="TOL", help="the integrator's tolerance (1e-13)")
+    parser.add_argument(
+        "--out", metavar="DIR", help="folder for points.csv and section.svg (./NAME-section)"
+    )
+
+
+def _bench(commands: Any) -> None:
+    summary = "measure speed against error, of our methods and of others"
+    parser = _command(commands, "bench", "benchmark", summary)
+    _system(parser)
+    _setting(parser)
+    parser.add_argument(
+        "--outputs",
+        metavar="A,B",
+        help="what is compared; invariants and velocities unless told, where these are closed",
+    )
+    parser.add_argument("--time", metavar="T", help="length of the motion; the scene's unless told")
+    parser.add_argument("--methods", metavar="A,B", help="only these methods and peers")
+    parser.add_argument("--tols", metavar="X,Y", help="these tolerances in place of each method's")
+    parser.add_argument(
+        "--out", metavar="DIR", help="folder for bench.json, the table and a plot (./NAME-bench)"
+    )
+
+
+def _hard(commands: Any) -> None:
+    summary = "hold every integrator against numerically hard cases"
+    parser = _command(commands, "hard", "hard", summary)
+    parser.add_argument(
+        "cases", metavar="CASE", nargs="*", help="only these cases; all unless told"
+    )
+    parser.add_argument(
+        "--method", metavar="M", action="append", default=[],
+        help="auto, heyoka, scipy, lsoda or flint; may be given several times",
+    )  # fmt: skip
+    parser.add_argument("--quick", action="store_true", help="a short selection of the cases")
+    parser.add_argument("--list", action="store_true", help="say which cases there are; run none")
+    parser.add_argument("--out", metavar="DIR", help="write hard-cases.md and hard.json there")
+
+
 def _search(commands: Any) -> None:
     summary = "search first integrals of a given form; what is not found does not exist"
     parser = commands.add_parser("search", help=summary, description=summary, allow_abbrev=False)
@@ -187,6 +258,24 @@ def _new(commands: Any) -> None:
 def _cite(commands: Any) -> None:
     parser = _command(commands, "cite", "citation", "print the references of a system as BibTeX")
     _system(parser)
+
+
+def _setting(parser: argparse.ArgumentParser) -> None:
+    """Which motion is meant."""
+    parser.add_argument("--scene", metavar="S", help="the scene; 'default' unless told")
+    parser.add_argument(
+        "--set",
+        metavar="NAME=VALUE",
+        action="append",
+        default=[],
+        help="another value of a parameter, or of a coordinate or velocity at the start; "
+        "may be given several times",
+    )
+
+
+def _outputs(parser: argparse.ArgumentParser) -> None:
+    meaning = "what is wanted: names or formulas; the scene's unless told"
+    parser.add_argument("--outputs", metavar="A,B", help=meaning)
 
 
 def _system(parser: argparse.ArgumentParser) -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from voronec.cli.files import delivery, refuse_file
 from voronec.cli.output import columns, print_json, progress, warn
 from voronec.cli.subject import resolve
+from voronec.cli.wanted import outputs_of
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ def execute(arguments: Namespace) -> int:
     tol = _tolerance(arguments.tol)
     times = _times(arguments.times)
     pairs = [_pair(text) for text in arguments.set]
+    outputs = outputs_of(arguments.outputs)
     system, _ = resolve(arguments.system)
     folder = Path(arguments.out or f"{system.name}-run")
     refuse_file(folder)
@@ -41,8 +43,8 @@ def execute(arguments: Namespace) -> int:
     progress(f"{system.name}: integrating ...")
     try:
         trajectory = integrate(
-            system, scene=scene, times=times, parameters=parameters, initial=initial,
-            method=arguments.method, tol=tol,
+            system, scene=scene, times=times, outputs=outputs, parameters=parameters,
+            initial=initial, method=arguments.method, tol=tol,
         )  # fmt: skip
     finally:
         progress("")

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
+import mpmath
 import numpy as np
 import symengine as se
 
 from voronec.algebra.symbols import plain_name
+from voronec.flow.reactions import Multipliers
 from voronec.flow.trajectory import Cost, Trajectory
-from voronec.flow.vocabulary import Vocabulary
+from voronec.flow.vocabulary import Vocabulary, Wanted
 from voronec.program import Program, compiled
+from voronec.program.digits import compiled_digits, precision
 
-__all__ = ["Watch", "evaluated", "observed", "watched"]
+__all__ = ["Branch", "Watch", "evaluated", "followed", "observed", "watched"]
 
 CANCELLED = 1e-6
 """An integral less than this part of its terms counts as starting at zero."""
@@ -24,32 +27,95 @@ NOTHING = 1e-9
 
 
 @dataclass(frozen=True)
+class Branch:
+    """An angle read off two quantities: atan2(turn[1] sine, turn[0] cosine) and whole turns.
+
+    At ``start``, its value there, the branch begins; from instant to instant the nearest is taken.
+    """
+
+    cosine: str
+    sine: str
+    turn: tuple[int, int]
+    start: float
+
+    def along(self, series: Mapping[str, np.ndarray]) -> np.ndarray:
+        """The angle at every instant."""
+        a, b = self.turn[0] * series[self.cosine], self.turn[1] * series[self.sine]
+        if a.dtype != object:
+            angles = np.unwrap(np.arctan2(b, a))
+            return angles + 2 * np.pi * np.round((self.start - angles[0]) / (2 * np.pi))
+        plain = np.array([mpmath.atan2(y, x) for x, y in zip(a, b, strict=True)], dtype=object)
+        rough = plain.astype(float)
+        turns = np.round((np.unwrap(rough) - rough) / (2 * np.pi))
+        turns += np.round((self.start - rough[0]) / (2 * np.pi)) - turns[0]
+        return plain + np.array([2 * mpmath.pi * int(k) for k in turns], dtype=object)
+
+
+@dataclass(frozen=True)
 class Watch:
-    """The quantities to follow, and under which names the program computes them."""
+    """The quantities to follow, and under which names the program computes them.
+
+    ``outputs`` in order; those in ``reactions``, positions of constraints, come from
+    ``multipliers`` and the accelerations, those in ``branches`` are angles read off others; the
+    rest are ``expressions`` of their own.
+    """
 
     outputs: tuple[str, ...]
     integrals: Mapping[str, str]
     sizes: Mapping[str, str]
     relations: Mapping[str, str]
     expressions: Mapping[str, Any]
+    reactions: Mapping[str, int] = field(default_factory=dict)
+    multipliers: Multipliers | None = None
+    branches: Mapping[str, Branch] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls,
+        wanted: Wanted,
+        integrals: Mapping[str, Any],
+        relations: Mapping[str, Any],
+        multipliers: Multipliers | None = None,
+    ) -> Watch:
+        """Outputs spelled out, and integrals and relations as expressions inside, by name.
+
+        ``multipliers`` are needed where the outputs hold reactions.
+        """
+        expressions = dict(wanted.expressions)
+        for name, inside in integrals.items():
+            expressions[f"integral {name}"] = inside
+            expressions[f"size of integral {name}"] = _size(inside)
+        expressions |= {f"relation {name}": inside for name, inside in relations.items()}
+        if multipliers is not None:
+            expressions |= multipliers.entries
+        return cls(
+            outputs=wanted.names,
+            integrals={name: f"integral {name}" for name in integrals},
+            sizes={name: f"size of integral {name}" for name in integrals},
+            relations={f"{name} = 0": f"relation {name}" for name in relations},
+            expressions=expressions,
+            reactions=wanted.reactions,
+            multipliers=multipliers,
+        )
 
 
-def watched(vocabulary: Vocabulary, outputs: Sequence[Any]) -> Watch:
-    """Outputs, every declared integral with the size of its terms, every relation."""
+def watched(
+    vocabulary: Vocabulary, outputs: Sequence[Any], integrals: Iterable[str] | None = None
+) -> Watch:
+    """Outputs, declared integrals with the size of their terms, every relation.
+
+    ``integrals`` names those to follow; without it, all.
+    """
     system = vocabulary.equations.system
-    keys = outputs or (*system.coordinates, *system.velocities)
-    shown = dict(vocabulary.quantity(key) for key in keys)
-    integrals = {name: f"integral {name}" for name in system.integrals}
-    sizes = {name: f"size of integral {name}" for name in system.integrals}
-    relations = {f"{r} = 0": f"relation {r}" for r in system.fibration.relations}
-    expressions = dict(shown)
-    for name in system.integrals:
-        inside = vocabulary.inward(vocabulary.claims[name])
-        expressions[integrals[name]] = inside
-        expressions[sizes[name]] = _size(inside)
-    for expr, key in zip(system.fibration.relations, relations.values(), strict=True):
-        expressions[key] = vocabulary.inward(expr)
-    return Watch(tuple(shown), integrals, sizes, relations, expressions)
+    wanted = vocabulary.wanted(outputs)
+    chosen = system.integrals if integrals is None else tuple(integrals)
+    names = [vocabulary.name(name, system.integrals, "integral") for name in chosen]
+    return Watch.of(
+        wanted,
+        {name: vocabulary.inward(vocabulary.claims[name]) for name in names},
+        {str(r): vocabulary.inward(r) for r in system.fibration.relations},
+        Multipliers.of(vocabulary.equations.definition) if wanted.reactions else None,
+    )
 
 
 def _size(expr: Any, done: dict[Any, Any] | None = None) -> Any:
@@ -68,12 +134,42 @@ def _size(expr: Any, done: dict[Any, Any] | None = None) -> Any:
 def evaluated(
     program: Program, t: np.ndarray, states: np.ndarray, values: Sequence[float]
 ) -> dict[str, np.ndarray]:
-    """The program's extra quantities at states (k, n), each an array of shape (k,)."""
-    _, extras = compiled(program)
-    with np.errstate(all="ignore"):
-        results = extras(t, list(states.T), list(values))
-    arrays = (np.broadcast_to(np.asarray(r, dtype=float), t.shape).copy() for r in results)
+    """The program's extra quantities at states (k, n), each an array of shape (k,).
+
+    States that are mpmath's numbers give such numbers, of their precision.
+    """
+    arrays = _along(program, 1, t, states, values)
     return dict(zip(program.names, arrays, strict=True))
+
+
+def _along(
+    program: Program, which: int, t: np.ndarray, states: np.ndarray, values: Sequence[Any]
+) -> list[np.ndarray]:
+    """Rates (``which`` 0) or extra quantities (1) of a program on a grid."""
+    if states.dtype == object:
+        results = compiled_digits(program)[which](t, list(states.T), list(values))
+        return [np.broadcast_to(np.asarray(r, dtype=object), t.shape).copy() for r in results]
+    with np.errstate(all="ignore"):
+        results = compiled(program)[which](t, list(states.T), list(values))
+    return [np.broadcast_to(np.asarray(r, dtype=float), t.shape).copy() for r in results]
+
+
+def followed(
+    watch: Watch, program: Program, t: np.ndarray, states: np.ndarray, values: Sequence[float]
+) -> dict[str, np.ndarray]:
+    """Everything watched at states (k, n), reactions too, by the names of ``Watch``."""
+    series = evaluated(program, t, states, values)
+    if len(t):
+        series |= {name: branch.along(series) for name, branch in watch.branches.items()}
+    if watch.multipliers is None:
+        return series
+    slopes = dict(zip(map(str, program.state), _along(program, 0, t, states, values), strict=True))
+    with mpmath.workprec(precision(states)):
+        multipliers = watch.multipliers.solved(
+            {name: series.pop(name) for name in watch.multipliers.entries},
+            [slopes[str(v)] for v in watch.multipliers.velocities],
+        )
+    return series | {name: multipliers[:, k].copy() for name, k in watch.reactions.items()}
 
 
 def observed(
@@ -89,9 +185,15 @@ def observed(
     """The trajectory of states on a grid."""
     system = vocabulary.equations.system
     values = [constants.get(str(p), np.nan) for p in program.parameters]
-    series = evaluated(program, t, states, values)
+    series = followed(watch, program, t, states, values)
+    names = tuple(map(str, program.state))
+    own = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
+    if own != list(names) and set(own) <= set(watch.outputs):
+        # what was integrated is another set of variables; these are what the user knows
+        names, states = tuple(own), np.stack([series[name] for name in own], axis=-1)
     for array in (t, states, *series.values()):
         array.flags.writeable = False
+    known = {p.name for p in system.parameters if not mpmath.isnan(constants.get(p.name, np.nan))}
     drift = {
         name: _drift(series[key], series[watch.sizes[name]])
         for name, key in watch.integrals.items()
@@ -100,11 +202,11 @@ def observed(
         system=system,
         t=t,
         state=states,
-        names=tuple(plain_name(s) for s in (*system.coordinates, *system.velocities)),
+        names=names,
         outputs=watch.outputs,
         series=MappingProxyType({name: series[name] for name in watch.outputs}),
         integrals=MappingProxyType({n: series[key] for n, key in watch.integrals.items()}),
-        parameters=MappingProxyType(dict(constants)),
+        parameters=MappingProxyType({n: x for n, x in constants.items() if n in known}),
         drift=MappingProxyType(drift),
         residuals=MappingProxyType(
             {r: float(np.abs(series[key]).max()) for r, key in watch.relations.items()}

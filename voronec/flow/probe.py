@@ -1,98 +1,140 @@
-"""Looking at the equations at single states: rates, the start, and why a run failed."""
+"""Looking at the equations at single states: rates, the start, mass matrices, why a run failed."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
+import symengine as se
 
-from voronec.equations import VoronecEquations
-from voronec.errors import DefinitionError, IntegrationError
-from voronec.flow.steppers import Halt
+from voronec.errors import IntegrationError
+from voronec.flow.steppers.run import Halt, Suspect
 from voronec.program import Program, compiled
 
-__all__ = ["Probe"]
+__all__ = ["Probe", "quantities"]
 
 SINGULAR = 1e-13
 """A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
 NEARLY = 1e-6
 """The same in units of the start's diagonal, for naming the cause where a run broke down."""
-ON_RELATIONS = 1e-9
-"""How far a point may lie off the relations between redundant coordinates."""
+
+
+def quantities(form: Any, extras: Any) -> Program:
+    """A program for extra quantities alone, on the state and the parameters of a form."""
+    zero, one = se.Integer(0), se.Integer(1)
+    n = len(form.velocities)
+    mass = tuple(tuple(one if i == j else zero for j in range(n)) for i in range(n))
+    return Program.of(replace(form, mass=mass, force=(zero,) * n), extras)
 
 
 @dataclass(frozen=True)
 class Probe:
-    """The program of a system at given parameters and starting time."""
+    """The program of a first-order form at given parameters and starting time.
 
-    equations: VoronecEquations
+    ``name`` is the system's, for messages.
+    """
+
+    name: str
+    form: Any
     program: Program
-    values: list[float]
+    values: Sequence[float]
     time: float
 
     def rates(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Velocities of all coordinates (n, k) at one q (n,) and several v (m, k)."""
         width = v.shape[1]
         columns = [*np.repeat(q[:, None], width, axis=1), *v]
-        rhs, _ = compiled(self.program)
-        with np.errstate(all="ignore"):
-            rates = rhs(np.float64(self.time), columns, [np.float64(x) for x in self.values])
+        rates = self._rhs(self.time, columns)
         return np.array([np.broadcast_to(r, (width,)) for r in rates[: len(q)]], dtype=float)
 
     def check(self, start: np.ndarray) -> None:
-        """Raise where no motion starts: relations violated, or equations undefined."""
-        self._check_relations(start)
-        mass = self._mass(self.time, start)
+        """Raise where no motion starts: the equations are singular or undefined."""
+        mass = self._masses(np.array([self.time]), start[None, :])[0]
         if _smallest(mass, mass) < SINGULAR:
-            raise IntegrationError(
-                f"system '{self.equations.system.name}': the mass matrix is singular at the "
-                f"initial point ({self._shown(start)}); start elsewhere or use another chart",
-                self.time,
-                start,
-            )
-        rhs, _ = compiled(self.program)
-        with np.errstate(all="ignore"):
-            slope = rhs(np.float64(self.time), list(start), [np.float64(x) for x in self.values])
+            raise self._nowhere("the mass matrix is singular", start)
+        slope = self._rhs(self.time, list(start))
         if not np.isfinite(np.array(slope, dtype=float)).all():
-            raise IntegrationError(
-                f"system '{self.equations.system.name}': the equations are not defined at the "
-                f"initial point ({self._shown(start)}); start elsewhere or use another chart",
-                self.time,
-                start,
-            )
+            raise self._nowhere("the equations are not defined", start)
 
-    def failure(self, start: np.ndarray, halt: Halt) -> IntegrationError:
+    def suspect(self, start: np.ndarray) -> Suspect | None:
+        """Finds states with a singular mass matrix, or beyond one; None where it is constant.
+
+        Beyond one the number of negative eigenvalues is not that of the start.
+        """
+        moving = {*self.program.state, self.program.time}
+        if not self._mass_program.extras.symbols & moving:
+            return None
+        base = self._masses(np.array([self.time]), start[None, :])[0]
+        units = np.sqrt(np.abs(np.diag(base)))
+        scale = np.outer(units, units) if units.all() else np.ones_like(base)
+        negative = int((np.linalg.eigvalsh(base / scale) < 0).sum())
+
+        def first(t: np.ndarray, states: np.ndarray) -> int | None:
+            masses = self._masses(t, states) / scale
+            masses[~np.isfinite(masses).all(axis=(1, 2))] = base / scale
+            sizes = np.linalg.eigvalsh(masses)
+            small = np.abs(sizes).min(axis=1) < SINGULAR * np.abs(sizes).max(axis=1)
+            bad = np.flatnonzero(((sizes < 0).sum(axis=1) != negative) | small)
+            return int(bad[0]) if len(bad) else None
+
+        return first
+
+    def failure(self, start: np.ndarray, halt: Halt, trajectory: Any) -> IntegrationError:
         """The error for a run that stopped short, with what can be said about the cause."""
-        masses = self._mass(self.time, start), self._mass(halt.time, halt.state)
-        cause = "; the mass matrix is singular there" if _smallest(*masses) < NEARLY else ""
+        state = np.array(halt.state, dtype=float)
+        times = np.array([self.time, float(halt.time)])
+        masses = self._masses(times, np.array([np.array(start, dtype=float), state]))
+        singular = halt.singular or _smallest(*masses) < NEARLY
+        cause = "; the mass matrix is singular there" if singular else ""
         return IntegrationError(
-            f"system '{self.equations.system.name}': {halt.reason} after t = {halt.time:.12g} "
-            f"({self._shown(halt.state)}){cause}; end the run before that, or use another chart",
+            f"system '{self.name}': {halt.reason} after t = {float(halt.time):.12g} "
+            f"({self._shown(state)}){cause}; end the run before that, or use another chart",
             halt.time,
             halt.state,
+            trajectory,
         )
 
-    def _mass(self, time: float, state: np.ndarray) -> np.ndarray:
-        form = self.equations.form
-        n = len(form.velocities)
-        entries = {f"{i},{j}": form.mass[i][j] for i in range(n) for j in range(n)}
-        _, extras = compiled(Program.of(form, entries))
-        with np.errstate(all="ignore"):
-            flat = extras(np.float64(time), list(state), [np.float64(x) for x in self.values])
-        return np.array(flat, dtype=float).reshape(n, n)
+    @cached_property
+    def _rhs(self) -> Callable[[float, Any], Any]:
+        rhs, _ = compiled(self.program)
+        values = [np.float64(x) for x in self.values]
 
-    def _check_relations(self, start: np.ndarray) -> None:
-        form, relations = self.equations.form, self.equations.system.fibration.relations
-        wanted = {str(r): inside for r, inside in zip(relations, form.relations, strict=True)}
-        _, extras = compiled(Program.of(form, wanted))
-        numbers = extras(np.float64(self.time), list(start), self.values)
-        for relation, residual in zip(wanted, numbers, strict=True):
-            if not abs(residual) < ON_RELATIONS:
-                raise DefinitionError(
-                    f"system '{self.equations.system.name}': the initial point does not satisfy "
-                    f"the relation {relation} = 0 (residual {float(residual):.3g}); correct the "
-                    "coordinates"
-                )
+        def quiet(time: float, columns: Any) -> Any:
+            with np.errstate(all="ignore"):
+                return rhs(np.float64(time), columns, values)
+
+        return quiet
+
+    @cached_property
+    def _mass_program(self) -> Program:
+        n = len(self.form.velocities)
+        entries = {f"{i},{j}": self.form.mass[i][j] for i in range(n) for j in range(i + 1)}
+        return quantities(self.form, entries)
+
+    @cached_property
+    def _mass_entries(self) -> Any:
+        return compiled(self._mass_program)[1]
+
+    def _masses(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Mass matrices (k, n, n) at times (k,) and states (k, m)."""
+        n = len(self.form.velocities)
+        with np.errstate(all="ignore"):
+            flat = self._mass_entries(t, list(states.T), [np.float64(x) for x in self.values])
+        result, pairs = np.empty((len(t), n, n)), ((i, j) for i in range(n) for j in range(i + 1))
+        for (i, j), column in zip(pairs, flat, strict=True):
+            result[:, i, j] = result[:, j, i] = column
+        return result
+
+    def _nowhere(self, what: str, start: np.ndarray) -> IntegrationError:
+        return IntegrationError(
+            f"system '{self.name}': {what} at the initial point ({self._shown(start)}); start "
+            "elsewhere or use another chart",
+            self.time,
+            start,
+        )
 
     def _shown(self, state: np.ndarray) -> str:
         pairs = zip(self.program.state, state, strict=True)

@@ -1,24 +1,25 @@
-"""Where a motion starts: parameters, and an initial state on the constraints."""
+"""Where a motion starts: parameters, and an initial state on the constraints.
+
+Data off the constraints are refused with their residual, or, on request, moved onto them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.symbols import plain_name
 from voronec.errors import DefinitionError
+from voronec.flow.conditions import CONSISTENT, Rates, changes, met
+from voronec.flow.manifold import Relations
 from voronec.flow.vocabulary import Vocabulary, number
+from voronec.reading import mapping, shown
 
-__all__ = ["initial_state", "named", "parameter_values"]
-
-CONSISTENT = 1e-9
-"""How far initial data may lie off the constraints, relative to their size."""
-
-Rates = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""Coordinates (n,) and velocities (m, k) to the velocities of all coordinates (n, k)."""
+__all__ = ["Start", "initial_state", "named", "parameter_values", "start_of"]
 
 
 def named(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[str, Any]:
@@ -30,7 +31,8 @@ def named(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[s
         constants = {p.name for p in system.parameters}
         among = [name for name in vocabulary.symbols if name not in constants | {"t"}]
     result: dict[str, Any] = {}
-    for key, value in given.items():
+    argument = "parameters" if role == "parameter" else "initial"
+    for key, value in mapping(given, argument, "name: value").items():
         name = vocabulary.name(key, among, role)
         if name in result:
             raise DefinitionError(f"system '{system.name}': the {role} '{name}' is given twice")
@@ -55,13 +57,28 @@ def parameter_values(
             continue
         place = f"system '{system.name}': parameter '{parameter.name}'"
         values[parameter.name] = number(value, place)
-        parameter.check(value)
+        try:
+            parameter.check(value)
+        except DefinitionError as error:
+            raise DefinitionError(f"system '{system.name}': {error}") from None
     if missing:
         raise DefinitionError(
             f"system '{system.name}': no value for the parameter(s) {', '.join(missing)}; give "
             f"parameters={{'{missing[0]}': ...}}"
         )
     return values
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a motion starts: coordinates, then velocities v.
+
+    ``notes`` say what was moved to meet the constraints, each in one line; nothing is moved unless
+    that was asked for.
+    """
+
+    state: np.ndarray
+    notes: tuple[str, ...] = ()
 
 
 def initial_state(
@@ -71,21 +88,72 @@ def initial_state(
     parameters: Mapping[str, float],
     rates: Rates,
 ) -> np.ndarray:
+    """The state of ``start_of``, nothing moved."""
+    return start_of(vocabulary, scene, given, parameters, rates).state
+
+
+def start_of(
+    vocabulary: Vocabulary,
+    scene: Mapping[str, Any],
+    given: Mapping[str, Any],
+    parameters: Mapping[str, float],
+    rates: Rates,
+    time: float = 0.0,
+    project: bool = False,
+) -> Start:
     """Coordinates, then velocities v, at the start; what nobody names is zero.
 
-    ``given`` overrides ``scene`` entry by entry.  Velocities of coordinates are conditions on v,
-    rates(q, v) = value, that must be consistent and must determine the v they involve.
+    ``given`` overrides ``scene`` entry by entry.  Coordinates must satisfy the relations between
+    redundant ones.  Velocities of coordinates are conditions on v, rates(q, v) = value, that must
+    be consistent and must determine the v they involve.  ``DefinitionError`` with the residual
+    where data do not fit; with ``project`` the nearest coordinates on the relations are taken, and
+    the v that meet all conditions best (least squares).
     """
     system = vocabulary.equations.system
     coordinates = [plain_name(q) for q in system.coordinates]
-    velocities = [plain_name(v) for v in system.velocities]
     old, new = (_numbers(vocabulary, part, parameters) for part in (scene, given))
     q = np.array([{**old, **new}.get(name, 0.0) for name in coordinates])
-    v = np.zeros(len(velocities))
+    q, notes = _on_relations(vocabulary, q, parameters, time, project)
+    v = np.zeros(len(system.velocities))
     for values in (old, new):
         conditions = {k: x for k, x in values.items() if k not in coordinates}
-        v = _velocities(vocabulary, q, v, conditions, rates)
-    return np.concatenate([q, v])
+        v, moved = met(vocabulary, q, v, conditions, rates, project)
+        notes += moved
+    return Start(np.concatenate([q, v]), tuple(notes))
+
+
+def _on_relations(
+    vocabulary: Vocabulary,
+    q: np.ndarray,
+    parameters: Mapping[str, float],
+    time: float,
+    project: bool,
+) -> tuple[np.ndarray, list[str]]:
+    """The coordinates, checked; or the nearest on the relations, and how far they were moved."""
+    system = vocabulary.equations.system
+    if not system.fibration.relations:
+        return q, []
+    relations = Relations.of(vocabulary.equations.form, parameters, time)
+    off = relations.residuals(q)
+    worst = int(np.argmax(np.where(np.isnan(off), np.inf, np.abs(off))))
+    if abs(off[worst]) < CONSISTENT:
+        return q, []
+    problem = (
+        f"system '{system.name}': the initial point does not satisfy the relation "
+        f"{system.fibration.relations[worst]} = 0 (residual {off[worst]:.3g})"
+    )
+    if not project:
+        raise DefinitionError(f"{problem}; correct the coordinates, or give project=True")
+    moved = relations.nearest(q, CONSISTENT)
+    if moved is None:
+        raise DefinitionError(
+            f"{problem}, and no point nearby was found that does; correct the coordinates"
+        )
+    names = (plain_name(x) for x in system.coordinates)
+    return moved, [
+        f"the initial coordinates were moved by {np.linalg.norm(moved - q):.3g} onto the relations"
+        f" ({changes(names, q, moved)})"
+    ]
 
 
 def _numbers(
@@ -97,74 +165,13 @@ def _numbers(
     for name, value in values.items():
         if isinstance(value, sp.Expr) and not value.is_number:
             value = value.xreplace({s: sp.Float(x, 17) for s, x in symbols.items()})
-        result[name] = number(value, f"initial value '{name}'")
+        place = f"system '{vocabulary.equations.system.name}': initial value '{name}'"
+        lacking = sorted(map(str, value.free_symbols)) if isinstance(value, sp.Expr) else []
+        if lacking:
+            raise DefinitionError(
+                f"{place} = {shown(value)} is not a real number, since '{lacking[0]}' has no value"
+            )
+        result[name] = number(value, place)
         if not np.isfinite(result[name]):
-            raise DefinitionError(f"initial value '{name}' = {value} is not finite")
+            raise DefinitionError(f"{place} = {value} is not finite")
     return result
-
-
-def _velocities(
-    vocabulary: Vocabulary,
-    q: np.ndarray,
-    v: np.ndarray,
-    conditions: Mapping[str, float],
-    rates: Rates,
-) -> np.ndarray:
-    """The velocities that meet the conditions; those that no condition involves stay."""
-    if not conditions:
-        return v
-    system = vocabulary.equations.system
-    own = [plain_name(x) for x in system.velocities]
-    n = len(own)
-    # rates are affine in v: their values at 0 and at the unit vectors tell them
-    values = rates(q, np.hstack([np.zeros((n, 1)), np.eye(n)]))
-    linear, offset = values[:, 1:] - values[:, :1], values[:, 0]
-    if not np.isfinite(values).all():
-        raise DefinitionError(
-            f"system '{system.name}': the velocities are not defined at the initial point"
-        )
-    dots = [plain_name(velocity(x)) for x in system.coordinates]
-    order = [name for name in (*own, *dots) if name in conditions]
-    order = list(dict.fromkeys(order))
-    rows = np.array([np.eye(n)[own.index(k)] if k in own else linear[dots.index(k)] for k in order])
-    right = np.array([conditions[k] - (0.0 if k in own else offset[dots.index(k)]) for k in order])
-    chosen = _independent(rows)
-    involved = np.abs(rows).max(axis=0) > CONSISTENT * np.abs(rows).max(initial=0.0)
-    if len(chosen) < involved.sum():
-        names = [name for name, i in zip(own, involved, strict=True) if i]
-        raise DefinitionError(
-            f"system '{system.name}': the initial velocities do not determine {', '.join(names)}; "
-            "give more velocities, or these themselves"
-        )
-    result = v.copy()
-    result[involved] = np.linalg.solve(rows[chosen][:, involved], right[chosen])
-    for name in set(own) & set(order):
-        result[own.index(name)] = conditions[name]
-    _check_consistent(vocabulary, order, conditions, rows @ result - right)
-    return result
-
-
-def _independent(rows: np.ndarray) -> list[int]:
-    """Positions of the first rows that are linearly independent."""
-    chosen: list[int] = []
-    for i in range(len(rows)):
-        scaled = [rows[j] / (np.linalg.norm(rows[j]) or 1.0) for j in (*chosen, i)]
-        if np.linalg.matrix_rank(np.array(scaled), tol=CONSISTENT) == len(scaled):
-            chosen.append(i)
-    return chosen
-
-
-def _check_consistent(
-    vocabulary: Vocabulary, order: list[str], conditions: Mapping[str, float], excess: np.ndarray
-) -> None:
-    scale = 1.0 + max(map(abs, conditions.values()))
-    worst = int(np.argmax(np.abs(excess)))
-    if abs(excess[worst]) <= CONSISTENT * scale:
-        return
-    name = order[worst]
-    value = float(conditions[name])
-    raise DefinitionError(
-        f"system '{vocabulary.equations.system.name}': the initial velocities are off the "
-        f"constraints: '{name}' = {value:.12g}, where the others give {value + excess[worst]:.12g} "
-        f"(residual {abs(excess[worst]):.3g}); correct '{name}' or leave it out"
-    )

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import csv
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import mpmath
 import numpy as np
 import sympy as sp
 
 from voronec.errors import DefinitionError, did_you_mean
+from voronec.flow.events import Crossings
 from voronec.flow.vocabulary import label
 from voronec.system import System
 
@@ -25,7 +27,9 @@ class Cost:
 
     ``method`` was chosen for ``reason``; ``tolerance`` is the one in force.  ``setup`` (deriving
     and compiling) and ``run`` are seconds.  ``evaluations`` counts those of the right-hand side;
-    the Taylor method expands it once a step, and then both numbers agree.
+    a Taylor method expands it once a step, and then both numbers agree.  ``switches`` counts
+    changes of chart; ``level`` says in which variables the equations stood; ``cpu`` are the seconds
+    of the processor that the run took.
     """
 
     method: str
@@ -35,6 +39,9 @@ class Cost:
     run: float
     steps: int
     evaluations: int
+    switches: int = 0
+    level: str = "coordinates"
+    cpu: float = 0.0
 
     @property
     def seconds(self) -> float:
@@ -43,8 +50,10 @@ class Cost:
 
     def __str__(self) -> str:
         return (
-            f"{self.method} ({self.reason}), tol {self.tolerance:.1e}: set-up {self.setup:.2f} s, "
+            f"{self.method} ({self.reason}), in {self.level}, tol {self.tolerance:.1e}: "
+            f"set-up {self.setup:.2f} s, "
             f"run {self.run:.3g} s, {self.steps} steps, {self.evaluations} evaluations"
+            + (f", {self.switches} changes of chart" if self.switches else "")
         )
 
 
@@ -61,7 +70,12 @@ class Trajectory:
     (below a millionth of S), the change is relative to S instead; where S itself stays below
     1e-9, the change is absolute.  ``residuals`` maps each relation between redundant coordinates
     to its largest value.
-    ``interrupted`` says that the run was stopped by hand; then the grid ends where it came to.
+
+    ``events`` maps each event to its ``Crossings``; ``stopped`` names the one that ended the run,
+    and then the last instant is that crossing.  ``interrupted`` says that the run was stopped by
+    hand, ``halted`` why it could not go on (of the part that an ``IntegrationError`` keeps); the
+    grid then ends where it came to.  ``notes`` say what was done to the initial data on request.
+    Of the method ``flint`` all numbers are mpmath's, in arrays of objects.
     """
 
     system: System
@@ -76,6 +90,26 @@ class Trajectory:
     residuals: Mapping[str, float]
     cost: Cost
     interrupted: bool = False
+    events: Mapping[str, Crossings] = field(default_factory=dict)
+    stopped: str = ""
+    halted: str = ""
+    notes: tuple[str, ...] = ()
+    within: Callable[[np.ndarray], Trajectory] | None = None
+
+    def at(self, times: Any) -> Trajectory:
+        """The motion at any times between the first and the last, in any order; a run with
+        ``dense=True`` knows them as accurately as its grid."""
+        if self.within is None:
+            raise DefinitionError("the trajectory knows its own instants only; integrate with "
+                                  "dense=True")  # fmt: skip
+        wanted = np.atleast_1d(np.array(times))
+        ends = sorted((self.t[0], self.t[-1]))
+        if wanted.ndim != 1 or not all(ends[0] <= time <= ends[1] for time in wanted):
+            raise DefinitionError(
+                f"the trajectory reaches from t = {float(ends[0]):.12g} to {float(ends[1]):.12g}; "
+                "give times within"
+            )
+        return self.within(wanted)
 
     def __getitem__(self, key: Any) -> np.ndarray:
         name = key if isinstance(key, str) else label(sp.sympify(key))
@@ -119,10 +153,27 @@ class Trajectory:
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(["t", *self.outputs])
-            writer.writerows(zip(*(column.tolist() for column in columns), strict=True))
+            writer.writerows(zip(*map(_written, columns), strict=True))
 
     def _write_npz(self, path: Path) -> None:
         arrays: dict[str, Any] = {"t": self.t, "state": self.state, "names": np.array(self.names)}
         arrays |= {f"parameter {name}": value for name, value in self.parameters.items()}
         arrays = {name: self[name] for name in self.outputs} | arrays
-        np.savez(path, **arrays)
+        np.savez(path, **{name: _plain(array) for name, array in arrays.items()})
+
+
+def _written(column: np.ndarray) -> list[Any]:
+    """Numbers with all their digits: doubles as they are, mpmath's as text."""
+    if column.dtype != object:
+        return list(column.tolist())
+    digits = max((int(x._mpf_[3] * 0.302) + 2 for x in column), default=17)
+    return [mpmath.nstr(x, max(digits, 17)) for x in column]
+
+
+def _plain(array: Any) -> Any:
+    """An array that is stored without pickling: mpmath's numbers as text."""
+    if isinstance(array, mpmath.mpf):
+        return np.array(_written(np.array([array], dtype=object))[0])
+    if isinstance(array, np.ndarray) and array.dtype == object:
+        return np.array(_written(array.ravel())).reshape(array.shape)
+    return array

@@ -11,27 +11,47 @@ import sympy as sp
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
 from voronec.claims import right_of
 from voronec.errors import DefinitionError, did_you_mean
+from voronec.reading import expression, shown
 
 if TYPE_CHECKING:
     from voronec.equations import VoronecEquations
 
-__all__ = ["Vocabulary", "label", "number"]
+__all__ = ["Vocabulary", "Wanted", "label", "number"]
+
+CONFIGURATION = "configuration"
+"""The output that stands for all coordinates: what an animation needs."""
 
 
 def number(value: Any, place: str) -> float:
     """A real number as a double, or ``DefinitionError`` naming the place."""
-    if isinstance(value, float | int):
-        return float(value)
     try:
+        if isinstance(value, float | int):
+            return float(value)
         return float(sp.sympify(value).evalf(25))
-    except (TypeError, ValueError, sp.SympifyError, AttributeError):
-        raise DefinitionError(f"{place} = {value} is not a real number") from None
+    except (TypeError, ValueError, OverflowError, sp.SympifyError, AttributeError):
+        raise DefinitionError(f"{place} = {shown(value)} is not a real number") from None
 
 
 def label(expr: sp.Expr) -> str:
     """What a symbol, a velocity or an expression is called."""
     bare = expr.expr if isinstance(expr, sp.Derivative) else expr
     return plain_name(expr) if is_symbolic_name(bare) else str(expr)
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Outputs spelled out.
+
+    ``names`` in the order asked for, each once; what each is: ``given``, in the user's symbols,
+    those of invariants among them, and ``expressions``, the same inside the door, in coordinates,
+    velocities, time and parameters; or ``reactions``, positions of constraints, which need the
+    accelerations too (``voronec.flow.reactions.Multipliers``).
+    """
+
+    names: tuple[str, ...]
+    given: Mapping[str, sp.Expr]
+    expressions: Mapping[str, Any]
+    reactions: Mapping[str, int]
 
 
 @dataclass(frozen=True)
@@ -57,6 +77,47 @@ class Vocabulary:
         named = {plain_name(x): x for x in others}
         return cls(equations, symbols, {**system.invariants, **named, **integrals})
 
+    @property
+    def reactions(self) -> dict[str, int]:
+        """``reaction k`` is lambda_k of constraint k; positions count from 0.
+
+        It is the multiplier of ``voronec.reaction_forces``: A^T lambda is what the constraints do,
+        in units of dL/dq.
+        """
+        return {f"reaction {k + 1}": k for k in range(len(self.equations.system.constraints))}
+
+    @property
+    def groups(self) -> dict[str, tuple[Any, ...]]:
+        """Outputs that stand for several: the whole configuration, and each trace of a contact that
+        the system draws."""
+        system = self.equations.system
+        own = system.drawing if isinstance(system.drawing, Mapping) else {}
+        traces = {title: tuple(names) for title, names in own.items() if isinstance(title, str)}
+        return {CONFIGURATION: system.coordinates, **traces}
+
+    def wanted(self, outputs: Iterable[Any]) -> Wanted:
+        """Outputs spelled out; where there are none, all coordinates and velocities.
+
+        Each is a name, a symbol or an expression; ``reaction k``, ``configuration``, or the title
+        of a contact's trace.  A quantity of the system comes before these where names agree.
+        """
+        system = self.equations.system
+        reactions, groups = self.reactions, self.groups
+        own = {*self.symbols, *self.claims}
+        keys = tuple(outputs) or (*system.coordinates, *system.velocities)
+        spelled: dict[str, sp.Expr | None] = {}
+        chosen: dict[str, int] = {}
+        for key in keys:
+            name = key if isinstance(key, str) and key not in own else ""
+            if name in reactions:
+                chosen[name] = reactions[name]
+                spelled[name] = None
+            else:
+                spelled |= map(self.asked, groups.get(name, (key,)))
+        given = {name: e for name, e in spelled.items() if e is not None}
+        inside = {name: self.inward(e) for name, e in given.items()}
+        return Wanted(tuple(spelled), given, inside, chosen)
+
     def name(self, key: Any, among: Iterable[str], role: str) -> str:
         """The plain name of a symbol or name, which must be among some."""
         name = key if isinstance(key, str) else self._plain(key, role)
@@ -69,28 +130,38 @@ class Vocabulary:
         return name
 
     def quantity(self, key: Any) -> tuple[str, Any]:
-        """An output: what it is called, and its expression inside.
+        """A single output: what it is called, and its expression inside.
 
         ``key`` is a name, a symbol, or an expression in them.
         """
+        name, expr = self.asked(key)
+        return name, self.inward(expr)
+
+    def asked(self, key: Any) -> tuple[str, sp.Expr]:
+        """The same with the expression in the user's symbols, those of invariants among them."""
         system = self.equations.system
+        invariants = dict(zip(system.invariants, system.invariant_symbols, strict=True))
+        known = {**self.claims, **invariants, **self.symbols}
         if isinstance(key, str):
-            name = self.name(key, [*self.symbols, *self.claims], "output")
-            return name, self.inward(self.symbols.get(name, self.claims.get(name)))
-        expr = sp.sympify(key)
+            name = self.name(key, [*known, *self.reactions, *self.groups], "output")
+            if name not in known:
+                raise DefinitionError(
+                    f"system '{system.name}': '{name}' is no single expression; ask for it as an "
+                    "output of its own"
+                )
+            return name, known[name]
+        expr = expression(key, f"system '{system.name}': an output")
         for symbol in sorted(expr.free_symbols, key=str):
             if str(symbol) not in {*self.symbols, *system.invariants}:
                 raise DefinitionError(
                     f"system '{system.name}': the output '{expr}' contains '{symbol}'"
-                    f"{did_you_mean(str(symbol), self.symbols)}"
+                    f"{did_you_mean(str(symbol), [*self.symbols, *system.invariants])}"
                 )
         name = label(expr)
-        if expr in system.invariant_symbols:
-            return name, self.inward(expr)
-        if name != str(expr) or name in self.symbols:
+        if expr not in system.invariant_symbols and (name != str(expr) or name in self.symbols):
             name = self.name(name, self.symbols, "output")
-            return name, self.inward(self.symbols[name])
-        return name, self.inward(expr)
+            return name, self.symbols[name]
+        return name, expr
 
     def inward(self, expr: Any) -> Any:
         """A user's expression inside the door, its invariants spelled out."""

@@ -22,6 +22,7 @@ from voronec.kinematics.groups import (
     skew_entries,
     wedge_square,
 )
+from voronec.kinematics.poles import turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.surfaces import Surface
@@ -44,6 +45,7 @@ __all__ = [
     "product_moments",
     "skew",
     "skew_entries",
+    "turned_poles",
     "uniform_field_energy",
     "wedge_square",
 ]

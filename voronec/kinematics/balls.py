@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import sympy as sp
 
+from voronec.charts import Chart
 from voronec.kinematics.bodies import kinetic_energy, point_velocity
+from voronec.kinematics.poles import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, cross, dot, three
@@ -25,14 +27,16 @@ class RollingBall:
     """A ball on a fixed surface: contact, mass, principal moments about the centre of mass.
 
     ``offset`` is the centre of mass from the ball's centre.  Vectors are along the ball's principal
-    axes, the polar axis of (u, v) being the third of them.  Nothing is assumed about slipping:
-    velocities are those of the coordinates; ``no_slip`` and ``no_twist`` are the constraints.
+    axes, the polar axis of (u, v) being the third of them, or, where it is ``turned``, the first.
+    Nothing is assumed about slipping: velocities are those of the coordinates; ``no_slip`` and
+    ``no_twist`` are the constraints.
     """
 
     contact: RollingContact
     mass: Any
     inertia: tuple[Any, Any, Any]
     offset: tuple[Any, Any, Any] = (sp.Integer(0), sp.Integer(0), sp.Integer(0))
+    turned: bool = False
 
     @classmethod
     def on_sphere(
@@ -79,13 +83,12 @@ class RollingBall:
     @property
     def spin(self) -> Vector:
         """omega, the angular velocity."""
-        return self.contact.angular_velocity
+        return self._along_axes(self.contact.spin)
 
     @cached_property
     def normal(self) -> Vector:
         """gamma = R^T n1, the normal of the fixed surface, from the contact to the centre."""
-        x, y, z = -self.contact.body.frame[:, 2]
-        return x, y, z
+        return self._along_axes((0, 0, -1))
 
     @property
     def no_slip(self) -> tuple[sp.Expr, sp.Expr]:
@@ -141,8 +144,17 @@ class RollingBall:
 
     def _along_axes(self, vector: Vector) -> Vector:
         """A vector along (u, v, n) brought to the ball's axes."""
-        x, y, z = self.contact.body.frame * sp.ImmutableMatrix(vector)
+        along = self.contact.body.frame * sp.ImmutableMatrix(vector)
+        x, y, z = HALF_TURN * along if self.turned else along
         return x, y, z
+
+    def charts(self, declared: Callable[[RollingBall], Mapping[str, Any]]) -> dict[str, Chart]:
+        """Charts of a system of this ball, with the poles of the coordinates elsewhere.
+
+        ``declared`` gives the Lagrangian, and the frame with velocities along the principal axes,
+        of a ball.
+        """
+        return turned_poles(self.contact, declared(replace(self, turned=True)))
 
 
 def contact_momentum(

@@ -5,16 +5,22 @@ it as Python, C or mpmath source, as a compiled Python function, or as heyoka ex
 """
 
 from voronec.program.c import c_source
+from voronec.program.constants import Hoisted, hoisted
+from voronec.program.low_rank import solved
 from voronec.program.python import compiled, mpmath_source, python_source
 from voronec.program.straight import Block, Program
-from voronec.program.taylor import taylor_system
+from voronec.program.taylor import taylor_extras, taylor_system
 
 __all__ = [
     "Block",
+    "Hoisted",
     "Program",
     "c_source",
     "compiled",
+    "hoisted",
     "mpmath_source",
     "python_source",
+    "solved",
+    "taylor_extras",
     "taylor_system",
 ]

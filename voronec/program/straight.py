@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
@@ -12,12 +13,18 @@ import symengine as se
 from voronec.algebra.stages import needed
 from voronec.algebra.tape import is_atom
 from voronec.errors import DefinitionError
-from voronec.program.triangular import coupled_rows, solve_symmetric
+from voronec.program.factoring import nested
+from voronec.program.low_rank import Elimination, eliminations
+from voronec.program.triangular import coupled_rows
+from voronec.program.weight import evaluation_weight, taylor_weight
 
 if TYPE_CHECKING:
     from voronec.derivation import FirstOrderForm
 
 __all__ = ["Block", "Program"]
+
+NESTED = 1_000
+"""Above this many operations sums stay as they are: to try both forms would take too long."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +43,10 @@ class Block:
     def operations(self) -> int:
         """How many operations one evaluation costs."""
         return int(se.count_ops(*self.expressions))
+
+    def weight(self, constants: Iterable[Any]) -> float:
+        """What it costs Taylor's method, in products of moving quantities."""
+        return taylor_weight(self.assignments, self.results, constants)
 
     @property
     def symbols(self) -> set[Any]:
@@ -60,12 +71,16 @@ class Program:
     extras: Block
 
     @classmethod
-    def of(cls, form: FirstOrderForm, extras: Mapping[str, Any] | None = None) -> Program:
+    def of(
+        cls,
+        form: FirstOrderForm,
+        extras: Mapping[str, Any] | None = None,
+    ) -> Program:
         """The program of ``qdot = rates, mass * vdot = force``, with extra quantities.
 
         ``extras`` maps names to symengine expressions in q, v, t, the parameters and the
-        velocities of all coordinates, for which the rates are put in.  Raises
-        ``DefinitionError`` for an unknown function or symbol, and for a matrix without a pivot.
+        velocities of all coordinates, for which the rates are put in.  Raises ``DefinitionError``
+        for an unknown function or symbol, and for a matrix without a pivot.
         """
         wanted = dict(extras or {})
         known = [form.time, *form.coordinates, *form.velocities, *form.parameters]
@@ -98,22 +113,50 @@ class Program:
         """How many operations one evaluation of the right-hand side costs."""
         return self.derivative.operations
 
+    @cached_property
+    def weight(self) -> float:
+        """What a step of Taylor's method costs, in products of moving quantities."""
+        return self.derivative.weight(self.parameters)
+
+    @cached_property
+    def evaluation_weight(self) -> int:
+        """What one evaluation costs, in additions; functions and quotients count for several."""
+        return evaluation_weight(self.derivative.expressions)
+
 
 def _derivative(form: FirstOrderForm, known: Sequence[Any]) -> Block:
-    """Shared subexpressions first; then the elimination, on their names."""
-    coupled = sorted(coupled_rows(form.mass))
+    """The cheaper of two ways to write it: expressions as they are, and with factors nested."""
+    mass = form.mass
     single = {
-        i: force / form.mass[i][i] if force != 0 else force
+        i: force / mass[i][i] if force != 0 else force
         for i, force in enumerate(form.force)
-        if i not in coupled and form.mass[i][i] != 0
+        if i not in coupled_rows(mass) and mass[i][i] != 0
     }
     left = [i for i in range(len(form.force)) if i not in single]
-    pairs = [(i, j) for i in left for j in left if j <= i]
-    entries = [form.mass[i][j] for i, j in pairs]
-    fresh = _fresh(known)
-    results = [*form.rates, *single.values(), *(form.force[i] for i in left), *entries]
-    block = _shared(results, fresh, form.stages)
-    results, assignments = list(block.results), list(block.assignments)
+    rows = [[mass[i][j] for j in left] for i in left]
+    blocks = eliminations(rows, form.parameters, form.relations, form.positive)
+    exprs = [*form.rates, *single.values(), *(form.force[i] for i in left)]
+    exprs += [e for block in blocks for e in block.expressions]
+
+    def written(change: Callable[[Any], Any]) -> Block:
+        fresh = _fresh(known)
+        stages = [(name, change(e)) for name, e in form.stages]
+        shared = _shared([change(e) for e in exprs], fresh, stages)
+        return _eliminated(form, single, left, blocks, shared, fresh)
+
+    plain = written(se.sympify)
+    if plain.operations > NESTED:
+        return plain
+    bracketed = written(lambda e: nested(e, form.parameters))
+    return min(plain, bracketed, key=lambda block: block.weight(form.parameters))
+
+
+def _eliminated(
+    form: FirstOrderForm, single: Mapping[int, Any], left: Sequence[int],
+    blocks: Sequence[Elimination], shared: Block, fresh: Iterator[Any],
+) -> Block:  # fmt: skip
+    """Shared subexpressions first; then the elimination, on their names."""
+    results, assignments = list(shared.results), list(shared.assignments)
 
     def name(expr: Any) -> Any:
         if not expr.args:
@@ -124,13 +167,14 @@ def _derivative(form: FirstOrderForm, known: Sequence[Any]) -> Block:
     rates = [results.pop(0) for _ in form.rates]
     vdot = {i: results.pop(0) for i in single}
     force = [results.pop(0) for _ in left]
-    half = dict(zip(pairs, map(name, results), strict=True))
-    matrix = [[half[max(i, j), min(i, j)] for j in left] for i in left]
-    vdot |= zip(left, solve_symmetric(matrix, force, name), strict=True)
+    for block in blocks:
+        entries = [name(results.pop(0)) for _ in block.expressions]
+        values = block.solve(entries, [force[i] for i in block.rows], name)
+        vdot |= zip((left[i] for i in block.rows), values, strict=True)
     return _pruned(assignments, [*rates, *(vdot[i] for i in range(len(form.force)))])
 
 
-def _fresh(known: Iterable[Any]) -> Any:
+def _fresh(known: Iterable[Any]) -> Iterator[Any]:
     """Symbols c0, c1, ... with a prefix that no known name shares."""
     taken = {str(s) for s in known}
     prefix = "c"
@@ -139,7 +183,9 @@ def _fresh(known: Iterable[Any]) -> Any:
     return (se.Symbol(f"{prefix}{i}") for i in count())
 
 
-def _shared(exprs: Sequence[Any], fresh: Any, stages: Sequence[tuple[Any, Any]] = ()) -> Block:
+def _shared(
+    exprs: Sequence[Any], fresh: Iterator[Any], stages: Sequence[tuple[Any, Any]] = ()
+) -> Block:
     """Common subexpressions of several expressions and of the stages they need, freshly named."""
     stages = _pruned(stages, exprs).assignments
     if not exprs:

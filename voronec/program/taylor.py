@@ -13,9 +13,9 @@ import symengine as se
 
 from voronec.errors import EngineLimit
 from voronec.program.printing import rational, rewritten
-from voronec.program.straight import Program
+from voronec.program.straight import Block, Program
 
-__all__ = ["taylor_system"]
+__all__ = ["taylor_extras", "taylor_system"]
 
 
 def taylor_system(program: Program) -> list[tuple[Any, Any]]:
@@ -26,14 +26,35 @@ def taylor_system(program: Program) -> list[tuple[Any, Any]]:
     """
     import heyoka as hy
 
+    variables, known = _names(program, hy)
+    results = _built_block(program.derivative, known, hy)
+    return list(zip(variables, results, strict=True))
+
+
+def taylor_extras(program: Program) -> dict[str, Any]:
+    """The extra quantities by name, in the variables and parameters of ``taylor_system``.
+
+    Events and compiled functions of heyoka take them.
+    """
+    import heyoka as hy
+
+    _, known = _names(program, hy)
+    return dict(zip(program.names, _built_block(program.extras, known, hy), strict=True))
+
+
+def _names(program: Program, hy: Any) -> tuple[list[Any], dict[Any, Any]]:
+    """heyoka's variables of the state, and what every symbol of the program stands for."""
     variables = [hy.expression(f"y{i}") for i in range(len(program.state))]
     known: dict[Any, Any] = dict(zip(program.state, variables, strict=True))
     known |= {p: hy.par[i] for i, p in enumerate(program.parameters)}
     known[program.time] = hy.time
-    for name, expr in program.derivative.assignments:
+    return variables, known
+
+
+def _built_block(block: Block, known: dict[Any, Any], hy: Any) -> list[Any]:
+    for name, expr in block.assignments:
         known[name] = _build(expr, known, hy)
-    results = [_build(r, known, hy) for r in program.derivative.results]
-    return list(zip(variables, results, strict=True))
+    return [_build(r, known, hy) for r in block.results]
 
 
 def _build(expr: Any, known: dict[Any, Any], hy: Any) -> Any:

@@ -11,6 +11,7 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.angles import Angles, holds_angles
 from voronec.algebra.symbols import plain_name, time
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.relations.declaration import Relation
@@ -83,7 +84,7 @@ class StateMap:
         Raises ``EngineLimit`` where it is infinite on the image.
         """
         mapping = {**self.state, **self._functions.plain}
-        return self._functions.replaced(expr, mapping)
+        return self._resolved(self._functions.replaced(expr, mapping))
 
     def scale(self, expr: Any) -> Any:
         """A function of the source's state with its parameters as functions of the small one."""
@@ -91,7 +92,15 @@ class StateMap:
 
     def derivative(self, function: Any) -> Any:
         """d/dt along the motion of the source."""
-        return self.scale(self.source.derivative(function))
+        return self._resolved(self.scale(self.source.derivative(function)))
+
+    @cached_property
+    def _angles(self) -> Angles | None:
+        """What is known of the angles that the map gives by their tangents, where it does."""
+        return Angles(self.relations) if holds_angles(self.state.values()) else None
+
+    def _resolved(self, expr: Any) -> Any:
+        return expr if self._angles is None else self._angles.resolved(expr)
 
     @property
     def relations(self) -> tuple[Any, ...]:

@@ -1,0 +1,228 @@
+"""Charts: declared, proved, and gone through near singularities."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import sympy as sp
+from pole_free import VALUES, reference, without_poles
+
+import voronec as vo
+from voronec.flow.charts import kept_charts
+from voronec.flow.events import Event
+from voronec.flow.probe import quantities
+from voronec.flow.steppers import Problem, choose, guarded
+from voronec.flow.traverse import through_charts
+from voronec.program import Program, compiled
+from voronec.relations.charts import check_charts
+from voronec.vector_field import Motions
+
+
+@pytest.fixture(scope="module")
+def demchenko():
+    return vo.derive(vo.load("demchenko"))
+
+
+def run(equations, start, times, method="scipy", tol=1e-13, charts=True, **more):
+    """States on a grid, in the charts of a system or in its own only."""
+    program, functions = Program.of(equations.form), more.pop("functions", {})
+    values = [VALUES[str(p)] for p in program.parameters]
+    problem = Problem(program, np.array(start, dtype=float), values, tol, **more)
+    grid = np.array(times, dtype=float)
+    if charts:
+        return through_charts(method, problem, grid, equations, functions)[0](grid)
+    return guarded(choose(method, problem, grid)[0](grid), problem)
+
+
+NEAR_POLE = [1e-6, 0.4, 1.0, 1.2, 0.3, 0.7, 0.2, 0.3]
+"""The contact almost at the pole of the ball."""
+ON_BOTH_POLES = [0.0, 0.4, 1.0, 0.0, 0.3, 0.7, 0.2, 0.3]
+
+
+def verdicts(system):
+    return {claim.name: claim.verdict for claim in check_charts(Motions.of(system))}
+
+
+def test_the_charts_of_a_ball_on_a_sphere_are_proved():
+    found = verdicts(vo.load("demchenko"))
+    assert len(found) == 3
+    assert all(verdict.proved for verdict in found.values()), found
+
+
+def test_the_chart_of_a_ball_on_a_plane_turns_the_ball_alone():
+    system = vo.load("zhukovsky-ball")
+    assert [*system.charts] == ["pole of the ball turned"]
+    assert verdicts(system)["pole of the ball turned"].proved
+
+
+def changed(system, name, **changes):
+    chart = replace(system.charts[name], **changes)
+    return replace(system, charts={name: chart})
+
+
+def test_a_chart_that_is_no_motion_is_refuted():
+    system = vo.load("demchenko")
+    wrong = changed(system, "pole of the ball turned", changes={})  # the rotor is left where it was
+    verdict = verdicts(wrong)["pole of the ball turned"]
+    assert verdict.refuted
+    assert verdict.witness is not None
+
+
+def test_a_chart_whose_way_back_leads_elsewhere_is_refuted():
+    system = vo.load("demchenko")
+    name = "pole of the sphere turned"
+    theta = sp.Symbol("theta")
+    back = {**system.charts[name].state, "theta": system.charts[name].state["theta"] + 1}
+    verdict = verdicts(changed(system, name, back=back))[name]
+    assert verdict.refuted
+    assert verdict.method.startswith("there and back")
+    assert theta in back["theta"].free_symbols
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"state": {"w": sp.Symbol("u")}}, "maps 'w', which is no coordinate"),
+        ({"state": {"u": sp.Symbol("w")}}, "contains 'w', which is neither"),
+        ({"singular": sp.Symbol("w")}, "contains 'w', which is neither"),
+    ],
+)
+def test_a_chart_names_what_it_does_not_know(changes, message):
+    system = vo.load("demchenko")
+    with pytest.raises(vo.DefinitionError, match=message):
+        changed(system, "pole of the sphere turned", **changes)
+
+
+def test_a_chart_may_not_change_the_fibration():
+    with pytest.raises(vo.DefinitionError, match="a chart changes 'fibration'; it may change lag"):
+        vo.Chart({"u": sp.Symbol("u")}, sp.Symbol("u"), {"fibration": None})
+
+
+def test_there_and_back_is_the_identity(demchenko):
+    charts = kept_charts(demchenko, demchenko.form)
+    rng = np.random.default_rng(5)
+    size = 200
+    rows = rng.uniform(0.1, 3.0, (size, 8))  # u and u1 between 0 and pi
+    for chart in charts:
+        forward, back = (
+            compiled(quantities(demchenko.form, {str(x): e for x, e in values.items()}))[1]
+            for values in (chart.there, chart.back)
+        )
+        constants = [VALUES[str(p)] for p in demchenko.form.parameters]
+        there = forward(np.zeros(size), list(rows.T), constants)
+        again = np.array(back(np.zeros(size), there, constants)).T
+        off = again - rows
+        off[:, :5] -= 2 * np.pi * np.rint(off[:, :5] / (2 * np.pi))
+        # theta is a sum of angles of several turns, and near a pole angles are known less well
+        scale = 1 / np.minimum(np.abs(np.sin(rows[:, 0])), np.abs(np.sin(rows[:, 3])))
+        assert np.abs(off / scale[:, None]).max() < 4e-14, chart.name
+        there, again = np.array(there).T, again
+        same = [
+            np.abs(without_poles(a) - without_poles(b)).max()
+            for a, b in zip(rows, again, strict=True)
+        ]
+        assert max(same) < 4e-15
+
+
+def test_a_run_through_the_pole_agrees_with_the_equations_that_have_none(demchenko):
+    start = run(demchenko, NEAR_POLE, [0, -1.5]).states[-1]
+    found = run(demchenko, start, [-1.5, 1.5])
+    assert found.switches == 2
+    assert np.abs(without_poles(found.states[-1]) - reference(start, 3)).max() < 1e-12
+
+
+def test_a_run_in_charts_takes_a_fraction_of_the_evaluations(demchenko):
+    start = run(demchenko, NEAR_POLE, [0, -1.5]).states[-1]
+    found, plain = (run(demchenko, start, [-1.5, 1.5], charts=c) for c in (True, False))
+    assert 3 * found.evaluations < plain.evaluations
+
+
+def test_a_run_may_start_on_both_poles(demchenko):
+    found = run(demchenko, ON_BOTH_POLES, [0, 2])
+    assert found.switches == 1
+    assert np.abs(without_poles(found.states[-1]) - reference(ON_BOTH_POLES, 2)).max() < 1e-12
+
+
+def test_angles_come_back_on_their_branch(demchenko):
+    start = run(demchenko, [1e-3, *NEAR_POLE[1:]], [0, -3]).states[-1]
+    grid = np.linspace(-3, 3, 601)
+    found, plain = (run(demchenko, start, grid, charts=c) for c in (True, False))
+    assert found.switches == 2
+    assert np.abs(found.states - plain.states).max() < 1e-9
+
+
+def test_a_run_backwards_retraces_the_way(demchenko):
+    there = run(demchenko, NEAR_POLE, [0, 1.0, 2.0])
+    back = run(demchenko, there.states[-1], [2.0, 1.0, 0.0])
+    assert back.switches == 1
+    assert np.abs(without_poles(back.states[1]) - without_poles(there.states[1])).max() < 1e-12
+    assert np.abs(without_poles(back.states[2]) - without_poles(np.array(NEAR_POLE))).max() < 1e-11
+
+
+def test_events_happen_in_every_chart(demchenko):
+    start = run(demchenko, [1e-3, *NEAR_POLE[1:]], [0, -1]).states[-1]
+    u = demchenko.door.inward(sp.Symbol("u"))
+    dot = demchenko.door.inward(vo.velocity(sp.Symbol("u")))
+    functions = {"lowest": dot, "close": u - sp.Rational(1, 200)}
+    events = (Event("lowest", "lowest", 1), Event("close", "close", -1))
+    more = {"events": events, "levels": quantities(demchenko.form, functions)}
+    seen = run(demchenko, start, [-1, 1], functions=functions, **more)
+    plain = run(demchenko, start, [-1, 1], charts=False, **more)
+    assert seen.switches == 2
+    for name in functions:
+        (t, states), (expected, where) = seen.crossings[name], plain.crossings[name]
+        assert len(t) == len(expected) == 1
+        assert abs(t[0] - expected[0]) < 1e-9
+        assert np.abs(without_poles(states[0]) - without_poles(where[0])).max() < 1e-9
+
+
+def test_an_event_in_another_chart_stops_the_run(demchenko):
+    start = run(demchenko, [1e-3, *NEAR_POLE[1:]], [0, -1]).states[-1]
+    functions = {"close": demchenko.door.inward(sp.Symbol("u")) - sp.Rational(1, 200)}
+    more = {
+        "events": (Event("close", "close", -1, True),),
+        "levels": quantities(demchenko.form, functions),
+        "functions": functions,
+    }
+    stopped = run(demchenko, start, [-1, 0, 1], **more)
+    assert stopped.stopped == "close"
+    assert len(stopped.t) == 2
+    assert stopped.states[-1, 0] == pytest.approx(1 / 200, abs=1e-12)
+
+
+def test_dense_runs_are_known_everywhere(demchenko):
+    start = run(demchenko, [1e-3, *NEAR_POLE[1:]], [0, -2]).states[-1]
+    times = np.linspace(-1.9, 1.9, 97)
+    dense = run(demchenko, start, [-2, 2], dense=True)
+    plain = run(demchenko, start, [-2, *times, 2], charts=False)
+    assert dense.switches == 2
+    assert np.abs(dense.inside(times) - plain.states[1:-1]).max() < 1e-9
+
+
+def test_heyoka_goes_through_the_charts_to_the_last_digits(demchenko):
+    pytest.importorskip("heyoka")
+    start = run(demchenko, NEAR_POLE, [0, -1.5]).states[-1]
+    found = run(demchenko, start, [-1.5, 0.5, 1.5], "heyoka", 1e-16)
+    assert found.switches == 2
+    assert np.abs(without_poles(found.states[-1]) - reference(start, 3)).max() < 1e-14
+
+
+def test_what_leaves_out_the_sphere_keeps_the_chart_of_the_ball(demchenko):
+    form = demchenko.form
+    kept = [i for i, q in enumerate(form.coordinates) if str(q) in ("u", "v")]
+    smaller = replace(
+        form,
+        coordinates=tuple(form.coordinates[i] for i in kept),
+        rates=tuple(form.rates[i] for i in kept),
+        velocity_symbols=tuple(form.velocity_symbols[i] for i in kept),
+    )
+    charts = kept_charts(demchenko, smaller)
+    assert [c.name for c in charts] == ["pole of the ball turned"]
+    values = [VALUES[str(p)] for p in form.parameters]
+    start = np.array([1e-6, 0.4, 0.7, 0.2, 0.3])
+    problem = Problem(Program.of(smaller), start, values, 1e-13)
+    grid = np.array([0.0, 1.0])
+    found = through_charts("scipy", problem, grid, demchenko, {}, smaller)[0](grid)
+    whole = run(demchenko, NEAR_POLE, grid)
+    assert found.switches == 1
+    assert np.abs(found.states[-1] - whole.states[-1][[0, 1, 5, 6, 7]]).max() < 1e-9

@@ -1,0 +1,135 @@
+"""``voronec bench``: what it prints and writes, its statuses, its refusals."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command_line import Call, refused
+
+from voronec.bench.contender import NotHere
+from voronec.bench.runs import CONTENDERS
+
+FILE = """
+import sympy as sp
+import voronec as vo
+
+q = sp.Symbol("q")
+k = sp.Symbol("k")
+SYSTEM = vo.System(
+    name="spring",
+    title="A spring",
+    fibration=vo.Fibration(base=(q,)),
+    lagrangian=(vo.velocity(q) ** 2 - k * q**2) / 2,
+    parameters=(vo.Parameter(k, 1, positive=True),),
+    integrals={"energy": (vo.velocity(q) ** 2 + k * q**2) / 2},
+    scenes={"default": vo.Scene(initial={q: 1}, times=(0, 4))},
+)
+"""
+QUICK = ("--methods", "scipy,dop853-lambdify-coordinates", "--tols", "1e-5,1e-9")
+
+
+@pytest.fixture(autouse=True)
+def no_processes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Set-up is measured in fresh processes, which other tests start."""
+    monkeypatch.setattr("voronec.bench.measure_setup", lambda *_: None)
+
+
+@pytest.fixture
+def spring(call: Call) -> str:
+    Path("spring.py").write_text(FILE)
+    return "spring.py"
+
+
+def test_a_table_a_record_and_a_plot_are_written(call: Call, spring: str) -> None:
+    answer = call("bench", spring, *QUICK)
+    assert answer.status == 0 and answer.err == ""
+    lines = answer.out.splitlines()
+    assert lines[0] == "spring, scene default: t from 0 to 4, 101 instants"
+    assert lines[1] == "outputs: q, qdot"
+    assert lines[2].startswith("reference: accurate to ") and "agree" in lines[2]
+    assert lines[-1].startswith("wrote ")
+    rows = [line.split() for line in lines]
+    table = [r for r in rows if r[:1] == ["scipy"] and r[1:2] in (["1e-05"], ["1e-09"])]
+    assert len(table) == 2 and float(table[0][2]) > float(table[1][2])
+    folder = Path("spring-bench")
+    assert sorted(p.name for p in folder.iterdir()) == [
+        "bench.json", "bench.txt", "work-precision.svg",
+    ]  # fmt: skip
+    assert (folder / "bench.txt").read_text().splitlines() == lines[:-1]
+    assert "<svg" in (folder / "work-precision.svg").read_text()
+
+
+def test_json_is_the_record_that_is_written(call: Call, spring: str) -> None:
+    words = ("--time", "1/2", "--set", "k=4", "--outputs", "q", "--out", "there", "--json")
+    data = json.loads(call("bench", spring, *QUICK, *words).out)
+    assert data.pop("files") == [f"there/{n}" for n in ("bench.json", "bench.txt",
+                                                       "work-precision.svg")]  # fmt: skip
+    assert data == json.loads(Path("there/bench.json").read_text())
+    assert data["times"] == [0, 0.5] and data["parameters"] == {"k": 4}
+    assert data["outputs"] == ["q"] and data["setup_seconds"] is None
+    assert [m["name"] for m in data["methods"]] == QUICK[1].split(",")
+    assert data["reference"]["accuracy"] < 1e-13
+
+
+def test_what_did_not_take_part_is_named(call: Call, spring: str) -> None:
+    answer = call("bench", spring, "--methods", "scipy,mujoco-best", "--tols", "1e-6")
+    lines = answer.out.splitlines()
+    assert answer.status == 0 and "did not take part:" in lines
+    assert "  mujoco-best  only for a ball on a plane: chaplygin-ball, homogeneous-ball" in lines
+
+
+def test_ctrl_c_writes_what_is_measured(
+    call: Call, spring: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(*_: Any) -> Any:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("voronec.bench.own._outcome", stopped)
+    answer = call("bench", spring, "--methods", "dop853-lambdify-coordinates,scipy")
+    assert answer.status == 130
+    assert "stopped by hand; what was measured until then is above" in answer.out
+    data = json.loads(Path("spring-bench/bench.json").read_text())
+    assert data["interrupted"] and len(data["methods"]) == 1
+
+
+def test_where_nothing_runs_there_is_a_table_all_the_same(
+    call: Call, spring: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def absent(*_: Any) -> Any:
+        raise NotHere("not installed: anything")
+
+    monkeypatch.setattr("voronec.bench.own._outcome", absent)
+    answer = call("bench", spring, "--methods", "scipy", "--tols", "1e-6")
+    assert answer.status == 0
+    assert "scipy at 1e-06 failed: not installed: anything" in answer.out.splitlines()
+    assert not Path("spring-bench/work-precision.svg").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--methods", "scypy"), "there is no method 'scypy'; did you mean 'scipy'"),
+        (("--tols", "1e-6,x"), "--tols: 'x' is not a number"),
+        (("--tols", "2"), "the tolerance 2 must lie between 0 and 1"),
+        (("--scene", "fast"), "has no scene 'fast'; did you mean 'default'"),
+        (("--time", "0"), "a motion over the time 0 cannot be measured"),
+        (("--time", "long"), "--time: 'long' is not a number"),
+        (("--set", "k"), "--set k: give NAME=VALUE"),
+        (("--set", "k=-1"), "parameter 'k' = -1 must be positive"),
+        (("--outputs", "r"), "has no output 'r'"),
+        (("--out", "spring.py"), "'spring.py' is a file; give a folder with --out"),
+    ],
+)
+def test_wrong_words_are_refused_in_one_line(
+    call: Call, spring: str, words: tuple[str, ...], message: str
+) -> None:
+    assert message in refused(call("bench", spring, *words))
+
+
+def test_the_peers_are_among_the_methods() -> None:
+    names = {c.name for c in CONTENDERS}
+    assert {"heyoka", "scipy", "lsoda", "flint", "heyoka-by-hand", "dop853-numba"} <= names
+    assert {"mujoco-best", "mujoco-default", "lsoda-lambdify-coordinates"} <= names

@@ -1,0 +1,209 @@
+"""Ensembles: many starts with one integrator, each as if it ran alone."""
+
+from __future__ import annotations
+
+import importlib.util
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec.flow import batches
+
+x, y, w = sp.symbols("x y w")
+xdot, ydot = vo.velocity(x), vo.velocity(y)
+
+INSTALLED = importlib.util.find_spec("heyoka") is not None
+HEYOKA = pytest.mark.skipif(not INSTALLED, reason="no heyoka")
+METHODS = [pytest.param("heyoka", marks=HEYOKA), "scipy"]
+GRID = np.linspace(0.0, 6.0, 25)
+
+
+@pytest.fixture(scope="module")
+def oscillator() -> vo.VoronecEquations:
+    return vo.derive(
+        vo.System(
+            name="oscillator",
+            fibration=vo.Fibration(base=(x,), fibre=()),
+            lagrangian=(xdot**2 - w**2 * x**2) / 2,
+            constraints=(),
+            parameters=(vo.Parameter(w, 2, positive=True),),
+            integrals={"energy": (xdot**2 + w**2 * x**2) / 2},
+            scenes={"default": vo.Scene(initial={x: 1}, times=(0.0, 10.0))},
+        )
+    )
+
+
+@pytest.fixture(scope="module")
+def falling() -> vo.VoronecEquations:
+    """y falls to the centre, from rest at y0 in the time pi (y0/2)^(3/2)."""
+    return vo.derive(
+        vo.System(
+            name="falling",
+            fibration=vo.Fibration(base=(y,), fibre=()),
+            lagrangian=ydot**2 / 2 + 1 / y,
+            constraints=(),
+            parameters=(),
+            integrals={"energy": ydot**2 / 2 - 1 / y},
+        )
+    )
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("grid", [GRID, GRID[::-1], GRID[:1]])
+def test_every_start_moves_as_it_must(oscillator, method, grid):
+    amplitudes = np.linspace(-1.0, 2.0, 7)
+    found = vo.ensemble(oscillator, {"x": amplitudes}, times=grid, method=method)
+    exact = amplitudes[:, None] * np.cos(2 * (grid - grid[0]))
+    assert found["x"].shape == (7, len(grid))
+    assert np.abs(found["x"] - exact).max() < 2e-12
+    assert found.finished.all()
+    assert len(found) == 7
+    assert found.cost.method == method
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_parameters_may_be_arrays(oscillator, method):
+    rates = np.array([0.5, 1.0, 3.0, 4.0, 6.0])
+    found = vo.ensemble(
+        oscillator, scene="default", parameters={w: rates}, times=GRID, outputs=(x,), method=method
+    )
+    assert np.abs(found[x] - np.cos(rates[:, None] * GRID)).max() < 1e-11
+    assert found.parameters["w"].tolist() == rates.tolist()
+
+
+def test_starts_may_be_a_list_of_mappings_over_a_scene(oscillator):
+    found = vo.ensemble(oscillator, [{}, {"xdot": 2}, {x: 0}], scene="default", times=GRID)
+    assert found["x"][:, 0].tolist() == [1.0, 1.0, 0.0]
+    assert found["xdot"][:, 0].tolist() == [0.0, 2.0, 0.0]
+    assert found.outputs == ("x", "xdot")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_motion_that_breaks_down_keeps_what_came_before_and_the_others_go_on(falling, method):
+    heights = np.array([50.0, 1.0, 60.0, 70.0, 2.0, 80.0])
+    found = vo.ensemble(falling, {"y": heights}, times=GRID, method=method)
+    assert found.finished.tolist() == [True, False, True, True, False, True]
+    assert sorted(found.errors) == [1, 4]
+    for i, collision in ((1, np.pi * 0.5**1.5), (4, np.pi)):
+        assert isinstance(found.errors[i], vo.IntegrationError)
+        assert collision - 0.26 < found.errors[i].time < collision + 1e-6
+        assert f"start {i}" in str(found.errors[i])
+        before = collision - 1e-6 > GRID
+        assert np.isfinite(found["y"][i][before]).all()
+        assert np.isnan(found["y"][i][~before]).all()
+    alone = vo.ensemble(falling, {"y": heights[[5]]}, times=GRID, method=method)
+    assert found["y"][5] == pytest.approx(alone["y"][0], abs=1e-12)
+
+
+def test_a_start_that_cannot_be_is_marked_and_the_others_go_on(oscillator, falling):
+    found = vo.ensemble(oscillator, {"x": 1.0}, {"w": [1.0, -2.0, 3.0]}, times=GRID)
+    assert found.finished.tolist() == [True, False, True]
+    assert "must be positive" in str(found.errors[1])
+    found = vo.ensemble(falling, {"y": [0.0, 60.0]}, times=GRID)
+    assert found.finished.tolist() == [False, True]
+    assert "not defined at start 0" in str(found.errors[0])
+
+
+def test_where_every_start_is_wrong_the_first_error_is_raised(falling):
+    with pytest.raises(vo.IntegrationError, match="not defined at start 0"):
+        vo.ensemble(falling, {"y": [0.0, 0.0]}, times=GRID)
+
+
+@HEYOKA
+def test_threads_change_no_bit(oscillator):
+    starts = {"x": np.linspace(0.5, 1.5, 150)}
+    one, two = (vo.ensemble(oscillator, starts, times=GRID, jobs=k) for k in (1, 2))
+    assert (one["x"] == two["x"]).all()
+    assert one.finished.all()
+    assert two.finished.all()
+
+
+@HEYOKA
+@pytest.mark.parametrize("grid", [np.array([0.0, 40.0]), np.array([0.0, 1.0, 40.0, 40.5])])
+def test_long_stretches_are_cut_without_a_trace(oscillator, monkeypatch, grid):
+    whole = vo.ensemble(oscillator, {"x": [1.0, 2.0, 3.0]}, times=grid, method="heyoka")
+    monkeypatch.setattr(batches, "CHUNK", 7)
+    cut = vo.ensemble(oscillator, {"x": [1.0, 2.0, 3.0]}, times=grid, method="heyoka")
+    assert np.abs(cut["x"] - whole["x"]).max() < 1e-11
+    assert cut.finished.all()
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_run_stopped_by_hand_keeps_the_finished_starts(oscillator, method, jobs):
+    def stop(fraction: float) -> None:
+        raise KeyboardInterrupt
+
+    starts = {"x": np.linspace(0.5, 1.5, 400 if method == "heyoka" else 5)}
+    found = vo.ensemble(oscillator, starts, times=GRID, method=method, progress=stop, jobs=jobs)
+    assert found.interrupted
+    assert found.finished.any()
+    assert not found.errors
+    exact = starts["x"][:, None] * np.cos(2 * GRID)
+    assert np.abs(found["x"] - exact)[found.finished].max() < 1e-11
+    if jobs == 1:
+        assert not found.finished.all()
+        assert np.isnan(found["x"][~found.finished]).all()
+
+
+def test_progress_ends_at_one(oscillator):
+    told = []
+    vo.ensemble(oscillator, {"x": np.ones(70)}, times=GRID, progress=told.append)
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_drift_is_that_of_each_start(oscillator, method):
+    found = vo.ensemble(oscillator, {"x": [0.0, 1e-3, 1.0]}, times=GRID, method=method)
+    assert found.drift["energy"].shape == (3,)
+    assert found.drift["energy"].max() < 1e-11
+    assert found.drift["energy"][0] == 0.0
+
+
+def test_integrals_that_do_not_hold_show_in_the_drift(oscillator):
+    system = oscillator.system
+    wrong = vo.System(
+        name="wrong", fibration=system.fibration, lagrangian=system.lagrangian, constraints=(),
+        parameters=system.parameters, integrals={"wrong": x**2},
+    )  # fmt: skip
+    found = vo.ensemble(wrong, {"x": [1.0, 2.0]}, times=GRID)
+    assert found.drift["wrong"].min() > 0.5
+
+
+def test_the_smallest_model_gives_the_same_as_the_coordinates():
+    equations = vo.derive(vo.load("ball-on-sphere"))
+    starts = {"omega1": [0.5, 0.6, 0.7], "omega2": [1.0, -1.0, 0.2]}
+    names = ("gamma1", "omega1")
+    low = vo.ensemble(equations, starts, scene="default", times=GRID, outputs=names)
+    high = vo.ensemble(equations, starts, scene="default", times=GRID, outputs=(*names, "u"))
+    alone = vo.integrate(equations, "default", GRID, names, initial={"omega1": 0.6, "omega2": -1.0})
+    assert low.level != high.level
+    for name in names:
+        assert low[name] == pytest.approx(high[name], abs=1e-10)
+        assert low[name][1] == pytest.approx(alone[name], abs=1e-10)
+
+
+def test_bad_input_is_refused_in_one_line(oscillator):
+    cases = [
+        ({"starts": {"x": [1, 2], "xdot": [1, 2, 3]}}, "has 2 entries, where others have 3"),
+        ({"starts": {"z": [1.0]}}, "no initial value 'z'"),
+        ({"starts": {"x": []}}, "one-dimensional array"),
+        ({"starts": [1.0, 2.0]}, "list of mappings"),
+        ({"starts": {"x": [1.0]}, "outputs": ("xx",)}, "no output 'xx'"),
+        ({"starts": {"x": [1.0]}, "parameters": {"ww": 1}}, "no parameter 'ww'"),
+        ({"starts": {"x": [1.0]}, "times": [0, 1, 0.5]}, "strictly monotonic"),
+        ({"starts": {"x": [1.0]}, "tol": 2.0}, "between 0 and 1"),
+        ({"starts": {"x": [1.0]}, "method": "flint"}, "no method 'flint'"),
+        ({"starts": {"x": [1.0]}, "scene": "defaul"}, "did you mean 'default'"),
+    ]
+    for given, words in cases:
+        with pytest.raises(vo.DefinitionError) as refused:
+            vo.ensemble(oscillator, **({"times": GRID} | given))
+        assert words in str(refused.value), words
+        assert "\n" not in str(refused.value)
+    found = vo.ensemble(oscillator, {"x": [1.0]}, times=GRID)
+    with pytest.raises(vo.DefinitionError, match="did you mean 'xdot'"):
+        found["xdo"]

@@ -1,0 +1,210 @@
+"""Events, stop conditions, dense output, progress, and what is kept where a motion ends early."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec.flow.steppers import marching, run, taylor
+from voronec.flow.steppers.roots import root
+
+DOUBLES = ("scipy", "lsoda", *(["heyoka"] if find_spec("heyoka") else []))
+doubles = pytest.mark.parametrize("method", DOUBLES)
+every = pytest.mark.parametrize("method", [*DOUBLES, "flint"])
+
+x, y, m = sp.symbols("x y m")
+Dx, Dy = map(vo.velocity, (x, y))
+GRID = np.linspace(0.0, 10.0, 21)
+
+
+def oscillator() -> vo.System:
+    """x is a cosine."""
+    return vo.System(
+        name="oscillator",
+        fibration=vo.Fibration(base=(x,)),
+        lagrangian=Dx**2 / 2 - x**2 / 2,
+        integrals={"energy": Dx**2 / 2 + x**2 / 2},
+    )
+
+
+def cosine(method: str, grid: Any = GRID, **more: Any) -> vo.Trajectory:
+    """The cosine from its top."""
+    return vo.integrate(oscillator(), times=grid, initial={x: 1}, method=method, **more)
+
+
+def close(found: Any, wanted: Any, by: float = 2e-12) -> bool:
+    """Whether two arrays agree, of mpmath's numbers or doubles."""
+    found, wanted = np.array(found, dtype=float), np.array(wanted, dtype=float)
+    return found.shape == wanted.shape and bool(np.abs(found - wanted).max(initial=0.0) < by)
+
+
+@every
+def test_crossings_are_found_where_they_are(method: str) -> None:
+    half = vo.Event(x - sp.Rational(1, 2), "half", direction=-1)
+    traj = cosine(method, outputs=(x, Dx * x), events=("x", half, vo.Event(x - 2, "never")))
+    assert list(traj.events) == ["x", "half", "never"] and traj.stopped == ""
+    assert close(traj.events["x"].t, np.pi / 2 + np.pi * np.arange(3))
+    assert close(traj.events["x"][Dx], [-1, 1, -1])
+    assert close(traj.events["half"].t, np.pi / 3 + 2 * np.pi * np.arange(2))
+    assert close(traj.events["half"]["x*xdot"], [-np.sqrt(3) / 4] * 2)
+    assert len(traj.events["never"]) == 0 and traj.events["never"].state.shape == (0, 2)
+    with pytest.raises(vo.DefinitionError, match="crossings hold no 'u'"):
+        traj.events["x"]["u"]
+
+
+@every
+def test_a_direction_is_that_of_time_also_backwards(method: str) -> None:
+    grid = np.linspace(0, -7, 8)
+    events = (vo.Event(x, "up", direction=1), vo.Event(x, "down", direction=-1))
+    traj = cosine(method, grid, events=events)
+    assert close(traj.events["up"].t, [-np.pi / 2])
+    assert close(traj.events["down"].t, [-3 * np.pi / 2])
+
+
+@every
+def test_a_stop_ends_the_run_at_the_crossing(method: str) -> None:
+    events = (vo.Event(Dx, "turn", stop=True), vo.Event(x, "zero"), vo.Event(Dx + x, "later"))
+    traj = cosine(method, events=events)
+    # it starts at a turning point, which is no crossing
+    assert traj.stopped == "turn" and close(traj.events["turn"].t, [np.pi])
+    assert close(traj.t, [*np.arange(0, 3.5, 0.5), np.pi])
+    assert close(traj["x"], np.cos(np.array(traj.t, dtype=float)))
+    assert close(traj.events["zero"].t, [np.pi / 2]) and not traj.interrupted
+    assert close(traj.events["later"].t, [3 * np.pi / 4 - np.pi / 2])
+
+
+@every
+def test_two_crossings_between_two_points_of_the_grid(method: str) -> None:
+    traj = cosine(method, [0.0, 20.0], events=(vo.Event(x - 0.9999, "near the top"),))
+    angle = float(sp.acos(sp.Float("0.9999", 30)))
+    tops = 2 * np.pi * np.arange(4)
+    wanted = np.sort(np.concatenate([tops + angle, tops[1:] - angle]))
+    assert close(traj.events["near the top"].t, wanted, by=1e-9)
+
+
+@every
+def test_dense_output_is_as_good_as_the_grid(method: str) -> None:
+    traj = cosine(method, [0.0, 4.0, 10.0], dense=True, outputs=(x**2,))
+    times = [9.9, 0.0, 0.3, 10.0, 4.0, 7.123]
+    seen = traj.at(times)
+    assert close(seen["x**2"], np.cos(times) ** 2) and close(seen["x"], np.cos(times))
+    assert close(traj.at(2.5)["x"], [np.cos(2.5)])
+    with pytest.raises(vo.DefinitionError, match="reaches from t = 0 to 10; give times within"):
+        traj.at([3.0, 10.5])
+    with pytest.raises(vo.DefinitionError, match="integrate with dense=True"):
+        cosine(method).at(1.0)
+    stopped = cosine(method, dense=True, events=vo.Event(x, "zero", stop=True))
+    assert close(stopped.at([1.5])["x"], np.cos([1.5]))
+    with pytest.raises(vo.DefinitionError, match="give times within"):
+        stopped.at([1.6])
+
+
+@every
+def test_dense_output_of_a_single_instant(method: str) -> None:
+    assert close(cosine(method, [2.0], dense=True).at(2.0)["x"], [1.0])
+
+
+@doubles
+def test_dense_output_backwards(method: str) -> None:
+    traj = cosine(method, [0.0, -30.0], dense=True)
+    assert close(traj.at([-29.0, -1.0])["x"], np.cos([29.0, 1.0]))
+
+
+@every
+def test_progress_tells_the_fraction(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "EVERY", -1.0)
+    monkeypatch.setattr(taylor, "CHUNK", 5)
+    told: list[float] = []
+    cosine(method, progress=told.append)
+    assert len(told) > 1 and told == sorted(told) and told[-1] == pytest.approx(1)
+
+
+@every
+def test_ctrl_c_keeps_what_is_done(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "EVERY", -1.0)
+    monkeypatch.setattr(taylor, "CHUNK", 5)
+
+    def stop(fraction: float) -> None:
+        if fraction > 0.4:
+            raise KeyboardInterrupt
+
+    traj = cosine(method, progress=stop, dense=True, events="x", tol=1e-14)
+    assert traj.interrupted and 1 < len(traj.t) < len(GRID)
+    assert close(traj["x"], np.cos(GRID[: len(traj)])) and close(traj.at(1.1)["x"], [np.cos(1.1)])
+    assert close(traj.events["x"].t[:1], [np.pi / 2])
+
+
+def falling(potential: Any, inertia: Any = 1, **more: Any) -> vo.System:
+    """One coordinate in a potential."""
+    lagrangian = inertia * Dx**2 / 2 - potential
+    return vo.System(
+        name="falling", fibration=vo.Fibration(base=(x,)), lagrangian=lagrangian,
+        integrals={"energy": inertia * Dx**2 / 2 + potential}, **more,
+    )  # fmt: skip
+
+
+@every
+def test_a_collapse_keeps_the_trajectory(method: str) -> None:
+    with pytest.raises(vo.IntegrationError) as caught:
+        vo.integrate(falling(-1 / x), times=GRID / 5, initial={x: 1}, method=method, dense=True)
+    # from rest at 1, falling into -1/x takes pi / (2 sqrt 2)
+    assert float(caught.value.time) == pytest.approx(np.pi / np.sqrt(8), abs=1e-6)
+    kept = caught.value.trajectory
+    assert close(kept.t, np.arange(0, 1.15, 0.1)) and kept.halted and kept.drift["energy"] < 1e-9
+    # t = (sqrt(x (1 - x)) + arccos(sqrt x)) / sqrt 2
+    place = float(kept.at(0.55)["x"][0])
+    fall = np.sqrt(place * (1 - place)) + np.arccos(np.sqrt(place))
+    assert fall / np.sqrt(2) == pytest.approx(0.55, abs=1e-11)
+
+
+REGULAR = {x: -(Dx**2) / 2 - (1 - x) * x}
+
+
+@every
+def test_a_mass_that_vanishes_on_the_way_is_named_where_it_is_stepped_over(method: str) -> None:
+    # the force makes the motion x = 2 sin t regular where the mass 1 - x changes its sign
+    system = falling(0, inertia=1 - x, forces=REGULAR)
+    with pytest.raises(vo.IntegrationError, match="mass matrix is singular there") as caught:
+        vo.integrate(system, times=[0.0, 0.5, 1.5], initial={x: 0, Dx: 2}, method=method)
+    assert 0.5 <= float(caught.value.time) <= np.pi / 6
+    assert close(caught.value.trajectory.t, [0, 0.5])
+
+
+def test_what_happened_beyond_a_singular_mass_is_not_told() -> None:
+    system = falling(0, inertia=1 - x, forces=REGULAR)
+    events = (vo.Event(x - sp.Rational(1, 4), "before"), vo.Event(x - sp.Rational(3, 2), "beyond"))
+    with pytest.raises(vo.IntegrationError) as caught:
+        vo.integrate(system, times=GRID, initial={x: 0, Dx: 2}, method="scipy", events=events)
+    seen = caught.value.trajectory.events
+    assert close(seen["before"].t, [np.arcsin(1 / 8)]) and len(seen["beyond"]) == 0
+
+
+def test_steps_that_lead_nowhere_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(marching, "WINDOW", 3)
+    monkeypatch.setattr(marching, "CRAWL", 0.5)
+    with pytest.raises(vo.IntegrationError, match="step size collapsed after t") as caught:
+        cosine("scipy")
+    assert caught.value.trajectory.cost.steps == 3 and caught.value.trajectory.halted
+
+
+def test_events_that_make_no_sense_are_named() -> None:
+    with pytest.raises(vo.DefinitionError, match="no output 'z'"):
+        cosine("scipy", events=("z",))
+    with pytest.raises(vo.DefinitionError, match="two events are called 'x'"):
+        cosine("scipy", events=("x", vo.Event(x - 1, "x")))
+    with pytest.raises(vo.DefinitionError, match="direction = 2 must be 1"):
+        vo.Event(x, direction=2)
+
+
+def test_roots_to_the_last_digit() -> None:
+    assert root(lambda t: t**3 - 2, 0.0, -2.0, 2.0, 6.0) == pytest.approx(2 ** (1 / 3), rel=4e-16)
+    with mpmath.workdps(50):
+        a, b = mpmath.mpf(1), mpmath.mpf(2)
+        found = root(lambda t: mpmath.cos(t), a, mpmath.cos(a), b, mpmath.cos(b))
+        assert abs(found - mpmath.pi / 2) < mpmath.mpf(10) ** -48

@@ -1,0 +1,212 @@
+"""What may be asked of a motion: reaction forces, traces of a contact, the configuration."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec.flow.observing import followed, watched
+from voronec.flow.reactions import Multipliers
+from voronec.flow.vocabulary import Vocabulary
+from voronec.program import Program
+
+x, y, z, phi, v, w, m, a, J, g = sp.symbols("x y z phi v w m a J g")
+Dx, Dy, Dz, Dphi = map(vo.velocity, (x, y, z, phi))
+GRID = np.linspace(0.0, 3.0, 31)
+
+
+EDGE = Dy * sp.cos(phi) - Dx * sp.sin(phi)
+
+
+def sleigh(constraint: Any = EDGE, **more: Any) -> vo.System:
+    """A knife edge below the centre of mass, or ``a`` behind it."""
+    return vo.System(
+        name="edge",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+        frame=vo.Frame.quasi({v: Dx * sp.cos(phi) + Dy * sp.sin(phi), w: Dphi}),
+        lagrangian=m * ((Dx - a * sp.sin(phi) * Dphi) ** 2 + (Dy + a * sp.cos(phi) * Dphi) ** 2) / 2
+        + J * Dphi**2 / 2,
+        constraints=(constraint,),
+        parameters=(vo.Parameter(m, 2, positive=True), vo.Parameter(J, 3), vo.Parameter(a, 0)),
+        integrals={"energy": m * v**2 / 2 + (J + m * a**2) * w**2 / 2, "spin": J * w},
+        **more,
+    )
+
+
+def referee(trajectory: vo.Trajectory, at: int) -> list[float]:
+    """The multipliers by d'Alembert's principle at one instant of a trajectory."""
+    state = zip(trajectory.names, trajectory.state[at].tolist(), strict=True)
+    point = {**dict(state), **trajectory.parameters}
+    try:
+        found = vo.reaction_forces(trajectory.system, {**point, "t": float(trajectory.t[at])}, 20)
+    except vo.DefinitionError:  # the time occurs nowhere
+        found = vo.reaction_forces(trajectory.system, point, 20)
+    assert found.multipliers is not None
+    return [float(value) for value in found.multipliers]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "demchenko",
+        "rattleback",
+        "bicycle",
+        "suslov",  # a group
+        "veselova-in-rn",  # a group whose coordinates are redundant
+        "torus-on-ellipsoid",  # redundant coordinates
+        "growing-sleigh",  # the Lagrangian holds the time
+        "ball-on-turntable-in-time",  # the constraints hold it
+    ],
+)
+def test_reactions_are_those_of_the_independent_route(name: str) -> None:
+    system = vo.load(name)
+    outputs = [f"reaction {k + 1}" for k in range(len(system.constraints))]
+    traj = vo.integrate(system, "default", GRID, outputs, method="scipy", tol=1e-12)
+    assert traj.outputs == tuple(outputs)
+    for at in (0, 11, 30):
+        expected = np.array(referee(traj, at))
+        found = np.array([traj[name][at] for name in outputs])
+        assert np.abs(found - expected).max() <= 1e-10 * (1e-3 + np.abs(expected).max())
+    assert max(np.abs(traj[name]).max() for name in outputs) > 1e-3
+
+
+def test_a_reaction_turns_the_edge_and_is_finite_where_the_fibre_is_not_fit() -> None:
+    # the centre of mass runs in a circle: the edge pushes sideways with m v w.  Where the edge
+    # points along y the constraint does not hold the fibre velocity
+    grid = np.linspace(0.0, 2.0, 33)  # w = pi / 2: the edge is along y at t = 1
+    traj = vo.integrate(
+        sleigh(), times=grid, initial={v: 1.5, w: sp.pi / 2}, outputs=("reaction 1", phi)
+    )
+    assert traj[phi][16] == pytest.approx(np.pi / 2, abs=1e-12)
+    assert np.abs(traj["reaction 1"] - 2 * 1.5 * np.pi / 2).max() < 1e-11
+
+
+def test_twice_the_constraint_has_half_the_multiplier_and_forces_count() -> None:
+    start = {v: 1, w: 2}
+    pushed = {y: g * sp.cos(5 * vo.time)}
+    more = {"forces": {k: e.xreplace({g: sp.Integer(7)}) for k, e in pushed.items()}}
+    once, twice, free = (
+        vo.integrate(s, times=GRID, initial=start, parameters={a: 0.3}, outputs=["reaction 1"])
+        for s in (sleigh(**more), sleigh(2 * EDGE, **more), sleigh())
+    )
+    assert np.abs(once["reaction 1"] - 2 * twice["reaction 1"]).max() < 1e-12
+    assert np.abs(once["reaction 1"] - free["reaction 1"]).max() > 1
+    assert once["reaction 1"][7] == pytest.approx(referee(once, 7)[0], rel=1e-12)
+
+
+def test_reactions_keep_the_precision_of_the_states() -> None:
+    equations = vo.derive(sleigh())
+    vocabulary = Vocabulary.of(equations)
+    watch = watched(vocabulary, ("reaction 1", x * phi))
+    program = Program.of(equations.form, watch.expressions)
+    with mp.workdps(60):
+        third = mp.mpf(1) / 3
+        values = {"m": third, "J": mp.mpf(3), "a": third / 7}
+        state = {"x": 1 / third, "phi": mp.pi / 5, "y": mp.mpf(1), "v": third, "w": 2 * third}
+        states = np.array([[state[str(s)] for s in program.state]] * 2, dtype=object)
+        series = followed(
+            watch, program, np.zeros(2), states, [values[str(p)] for p in program.parameters]
+        )
+        point = {k: sp.Float(number, 60) for k, number in {**state, **values}.items()}
+        expected = vo.reaction_forces(equations.system, point, 50).multipliers
+        assert expected is not None
+        assert abs(series["reaction 1"][1] - mp.mpf(expected[0]._mpf_)) < mp.mpf(10) ** -48
+        assert abs(series["phi*x"][0] - 3 * mp.pi / 5) < mp.mpf(10) ** -57
+
+
+def test_a_reaction_that_is_not_unique_is_refused() -> None:
+    system = vo.load("bychkov-ball")  # its constraints keep the length of the normal
+    with pytest.raises(vo.DefinitionError, match=r"'reaction \d' is not unique, because constr"):
+        vo.integrate(system, times=GRID, outputs=("reaction 2",))
+
+
+def test_a_reaction_is_nan_where_a_constraint_vanishes() -> None:
+    system = vo.System(
+        name="fading", fibration=vo.Fibration(base=(x, z), fibre=(y,)),
+        lagrangian=(Dx**2 + Dy**2 + Dz**2) / 2 - 3 * y, constraints=(x * Dy - x * Dz,),
+    )  # fmt: skip
+    multipliers = Multipliers.of(vo.derive(system).definition)
+    positions = np.array([2.0, 0.0, -0.5])
+    known = {"x": positions, "z": 0 * positions, "xdot": 1 + 0 * positions}
+    values: dict[str, Any] = {"ydot": 2.0, "zdot": 2.0, **known}
+    series = {
+        name: np.array(
+            [float(e.subs({s: np.broadcast_to(values[str(s)], 3)[i] for s in e.free_symbols}))
+             for i in range(3)]
+        )
+        for name, e in multipliers.entries.items()
+    }  # fmt: skip
+    # y'' = z'' = -3/2, so that the edge carries half of the weight 3: x lambda = 3/2
+    slopes = {"xdot": 0 * positions, "zdot": -1.5 + 0 * positions}
+    found = multipliers.solved(series, [slopes[str(u)] for u in multipliers.velocities])
+    assert found[:, 0] == pytest.approx([0.75, np.nan, -3.0], nan_ok=True)
+
+
+def test_traces_and_the_configuration_stand_for_coordinates() -> None:
+    traj = vo.integrate(
+        vo.load("demchenko"), "default", GRID, ("on the sphere", "reaction 2", "configuration"),
+        method="scipy",
+    )  # fmt: skip
+    assert traj.outputs == ("u1", "v1", "reaction 2", "u", "v", "theta")
+    assert np.array_equal(traj["v1"], traj.state[:, traj.names.index("v1")])
+    with pytest.raises(vo.DefinitionError, match="did you mean 'on the ball'"):
+        vo.integrate(vo.load("demchenko"), "default", GRID, ("on the bal",))
+
+
+def test_a_scene_may_ask_for_them() -> None:
+    scene = vo.Scene({v: 1, w: 1}, outputs=("configuration", "reaction 1"))
+    traj = vo.integrate(dataclasses.replace(sleigh(), scenes={"default": scene}), times=GRID)
+    assert traj.outputs == ("x", "phi", "y", "reaction 1")
+
+
+def test_a_quantity_of_the_system_comes_before_a_group_of_its_name() -> None:
+    system = dataclasses.replace(
+        sleigh(), invariants={"configuration": sp.sin(phi)}, drawing={"energy": ("x", "y")}
+    )
+    wanted = Vocabulary.of(vo.derive(system)).wanted(("configuration", "energy", v))
+    assert wanted.names == ("configuration", "energy", "v") and not wanted.reactions
+    assert wanted.given["configuration"] == sp.Symbol("configuration")
+    assert str(wanted.expressions["configuration"]) == "sin(phi)"
+
+
+def test_wanted_keeps_order_and_says_what_each_is() -> None:
+    wanted = Vocabulary.of(vo.derive(sleigh())).wanted((phi, "reaction 1", x * v, "phi"))
+    assert wanted.names == ("phi", "reaction 1", "v*x")
+    assert dict(wanted.reactions) == {"reaction 1": 0}
+    assert set(wanted.expressions) == {"phi", "v*x"} == set(wanted.given)
+    assert wanted.given["v*x"] == x * v
+    everything = Vocabulary.of(vo.derive(sleigh())).wanted(())
+    assert everything.names == ("x", "phi", "y", "v", "w")
+
+
+@pytest.mark.parametrize(
+    ("output", "message"),
+    [
+        ("reaction 2", "no output 'reaction 2'; did you mean 'reaction 1'"),
+        ("configurations", "did you mean 'configuration'"),
+        ("enrgy", "did you mean 'energy'"),
+        (sp.Symbol("psi") + x, "contains 'psi'; did you mean 'phi'"),
+        (None, "an output is 'None'"),
+    ],
+)
+def test_unknown_outputs_are_answered_with_the_nearest(output: Any, message: str) -> None:
+    with pytest.raises(vo.DefinitionError, match=message) as caught:
+        vo.integrate(sleigh(), times=GRID, initial={v: 1}, outputs=(output,))
+    assert "\n" not in str(caught.value) and str(caught.value).count("system '") == 1
+
+
+def test_only_the_integrals_asked_for_are_followed() -> None:
+    vocabulary = Vocabulary.of(vo.derive(sleigh()))
+    assert set(watched(vocabulary, ()).integrals) == {"energy", "spin"}
+    watch = watched(vocabulary, (x,), {"spin"})
+    assert set(watch.integrals) == set(watch.sizes) == {"spin"}
+    assert len(watch.expressions) == 3
+    assert not watched(vocabulary, (x,), ()).integrals
+    with pytest.raises(vo.DefinitionError, match="no integral 'energi'; did you mean 'energy'"):
+        watched(vocabulary, (), {"energi"})

@@ -1,0 +1,176 @@
+"""The method ``flint``: any number of digits, against exact solutions and another integrator."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import symengine as se
+import sympy as sp
+
+import voronec as vo
+from voronec.derivation import FirstOrderForm
+from voronec.errors import EngineLimit
+from voronec.flow.steppers import choice, digits
+from voronec.flow.steppers.run import Problem
+from voronec.program import Program
+from voronec.program.recurrences import recurrences
+
+x, phi, g, k = sp.symbols("x phi g k")
+Dx, Dphi = map(vo.velocity, (x, phi))
+
+
+@pytest.fixture(autouse=True)
+def _many_digits() -> Any:
+    with mpmath.workdps(60):
+        yield
+
+
+OSCILLATOR = vo.System(
+    name="oscillator",
+    fibration=vo.Fibration(base=(x,)),
+    lagrangian=Dx**2 / 2 - k * x**2 / 2,
+    parameters=(k,),
+    integrals={"energy": Dx**2 / 2 + k * x**2 / 2},
+)
+
+
+def test_forty_digits_of_a_cosine() -> None:
+    # sqrt(3), 2/3 and the conditions on velocities are used to the last digit
+    traj = vo.integrate(
+        OSCILLATOR, times=np.linspace(0, 30, 7), initial={x: 1, Dx: sp.sqrt(3)}, tol=1e-42,
+        parameters={k: sp.Rational(2, 3)}, outputs=(x, x**2 * Dx),
+    )  # fmt: skip
+    w = mpmath.sqrt(mpmath.mpf(2) / 3)
+    for t, found, product in zip(traj.t, traj["x"], traj[x**2 * Dx], strict=True):
+        exact = mpmath.cos(w * t) + mpmath.sqrt(3) / w * mpmath.sin(w * t)
+        slope = mpmath.sqrt(3) * mpmath.cos(w * t) - w * mpmath.sin(w * t)
+        assert abs(found - exact) < mpmath.mpf(10) ** -40
+        assert abs(product - exact**2 * slope) < mpmath.mpf(10) ** -39
+    assert traj.cost.method == "flint" and "finer than doubles" in traj.cost.reason
+    assert traj.state.dtype == object and traj.drift["energy"] < 1e-40
+    assert abs(traj.parameters["k"] - mpmath.mpf(2) / 3) < mpmath.mpf(10) ** -40
+
+
+def test_doubles_stay_the_doubles_they_are() -> None:
+    traj = vo.integrate(OSCILLATOR, times=[0.0, 1.0], initial={x: 0.1}, parameters={k: 0.3},
+                        method="flint", tol=1e-30)  # fmt: skip
+    assert traj["x"][0] == mpmath.mpf(0.1) and traj.parameters["k"] == mpmath.mpf(0.3)
+    exact = mpmath.mpf(0.1) * mpmath.cos(mpmath.sqrt(mpmath.mpf(0.3)))
+    assert abs(traj["x"][-1] - exact) < mpmath.mpf(10) ** -29
+
+
+def test_a_crossing_to_forty_digits() -> None:
+    traj = vo.integrate(
+        OSCILLATOR, times=[0.0, 9.0], initial={x: 1}, parameters={k: 2}, tol=1e-42,
+        events=vo.Event(x, "zero", stop=True), dense=True,
+    )  # fmt: skip
+    exact = mpmath.pi / 2 / mpmath.sqrt(2)
+    assert abs(traj.events["zero"].t[0] - exact) < mpmath.mpf(10) ** -40
+    assert traj.t[-1] == traj.events["zero"].t[0]
+    half = traj.at([mpmath.mpf(1) / 3])["x"][0]
+    assert abs(half - mpmath.cos(mpmath.sqrt(2) / 3)) < mpmath.mpf(10) ** -40
+
+
+def test_velocities_follow_from_exact_conditions() -> None:
+    y, v, w = sp.symbols("y v w")
+    Dy = vo.velocity(y)
+    sleigh = vo.System(
+        name="sleigh",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+        frame=vo.Frame.quasi({v: Dx * sp.cos(phi) + Dy * sp.sin(phi), w: Dphi}),
+        lagrangian=(Dx**2 + Dy**2 + Dphi**2) / 2,
+        constraints=(Dy * sp.cos(phi) - Dx * sp.sin(phi),),
+    )
+    start = {"ydot": 1, "phi": sp.pi / 6, "phidot": sp.Rational(1, 3)}
+    traj = vo.integrate(sleigh, times=[0.0, 1.0], initial=start, tol=1e-40)
+    assert abs(traj["v"][0] - 2) < mpmath.mpf(10) ** -40
+    turned = mpmath.pi / 6 + mpmath.mpf(1) / 3
+    way = 6 * (mpmath.sin(turned) - mpmath.sin(mpmath.pi / 6))
+    assert abs(traj["x"][-1] - way) < mpmath.mpf(10) ** -38
+
+
+a, t, p, da = se.symbols("a t p da")
+ELEMENTARY = [
+    se.sin(a) * se.cos(t) + se.tan(t / 3),
+    se.sqrt(a + t) * a ** se.Rational(-1, 3) + (1 + a) ** se.Rational(-3, 2),
+    se.log(1 + a**2) / (1 + t) - se.exp(-a),
+    se.atan(a) * se.asin(a / 9) + se.acos(t / 5) * se.tanh(a),
+    se.sinh(a / 3) / se.cosh(t) + se.asinh(a) + se.atanh(t / 7) + se.acosh(3 + a),
+    se.atan2(a, 1 + t**2) + se.Abs(a) * se.sign(a + 1),
+    a ** (t / 2) + se.cot(a + 1) + se.sec(a / 4) + se.acot(a + 2),
+    1 / (a * (t + 1) ** 2) + se.pi * se.E / 9 - (1 + a) ** 3 / 50 + p / (1 + p * a),
+]
+
+
+def _problem(rate: Any, tol: float) -> Problem:
+    form = FirstOrderForm((a,), (), (p,), t, (se.sympify(rate),), (), (), (), (da,))
+    start = np.array([mpmath.mpf(7) / 10], dtype=object)
+    return Problem(Program.of(form, {}), start, [mpmath.mpf(1) / 3], tol)
+
+
+@pytest.mark.parametrize("rate", ELEMENTARY, ids=str)
+def test_every_function_has_its_recurrence(rate: Any) -> None:
+    run = digits.digits(_problem(rate, 1e-25))(np.array([0.0, 0.25]))
+    names = sp.symbols("a t p")
+    function = sp.lambdify(names, sp.sympify(rate), "mpmath")
+    with mpmath.workdps(18):
+        other = mpmath.odefun(
+            lambda s, y: [function(y[0], s, mpmath.mpf(1) / 3)], 0, [mpmath.mpf(7) / 10]
+        )
+        assert abs(run.states[-1, 0] - other(0.25)[0]) < mpmath.mpf(10) ** -15
+
+
+def test_a_function_without_a_recurrence_is_refused() -> None:
+    with pytest.raises(EngineLimit, match="'gamma' has no recurrence here"):
+        recurrences(_problem(se.gamma(a), 1e-20).program)
+
+
+def test_generated_lines_show_in_tracebacks() -> None:
+    expand = recurrences(_problem(1 / a, 1e-20).program).expansion([mpmath.mpf(1)], 100)
+    try:
+        expand([0], 0, 1 << 100, 5)
+    except ZeroDivisionError:
+        shown = "".join(traceback.format_exception(*sys.exc_info()))
+    assert "(ONE << P)//y0[0]" in shown
+
+
+def test_small_divisors_ask_for_more_bits() -> None:
+    # a' = a^(-3) / 4 from 1e-8: a^4 = a0^4 + t, and 1/a^3 eats 80 bits
+    problem = _problem(1 / (4 * a**3), 1e-30)
+    small = mpmath.mpf(10) ** -8
+    start = np.array([small], dtype=object)
+    problem = Problem(problem.program, start, problem.parameters, problem.tol)
+    run = digits.digits(problem)(np.array([0.0, 2.0**-90]))
+    exact = mpmath.root(small**4 + mpmath.mpf(2) ** -90, 4)
+    assert abs(run.states[-1, 0] - exact) < mpmath.mpf(10) ** -29
+
+
+def test_auto_says_what_it_chose_and_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("heyoka")
+
+    def cost(**more: Any) -> vo.Trajectory:
+        return vo.integrate(OSCILLATOR, initial={x: 1}, parameters={k: 1}, **more).cost
+
+    short, long = cost(times=[0.0, 1.0]), cost(times=[0.0, 1e4])
+    assert short.method == "scipy" and "less time than compiling" in short.reason
+    assert long.method == "heyoka" and long.reason.startswith("auto:")
+    # scipy has no such tolerance
+    assert cost(times=[0.0, 1.0], tol=1e-15).method == "heyoka"
+    monkeypatch.setattr(choice, "TINY", 1)
+    assert cost(times=[0.0, 1.0]).method == "heyoka"
+
+
+def test_saved_digits_are_all_there(tmp_path: Any) -> None:
+    traj = vo.integrate(OSCILLATOR, times=[0.0, 1.0], initial={x: sp.Rational(1, 3)}, tol=1e-40,
+                        parameters={k: sp.Rational(1, 7)}, outputs=(x,))  # fmt: skip
+    rows = traj.save(tmp_path / "motion.csv").read_text().splitlines()
+    assert rows[0] == "t,x"
+    assert abs(mpmath.mpf(rows[2].split(",")[1]) - traj["x"][1]) < mpmath.mpf(10) ** -40
+    with np.load(traj.save(tmp_path / "motion.npz")) as data:
+        assert abs(mpmath.mpf(str(data["state"][1, 0])) - traj["x"][1]) < mpmath.mpf(10) ** -40
+        assert abs(mpmath.mpf(str(data["parameter k"])) * 7 - 1) < mpmath.mpf(10) ** -40

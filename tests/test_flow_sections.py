@@ -1,0 +1,229 @@
+"""Poincare sections: exact crossings of known motions, by both integrators."""
+
+from __future__ import annotations
+
+import importlib.util
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec.flow.levels import starts_on_level
+from voronec.flow.surfaces import suggested
+
+x, y, w = sp.symbols("x y w")
+xdot, ydot = vo.velocity(x), vo.velocity(y)
+
+INSTALLED = importlib.util.find_spec("heyoka") is not None
+METHODS = [
+    pytest.param("heyoka", marks=pytest.mark.skipif(not INSTALLED, reason="no heyoka")),
+    "scipy",
+]
+
+
+@pytest.fixture(scope="module")
+def oscillator() -> vo.VoronecEquations:
+    """x = a cos(w t) + ..., with no constraint."""
+    return vo.derive(
+        vo.System(
+            name="oscillator",
+            fibration=vo.Fibration(base=(x,), fibre=()),
+            lagrangian=(xdot**2 - w**2 * x**2) / 2,
+            constraints=(),
+            parameters=(vo.Parameter(w, 2),),
+            integrals={"energy": (xdot**2 + w**2 * x**2) / 2},
+            scenes={"default": vo.Scene(initial={x: 1}, times=(0.0, 10.0))},
+        )
+    )
+
+
+@pytest.fixture(scope="module")
+def falling() -> vo.VoronecEquations:
+    """x oscillates; y falls to the centre, from rest at y0 in the time pi (y0/2)^(3/2)."""
+    return vo.derive(
+        vo.System(
+            name="falling",
+            fibration=vo.Fibration(base=(x, y), fibre=()),
+            lagrangian=(xdot**2 - x**2 + ydot**2) / 2 + 1 / y,
+            constraints=(),
+            parameters=(),
+            integrals={},
+        )
+    )
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_crossings_of_an_oscillator_are_exact(oscillator, method):
+    found = vo.section(
+        oscillator, "x", ("x", "xdot"), initial={"x": 1}, scene="default", crossings=12,
+        method=method,
+    )  # fmt: skip
+    exact = (1.5 * np.pi + 2 * np.pi * np.arange(12)) / 2
+    assert np.abs(found.t - exact).max() < 2e-12
+    assert np.abs(found["x"]).max() < 1e-14
+    assert np.abs(found["xdot"] - 2.0).max() < 1e-11
+    assert np.abs(found.speed - 2.0).max() < 1e-6
+    assert found.ends == ("complete",)
+    assert not found.near_tangent.any()
+    assert found.drift["energy"].max() < 1e-11
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("direction", "phases"), [(1, [5]), (-1, [1]), (0, [1, 5])])
+def test_the_direction_picks_rising_or_falling_crossings(oscillator, method, direction, phases):
+    found = vo.section(
+        oscillator, x, ("xdot",), scene="default", crossings=6, direction=direction, value=0.5,
+        method=method,
+    )  # fmt: skip
+    turns = 2 * np.pi * np.arange(6)
+    exact = np.sort(np.concatenate([p * np.pi / 3 + turns for p in phases]))[:6] / 2
+    assert np.abs(found.t - exact).max() < 2e-12
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_start_on_the_surface_is_no_crossing(oscillator, method):
+    found = vo.section(
+        oscillator, "x", ("xdot",), starts=[{"x": 0.3, "xdot": 1}], crossings=3, method=method,
+        value=np.nextafter(0.3, 1),
+    )  # fmt: skip
+    assert found.t == pytest.approx(np.pi * np.arange(1, 4), abs=1e-12)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_two_crossings_between_samples_are_both_found_and_called_near_tangent(oscillator, method):
+    found = vo.section(
+        oscillator, "x", ("xdot",), starts={"x": [0.0], "xdot": [2.0]}, value=1 - 1e-9,
+        direction=0, crossings=6, method=method,
+    )  # fmt: skip
+    apart = np.arccos(1 - 1e-9)
+    exact = np.array([np.pi / 2 + 2 * np.pi * k + s * apart for k in range(3) for s in (-1, 1)]) / 2
+    assert np.abs(found.t - exact).max() < 1e-7
+    assert found.near_tangent.all()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_touch_is_told_apart_from_a_crossing(oscillator, method):
+    starts = {"x": [0.0, 0.0], "xdot": [2.0, 2.5]}
+    found = vo.section(
+        oscillator, "x", ("xdot",), starts=starts, value=1, crossings=3, until=10.0, method=method
+    )
+    assert set(found.start.tolist()) == {1}
+    assert {i for i, _ in found.touches} == {0}
+    exact = np.pi / 4 + np.pi * np.arange(3)
+    assert sorted(t for _, t in found.touches)[:3] == pytest.approx(exact, abs=1e-4)
+    assert found.ends[0].startswith("no more crossings up to t = 1")
+
+
+def test_a_surface_given_by_an_expression_holds_to_rounding(falling):
+    expr = x**2 - xdot + sp.cos(y)
+    starts = [{"x": 1, "y": 90, "xdot": 0.25 * k} for k in range(7)]
+    found = vo.section(falling, expr, ("x", "xdot", "y"), starts=starts, crossings=9, direction=-1)
+    residual = found["x"] ** 2 - found["xdot"] + np.cos(found["y"])
+    assert len(found) == 63
+    assert np.abs(residual).max() < 1e-13
+    assert (found.speed < 0).all()
+
+
+def test_every_start_of_many_is_followed_as_if_alone(oscillator):
+    speeds = np.linspace(1.0, 3.0, 11)
+    together = vo.section(
+        oscillator, "x", ("xdot",), starts={"xdot": speeds}, crossings=4, value=0.25
+    )
+    assert together.start.tolist() == np.repeat(np.arange(11), 4).tolist()
+    for i in (0, 6, 10):
+        alone = vo.section(
+            oscillator, "x", ("xdot",), starts={"xdot": speeds[i : i + 1]}, crossings=4, value=0.25
+        )
+        assert together.t[together.start == i] == pytest.approx(alone.t, abs=1e-12)
+    first = np.arcsin(0.5 / speeds) / 2
+    assert together.t[::4] == pytest.approx(first, abs=1e-13)
+
+
+def test_parameters_may_differ_from_start_to_start(oscillator):
+    found = vo.section(
+        oscillator, "x", ("xdot",), scene="default", parameters={"w": [1.0, 2.0, 5.0]}, crossings=1
+    )
+    assert found.t == pytest.approx(1.5 * np.pi / np.array([1.0, 2.0, 5.0]), abs=1e-12)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_motion_that_breaks_down_does_not_stop_the_others(falling, method):
+    starts = [{"x": 1, "y": 80}, {"x": 1, "y": 1}, {"x": 1, "y": 90}]
+    found = vo.section(falling, "x", ("xdot", "y"), starts=starts, crossings=3, method=method)
+    assert list(found.ends) == ["complete", "failed", "complete"]
+    assert isinstance(found.errors[1], vo.IntegrationError)
+    assert found.errors[1].time < np.pi * 0.5**1.5 + 1e-6
+    assert "start 1" in str(found.errors[1])
+    assert found.start.tolist() == [0, 0, 0, 2, 2, 2]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_run_stopped_by_hand_keeps_its_points(oscillator, method):
+    calls = []
+
+    def stop(fraction: float) -> None:
+        calls.append(fraction)
+        raise KeyboardInterrupt
+
+    found = vo.section(
+        oscillator, "x", ("xdot",), starts={"xdot": [1.0, 2.0]}, method=method,
+        crossings=100_000 if method == "heyoka" else 3, progress=stop,
+    )  # fmt: skip
+    assert found.interrupted
+    assert len(calls) == 1
+    assert len(found) >= 3
+    assert "stopped by hand" in found.ends
+    assert found.t[:3] == pytest.approx(np.pi * np.arange(1, 4), abs=1e-11)
+
+
+def test_bad_input_is_refused_in_one_line(oscillator):
+    cases = [
+        ({"plane": "xdo"}, "did you mean 'xdot'"),
+        ({"plane": sp.Symbol("z") - 1}, "contains 'z'"),
+        ({"plane": "x", "value": 3}, "stays between -1 and 1"),
+        ({"plane": "w"}, "constant along every motion"),
+        ({"plane": "x", "outputs": ("vx",)}, "no output 'vx'"),
+        ({"plane": "x", "crossings": 0}, "at least 1"),
+        ({"plane": "x", "method": "euler"}, "no method 'euler'"),
+        ({"plane": "x", "scene": "defalt"}, "did you mean 'default'"),
+    ]
+    for given, words in cases:
+        with pytest.raises(vo.DefinitionError) as refused:
+            vo.section(oscillator, **({"scene": "default"} | given))
+        assert words in str(refused.value)
+        assert "\n" not in str(refused.value)
+
+
+def test_starts_on_a_level_share_all_integrals_and_differ():
+    equations = vo.derive(vo.load("ball-on-sphere"))
+    scene = equations.system.scenes["default"]
+    starts = starts_on_level(equations, scene, {}, {}, 6)
+    still = vo.ensemble(equations, starts, times=[0.0], outputs=("energy", "momentum squared"))
+    for name in still.outputs:
+        assert np.ptp(still[name]) < 1e-10
+    assert len({round(s["omega1"], 6) for s in starts}) == 6
+
+
+def test_without_integrals_no_level_is_known(falling):
+    with pytest.raises(vo.DefinitionError, match="declares no integral"):
+        vo.section(falling, "x", scene=vo.Scene(initial={x: 1, y: 50}), starts=4)
+
+
+def test_a_surface_is_suggested_where_something_oscillates(oscillator):
+    surface = suggested(oscillator)
+    assert (surface.plane, surface.value, surface.outputs) == ("x", 0.0, ("xdot",))
+    resting = vo.Scene(initial={}, times=(0.0, 10.0))
+    with pytest.raises(vo.DefinitionError, match="nothing oscillates"):
+        suggested(oscillator, resting)
+
+
+def test_the_reduced_ball_and_its_coordinates_have_one_section():
+    equations = vo.derive(vo.load("ball-on-sphere"))
+    given = {"scene": "default", "crossings": 5}
+    low = vo.section(equations, "gamma1", ("gamma2", "omega1"), **given)
+    high = vo.section(equations, "gamma1", ("gamma2", "omega1", "u"), **given)
+    assert low.level.startswith("invariants")
+    assert high.level == "coordinates"
+    assert low.t == pytest.approx(high.t, abs=1e-10)
+    assert low.points == pytest.approx(high.points[:, :2], abs=1e-10)

@@ -1,0 +1,115 @@
+"""Charts: the same motion in other coordinates, where those of a system are singular.
+
+Declarations only; ``voronec check`` proves them, and a run changes to them near a singularity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name, velocity
+from voronec.errors import DefinitionError
+from voronec.reading import expression, mapping, shown
+
+if TYPE_CHECKING:
+    from voronec.system import System
+
+__all__ = ["CHANGING", "Chart", "system_in"]
+
+CHANGING = ("lagrangian", "constraints", "forces", "frame")
+"""What may read differently in another chart."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Other coordinates of a system; they bear the names of its own, and mean something else.
+
+    state
+        variable -> its value in the chart, as a function of the system's coordinates, velocities
+        and parameters.  A variable that is not named has the same value in both; the velocity of
+        a coordinate follows that of the coordinate.  Write angles as ``atan2(y, x)``, which is
+        accurate everywhere.
+    singular
+        a function of the coordinates that vanishes where those of the system are singular, and
+        whose factors are positive elsewhere, in the range of the coordinates: sin(u) sin(u1).
+    changes
+        what the system declares differently in the chart, by name: ``lagrangian``,
+        ``constraints``, ``forces``, ``frame``.  Nothing, for a symmetry of the system.
+    back
+        the inverse of ``state``, each variable of the system as a function of those of the chart;
+        by default ``state`` itself, a map that is its own inverse.
+    singular_there
+        the same as ``singular`` for the chart; by default the same function of its coordinates.
+    """
+
+    state: Mapping[Any, Any]
+    singular: Any
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    back: Mapping[Any, Any] = field(default_factory=dict)
+    singular_there: Any = None
+
+    def __post_init__(self) -> None:
+        def store(name: str, value: Any) -> None:
+            object.__setattr__(self, name, value)
+
+        for part in ("state", "back"):
+            given = mapping(getattr(self, part), f"{part} of a chart", "variable: expression")
+            read = {plain_name(k): expression(e, f"'{shown(k)}'") for k, e in given.items()}
+            store(part, mapping(read, part, "variable: expression"))
+        if not self.state:
+            raise DefinitionError("a chart maps nothing; write state={variable: expression}")
+        if not self.back:
+            store("back", self.state)
+        store("singular", expression(self.singular, "singular"))
+        there = self.singular if self.singular_there is None else self.singular_there
+        store("singular_there", expression(there, "singular_there"))
+        changes = mapping(self.changes, "changes of a chart", "'lagrangian': expression")
+        store("changes", changes)
+        for name in changes:
+            if name not in CHANGING:
+                raise DefinitionError(
+                    f"a chart changes '{shown(name)}'; it may change {', '.join(CHANGING)}"
+                )
+
+    def values(self, system: System, back: bool = False) -> dict[sp.Expr, sp.Expr]:
+        """Every variable of the chart as a function of the system's, or the other way round."""
+        given = self.back if back else self.state
+        dots = {velocity(q): q for q in system.coordinates}
+        found = {}
+        for x in (*system.coordinates, *system.velocities):
+            name = plain_name(x)
+            if name not in given and plain_name(dots.get(x, x)) in given:
+                moved = given[plain_name(dots[x])]
+                pairs = [(q, dot) for dot, q in dots.items()]
+                found[x] = sp.Add(*[sp.diff(moved, q) * dot for q, dot in pairs])
+            else:
+                found[x] = given.get(name, x)
+        return found
+
+
+def system_in(system: System, name: str) -> System:
+    """A system in one of its charts, without its claims and scenes."""
+    chart = system.charts[name]
+    return replace(
+        system,
+        **chart.changes,
+        name=f"{system.name}, {name}",
+        integrals={},
+        equations={},
+        measure=None,
+        multiplier=None,
+        poisson=None,
+        essential=(),
+        integrable="",
+        invariants={},
+        cases={},
+        undecided={},
+        scenes={},
+        charts={},
+        drawing=None,
+        motion=None,
+    )

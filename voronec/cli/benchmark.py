@@ -1,0 +1,153 @@
+"""``voronec bench``: every method and every peer against a reference, as speed against error."""
+
+from __future__ import annotations
+
+import json
+from argparse import Namespace
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from voronec.cli.files import delivery, wanted_folder
+from voronec.cli.output import columns, print_json, progress
+from voronec.cli.subject import resolve
+from voronec.cli.values import finite, pair, split_values
+from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from voronec.bench import Bench, Measured, Point
+
+__all__ = ["execute"]
+
+MARKS = {"at most": "<= ", "extrapolated": "~ "}
+"""What stands before a time that is not interpolated between two runs."""
+
+
+def execute(arguments: Namespace) -> int:
+    """Measure, write ``bench.json``, ``bench.txt`` and ``work-precision.svg``, print the table.
+
+    Stopped by Ctrl-C, what is measured is written all the same.
+    """
+    tolerances = [finite(word, "--tols") for word in _words(arguments.tols)]
+    time = None if arguments.time is None else finite(arguments.time, "--time")
+    pairs = [pair(text) for text in arguments.set]
+    system, _ = resolve(arguments.system)
+    folder = wanted_folder(arguments.out or f"{system.name}-bench")
+    parameters, initial = split_values(system, pairs)
+    from voronec.bench import ask, measure, measure_setup
+    from voronec.bench.runs import contenders
+
+    methods = _words(arguments.methods)
+    contenders(methods)  # refuses an unknown one before any work
+    outputs = tuple(_words(arguments.outputs))
+    try:
+        progress(f"{system.name}: deriving ...")
+        question = ask(system, arguments.scene, outputs, time, parameters, initial)
+        bench = measure(
+            question, methods, tolerances,
+            setup=lambda: measure_setup(arguments.system, arguments.scene, question.outputs),
+            say=lambda text: progress(f"{system.name}: {text} ..."),
+        )  # fmt: skip
+    finally:
+        progress("")
+    files = _write(bench, folder)
+    if arguments.json:
+        print_json({**bench.as_dict(), "files": [str(f) for f in files]})
+    else:
+        print("\n".join([*_report(bench), "wrote " + ", ".join(str(f) for f in files)]))
+    return 130 if bench.interrupted else 0
+
+
+def _words(text: str | None) -> list[str]:
+    """The words between commas."""
+    return [word.strip() for word in (text or "").split(",") if word.strip()]
+
+
+def _write(bench: Bench, folder: Path) -> list[Path]:
+    from voronec.report.pictures import save
+    from voronec.report.work_precision import plot_work_precision
+
+    with delivery(folder) as workshop:
+        data = json.dumps(bench.as_dict(), indent=2, ensure_ascii=False)
+        (workshop / "bench.json").write_text(data + "\n", encoding="utf-8")
+        (workshop / "bench.txt").write_text("\n".join(_report(bench)) + "\n", encoding="utf-8")
+        with suppress(DefinitionError):  # no run succeeded; the table says why
+            save(plot_work_precision(bench), workshop / "work-precision.svg")
+        written = sorted(file.name for file in workshop.iterdir())
+    return [folder / name for name in written]
+
+
+def _report(bench: Bench) -> list[str]:
+    question, reference = bench.question, bench.reference
+    grid = f"t from {question.grid[0]:g} to {reference.t[-1]:g}, {len(reference.t)} instants"
+    lines = [f"{question.system.name}, scene {question.scene}: {grid}"]
+    lines.append("outputs: " + ", ".join(question.outputs))
+    lines.append(f"reference: accurate to {reference.accuracy:.1e}, where these two agree:")
+    lines += [f"  {how}" for how in reference.how]
+    lines += [reference.note] if reference.note else []
+    if bench.setup is not None:
+        s = bench.setup
+        lines.append(
+            f"set-up ({s.method}), derivation included, imports excluded: cold {s.cold:.2f} s, "
+            f"warm {s.warm:.2f} s of CPU (by the clock {s.cold_clock:.2f} s, {s.warm_clock:.2f} s)"
+        )
+    lines += ["", *_table(bench), "", *_equal(bench)]
+    absent = [[m.name, m.absent] for m in bench.methods if m.absent]
+    if absent:
+        lines += ["", "did not take part:", *columns(absent, "  ")]
+    lines += [
+        f"{m.name} at {p.setting:g} failed: {p.failed.splitlines()[0]}"
+        for m in bench.methods
+        for p in m.points
+        if p.failed
+    ]
+    lines += [f"{m.name}: {m.note}" for m in bench.methods if m.note]
+    if any(m.name.startswith("mujoco") and m.good for m in bench.methods):
+        lines.append("MuJoCo solves a more general problem: contact and friction of many bodies.")
+    if bench.interrupted:
+        lines.append("stopped by hand; what was measured until then is above")
+    return lines
+
+
+def _table(bench: Bench) -> list[str]:
+    head = ["method", "setting", "error", "us per unit", "evaluations", "worst drift"]
+    rows = [[m.name, *_row(m, p)] for m in bench.methods for p in m.points]
+    return columns([head, *rows])
+
+
+def _row(measured: Measured, point: Point) -> list[str]:
+    setting = ("step " if measured.knob != "tolerance" else "") + f"{point.setting:g}"
+    if point.failed:
+        return [setting, "failed", "-", "-", "-"]
+    drift = max((point.drift or {}).values(), default=None)
+    return [
+        setting, f"{point.error:.1e}", f"{1e6 * point.per_unit:.4g}", str(point.evaluations),
+        "-" if drift is None else f"{drift:.1e}",
+    ]  # fmt: skip
+
+
+def _equal(bench: Bench) -> list[str]:
+    """Times at equal error, and how many times slower than the fastest of ours."""
+    from voronec.bench.record import AT
+
+    head = ["at equal error"]
+    for error in AT:
+        head += [f"us per unit at {error:g}", "times the first"]
+    rows: list[list[str]] = []
+    present = [m for m in bench.methods if m.good]
+    first: dict[float, Any] = {}
+    for measured in present:
+        row = [measured.name]
+        for error in AT:
+            found = measured.at(error, extrapolate=measured.has_order)
+            if found.seconds is None:
+                row += [found.kind, "-"]
+                continue
+            first.setdefault(error, found.seconds)
+            bound = MARKS.get(found.kind, "")
+            row += [f"{bound}{1e6 * found.seconds:.4g}", f"{found.seconds / first[error]:.3g}"]
+        rows.append(row)
+    lines = columns([head, *rows])
+    if any(cell.startswith("~") for row in rows for cell in row):
+        lines.append("~ no run is that good: extrapolated along the order seen in its finest runs")
+    return lines

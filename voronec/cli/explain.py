@@ -1,0 +1,63 @@
+"""``voronec explain``: what of a system has to be integrated for what is wanted, and why."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from voronec.cli.files import delivery, wanted_folder
+from voronec.cli.output import print_json, progress
+from voronec.cli.subject import resolve
+from voronec.cli.values import pair, split_values
+from voronec.cli.wanted import outputs_of
+
+if TYPE_CHECKING:
+    from voronec.model import Model
+
+__all__ = ["execute"]
+
+PICTURES = (".svg", ".png")
+
+
+def execute(arguments: Namespace) -> int:
+    """Explain in words, as data, or in a folder of both with the dependence drawn."""
+    outputs = outputs_of(arguments.outputs)
+    pairs = [pair(text) for text in arguments.set]
+    folder = None if arguments.out is None else wanted_folder(arguments.out)
+    system, _ = resolve(arguments.system)
+    parameters, initial = split_values(system, pairs)
+    from voronec.flow.explanation import explain
+    from voronec.report.model_text import model_text
+
+    first = "default" if "default" in system.scenes else next(iter(system.scenes), None)
+    scene = arguments.scene or first
+    progress(f"{system.name}: weighing the levels of the equations ...")
+    try:
+        model = explain(
+            system, scene=scene, outputs=outputs, parameters=parameters, initial=initial or None
+        )
+        text = model_text(model)
+        files = [] if folder is None else _write(model, text, folder)
+    finally:
+        progress("")
+    if arguments.json:
+        print_json({**model.as_dict(), "scene": scene, "files": [str(f) for f in files]})
+        return 0
+    print(text)
+    if files:
+        print("wrote " + ", ".join(str(f) for f in files))
+    return 0
+
+
+def _write(model: Model, text: str, folder: Path) -> list[Path]:
+    from voronec.report.model_picture import model_figure
+    from voronec.report.pictures import save
+
+    figure: Any = model_figure(model)
+    with delivery(folder) as workshop:
+        (workshop / "explanation.txt").write_text(text + "\n", encoding="utf-8")
+        for suffix in PICTURES:
+            save(figure, workshop / f"dependence{suffix}")
+        written = sorted(file.name for file in workshop.iterdir())
+    return [folder / name for name in written]

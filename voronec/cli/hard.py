@@ -1,0 +1,113 @@
+"""``voronec hard``: methods against numerically hard cases."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from voronec.cli.files import delivery, wanted_folder
+from voronec.cli.output import columns, print_json, progress, warn
+from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from voronec.hard import Finding, HardCase
+
+__all__ = ["execute"]
+
+
+def execute(arguments: Namespace) -> int:
+    """Run, print the rows of every case when they are there, and say whether all is well.
+
+    Stopped by Ctrl-C, what is done is reported all the same.
+    """
+    folder = wanted_folder(arguments.out) if arguments.out else None
+    cases = _chosen(arguments)
+    if arguments.list:
+        return _list(cases, arguments.json)
+    methods = _methods(arguments.method)
+    findings, stopped = _run(cases, methods, arguments.json)
+    if not findings and stopped:
+        raise KeyboardInterrupt
+    _tell(findings, folder, arguments.json)
+    if stopped:
+        print(f"voronec: stopped, {len(findings)} of {len(cases)} cases done", file=sys.stderr)
+        return 130
+    return 0 if all(f.good for f in findings) else 1
+
+
+def _chosen(arguments: Namespace) -> tuple[HardCase, ...]:
+    from voronec.hard import QUICK, every_case, named_cases
+
+    known, warnings = every_case()
+    for message in warnings:
+        warn(message)
+    names = arguments.cases or (QUICK if arguments.quick else ())
+    return named_cases(names, known) if names else known
+
+
+def _list(cases: Sequence[HardCase], as_json: bool) -> int:
+    if as_json:
+        print_json([{"case": c.name, "system": c.system, "hard": c.hard} for c in cases])
+    else:
+        print("\n".join(columns([c.name, c.system, c.hard] for c in cases)))
+    return 0
+
+
+def _methods(names: Sequence[str]) -> tuple[str, ...]:
+    from voronec.errors import did_you_mean
+    from voronec.hard import METHODS
+    from voronec.hard.run import available
+
+    for name in names:
+        if name not in ("auto", *METHODS):
+            raise DefinitionError(f"there is no method '{name}'{did_you_mean(name, METHODS)}")
+        if name != "auto" and name not in available():
+            raise DefinitionError(f"method '{name}' is not installed here; leave it out")
+    return tuple(dict.fromkeys(names))
+
+
+def _run(
+    cases: Sequence[HardCase], methods: tuple[str, ...], as_json: bool
+) -> tuple[list[Finding], bool]:
+    """The findings, and whether Ctrl-C ended the run."""
+    from voronec.hard.run import trials
+    from voronec.hard.table import head, lines
+
+    findings: list[Finding] = []
+    try:
+        for finding in trials(cases, methods, progress):
+            progress("")
+            if not as_json:
+                rows = lines(finding, cases)
+                print("\n".join(rows if findings else [head(cases), *rows]), flush=True)
+            findings.append(finding)
+    except KeyboardInterrupt:
+        progress("")
+        return findings, True
+    progress("")
+    return findings, False
+
+
+def _tell(findings: Sequence[Finding], folder: Path | None, as_json: bool) -> None:
+    from voronec.hard.table import data, summary
+
+    if as_json:
+        print_json([data(f) for f in findings])
+    else:
+        print(summary(findings))
+    if folder is None:
+        return
+    from voronec.hard.page import page
+
+    with delivery(folder) as workshop:
+        (workshop / "hard-cases.md").write_text(page(findings), "utf-8")
+        with (workshop / "hard.json").open("w", encoding="utf-8") as file:
+            import json
+
+            json.dump([data(f) for f in findings], file, indent=2)
+    if not as_json:
+        print(f"wrote {folder / 'hard-cases.md'}, {folder / 'hard.json'}")

@@ -1,0 +1,162 @@
+"""``voronec section``: the Poincare section of a system, as a picture and a table of points."""
+
+from __future__ import annotations
+
+import csv
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from voronec.cli.files import delivery, wanted_folder
+from voronec.cli.formula import formula
+from voronec.cli.output import columns, print_json, progress, warn
+from voronec.cli.subject import resolve
+from voronec.cli.values import finite, pair, split_values, tolerance
+from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from voronec.equations import VoronecEquations
+    from voronec.flow import Section
+
+__all__ = ["execute"]
+
+LISTED = 12
+"""Starts that are not complete are listed up to so many."""
+DIRECTIONS = {"up": 1, "down": -1, "both": 0}
+
+
+def execute(arguments: Namespace) -> int:
+    """Follow the motions, write ``points.csv`` and ``section.svg``, and report.
+
+    Stopped by Ctrl-C, the points that are there are written all the same.
+    """
+    tol = tolerance(arguments.tol)
+    until = None if arguments.until is None else finite(arguments.until, "--until")
+    pairs = [pair(text) for text in arguments.set]
+    for count, option in ((arguments.starts, "--starts"), (arguments.crossings, "--crossings")):
+        if count < 1:
+            raise DefinitionError(f"{option} {count}: give a number from 1 on")
+    plane = None if arguments.plane is None else _plane(arguments.plane)
+    outputs = [] if arguments.outputs is None else _outputs(arguments.outputs)
+    system, _ = resolve(arguments.system)
+    folder = wanted_folder(arguments.out or f"{system.name}-section")
+    parameters, initial = split_values(system, pairs)
+    from voronec.equations import derive
+    from voronec.flow.sections import section
+
+    progress(f"{system.name}: deriving ...")
+    try:
+        equations = derive(system)
+        scene = arguments.scene or _first_scene(equations)
+        given: dict[str, Any] = {"scene": scene, "initial": initial, "parameters": parameters}
+        plane, value, outputs = _completed(equations, plane, outputs, given)
+        found = section(
+            equations, plane, outputs, **given, value=value, starts=arguments.starts,
+            crossings=arguments.crossings, direction=DIRECTIONS[arguments.direction], until=until,
+            method=arguments.method, tol=tol,
+            progress=lambda share: progress(f"{system.name}: {share:.0%} of the crossings"),
+        )  # fmt: skip
+    finally:
+        progress("")
+    if found.interrupted and not len(found):
+        raise KeyboardInterrupt
+    files = _write(found, folder)
+    _report(found, scene, files, arguments.json)
+    for error in found.errors.values():
+        warn(str(error))
+    if found.interrupted:
+        return 130
+    return 1 if found.errors else 0
+
+
+def _first_scene(equations: VoronecEquations) -> str | None:
+    scenes = equations.system.scenes
+    return "default" if "default" in scenes else next(iter(scenes), None)
+
+
+def _plane(text: str) -> tuple[Any, float]:
+    """The quantity and the value in EXPR=VALUE; without a value it is zero."""
+    left, equals, right = text.partition("=")
+    value = finite(right, f"--plane {text}") if equals else 0.0
+    return _quantity(left, f"--plane {text}"), value
+
+
+def _outputs(text: str) -> list[Any]:
+    return [_quantity(part, f"--outputs {text}") for part in text.split(",")]
+
+
+def _quantity(text: str, place: str) -> Any:
+    """A name as it is, anything else as a formula."""
+    import re
+
+    bare = text.strip()
+    named = bool(re.fullmatch(r"\w[\w -]*", bare)) and not re.fullmatch(r"\w+\s*-.*|\d.*", bare)
+    return bare if named else formula(bare, place)
+
+
+def _completed(
+    equations: VoronecEquations, plane: tuple[Any, float] | None, outputs: list[Any], given: Any
+) -> tuple[Any, float, list[Any]]:
+    """Plane and outputs, what nobody named suggested by a short motion."""
+    from voronec.flow.surfaces import suggested
+
+    if plane is not None and outputs:
+        return *plane, outputs
+    named = None if plane is None else str(plane[0])
+    surface = suggested(equations, plane=named, **given)
+    if plane is None:
+        plane = (surface.plane, surface.value)
+    return *plane, outputs or list(surface.outputs)
+
+
+def _write(found: Section, folder: Path) -> list[Path]:
+    from voronec.report.pictures import save
+    from voronec.report.section_picture import plot_section
+
+    with delivery(folder) as workshop:
+        with (workshop / "points.csv").open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(["start", "t", *found.outputs])
+            rows = (found.start.tolist(), found.t.tolist(), found.points.tolist())
+            writer.writerows([i, t, *point] for i, t, point in zip(*rows, strict=True))
+        save(plot_section(found), workshop / "section.svg")
+        written = sorted(file.name for file in workshop.iterdir())
+    return [folder / name for name in written]
+
+
+def _report(found: Section, scene: str | None, files: list[Path], as_json: bool) -> None:
+    cost = found.cost
+    rate = len(found) / cost.run if cost.run > 0 else 0.0
+    drift = {name: float(x.max()) for name, x in found.drift.items()}
+    if as_json:
+        print_json({
+            "system": found.system.name, "scene": scene, "plane": found.plane,
+            "value": found.value, "direction": found.direction, "outputs": list(found.outputs),
+            "points": len(found), "starts": len(found.ends), "points_per_second": rate,
+            "near_tangent": int(found.near_tangent.sum()), "touches": len(found.touches),
+            "ends": list(found.ends), "errors": {str(i): str(e) for i, e in found.errors.items()},
+            "drift": drift, "level": found.level, "interrupted": found.interrupted,
+            "method": cost.method, "reason": cost.reason, "tolerance": cost.tolerance,
+            "setup_seconds": cost.setup, "run_seconds": cost.run, "steps": cost.steps,
+            "files": [str(f) for f in files],
+        })  # fmt: skip
+        return
+    stopped = ", stopped by hand" if found.interrupted else ""
+    way = {1: "upwards", -1: "downwards", 0: "both ways"}[found.direction]
+    print(
+        f"{found.system.name}: {found.plane} = {found.value:g}, {way}; "
+        f"{', '.join(found.outputs)} recorded{stopped}"
+    )
+    print(f"{len(found)} points of {len(found.ends)} starts, {rate:.0f} a second; {cost}")
+    for line in columns([["drift of", name, f"{x:.1e}"] for name, x in drift.items()]):
+        print(line)
+    if near := int(found.near_tangent.sum()):
+        print(f"{near} crossings are near-tangent: their times are ill-conditioned")
+    if found.touches:
+        print(f"{len(found.touches)} times a motion touched the surface and turned back")
+    short = [[f"start {i}", end] for i, end in enumerate(found.ends) if end != "complete"]
+    for line in columns(short[:LISTED]):
+        print(line)
+    if len(short) > LISTED:
+        print(f"and {len(short) - LISTED} further starts that are not complete")
+    print("wrote " + ", ".join(str(f) for f in files))

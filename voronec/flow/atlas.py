@@ -1,0 +1,220 @@
+"""The charts of a system in numbers: maps, distances from singularities, integrators."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import symengine as se
+
+from voronec.flow.charts import KeptChart, own_singular
+from voronec.flow.events import Event
+from voronec.flow.probe import quantities
+from voronec.flow.steppers import Problem, Run, Stepper, choose, guarded
+from voronec.program import Program, compiled
+
+if TYPE_CHECKING:
+    from voronec.derivation import FirstOrderForm
+
+__all__ = ["HOME", "LEAVE", "RETURN", "Atlas", "Place"]
+
+HOME = ""
+"""The name of the system's own chart."""
+NEAR, CLEAR = se.Rational(1, 50), se.Rational(1, 25)
+"""Below the one a chart is left; above the other the system's own is taken again.  A change costs
+as much as about a hundred steps of Taylor's method, and these are what a passage so near takes."""
+GOOD = 0.25
+"""So far from a singularity a chart that is ready is good enough."""
+LEAVE, RETURN = "the chart becomes singular", "the own chart is regular again"
+
+
+@dataclass
+class Progress:
+    """Progress of a stretch, reported as progress of the whole run."""
+
+    report: Callable[[float], Any]
+    done: float = 0.0
+    part: float = 1.0
+
+    def __call__(self, fraction: float) -> None:
+        self.report(self.done + fraction * self.part)
+
+
+@dataclass(frozen=True)
+class Place:
+    """One chart, ready to be integrated in.
+
+    ``stepper`` begins at what ``problem.start`` holds when it is called; ``home`` takes times (k,)
+    and states (k, n) to states of the own chart.
+    """
+
+    name: str
+    problem: Problem
+    stepper: Stepper
+    chosen: Mapping[str, Any]
+    home: Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+    def run(self, state: np.ndarray, times: np.ndarray) -> Run:
+        """The motion from a state on."""
+        self.problem.start[:] = state
+        return guarded(self.stepper(times), self.problem)
+
+    def scale(self, time: Any, state: np.ndarray) -> float:
+        """A time in which no variable changes by more than its size, or by one unit."""
+        with np.errstate(all="ignore"):
+            rates = self._rates(np.float64(time), list(state), list(self.problem.parameters))
+            fastest = np.max(np.abs(np.array(rates, dtype=float)) / np.maximum(1.0, np.abs(state)))
+        return float(1.0 / fastest) if 0 < fastest < np.inf else np.inf
+
+    @cached_property
+    def _rates(self) -> Callable[..., Any]:
+        return compiled(self.problem.program)[0]
+
+
+@dataclass(frozen=True)
+class Atlas:
+    """The charts of a system, each derived and compiled when a run first comes to it.
+
+    ``problem`` is the one in the system's own chart, of which ``form`` are the equations and
+    ``functions`` those of its events; it is to be integrated on ``grid`` by ``method``.
+    ``seconds`` are what each chart took to make ready.
+    """
+
+    method: str
+    problem: Problem
+    grid: np.ndarray
+    form: FirstOrderForm
+    charts: tuple[KeptChart, ...]
+    functions: Mapping[str, Any] = field(default_factory=dict)
+    seconds: list[float] = field(default_factory=list)
+    _places: dict[str, Place] = field(default_factory=dict)
+
+    @cached_property
+    def angles(self) -> np.ndarray:
+        """Which variables are angles."""
+        found = set().union(*(chart.angles for chart in self.charts))
+        return np.array([x in found for x in self.problem.program.state])
+
+    def best(self, time: Any, state: np.ndarray) -> tuple[str, np.ndarray]:
+        """The chart in which a state of the own chart is far from a singularity, and the state
+        there: the own one, else one that is ready, else the one in which it is farthest."""
+        images = {HOME: state}
+        sizes = {HOME: self._distance(HOME, time, state)}
+        if sizes[HOME] > float(CLEAR):
+            return HOME, state
+        for chart in self.charts:
+            images[chart.name] = self._maps[chart.name](time, state)
+            sizes[chart.name] = self._distance(chart.name, time, images[chart.name])
+        ready = [name for name in self._places if name != HOME and sizes[name] > GOOD]
+        chosen = max(ready or sizes, key=sizes.__getitem__)
+        return chosen, images[chosen]
+
+    def _distance(self, name: str, time: Any, state: np.ndarray) -> float:
+        """How far a state in a chart is from its singularity; 0 where that is undefined."""
+        size = abs(float(self._distances[name](time, state)[0]))
+        return size if np.isfinite(size) else 0.0
+
+    def place(self, name: str) -> Place:
+        """A chart, ready to be integrated in."""
+        if name not in self._places:
+            began = perf_counter()
+            self._places[name] = self._own() if name == HOME else self._other(name)
+            self.seconds.append(perf_counter() - began)
+        return self._places[name]
+
+    @cached_property
+    def progress(self) -> Progress | None:
+        """Where progress is reported, if it is."""
+        report = self.problem.progress
+        return None if report is None else Progress(report)
+
+    def _own(self) -> Place:
+        given = self.problem
+        levels = {**self.functions, LEAVE: _beyond(own_singular(self.charts), NEAR)}
+        problem = replace(
+            given,
+            start=given.start.copy(),
+            events=(*given.events, self._end(LEAVE, -1)),
+            levels=quantities(self.form, levels),
+            progress=self.progress,
+        )
+        made = choose(self.method, problem, self.grid)
+        return Place(HOME, problem, *made, lambda _, rows: rows)
+
+    def _other(self, name: str) -> Place:
+        chart, given = next(c for c in self.charts if c.name == name), self.problem
+        levels = {event: chart.moved(e) for event, e in self.functions.items()}
+        levels[LEAVE] = _beyond(chart.singular, NEAR)
+        levels[RETURN] = _beyond(chart.moved(own_singular(self.charts)), CLEAR)
+        program = Program.of(chart.form)
+        problem = replace(
+            given,
+            program=program,
+            start=given.start.copy(),
+            parameters=self._values(program),
+            events=(*given.events, self._end(LEAVE, -1), self._end(RETURN, 1)),
+            levels=quantities(chart.form, levels),
+            suspect=None,
+            progress=self.progress,
+        )
+        made = choose(self.place(HOME).chosen["method"], problem, self.grid)
+        return Place(name, problem, *made, self._rows(chart))
+
+    def _end(self, name: str, direction: int) -> Event:
+        """The end of a stretch; the direction is that along the run, which may go backwards."""
+        order = 1 if self.grid[-1] >= self.grid[0] else -1
+        return Event(name, name, direction * order, stop=True)
+
+    def _rows(self, chart: KeptChart) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+        """The way home from a chart, for many states."""
+        program = quantities(chart.form, {str(x): e for x, e in chart.back.items()})
+        values, (_, extras) = self._values(program), compiled(program)
+
+        def home(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
+            with np.errstate(all="ignore"):
+                found = extras(times, list(rows.T), values)
+            result = np.empty(rows.shape)
+            for i, column in enumerate(found):
+                result[:, i] = column
+            return result
+
+        return home
+
+    @cached_property
+    def _maps(self) -> dict[str, Callable[[Any, np.ndarray], np.ndarray]]:
+        """The ways from the own chart into the others."""
+        return {c.name: self._single([*c.there.values()]) for c in self.charts}
+
+    @cached_property
+    def _distances(self) -> dict[str, Callable[[Any, np.ndarray], np.ndarray]]:
+        """The functions that vanish where a chart is singular, of states there."""
+        others = {c.name: self._single([c.singular]) for c in self.charts}
+        return {**others, HOME: self._single([own_singular(self.charts)])}
+
+    def _single(self, wanted: list[Any]) -> Callable[[Any, np.ndarray], np.ndarray]:
+        """Functions of single states; not a number where one is undefined."""
+        program = quantities(self.form, {str(i): e for i, e in enumerate(wanted)})
+        values, (_, extras) = self._values(program), compiled(program, scalar=True)
+
+        def evaluate(time: Any, state: np.ndarray) -> np.ndarray:
+            try:
+                return np.array(extras(float(time), state.tolist(), values))
+            except (ArithmeticError, ValueError):
+                return np.full(len(wanted), np.nan)
+
+        return evaluate
+
+    def _values(self, program: Program) -> list[float]:
+        """The parameters of a program."""
+        names = map(str, self.problem.program.parameters)
+        given = dict(zip(names, self.problem.parameters, strict=True))
+        return [float(given[str(p)]) for p in program.parameters]
+
+
+def _beyond(function: Any, size: Any) -> Any:
+    """Positive where a function is larger than a size."""
+    return function**2 - size**2

@@ -1,0 +1,268 @@
+"""Carrying many motions with one compiled integrator: heyoka's lanes, or scipy's one by one.
+
+A batch integrator takes one Taylor step of every lane in little more time than a step of one
+lane; it is compiled once, and its lanes are loaded again and again.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.program import Hoisted, Program, compiled, hoisted, taylor_system
+
+__all__ = ["FINEST", "Lanes", "Stopped", "along", "along_scipy", "chosen", "strides"]
+
+CHUNK = 20_000
+"""Steps of all lanes between two looks at the keyboard."""
+COMPACT = 60.0
+"""Above this weight heyoka compiles in its compact mode: seconds sooner, then half as fast."""
+FINEST = 2.3e-14
+"""scipy's DOP853 refuses finer relative tolerances."""
+PIECE = 64
+"""Points of the grid in the first piece; later ones follow the steps it took."""
+INFINITE = "the state is no longer finite"
+COLLAPSE = "the step size collapsed"
+
+Look = Callable[[], bool]
+"""Whether somebody asked to stop."""
+
+
+class Stopped(Exception):
+    """Somebody asked to stop; what a batch had begun is not finished."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lanes:
+    """heyoka's batch integrator; ``width`` motions at once, ``constants`` parameters of each, those
+    of the ``raised`` program."""
+
+    integrator: Any
+    width: int
+    constants: int
+    raised: Hoisted
+
+    def again(self) -> Lanes:
+        """Another integrator of the same compiled code, for another thread."""
+        return Lanes(copy.deepcopy(self.integrator), self.width, self.constants, self.raised)
+
+    def load(self, lane: Any, state: np.ndarray, values: np.ndarray, time: float) -> None:
+        """Put motions (k, n) with parameters (k, p) on some lanes."""
+        times = self.integrator.time.copy()
+        times[lane] = time
+        self.integrator.set_time(times.tolist())
+        self.integrator.state[:, lane] = state.T
+        rows = [self.raised.values(row.tolist())[: self.constants] for row in np.atleast_2d(values)]
+        own = np.array(rows, dtype=float).reshape(len(rows), self.constants)
+        self.integrator.pars[:, lane] = own.T if values.ndim > 1 else own[0]
+
+
+def lanes_of(program: Program, tol: float, count: int) -> Lanes:
+    """A batch integrator for up to ``count`` motions.
+
+    Raises ``ImportError`` without heyoka, ``EngineLimit`` for a function it does not know.
+    """
+    import heyoka as hy
+
+    width = 1
+    while width < min(hy.recommended_simd_size(), count):
+        width *= 2
+    raised = hoisted(program)
+    program = raised.program
+    # heyoka wants no more parameters than the equations contain
+    used = [i for i, p in enumerate(program.parameters) if p in program.derivative.symbols]
+    constants = max(used, default=-1) + 1
+    integrator = hy.taylor_adaptive_batch(
+        taylor_system(program),
+        np.zeros((len(program.state), width)),
+        pars=np.ones((constants, width)),
+        tol=tol,
+        compact_mode=program.weight > COMPACT,
+    )
+    return Lanes(integrator, width, constants, raised)
+
+
+def along(
+    lanes: Lanes, states: np.ndarray, values: np.ndarray, grid: np.ndarray, stopped: Look
+) -> tuple[np.ndarray, dict[int, IntegrationError], int]:
+    """Up to ``width`` motions along one grid: states (m, k, n), errors, steps.
+
+    A motion that breaks down keeps its states up to there, the rest are not numbers; the others
+    are run again without it.
+    """
+    rows = np.full((len(states), len(grid), states.shape[1]), np.nan)
+    errors: dict[int, IntegrationError] = {}
+    left, steps = np.arange(len(states)), 0
+    while len(left):
+        # lanes without a motion of their own repeat the last one
+        pick = left[np.minimum(np.arange(lanes.width), len(left) - 1)]
+        lanes.load(slice(None), states[pick], values[pick], float(grid[0]))
+        block = np.full((lanes.width, *rows.shape[1:]), np.nan)
+        broken, taken = _pieces(lanes, block, grid, stopped)
+        rows[left] = block[: len(left)]
+        steps += taken
+        if not broken:
+            break
+        errors |= {int(pick[lane]): error for lane, error in broken.items() if lane < len(left)}
+        left = np.array([i for i in left if i not in errors], dtype=int)
+    return rows, errors, steps
+
+
+def _pieces(
+    lanes: Lanes, block: np.ndarray, grid: np.ndarray, stopped: Look
+) -> tuple[dict[int, IntegrationError], int]:
+    """Fill ``block`` (width, k, n) piece by piece of the grid; what broke, by lane, and steps."""
+    import heyoka as hy
+
+    ta, at, piece, steps = lanes.integrator, 0, PIECE, 0
+    block[:, 0] = ta.state.T
+    while at < len(grid) - 1:
+        if stopped():
+            raise Stopped
+        end = min(at + piece, len(grid) - 1)
+        times = np.repeat(grid[at : end + 1, None], lanes.width, axis=1)
+        found = ta.propagate_grid(times, max_steps=CHUNK)
+        new = np.moveaxis(found[1] if isinstance(found, tuple) else found, -1, 0)
+        taken = max(r[3] for r in ta.propagate_res)
+        steps += sum(r[3] for r in ta.propagate_res)
+        outcomes = {r[0] for r in ta.propagate_res}
+        if hy.taylor_outcome.err_nf_state in outcomes or not np.isfinite(ta.state).all():
+            block[:, at : end + 1] = new
+            return _broken(ta, block, grid), steps
+        if hy.taylor_outcome.step_limit in outcomes:
+            ta.set_time(float(grid[at]))
+            ta.state[:] = block[:, at].T
+            if piece > 1:
+                piece = max(1, piece // 8)
+                continue
+            collapsed, taken = _one_interval(lanes, grid[at : end + 1], stopped)
+            steps += taken
+            if collapsed:
+                return collapsed, steps
+            new = np.stack([block[:, at], ta.state.T], axis=1)
+        block[:, at : end + 1] = new
+        at = end
+        piece = max(1, min(4 * piece, int(piece * CHUNK / (4 * max(taken, 1)))))
+    return {}, steps
+
+
+def _broken(ta: Any, block: np.ndarray, grid: np.ndarray) -> dict[int, IntegrationError]:
+    """The lanes whose state is no longer finite; the last good one is the last on the grid."""
+    found = {}
+    for lane in range(len(block)):
+        if not np.isfinite(ta.state[:, lane]).all():
+            good = np.isfinite(block[lane]).all(axis=1)
+            last = int(np.argmin(good)) - 1 if not good.all() else len(grid) - 1
+            block[lane, last + 1 :] = np.nan
+            found[lane] = _error(INFINITE, float(grid[last]), block[lane, last].copy())
+    return found
+
+
+def _one_interval(
+    lanes: Lanes, ends: np.ndarray, stopped: Look
+) -> tuple[dict[int, IntegrationError], int]:
+    """From one point of the grid to the next, where that takes very many steps."""
+    import heyoka as hy
+
+    ta, steps = lanes.integrator, 0
+    while True:
+        if stopped():
+            raise Stopped
+        before = ta.time.copy()
+        ta.propagate_until(float(ends[-1]), max_steps=CHUNK)
+        steps += sum(r[3] for r in ta.propagate_res)
+        if not np.isfinite(ta.state).all():
+            bad = [i for i in range(lanes.width) if not np.isfinite(ta.state[:, i]).all()]
+            return {i: _error(INFINITE, before[i], ta.state[:, i].copy()) for i in bad}, steps
+        if all(r[0] == hy.taylor_outcome.time_limit for r in ta.propagate_res):
+            return {}, steps
+        moved = np.abs(ta.time - before) > 1e-13 * np.ptp(ends)
+        stuck = [i for i in range(lanes.width) if ta.time[i] != ends[-1] and not moved[i]]
+        if stuck:
+            return {i: _error(COLLAPSE, ta.time[i], ta.state[:, i].copy()) for i in stuck}, steps
+
+
+def _error(reason: str, time: float, state: np.ndarray) -> IntegrationError:
+    return IntegrationError(f"{reason} after t = {time:.12g}", float(time), state)
+
+
+def strides(
+    program: Program, state: np.ndarray, values: np.ndarray, time: float, end: float, tol: float
+) -> Iterator[Any]:
+    """scipy's DOP853 after each of its steps; ``IntegrationError`` where it cannot go on."""
+    from scipy.integrate import DOP853
+
+    rhs, constants = compiled(program, scalar=True)[0], values.tolist()
+
+    def derivative(t: float, y: np.ndarray) -> Any:
+        try:
+            return rhs(t, y.tolist(), constants)
+        except (ZeroDivisionError, ValueError, OverflowError):
+            # a trial step left the domain: the method then tries a shorter one
+            return np.full(len(y), np.nan)
+
+    finest = max(tol, FINEST)
+    method = DOP853(derivative, time, state, end, rtol=finest, atol=finest)
+    while method.status == "running":
+        good, reached = method.y.copy(), float(method.t)
+        with np.errstate(all="ignore"):
+            method.step()
+        if method.status == "failed":
+            raise _error(COLLAPSE, reached, good)
+        if not np.isfinite(method.y).all():
+            raise _error(INFINITE, reached, good)
+        yield method
+
+
+def along_scipy(
+    program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray, tol: float,
+    stopped: Look,
+) -> tuple[np.ndarray, IntegrationError | None, int]:  # fmt: skip
+    """One motion along a grid: states (k, n), the error that ended it, steps."""
+    rows = np.full((len(grid), len(state)), np.nan)
+    rows[0], done, steps = state, 1, 0
+    if len(grid) == 1:
+        return rows, None, 0
+    order = np.sign(grid[-1] - grid[0])
+    try:
+        for method in strides(program, state, values, float(grid[0]), float(grid[-1]), tol):
+            steps += 1
+            if stopped():
+                raise Stopped
+            reached = int(np.searchsorted(order * grid, order * method.t, side="right"))
+            if reached > done:
+                rows[done:reached] = method.dense_output()(grid[done:reached]).T
+                done = reached
+    except IntegrationError as error:
+        return rows, error, steps
+    return rows, None, steps
+
+
+def chosen(method: str, program: Program, tol: float, count: int) -> tuple[Lanes | None, str]:
+    """heyoka's lanes, or None for scipy; and why."""
+    if method not in ("auto", "heyoka", "scipy"):
+        raise DefinitionError(
+            f"there is no method '{method}' for many motions; methods are auto, heyoka, scipy"
+        )
+    if not 0 < tol < 1:
+        raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
+    if method == "scipy":
+        return None, "asked for"
+    try:
+        lanes = lanes_of(program, tol, count)
+    except ImportError:
+        if method == "heyoka":
+            raise DefinitionError(
+                "heyoka is not installed; 'pip install heyoka', or use method='scipy'"
+            ) from None
+        return None, "auto: heyoka is not installed"
+    except EngineLimit as limit:
+        if method == "heyoka":
+            raise
+        return None, f"auto: {limit}"
+    return lanes, "asked for" if method == "heyoka" else "auto: heyoka is installed"

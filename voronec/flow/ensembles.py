@@ -1,0 +1,279 @@
+"""Ensembles: many starts, or many values of the parameters, of one system on one grid of times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
+from queue import SimpleQueue
+from threading import Event
+from time import perf_counter
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from voronec.equations import VoronecEquations, derive
+from voronec.errors import DefinitionError, IntegrationError, VoronecError, did_you_mean
+from voronec.flow.batches import FINEST, Lanes, Stopped, along, along_scipy, chosen
+from voronec.flow.given import Start, grid_of, quantity, scene_of, spread_starts
+from voronec.flow.many import Many, drifts, evaluated, many
+from voronec.flow.trajectory import Cost
+from voronec.flow.vocabulary import Vocabulary, label
+from voronec.system import System
+
+__all__ = ["Ensemble", "ensemble"]
+
+BATCHES = 8
+"""How many times a worker loads its lanes between two reports."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ensemble:
+    """Many motions of one system on one grid of times.
+
+    ``t`` has shape (k,); ``ensemble["u"]`` has shape (starts, k), by name, symbol or expression
+    among ``outputs``.  What was not computed is not a number: a motion that failed keeps what came
+    before, and ``errors`` tells by its position why it failed; one that the run did not come to is
+    missing in ``finished``, of shape (starts,).  ``parameters`` are arrays (starts,).
+
+    ``drift`` maps each integral that the equations in use can express to its largest change
+    along each motion, (starts,), relative to its start there; where it starts at zero, relative
+    to the largest start of all.  ``level`` names the variables of these equations, as in
+    ``Model``.  ``interrupted`` says that the run was stopped by hand.
+    """
+
+    system: System
+    t: np.ndarray
+    outputs: tuple[str, ...]
+    series: Mapping[str, np.ndarray]
+    parameters: Mapping[str, np.ndarray]
+    finished: np.ndarray
+    errors: Mapping[int, VoronecError]
+    drift: Mapping[str, np.ndarray]
+    level: str
+    cost: Cost
+    interrupted: bool = False
+
+    def __getitem__(self, key: Any) -> np.ndarray:
+        name = key if isinstance(key, str) else label(sp.sympify(key))
+        if name not in self.series:
+            raise DefinitionError(
+                f"the ensemble holds no '{name}', ask for it in outputs=(...)"
+                + did_you_mean(name, self.series)
+            )
+        return self.series[name]
+
+    def __len__(self) -> int:
+        return len(self.finished)
+
+
+def ensemble(
+    system: System | VoronecEquations,
+    starts: Mapping[Any, Any] | Sequence[Start] | None = None,
+    parameters: Mapping[Any, Any] | None = None,
+    times: Any = None,
+    outputs: Sequence[Any] = (),
+    scene: Any = None,
+    method: str = "auto",
+    tol: float = 1e-13,
+    jobs: int = 1,
+    progress: Callable[[float], Any] | None = None,
+) -> Ensemble:
+    """The motions of one system from many starts, or with many values of its parameters.
+
+    starts
+        arrays of initial values by name or symbol, all of one length (a single number stands for
+        all), or a sequence of such mappings, one for each motion.  What a start does not give
+        comes from the scene, if one is named, else it is zero.
+    parameters
+        values by name or symbol; an array gives each motion its own.
+    times, outputs, scene, tol
+        as for ``integrate``.  The smallest model of the system that holds the outputs, whatever the
+        start, is what is integrated.
+    method
+        ``heyoka`` carries several motions at once in the lanes of one batch integrator, compiled
+        once; ``scipy`` (DOP853) runs them one by one; ``auto`` takes heyoka where it installs.
+    jobs
+        threads, each with an integrator of its own; scipy gains nothing by them and takes one.
+    progress
+        is called with the finished fraction.
+
+    A start or a parameter from which no motion goes, and a motion that breaks down, is noted in
+    ``errors``, and the others go on; where every start is wrong, the first error is raised.
+    Ctrl-C ends the run and keeps the motions that are done.
+    """
+    began = perf_counter()
+    equations = system if isinstance(system, VoronecEquations) else derive(system)
+    chosen_scene = scene_of(equations, scene, starts is None)
+    single, columns = spread_starts(starts, parameters or {})
+    grid = grid_of(equations, chosen_scene, times)
+    vocabulary = Vocabulary.of(equations)
+    keys = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
+    keys = keys or (chosen_scene.outputs if chosen_scene else ())
+    own = equations.system
+    wanted = dict(quantity(vocabulary, k) for k in keys or (*own.coordinates, *own.velocities))
+    motions = many(equations, chosen_scene, single, columns, wanted, float(grid[0]))
+    if len(motions.wrong) == len(motions):
+        raise motions.wrong[0]
+    lanes, reason = chosen(method, motions.program, tol, len(motions.sound))
+    ready = perf_counter()
+    filled = _Filled.empty(motions, tuple(wanted), grid)
+    interrupted = _run(filled, lanes, tol, jobs, progress)
+    cost = Cost(
+        method="scipy" if lanes is None else "heyoka", reason=reason,
+        tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
+        run=perf_counter() - ready, steps=sum(filled.steps), evaluations=sum(filled.steps),
+    )  # fmt: skip
+    return filled.ensemble(cost, interrupted)
+
+
+@dataclass(frozen=True, eq=False)
+class _Filled:
+    """What the workers fill in; each writes the rows of its own starts alone."""
+
+    motions: Many
+    grid: np.ndarray
+    series: dict[str, np.ndarray]
+    changes: dict[str, np.ndarray]
+    first: dict[str, np.ndarray]
+    finished: np.ndarray
+    errors: dict[int, VoronecError] = field(default_factory=dict)
+    steps: list[int] = field(default_factory=list)
+
+    @classmethod
+    def empty(cls, motions: Many, outputs: tuple[str, ...], grid: np.ndarray) -> _Filled:
+        def nothing(*shape: int) -> np.ndarray:
+            return np.full(shape, np.nan)
+
+        count, integrals = len(motions), motions.ground.integrals
+        return cls(
+            motions=motions,
+            grid=grid,
+            series={name: nothing(count, len(grid)) for name in outputs},
+            changes={name: nothing(count) for name in integrals},
+            first={name: nothing(count) for name in integrals},
+            finished=np.zeros(count, dtype=bool),
+            errors=dict(motions.wrong),
+        )
+
+    def put(self, where: np.ndarray, rows: np.ndarray, failed: Mapping[int, VoronecError]) -> None:
+        """States (m, k, n) of some starts; ``failed`` by position among these."""
+        values = self.motions.values[where][:, None, :]
+        values = np.broadcast_to(values, (*rows.shape[:2], values.shape[-1]))
+        names = self.motions.program.names
+        found = evaluated(self.motions.extras, names, self.grid, rows, values)
+        for name, array in self.series.items():
+            array[where] = found[name]
+        for name, array in self.changes.items():
+            along_motion = found[f"integral {name}"]
+            self.first[name][where] = along_motion[:, 0]
+            # a motion that failed has numbers up to there, the first one in any case
+            array[where] = np.nanmax(np.abs(along_motion - along_motion[:, :1]), axis=1)
+        self.errors.update({int(where[i]): error for i, error in failed.items()})
+        self.finished[[int(i) for i in where if int(i) not in self.errors]] = True
+
+    def ensemble(self, cost: Cost, interrupted: bool) -> Ensemble:
+        drift = {name: drifts(x, self.first[name]) for name, x in self.changes.items()}
+        for array in (self.grid, self.finished, *self.series.values()):
+            array.flags.writeable = False
+        return Ensemble(
+            system=self.motions.vocabulary.equations.system,
+            t=self.grid,
+            outputs=tuple(self.series),
+            series=MappingProxyType(self.series),
+            parameters=MappingProxyType(dict(self.motions.parameters)),
+            finished=self.finished,
+            errors=MappingProxyType(dict(sorted(self.errors.items()))),
+            drift=MappingProxyType(drift),
+            level=self.motions.ground.level,
+            cost=cost,
+            interrupted=interrupted,
+        )
+
+
+def _run(filled: _Filled, lanes: Lanes | None, tol: float, jobs: int, progress: Any) -> bool:
+    """All motions, block by block; whether it was stopped by hand."""
+    sound = np.array(filled.motions.sound, dtype=int)
+    size = BATCHES * lanes.width if lanes else 1
+    blocks = [sound[i : i + size] for i in range(0, len(sound), size)]
+    jobs = max(1, min(jobs, len(blocks))) if lanes else 1
+    workers: SimpleQueue[Lanes | None] = SimpleQueue()
+    for k in range(jobs):
+        workers.put(lanes.again() if lanes and k else lanes)
+    halt = Event()
+
+    def work(block: np.ndarray) -> None:
+        own = workers.get()
+        try:
+            _block(filled, own, block, tol, halt)
+        finally:
+            workers.put(own)
+
+    try:
+        for done in _worked(work, blocks, jobs):
+            if progress is not None:
+                progress(done)
+    except KeyboardInterrupt:
+        halt.set()
+        return True
+    return False
+
+
+def _worked(work: Callable[[Any], None], blocks: list[Any], jobs: int) -> Iterator[float]:
+    """Do the work, in threads where there are several jobs; yields the finished fraction."""
+    if jobs == 1:
+        for k, block in enumerate(blocks):
+            work(block)
+            yield (k + 1) / len(blocks)
+        return
+    with ThreadPoolExecutor(jobs) as pool:
+        left = {pool.submit(work, block) for block in blocks}
+        try:
+            while left:
+                over, left = wait(left, return_when=FIRST_COMPLETED)
+                for one in over:
+                    one.result()
+                yield 1 - len(left) / len(blocks)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _block(
+    filled: _Filled, lanes: Lanes | None, block: np.ndarray, tol: float, halt: Event
+) -> None:
+    """Some starts, one load of the lanes after another."""
+    motions, width = filled.motions, lanes.width if lanes else 1
+    for i in range(0, len(block), width):
+        where = block[i : i + width]
+        states, values = motions.states[where], motions.values[where]
+        try:
+            if lanes is None:
+                rows, error, steps = along_scipy(
+                    motions.program, states[0], values[0], filled.grid, tol, halt.is_set
+                )
+                rows, failed = rows[None], {} if error is None else {0: error}
+            else:
+                rows, failed, steps = along(lanes, states, values, filled.grid, halt.is_set)
+        except Stopped:
+            return
+        filled.steps.append(steps)
+        filled.put(where, rows, _told(motions, where, failed))
+
+
+def _told(
+    motions: Many, where: np.ndarray, failed: Mapping[int, IntegrationError]
+) -> dict[int, VoronecError]:
+    """The errors, saying which start they are about."""
+    name = motions.vocabulary.equations.system.name
+    return {
+        i: IntegrationError(
+            f"system '{name}', start {where[i]}: {error}; end the run before that, or use another "
+            "chart",
+            error.time,
+            error.state,
+        )
+        for i, error in failed.items()
+    }

@@ -1,0 +1,285 @@
+"""Many motions of one system: one program, and a state and parameter values for each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from voronec.equations import VoronecEquations
+from voronec.errors import (
+    DefinitionError,
+    IntegrationError,
+    VoronecError,
+)
+from voronec.flow.start import initial_state, named, parameter_values
+from voronec.flow.vocabulary import Vocabulary
+from voronec.model import smallest_model
+from voronec.program import Program, compiled
+from voronec.scene import Scene
+from voronec.vector_field import Motions
+
+__all__ = ["Ground", "Many", "drifts", "evaluated", "ground", "many"]
+
+ON_RELATIONS = 1e-9
+"""How far a start may lie off the relations between redundant coordinates."""
+SMALL = 1e-6
+"""An integral below this part of the largest among the starts counts as starting at zero."""
+NOTHING = 1e-9
+"""Integrals that all start below this are compared absolutely."""
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The equations in which motions run, and what is looked at, all inside the door.
+
+    ``level`` says in which variables they stand; ``start`` is what each of them is in coordinates
+    and velocities, and ``frozen`` what constants of the motion among the parameters are;
+    ``quantities`` and ``integrals`` are in the form's variables.
+    """
+
+    level: str
+    form: Any
+    start: tuple[Any, ...]
+    frozen: Mapping[str, Any]
+    quantities: Mapping[str, Any]
+    integrals: Mapping[str, Any]
+
+
+def ground(vocabulary: Vocabulary, wanted: Mapping[str, sp.Expr]) -> Ground:
+    """The smallest model that holds for all starts, where it has everything wanted as it is; else
+    all coordinates and velocities."""
+    equations = vocabulary.equations
+    own = equations.form
+    integrals = {name: vocabulary.claims[name] for name in equations.system.integrals}
+    model = smallest_model(Motions.of(equations), wanted, integrals) if wanted else None
+    # an angle that is read off needs its branch followed along the motion
+    if model is not None and wanted.keys() <= model.reduced.outputs.keys():
+        return Ground(
+            level=model.level,
+            form=model.reduced.form,
+            start=tuple(model.start.values()),
+            frozen={str(symbol): e for symbol, e in model.frozen.items()},
+            quantities=model.reduced.outputs,
+            integrals=model.reduced.integrals,
+        )
+    return Ground(
+        level="coordinates",
+        form=own,
+        start=(*own.coordinates, *own.velocities),
+        frozen={},
+        quantities={name: vocabulary.inward(e) for name, e in wanted.items()},
+        integrals={name: vocabulary.inward(e) for name, e in integrals.items()},
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Many:
+    """Motions to run: ``states`` (s, n) and ``values`` (s, p) in the order of the program.
+
+    ``full`` (s, all coordinates and velocities) are the same starts on the coordinates;
+    ``parameters`` holds an array (s,) for each.  ``wrong`` has the error of each start from which
+    no motion can go; its state is not used.  ``extras(t, columns, values)`` computes what
+    ``program.names`` says.
+    """
+
+    vocabulary: Vocabulary
+    ground: Ground
+    program: Program
+    extras: Callable[[Any, Any, Any], list[Any]]
+    states: np.ndarray
+    full: np.ndarray
+    values: np.ndarray
+    parameters: Mapping[str, np.ndarray]
+    time: float
+    wrong: dict[int, VoronecError]
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+    @property
+    def sound(self) -> list[int]:
+        """Positions of the starts from which a motion goes."""
+        return [i for i in range(len(self)) if i not in self.wrong]
+
+
+def many(
+    equations: VoronecEquations,
+    scene: Scene | None,
+    starts: Sequence[Mapping[Any, Any]],
+    parameters: Mapping[Any, Any],
+    wanted: Mapping[str, sp.Expr],
+    time: float,
+) -> Many:
+    """The starts in numbers.  ``parameters`` may hold arrays, one value for each start."""
+    vocabulary = Vocabulary.of(equations)
+    basis = ground(vocabulary, wanted)
+    looked = {**basis.quantities, **{f"integral {n}": e for n, e in basis.integrals.items()}}
+    program = Program.of(basis.form, looked)
+    below = _below(equations, basis)
+    needed = {str(s) for p in (program, below) for b in (p.derivative, p.extras) for s in b.symbols}
+    constants, wrong = _constants(vocabulary, scene, parameters, len(starts), needed)
+    functions = compiled(below)
+    initial = named(vocabulary, scene.initial if scene else {}, "initial value")
+    width = len(below.state)
+    full = np.full((len(starts), width), np.nan)
+    for i, given in enumerate(starts):
+        if i in wrong:
+            continue
+        own = {name: float(x[i]) for name, x in constants.items()}
+        rates = _rates(functions[0], below, own, time)
+        try:
+            full[i] = initial_state(
+                vocabulary, initial, named(vocabulary, given, "initial value"), own, rates
+            )
+        except VoronecError as error:
+            wrong[i] = error
+    states, frozen = _placed(vocabulary, below, functions, full, constants, time, wrong)
+    values = _table({**constants, **frozen}, program.parameters, len(starts))
+    rhs, extras = compiled(program)
+    _check_defined(vocabulary, rhs, states, values, time, wrong)
+    return Many(vocabulary, basis, program, extras, states, full, values, constants, time, wrong)
+
+
+def _below(equations: VoronecEquations, basis: Ground) -> Program:
+    """The program on the coordinates: where a start is on the ground, and its relations."""
+    form = equations.form
+    start = {f"start {i}": e for i, e in enumerate(basis.start)}
+    start |= {f"frozen {name}": e for name, e in basis.frozen.items()}
+    relations = {f"relation {i}": e for i, e in enumerate(form.relations)}
+    return Program.of(form, start | relations)
+
+
+def _constants(
+    vocabulary: Vocabulary,
+    scene: Scene | None,
+    parameters: Mapping[Any, Any],
+    count: int,
+    needed: set[str],
+) -> tuple[dict[str, np.ndarray], dict[int, VoronecError]]:
+    """Values of the parameters, (s,) each; and the starts whose value is out of range."""
+    given = named(vocabulary, scene.parameters if scene else {}, "parameter")
+    given |= named(vocabulary, parameters, "parameter")
+    series = {k: np.asarray(x) for k, x in given.items() if _is_array(x)}
+    first = given | {k: x[0].item() for k, x in series.items()}
+    wrong: dict[int, VoronecError] = {}
+    single = parameter_values(vocabulary, _inside(vocabulary, first, series), needed)
+    single |= {k: float(x[0]) for k, x in series.items()}
+    values = {name: np.full(count, x) for name, x in single.items()}
+    declared = {p.name: p for p in vocabulary.equations.system.parameters}
+    for name, x in series.items():
+        values[name] = x.astype(float)
+        for i, one in enumerate(values[name].tolist()):
+            try:
+                declared[name].check(one)
+            except VoronecError as error:
+                wrong.setdefault(i, error)
+    return values, wrong
+
+
+def _inside(vocabulary: Vocabulary, first: dict[str, Any], series: Iterable[str]) -> dict[str, Any]:
+    """Values of one start in which a parameter of many values has one that its range allows."""
+    system = vocabulary.equations.system
+    allowed = {p.name: p.value for p in system.parameters if p.value is not None}
+    return {k: allowed.get(k, x) if k in set(series) else x for k, x in first.items()}
+
+
+def _is_array(x: Any) -> bool:
+    return isinstance(x, list | tuple | np.ndarray) and np.ndim(x) > 0
+
+
+def _rates(rhs: Any, below: Program, own: Mapping[str, float], time: float) -> Any:
+    values = [np.float64(own.get(str(p), np.nan)) for p in below.parameters]
+
+    def rates(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        width = v.shape[1]
+        columns = [*np.repeat(q[:, None], width, axis=1), *v]
+        with np.errstate(all="ignore"):
+            found = rhs(np.float64(time), columns, values)[: len(q)]
+        return np.array([np.broadcast_to(r, (width,)) for r in found], dtype=float)
+
+    return rates
+
+
+def _placed(
+    vocabulary: Vocabulary,
+    below: Program,
+    functions: tuple[Any, Any],
+    full: np.ndarray,
+    constants: Mapping[str, np.ndarray],
+    time: float,
+    wrong: dict[int, VoronecError],
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """The states and the frozen quantities on the ground; starts off the relations are wrong."""
+    system = vocabulary.equations.system
+    values = _table(constants, below.parameters, len(full))
+    found = evaluated(functions[1], below.names, time, full, values)
+    columns = [x for n, x in found.items() if n.startswith("start ")]
+    frozen = {n.removeprefix("frozen "): x for n, x in found.items() if n.startswith("frozen ")}
+    for k, relation in enumerate(system.fibration.relations):
+        residuals = np.abs(found[f"relation {k}"])
+        for i in np.nonzero(~(residuals < ON_RELATIONS))[0].tolist():
+            refusal = DefinitionError(
+                f"system '{system.name}': start {i} does not satisfy the relation {relation} = 0 "
+                f"(residual {residuals[i]:.3g}); correct the coordinates"
+            )
+            wrong.setdefault(i, refusal)
+    return np.stack(columns, axis=-1), frozen
+
+
+def _check_defined(
+    vocabulary: Vocabulary,
+    rhs: Any,
+    states: np.ndarray,
+    values: np.ndarray,
+    time: float,
+    wrong: dict[int, VoronecError],
+) -> None:
+    """Mark the starts at which the equations are not defined."""
+    names = [f"rate {i}" for i in range(states.shape[1])]
+    slopes = np.stack([*evaluated(rhs, names, time, states, values).values()], axis=-1)
+    finite = np.isfinite(states).all(axis=1) & np.isfinite(slopes).all(axis=1)
+    for i in np.nonzero(~finite)[0].tolist():
+        refusal = IntegrationError(
+            f"system '{vocabulary.equations.system.name}': the equations are not defined at start "
+            f"{i}; start elsewhere or use another chart",
+            time,
+            states[i],
+        )
+        wrong.setdefault(i, refusal)
+
+
+def _table(constants: Mapping[str, np.ndarray], symbols: Sequence[Any], count: int) -> np.ndarray:
+    """Parameter values (s, p), in the order of the symbols."""
+    missing = np.full(count, np.nan)
+    columns = [constants.get(str(p), missing) for p in symbols]
+    return np.stack(columns, axis=-1) if columns else np.empty((count, 0))
+
+
+def evaluated(
+    function: Any, names: Sequence[str], t: Any, states: np.ndarray, values: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Quantities at states (..., n) with parameters (..., p), each an array of shape (...)."""
+    with np.errstate(all="ignore"):
+        results = function(t, list(np.moveaxis(states, -1, 0)), list(np.moveaxis(values, -1, 0)))
+    shape = states.shape[:-1]
+    return {
+        name: np.broadcast_to(np.asarray(r, dtype=float), shape)
+        for name, r in zip(names, results, strict=True)
+    }
+
+
+def drifts(changes: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Largest changes of an integral (s,) relative to where it starts (s,).
+
+    Where it starts at zero, or nearly, the largest value among the starts takes its place; where
+    that vanishes too, the change is absolute.
+    """
+    sizes = np.abs(starts)
+    largest = float(np.nanmax(sizes, initial=0.0))
+    if largest < NOTHING:
+        return changes
+    return np.asarray(changes / np.where(sizes > SMALL * largest, sizes, largest))

@@ -1,0 +1,142 @@
+"""From a start in coordinates to the smallest model in numbers: program, state and constants."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import mpmath
+import numpy as np
+import symengine as se
+
+from voronec.flow.observing import Branch, Watch, watched
+from voronec.flow.probe import Probe, quantities
+from voronec.flow.vocabulary import Vocabulary
+from voronec.model import Model, smallest_model
+from voronec.program import Program, compiled
+from voronec.program.digits import compiled_digits
+from voronec.vector_field import Motions
+
+__all__ = ["Modelled", "modelled", "whole"]
+
+
+@dataclass(frozen=True)
+class Modelled:
+    """A model made ready: its program, what is watched on it, the functions of events.
+
+    ``form`` has the mass matrix of the velocities, ``functions`` are those of events, ``below``
+    computes on the coordinates where the model starts and what it takes as constant.
+    """
+
+    model: Model | None
+    program: Program
+    watch: Watch
+    levels: Program | None
+    form: Any
+    functions: Mapping[str, Any]
+    below: Program
+
+    @property
+    def level(self) -> str:
+        """The variables in which the model stands."""
+        return "coordinates" if self.model is None else self.model.level
+
+    def place(
+        self, state: Any, constants: Mapping[str, Any], time: Any
+    ) -> tuple[np.ndarray, list[Any]]:
+        """The model's state (n,) and the values of its program's parameters, as numbers of the kind
+        that the state on the coordinates has."""
+        digits = np.asarray(state).dtype == object
+        nothing = mpmath.nan if digits else np.nan
+        own = [constants.get(str(p), nothing) for p in self.below.parameters]
+        _, extras = (compiled_digits if digits else compiled)(self.below)
+        with np.errstate(all="ignore"):
+            found = dict(zip(self.below.names, extras(time, list(state), own), strict=True))
+        kind = object if digits else float
+        placed = np.array([found[f"start {x}"] for x in self.program.state], dtype=kind)
+        values = {**constants, **{n.removeprefix("frozen "): x for n, x in found.items()}}
+        return placed, [values.get(str(p), nothing) for p in self.program.parameters]
+
+    def constants(self, values: Sequence[Any]) -> dict[str, Any]:
+        """The values of the program's parameters by name."""
+        return dict(zip(map(str, self.program.parameters), values, strict=True))
+
+    def probe(self, name: str, values: Sequence[float], time: float) -> Probe:
+        """Looks at single states of the model."""
+        return Probe(name, self.form, self.program, values, time)
+
+
+def modelled(
+    vocabulary: Vocabulary,
+    outputs: Sequence[Any],
+    levels: Mapping[str, Any],
+    start: np.ndarray,
+    constants: Mapping[str, float],
+    time: float,
+    followed: bool,
+) -> Modelled:
+    """The smallest model of the outputs and of the functions of events.
+
+    ``levels`` gives these functions in the user's symbols; ``start`` (n,) is on the coordinates;
+    ``followed`` keeps angles among the
+    states.  Reactions need accelerations, and so the coordinates.
+    """
+    equations = vocabulary.equations
+    wanted = vocabulary.wanted(outputs)
+    system = equations.system
+    relations = {str(r): vocabulary.inward(r) for r in system.fibration.relations}
+    if wanted.reactions:
+        return whole(vocabulary, outputs, levels)
+    names = {f"event {name}": e for name, e in levels.items()}
+    given = {**wanted.given, **names}
+    raw = equations.raw.form
+    known = dict(zip(raw.coordinates + raw.velocities, map(float, start), strict=True))
+    known |= {se.Symbol(name): value for name, value in constants.items()} | {raw.time: time}
+    model = smallest_model(
+        Motions.of(equations),
+        given,
+        {name: vocabulary.claims[name] for name in system.integrals},
+        known,
+        followed=given if followed else names,
+    )
+    level = model.reduced
+    parts = {f"cosine of {n}": a.cosine for n, a in level.angles.items()}
+    parts |= {f"sine of {n}": a.sine for n, a in level.angles.items()}
+    shown = {n: e for n, e in level.outputs.items() if n not in names}
+    usable = {*level.variables, *level.parameters, level.time}
+    kept = {name: e for name, e in relations.items() if e.free_symbols <= usable}
+    watch = Watch.of(replace(wanted, expressions=shown | parts), level.integrals, kept)
+    functions = {n: level.outputs[f"event {n}"] for n in levels}
+    below = {f"start {x}": e for x, e in model.start.items()}
+    below |= {f"frozen {x}": e for x, e in model.frozen.items()}
+    branches = {
+        name: Branch(f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate])
+        for name, a in level.angles.items()
+    }
+    return Modelled(
+        model=model,
+        program=Program.of(level.form, watch.expressions),
+        watch=replace(watch, branches=branches),
+        levels=quantities(level.form, functions) if functions else None,
+        form=replace(level.form, mass=level.inertia or level.mass),
+        functions=functions,
+        below=quantities(raw, below),
+    )
+
+
+def whole(vocabulary: Vocabulary, outputs: Sequence[Any], levels: Mapping[str, Any]) -> Modelled:
+    """The equations as they are, on coordinates and velocities."""
+    form = vocabulary.equations.form
+    watch = watched(vocabulary, outputs)
+    inside = {name: vocabulary.inward(e) for name, e in levels.items()}
+    states = (*form.coordinates, *form.velocities)
+    return Modelled(
+        model=None,
+        program=Program.of(form, watch.expressions),
+        watch=watch,
+        levels=quantities(form, inside) if inside else None,
+        form=form,
+        functions=inside,
+        below=quantities(form, {f"start {x}": x for x in states}),
+    )

@@ -1,0 +1,272 @@
+"""Poincare sections: the points at which motions of one system pass through a surface."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from voronec.equations import VoronecEquations, derive
+from voronec.errors import DefinitionError, VoronecError, did_you_mean
+from voronec.flow.batches import FINEST, chosen
+from voronec.flow.given import Start, quantity, scene_of, spread_starts
+from voronec.flow.levels import starts_on_level
+from voronec.flow.many import Many, drifts, evaluated, many
+from voronec.flow.passing import Passages, pass_lanes, pass_scipy
+from voronec.flow.trajectory import Cost
+from voronec.flow.vocabulary import Vocabulary, label, number
+from voronec.program import Program, compiled
+from voronec.system import System
+from voronec.vector_field import Motions
+
+__all__ = ["Section", "section"]
+
+GRAZING = 1e-4
+"""A crossing slower than this part of the quantity's largest rate is called near-tangent."""
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """The points where motions pass through the surface ``plane`` = ``value``.
+
+    ``points`` has shape (k, m) with columns ``outputs``; ``section["u"]`` is one column.  ``t``
+    (k,) is the time of each point and ``start`` (k,) the position of its motion among the starts;
+    points are in order of the start, then of the time.  ``speed`` (k,) is the rate of the plane's
+    quantity: where it is small, the crossing is near-tangent and its time ill-conditioned;
+    ``near_tangent`` (k,) marks those slower than 1e-4 of its largest rate.  ``touches`` (start, t)
+    came to the surface and turned back.
+
+    ``ends`` says of each start how it ended: ``complete``, ``stopped by hand``, ``no more
+    crossings up to t = ...`` or ``failed``; ``errors`` has the failures by position.
+    ``drift`` maps the integrals that the equations in use can express to their largest change up to
+    the last point, (starts,), relative as in ``Ensemble``; ``level`` names the variables of these
+    equations.
+    """
+
+    system: System
+    plane: str
+    value: float
+    direction: int
+    outputs: tuple[str, ...]
+    points: np.ndarray
+    t: np.ndarray
+    start: np.ndarray
+    speed: np.ndarray
+    near_tangent: np.ndarray
+    touches: tuple[tuple[int, float], ...]
+    ends: tuple[str, ...]
+    errors: Mapping[int, VoronecError]
+    parameters: Mapping[str, np.ndarray]
+    drift: Mapping[str, np.ndarray]
+    level: str
+    cost: Cost
+    interrupted: bool = False
+
+    def __getitem__(self, key: Any) -> np.ndarray:
+        name = key if isinstance(key, str) else label(sp.sympify(key))
+        if name not in self.outputs:
+            raise DefinitionError(
+                f"the section holds no '{name}', ask for it in outputs=(...)"
+                + did_you_mean(name, self.outputs)
+            )
+        return self.points[:, self.outputs.index(name)]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+
+def section(
+    system: System | VoronecEquations,
+    plane: Any,
+    outputs: Sequence[Any] = (),
+    scene: Any = None,
+    initial: Mapping[Any, Any] | None = None,
+    parameters: Mapping[Any, Any] | None = None,
+    crossings: int = 1000,
+    direction: int = 1,
+    starts: int | Mapping[Any, Any] | Sequence[Start] | None = None,
+    value: Any = 0,
+    until: float | None = None,
+    method: str = "auto",
+    tol: float = 1e-13,
+    progress: Callable[[float], Any] | None = None,
+) -> Section:
+    """The Poincare section of one or several motions.
+
+    plane, value
+        a name, symbol or expression, and the value it takes on the surface.
+    outputs
+        what is recorded there, by default the invariants, or all coordinates where there are none
+        or the plane holds one, and the velocities v.
+    crossings, until
+        how many points each motion gives, and the time after which it is given up.  Without
+        ``until`` it is given up when it has not come back for very many steps.
+    direction
+        1 where the quantity grows, -1 where it falls, 0 for both.  A motion that starts on the
+        surface does not count its start.
+    starts, initial
+        arrays of initial values by name, or a sequence of mappings, as for ``ensemble``; or a
+        number: that many starts around the one of ``scene`` and ``initial``, on which all
+        integrals of the system have the same values.
+    scene, parameters, method, tol, progress
+        as for ``ensemble``.
+
+    Each crossing is found on the Taylor polynomial of its step (with scipy, on the interpolant) and
+    polished to rounding.  Raises ``DefinitionError`` where no motion ever passes through
+    the surface; what breaks down later is in ``errors``.  Ctrl-C keeps the points that are there.
+    """
+    began = perf_counter()
+    equations = system if isinstance(system, VoronecEquations) else derive(system)
+    if direction not in (-1, 0, 1) or crossings < 1:
+        raise DefinitionError("direction must be 1, -1 or 0, and crossings at least 1")
+    chosen_scene = scene_of(equations, scene, starts is None or isinstance(starts, int))
+    vocabulary = Vocabulary.of(equations)
+    surface, expr = quantity(vocabulary, plane, "plane")
+    level_value = number(value, "the value of the plane")
+    keys = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
+    wanted = dict(quantity(vocabulary, key) for key in keys or _whole(equations, expr))
+    single, columns = _starts(equations, chosen_scene, starts, initial, parameters)
+    motions = many(
+        equations, chosen_scene, single, columns, {**wanted, f"plane {surface}": expr}, 0.0
+    )
+    if len(motions.wrong) == len(motions):
+        raise motions.wrong[0]
+    watch = _watch(motions, f"plane {surface}", level_value)
+    lanes, reason = chosen(method, motions.program, tol, len(motions.sound))
+    ready = perf_counter()
+    passages = Passages.empty(len(motions), crossings, direction, until, progress)
+    if lanes is None:
+        pass_scipy(motions, watch, passages, tol)
+    else:
+        pass_lanes(motions, watch, passages, lanes)
+    cost = Cost(
+        method="scipy" if lanes is None else "heyoka", reason=reason,
+        tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
+        run=perf_counter() - ready, steps=passages.steps[0], evaluations=passages.steps[0],
+    )  # fmt: skip
+    _refuse_nothing(motions, passages, surface, level_value)
+    return _section(motions, passages, tuple(wanted), surface, level_value, direction, cost)
+
+
+def _whole(equations: VoronecEquations, plane: sp.Expr) -> tuple[Any, ...]:
+    """What is recorded where nobody says it."""
+    system = equations.system
+    low = not system.invariants or Motions.of(equations).holds_coordinate([plane])
+    return (*(system.coordinates if low else system.invariants), *system.velocities)
+
+
+def _starts(
+    equations: VoronecEquations, scene: Any, starts: Any, initial: Any, parameters: Any
+) -> tuple[list[Start], dict[Any, Any]]:
+    own = dict(initial or {})
+    if isinstance(starts, int) and starts > 1:
+        rows = starts_on_level(equations, scene, own, parameters or {}, starts)
+        return spread_starts(rows, parameters or {})
+    if isinstance(starts, int):
+        starts = None
+    single, columns = spread_starts(starts, parameters or {})
+    return [{**own, **row} for row in single], columns
+
+
+@dataclass(frozen=True, eq=False)
+class Watch:
+    """The plane's quantity: ``function(t, states (m, n), values (m, p))``, and which entries of
+    the state it holds."""
+
+    function: Callable[[Any, np.ndarray, np.ndarray], np.ndarray]
+    needed: np.ndarray
+
+
+def _watch(motions: Many, name: str, value: float) -> Watch:
+    program = Program.of(motions.ground.form, {"plane": motions.ground.quantities[name]})
+    symbols = program.extras.symbols
+    needed = np.array([i for i, s in enumerate(program.state) if s in symbols], dtype=int)
+    if not len(needed) and program.time not in symbols:
+        raise DefinitionError(
+            f"the plane '{name.removeprefix('plane ')}' is constant along every motion; name a "
+            "quantity that moves"
+        )
+    extras = compiled(program)[1]
+
+    def function(t: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
+        return evaluated(extras, ("plane",), t, states, values)["plane"] - value
+
+    return Watch(function, needed)
+
+
+def _refuse_nothing(motions: Many, passages: Passages, surface: str, value: float) -> None:
+    if passages.count.any() or passages.interrupted[0]:
+        return
+    for error in passages.errors.values():
+        raise error
+    nearest = int(np.nanargmin(np.maximum(passages.low, -passages.high)))
+    low, high = passages.low[nearest] + value, passages.high[nearest] + value
+    which = (
+        f"start {nearest}, the nearest of {len(motions)}, stays"
+        if len(motions) > 1
+        else ("it stays")
+    )
+    system = motions.vocabulary.equations.system.name
+    way = {1: " upwards", -1: " downwards", 0: ""}[passages.direction]
+    raise DefinitionError(
+        f"system '{system}': no motion passes through {surface} = {value:g}{way}; up to t = "
+        f"{passages.reached[nearest]:.6g} {which} between {low:.6g} and {high:.6g}; choose "
+        "another value, direction or plane"
+    )
+
+
+def _section(
+    motions: Many,
+    passages: Passages,
+    outputs: tuple[str, ...],
+    surface: str,
+    value: float,
+    direction: int,
+    cost: Cost,
+) -> Section:
+    start, t, states, speed = passages.joined(motions.states.shape[1])
+    names, values = motions.program.names, motions.values[start]
+    found = evaluated(motions.extras, names, t, states, values)
+    points = np.stack([found[name] for name in outputs], axis=-1)
+    for array in (points, t, start, speed):
+        array.flags.writeable = False
+    return Section(
+        system=motions.vocabulary.equations.system,
+        plane=surface,
+        value=value,
+        direction=direction,
+        outputs=outputs,
+        points=points,
+        t=t,
+        start=start,
+        speed=speed,
+        near_tangent=np.abs(speed) < GRAZING * passages.fastest[start],
+        touches=tuple(passages.touches),
+        ends=tuple(passages.ends(i, motions.wrong) for i in range(len(motions))),
+        errors=MappingProxyType({**motions.wrong, **passages.errors}),
+        parameters=MappingProxyType(dict(motions.parameters)),
+        drift=MappingProxyType(_drift(motions, found, start)),
+        level=motions.ground.level,
+        cost=cost,
+        interrupted=passages.interrupted[0],
+    )
+
+
+def _drift(
+    motions: Many, found: Mapping[str, np.ndarray], start: np.ndarray
+) -> dict[str, np.ndarray]:
+    """See ``Section.drift``."""
+    names = motions.program.names
+    first = evaluated(motions.extras, names, motions.time, motions.states, motions.values)
+    result = {}
+    for name in motions.ground.integrals:
+        key = f"integral {name}"
+        largest = np.zeros(len(motions))
+        np.maximum.at(largest, start, np.abs(found[key] - first[key][start]))
+        result[name] = drifts(largest, first[key])
+    return result

@@ -1,0 +1,84 @@
+"""Which integrator: the rule of ``method="auto"`` in one place.
+
+A tolerance finer than doubles asks for ``flint``.  Else heyoka is the fastest by far once it is
+compiled, which takes from a tenth of a second to seconds: what scipy integrates sooner than that,
+it does.  Where heyoka does not install, scipy does all the rest.  The rule counts operations and
+measures no time, so that the same call always makes the same choice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+
+from voronec.errors import DefinitionError, EngineLimit
+from voronec.flow.steppers.digits import digits
+from voronec.flow.steppers.run import Problem, Stepper
+from voronec.flow.steppers.stepwise import FINEST, dop853, estimated_steps, lsoda
+from voronec.flow.steppers.taylor import taylor
+
+__all__ = ["METHODS", "choose"]
+
+EXACT = 1e-16
+"""Doubles have nothing to offer below this tolerance."""
+TINY = 500_000
+"""So many operations take Python as long as the quickest compilation: some 50 ms."""
+STAGES = 12
+"""Evaluations in a step of DOP853."""
+
+_MAKERS: dict[str, Callable[[Problem], Stepper]] = {
+    "heyoka": taylor,
+    "scipy": dop853,
+    "lsoda": lsoda,
+    "flint": digits,
+}
+METHODS = ("auto", *_MAKERS)
+
+
+def choose(method: str, problem: Problem, grid: np.ndarray) -> tuple[Stepper, dict[str, Any]]:
+    """The integrator, ready to run, and what ``Cost`` says of the choice."""
+    if method not in METHODS:
+        raise DefinitionError(f"there is no method '{method}'; methods are {', '.join(METHODS)}")
+    if not 0 < problem.tol < 1:
+        raise DefinitionError(f"tol = {problem.tol} must lie between 0 and 1, such as 1e-13")
+    if method != "auto":
+        return _made(method, problem, "asked for")
+    method, reason = _best(problem, grid)
+    try:
+        return _made(method, problem, f"auto: {reason}")
+    except EngineLimit as limit:
+        return _made("scipy", problem, f"auto: {limit}")
+
+
+def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
+    """The method to take, and why."""
+    if problem.tol < EXACT:
+        return "flint", "the tolerance is finer than doubles"
+    if not _is_there("heyoka"):
+        return "scipy", "heyoka is not installed"
+    if problem.tol >= FINEST:
+        steps = estimated_steps(problem, grid, TINY // (STAGES * (problem.program.operations + 1)))
+        if steps is not None:
+            return "scipy", f"about {steps} steps take less time than compiling for heyoka"
+    return "heyoka", "heyoka is installed"
+
+
+def _is_there(library: str) -> bool:
+    try:
+        return find_spec(library) is not None
+    except (ImportError, ValueError):
+        return False
+
+
+def _made(method: str, problem: Problem, reason: str) -> tuple[Stepper, dict[str, Any]]:
+    finest = FINEST if method in ("scipy", "lsoda") else 0.0
+    chosen = {"method": method, "reason": reason, "tolerance": max(problem.tol, finest)}
+    try:
+        return _MAKERS[method](problem), chosen
+    except ImportError:
+        raise DefinitionError(
+            f"{method} is not installed; 'pip install {method}', or use method='scipy'"
+        ) from None

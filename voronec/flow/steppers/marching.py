@@ -1,0 +1,164 @@
+"""One loop for every integrator that goes step by step: grid, events, dense output, guards."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from voronec.flow.steppers.roots import crossings
+from voronec.flow.steppers.run import COLLAPSE, SINGULAR, Halt, Log, Problem, Run, Ticker, until
+
+__all__ = ["Halted", "Stride", "Walker", "march"]
+
+WINDOW, CRAWL = 1000, 1e-7
+"""So many steps that cover less than this part of the span lead nowhere."""
+SUSPECTS = 64
+"""States whose mass matrices are looked at together."""
+
+
+class Halted(Exception):
+    """An integrator cannot go on, for a reason in words."""
+
+
+@dataclass(frozen=True)
+class Stride:
+    """One accepted step, with its dense output: times (k,) to states (k, n)."""
+
+    start: Any
+    end: Any
+    state: np.ndarray
+    at: Callable[[np.ndarray], np.ndarray]
+
+
+class Walker(Protocol):
+    """An integrator under way."""
+
+    def advance(self) -> Stride:
+        """The next step; raises ``Halted``."""
+
+    @property
+    def evaluations(self) -> int:
+        """How often the right-hand side was evaluated so far."""
+
+
+Levels = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Times (k,) and states (k, n) to the events' functions (k, m)."""
+
+
+def march(problem: Problem, grid: np.ndarray, walker: Walker, levels: Levels) -> Run:
+    """The run over a grid."""
+    return _March(problem, grid, walker, levels).run()
+
+
+@dataclass
+class _March:
+    problem: Problem
+    grid: np.ndarray
+    walker: Walker
+    levels: Levels
+    log: Log = field(init=False)
+    states: np.ndarray = field(init=False)
+    strides: list[Stride] = field(default_factory=list)
+    recent: list[tuple[Any, np.ndarray]] = field(default_factory=list)
+    done: int = 1
+    steps: int = 0
+    last: Halt = field(init=False)
+
+    def __post_init__(self) -> None:
+        grid, start = self.grid, self.problem.start
+        self.log = Log(grid[0], float(np.ptp(grid)), len(start))
+        self.states = np.empty((len(grid), len(start)), dtype=start.dtype)
+        self.states[0] = start
+        self.order = 1 if grid[-1] >= grid[0] else -1
+        self.forward = self.order * grid
+        self.last = Halt(COLLAPSE, grid[0], start)
+        if self.problem.suspect is not None:
+            self.recent.append((grid[0], start))
+
+    def run(self) -> Run:
+        ticker = Ticker(self.problem.progress, float(self.grid[0]), float(self.grid[-1]))
+        mark = self.grid[0]
+        try:
+            while self.done < len(self.grid) and not self.log.stopped:
+                try:
+                    stride = self.walker.advance()
+                except Halted as halted:
+                    good = self.last
+                    return self.result(Halt(str(halted), good.time, good.state))
+                self.steps += 1
+                self.take(stride)
+                ticker(self.last.time)
+                if len(self.recent) >= SUSPECTS and (halt := self.singular()):
+                    return self.result(halt)
+                if self.steps % WINDOW == 0:
+                    if abs(self.last.time - mark) <= CRAWL * self.log.span:
+                        return self.result(self.last)
+                    mark = self.last.time
+        except KeyboardInterrupt:
+            return self.result(interrupted=True)
+        return self.result(self.singular())
+
+    def take(self, stride: Stride) -> None:
+        """Enter a step: crossings in it, then points of the grid up to the one that stops."""
+        end = stride.end
+        if self.problem.events:
+            for time, event in crossings(self.problem.events, self.levels, stride):
+                state = stride.at(np.array([time], dtype=self.states.dtype))[0]
+                if self.log.enter(event, time, state):
+                    end = time
+                    break
+        reached = int(np.searchsorted(self.forward, float(self.order * end), side="right"))
+        if reached > self.done:
+            new = slice(self.done, reached)
+            self.states[new] = stride.at(self.grid[new])
+            if self.problem.suspect is not None:
+                self.recent += zip(self.grid[new], self.states[new], strict=True)
+            self.done = reached
+        if self.problem.dense:
+            self.strides.append(stride)
+        self.last = Halt(COLLAPSE, stride.end, stride.state)
+        if self.problem.suspect is not None:
+            self.recent.append((stride.end, stride.state))
+
+    def singular(self) -> Halt | None:
+        """The last state before one with a singular mass matrix, if there is one."""
+        if not self.recent or self.problem.suspect is None:
+            return None
+        times = np.array([float(t) for t, _ in self.recent])
+        states = np.array([s for _, s in self.recent], dtype=float)
+        found = self.problem.suspect(times, states)
+        previous, self.recent = self.recent, self.recent[-1:]
+        if found is None:
+            return None
+        time, state = previous[max(found - 1, 0)]
+        reached = int(np.searchsorted(self.forward, float(self.order * time), side="right"))
+        self.done = min(self.done, max(reached, 1))
+        return Halt(SINGULAR, time, state, singular=True)
+
+    def result(self, halt: Halt | None = None, interrupted: bool = False) -> Run:
+        t, states = self.grid[: self.done].copy(), self.states[: self.done].copy()
+        if self.log.stopped and self.log.last[0] != t[-1]:
+            t = np.append(t.astype(states.dtype), np.array([self.log.last[0]], states.dtype))
+            states = np.vstack([states, self.log.last[1]])
+        found = self.log.arrays(self.problem.events, states.dtype)
+        if halt is not None:
+            found = until(found, t[0], halt.time)
+        return Run(
+            t, states, self.steps, self.walker.evaluations, found, halt, interrupted,
+            self.log.stopped, self.inside if self.problem.dense else None,
+        )  # fmt: skip
+
+    def inside(self, times: np.ndarray) -> np.ndarray:
+        """States at any times reached."""
+        if not self.strides:
+            return np.repeat(self.states[:1], len(times), axis=0)
+        ends = np.array([float(self.order * s.end) for s in self.strides])
+        which = np.searchsorted(ends, (self.order * times).astype(float), side="left")
+        which = np.minimum(which, len(ends) - 1)
+        rows = np.empty((len(times), self.states.shape[1]), dtype=self.states.dtype)
+        for i in np.unique(which):
+            rows[which == i] = self.strides[i].at(times[which == i])
+        return rows

@@ -1,0 +1,172 @@
+"""What every integrator takes and gives: a problem and a grid of times in, a run out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from voronec.flow.events import Event
+from voronec.program import Program
+
+__all__ = [
+    "COLLAPSE",
+    "INFINITE",
+    "SINGULAR",
+    "Halt",
+    "Log",
+    "Problem",
+    "Run",
+    "Stepper",
+    "Ticker",
+    "guarded",
+]
+
+COLLAPSE = "the step size collapsed"
+INFINITE = "the state is no longer finite"
+SINGULAR = "the motion cannot be continued"
+AT_START = 1e-12
+"""A crossing nearer to the start than this, in units of the span, is the start itself."""
+EVERY = 0.1
+"""Seconds between two reports of progress."""
+
+Suspect = Callable[[np.ndarray, np.ndarray], int | None]
+"""Times (k,) and states (k, n) to the first position whose mass matrix is singular, or which the
+motion can only have reached through one."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is to be integrated, in numbers.
+
+    ``levels`` has the events' functions as extra quantities, in the order of ``events``.
+    ``start`` (n,) and ``parameters`` are doubles; ``exact``, given a number of bits, returns both
+    as mpmath's numbers, for the method ``flint``.
+    """
+
+    program: Program
+    start: np.ndarray
+    parameters: Sequence[Any]
+    tol: float
+    events: tuple[Event, ...] = ()
+    levels: Program | None = None
+    dense: bool = False
+    suspect: Suspect | None = None
+    progress: Callable[[float], Any] | None = None
+    exact: Callable[[int], tuple[np.ndarray, Sequence[Any]]] | None = None
+
+
+@dataclass(frozen=True)
+class Halt:
+    """Why and where an integrator could not go on: the last state that was good.
+
+    ``singular`` says that a singular mass matrix is known to be the cause.
+    """
+
+    reason: str
+    time: Any
+    state: np.ndarray
+    singular: bool = False
+
+
+@dataclass(frozen=True)
+class Run:
+    """States at ``t``: the first points of the grid, and the crossing that ended the run.
+
+    ``crossings`` maps each event to its times and states; ``stopped`` names the one that ended the
+    run; ``inside``, of dense runs, gives states at any times reached; ``switches`` counts changes
+    of chart, and ``prepared`` are the seconds of the run that making integrators for them took.
+    """
+
+    t: np.ndarray
+    states: np.ndarray
+    steps: int
+    evaluations: int
+    crossings: Mapping[str, tuple[np.ndarray, np.ndarray]]
+    halt: Halt | None = None
+    interrupted: bool = False
+    stopped: str = ""
+    inside: Callable[[np.ndarray], np.ndarray] | None = None
+    switches: int = 0
+    prepared: float = 0.0
+
+
+Stepper = Callable[[np.ndarray], Run]
+
+
+@dataclass
+class Log:
+    """Crossings as they come."""
+
+    start: Any
+    span: float
+    width: int
+    rows: dict[str, list[tuple[Any, np.ndarray]]] = field(default_factory=dict)
+    stopped: str = ""
+    silent: bool = False
+
+    def enter(self, event: Event, time: Any, state: np.ndarray) -> bool:
+        """Keep a crossing; whether it ends the run."""
+        if self.silent or abs(time - self.start) <= AT_START * self.span:
+            return False
+        self.rows.setdefault(event.name, []).append((time, state))
+        if event.stop:
+            self.stopped = event.name
+        return event.stop
+
+    @property
+    def last(self) -> tuple[Any, np.ndarray]:
+        """The crossing that ended the run."""
+        return self.rows[self.stopped][-1]
+
+    def arrays(self, events: Sequence[Event], dtype: Any) -> dict[str, tuple[Any, Any]]:
+        """Times (k,) and states (k, n) by name."""
+        result = {}
+        for event in events:
+            rows = self.rows.get(event.name, [])
+            states = np.array([s for _, s in rows], dtype=dtype).reshape(len(rows), self.width)
+            result[event.name] = np.array([t for t, _ in rows], dtype=dtype), states
+        return result
+
+
+@dataclass
+class Ticker:
+    """Progress, reported now and then."""
+
+    report: Callable[[float], Any] | None
+    start: float
+    end: float
+    latest: float = field(default_factory=perf_counter)
+
+    def __call__(self, time: Any) -> None:
+        """The run has come to a time."""
+        if self.report is None or perf_counter() - self.latest < EVERY:
+            return
+        self.latest = perf_counter()
+        span = self.end - self.start
+        self.report(float((time - self.start) / span) if span else 1.0)
+
+
+def guarded(run: Run, problem: Problem) -> Run:
+    """The run, cut before the first point of its grid that lies beyond a singular mass matrix."""
+    if problem.suspect is None or len(run.t) < 2:
+        return run
+    found = problem.suspect(run.t.astype(float), run.states.astype(float))
+    if found is None:
+        return run
+    last = max(found, 1)
+    halt = Halt(SINGULAR, run.t[last - 1], run.states[last - 1], singular=True)
+    kept = until(run.crossings, run.t[0], halt.time)
+    return replace(run, t=run.t[:last], states=run.states[:last], crossings=kept, halt=halt)
+
+
+def until(crossings: Mapping[str, Any], start: Any, end: Any) -> dict[str, Any]:
+    """Crossings up to a time."""
+    kept = {}
+    for name, (t, states) in crossings.items():
+        early = np.array([abs(x - start) <= abs(end - start) for x in t], dtype=bool)
+        kept[name] = t[early], states[early]
+    return kept

@@ -1,0 +1,203 @@
+"""heyoka's Taylor integrator: long steps whose dense output is as accurate as their ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from voronec.flow.events import Event
+from voronec.flow.steppers.run import COLLAPSE, INFINITE, Halt, Log, Problem, Run, Stepper, Ticker
+from voronec.program import hoisted, taylor_extras, taylor_system
+
+__all__ = ["taylor"]
+
+CHUNK = 20_000
+"""Steps between two looks at the keyboard."""
+AHEAD = 100_000
+"""Points of the grid that are handed over at a time."""
+CRAWL = 1e-9
+"""A chunk of steps that covers less than this part of the span leads nowhere."""
+COMPACT = 60.0
+"""Above this weight heyoka compiles in its compact mode: seconds sooner, then half as fast."""
+
+
+def taylor(problem: Problem) -> Stepper:
+    """The integrator, compiled; ``EngineLimit`` for a function that heyoka does not know."""
+    import heyoka as hy
+
+    log = Log(0.0, 0.0, len(problem.start))
+    integrator = _integrator(problem, log, hy)
+
+    def run(grid: np.ndarray) -> Run:
+        # a stepper may run again, from what the start of its problem is then
+        integrator.time, integrator.state[:] = float(grid[0]), problem.start
+        if integrator.with_events:
+            integrator.reset_cooldowns()
+        log.rows, log.stopped = {}, ""
+        log.start, log.span = float(grid[0]), float(np.ptp(grid))
+        ticker = Ticker(problem.progress, float(grid[0]), float(grid[-1]))
+        return _Drive(hy, integrator, problem, log, grid, ticker).run()
+
+    return run
+
+
+def _integrator(problem: Problem, log: Log, hy: Any) -> Any:
+    raised, levels = hoisted(problem.program), problem.levels
+    program = raised.program
+    functions = taylor_extras(levels) if levels is not None else {}
+    # heyoka wants no more parameters than the expressions contain
+    blocks = [program.derivative, *([levels.extras] if levels is not None else [])]
+    held = set().union(*(b.symbols for b in blocks))
+    used = [i for i, p in enumerate(program.parameters) if p in held]
+    values = raised.values(list(map(float, problem.parameters)))
+    kinds: dict[str, list[Any]] = {"nt_events": [], "t_events": []}
+    for event in problem.events:
+        expr = functions[event.name]
+        if event.stop:
+            kinds["t_events"].append(_terminal(event, expr, log, hy))
+        else:
+            kinds["nt_events"].append(_passing(event, expr, log, hy))
+    return hy.taylor_adaptive(
+        taylor_system(program),
+        problem.start.tolist(),
+        pars=values[: max(used, default=-1) + 1],
+        tol=problem.tol,
+        compact_mode=program.weight > COMPACT,
+        **{kind: found for kind, found in kinds.items() if found},
+    )
+
+
+def _direction(event: Event, hy: Any) -> Any:
+    kinds = hy.event_direction
+    return {1: kinds.positive, -1: kinds.negative, 0: kinds.any}[event.direction]
+
+
+def _passing(event: Event, expr: Any, log: Log, hy: Any) -> Any:
+    def seen(integrator: Any, time: float, _sign: int) -> None:
+        integrator.update_d_output(time)
+        log.enter(event, time, integrator.d_output.copy())
+
+    return hy.nt_event(expr, callback=seen, direction=_direction(event, hy))
+
+
+def _terminal(event: Event, expr: Any, log: Log, hy: Any) -> Any:
+    def seen(integrator: Any, _sign: int) -> bool:
+        return not log.enter(event, float(integrator.time), integrator.state.copy())
+
+    return hy.t_event(expr, callback=seen, direction=_direction(event, hy))
+
+
+@dataclass
+class _Drive:
+    """One run, chunk by chunk."""
+
+    hy: Any
+    integrator: Any
+    problem: Problem
+    log: Log
+    grid: np.ndarray
+    ticker: Ticker
+    rows: list[np.ndarray] = field(default_factory=list)
+    stretches: list[Any] = field(default_factory=list)
+    done: int = 1
+    steps: int = 0
+
+    def run(self) -> Run:
+        self.rows.append(self.problem.start[None, :])
+        try:
+            while self.done < len(self.grid) and not self.log.stopped:
+                halt = self.chunk()
+                if halt is not None:
+                    return self.result(halt)
+                self.ticker(self.integrator.time)
+        except KeyboardInterrupt:
+            return self.result(interrupted=True)
+        return self.result()
+
+    def chunk(self) -> Halt | None:
+        before, state = self.integrator.time, self.integrator.state.copy()
+        outcome, taken, new = self.advance()
+        self.steps += taken
+        self.rows.append(new)
+        self.done += len(new)
+        moved = abs(self.integrator.time - before)
+        if taken == CHUNK and moved <= CRAWL * np.ptp(self.grid):
+            return Halt(COLLAPSE, self.integrator.time, self.integrator.state.copy())
+        if outcome == self.hy.taylor_outcome.err_nf_state:
+            return self.last_good(before, state, taken)
+        return None
+
+    def advance(self) -> tuple[Any, int, np.ndarray]:
+        """One chunk towards, or along, the rest of the grid; new rows of it."""
+        standing, done = self.integrator.time, self.done
+        if self.problem.dense:
+            outcome, _, _, steps, stretch, _ = self.integrator.propagate_until(
+                self.grid[-1], max_steps=CHUNK, c_output=True
+            )
+            return outcome, steps, self.sampled(stretch)
+        # the integrator wants its grid to begin where it stands
+        first = done - 1 if standing == self.grid[done - 1] else done
+        if standing != self.grid[first]:
+            outcome, _, _, steps, *_ = self.integrator.propagate_until(
+                self.grid[first], max_steps=CHUNK
+            )
+            return outcome, steps, np.empty((0, len(self.problem.start)))
+        outcome, _, _, steps, _, rows = self.integrator.propagate_grid(
+            self.grid[first : done + AHEAD], max_steps=CHUNK
+        )
+        return outcome, steps, rows[done - first :]
+
+    def sampled(self, stretch: Any) -> np.ndarray:
+        """Rows of the grid that a stretch of dense output covers."""
+        if stretch is None:
+            return np.empty((0, len(self.problem.start)))
+        self.stretches.append(stretch)
+        order = np.sign(self.grid[-1] - self.grid[0])
+        end = np.searchsorted(order * self.grid, order * stretch.bounds[1], side="right")
+        rows = np.array(stretch(self.grid[self.done : end])).reshape(-1, len(self.problem.start))
+        whole = np.isfinite(rows).all(axis=1)
+        return rows if whole.all() else rows[: int(np.argmin(whole))]
+
+    def last_good(self, time: float, state: np.ndarray, taken: int) -> Halt:
+        """The last step before the state broke, found by going over the last chunk again."""
+        ta, self.log.silent = self.integrator, True
+        ta.time, ta.state[:] = time, state
+        step = ta.step if self.grid[-1] >= self.grid[0] else ta.step_backward
+        halt = Halt(INFINITE, ta.time, ta.state.copy())
+        for _ in range(taken + 1):
+            step()
+            if not (np.isfinite(ta.state).all() and np.isfinite(ta.time)):
+                break
+            halt = Halt(INFINITE, ta.time, ta.state.copy())
+        return halt
+
+    def result(self, halt: Halt | None = None, interrupted: bool = False) -> Run:
+        t, states = self.grid[: self.done], np.vstack(self.rows)
+        if self.log.stopped and self.log.last[0] != t[-1]:
+            t = np.append(t, self.log.last[0])
+            states = np.vstack([states, self.log.last[1]])
+        return Run(
+            t.copy(), states, self.steps, self.steps,
+            self.log.arrays(self.problem.events, float), halt, interrupted, self.log.stopped,
+            _joined(self.stretches, states) if self.problem.dense else None,
+        )  # fmt: skip
+
+
+def _joined(stretches: list[Any], states: np.ndarray) -> Any:
+    """States at any times, from the stretches of dense output in turn."""
+    if not stretches:
+        return lambda times: np.repeat(states[:1], len(times), axis=0)
+    ends, width = np.array([s.bounds[1] for s in stretches]), states.shape[1]
+    order = 1.0 if ends[-1] >= stretches[0].bounds[0] else -1.0
+
+    def inside(times: np.ndarray) -> np.ndarray:
+        which = np.searchsorted(order * ends, order * times, side="left")
+        which = np.minimum(which, len(ends) - 1)
+        rows = np.empty((len(times), width))
+        for i in np.unique(which):
+            rows[which == i] = stretches[i](times[which == i])
+        return rows
+
+    return inside

@@ -1,0 +1,105 @@
+"""Charts of a ball that rolls: the polar axes of Neumann's coordinates, turned.
+
+Colatitude and longitude are singular at the poles.  A half turn about the axis between x and z,
+
+    (x, y, z) -> (z, -y, x),
+
+puts the poles onto the axis x.  With N = (sin u cos v, sin u sin v, cos u) it takes (u, v) to
+
+    u' = atan2(|(N_y, N_z)|, N_x),   v' = atan2(-N_y, N_z),
+
+and turns the coordinate lines through the angle a = atan2(sin v, -cos u cos v), e_u' = e_u cos a +
+e_v sin a; theta becomes theta - a - a1, with a1 of the sphere.  Done twice, nothing has happened.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from voronec.charts import Chart
+from voronec.kinematics.forms import SurfaceForms
+from voronec.kinematics.rolling import RollingContact
+from voronec.kinematics.surfaces import Surface
+
+__all__ = ["HALF_TURN", "turned_poles"]
+
+HALF_TURN = sp.ImmutableMatrix([[0, 0, 1], [0, -1, 0], [1, 0, 0]])
+"""Exchanges the axes x and z."""
+
+
+def turned_poles(
+    contact: RollingContact, changes: Mapping[str, Any], along: Sequence[Any] = ()
+) -> dict[str, Chart]:
+    """The charts of a ball: its polar axis turned; on a sphere that of the sphere too, and both.
+
+    ``changes`` are the declarations that read differently where the ball's axes are turned, as
+    ``Chart`` has them; the axes of the fixed surface occur in none.  ``along`` are the two
+    velocities of the equations, if there are such, that are components along (e_u, e_v).
+    """
+    ball, theta = _Pole(*contact.body.coordinates), contact.theta
+    turned = {**ball.state, **ball.components(along)}
+    if not _is_sphere(contact.fixed):
+        state = {**turned, theta: theta - ball.angle}
+        return {"pole of the ball turned": Chart(state, ball.singular, changes)}
+    fixed = _Pole(*contact.fixed.coordinates)
+    singular = ball.singular * fixed.singular
+    both = {**turned, **fixed.state, theta: theta - ball.angle - fixed.angle}
+    return {
+        "pole of the ball turned": Chart({**turned, theta: theta - ball.angle}, singular, changes),
+        "pole of the sphere turned": Chart({**fixed.state, theta: theta - fixed.angle}, singular),
+        "both poles turned": Chart(both, singular, changes),
+    }
+
+
+@dataclass(frozen=True)
+class _Pole:
+    """Colatitude and longitude, and what the half turn makes of them."""
+
+    u: sp.Expr
+    v: sp.Expr
+
+    @property
+    def singular(self) -> sp.Expr:
+        """Vanishes at the poles."""
+        return sp.sin(self.u)
+
+    @property
+    def reach(self) -> sp.Expr:
+        """sin u', as a sum of squares: the distance from the axis x."""
+        return sp.sqrt((sp.sin(self.u) * sp.sin(self.v)) ** 2 + sp.cos(self.u) ** 2)
+
+    @property
+    def state(self) -> dict[sp.Expr, sp.Expr]:
+        """(u', v')."""
+        across = sp.sin(self.u)
+        return {
+            self.u: sp.atan2(self.reach, across * sp.cos(self.v)),
+            self.v: sp.atan2(-across * sp.sin(self.v), sp.cos(self.u)),
+        }
+
+    @property
+    def angle(self) -> sp.Expr:
+        """a, from e_u to e_u'."""
+        return sp.atan2(sp.sin(self.v), -sp.cos(self.u) * sp.cos(self.v))
+
+    def components(self, along: Sequence[Any]) -> dict[sp.Expr, sp.Expr]:
+        """Components along (e_u, e_v) in the turned lines."""
+        if not along:
+            return {}
+        x, y = along
+        sine = sp.sin(self.v) / self.reach
+        cosine = -sp.cos(self.u) * sp.cos(self.v) / self.reach
+        return {x: cosine * x + sine * y, y: cosine * y - sine * x}
+
+
+def _is_sphere(surface: Surface | SurfaceForms) -> bool:
+    """Whether a surface is a sphere about the origin in colatitude and longitude."""
+    if not isinstance(surface, Surface) or surface.lengths is None:
+        return False
+    (u, v), (radius, reach) = surface.coordinates, surface.lengths
+    place = (reach * sp.cos(v), reach * sp.sin(v), radius * sp.cos(u))
+    return bool(reach == radius * sp.sin(u) and surface.position == place)

@@ -1,0 +1,5 @@
+"""Model only what a scene needs: from wanted outputs to the smallest set of equations."""
+
+from voronec.model.model import Candidate, Model, Role, smallest_model
+
+__all__ = ["Candidate", "Model", "Role", "smallest_model"]

@@ -1,0 +1,54 @@
+"""The functions of a program in any precision, on arrays of mpmath's numbers."""
+
+from __future__ import annotations
+
+import hashlib
+import linecache
+from collections.abc import Callable
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from voronec.program.printing import FUNCTIONS
+from voronec.program.python import mpmath_source
+from voronec.program.straight import Program
+
+__all__ = ["compiled_digits", "precision"]
+
+SPARE = 16
+"""Bits beyond those of the numbers that come in."""
+
+
+def precision(numbers: Any) -> int:
+    """How many bits the longest of some numbers has, at least those of a double."""
+    flat = np.ravel(np.asarray(numbers, dtype=object))
+    return max([53, *(x._mpf_[3] for x in flat if isinstance(x, mpmath.mpf))])
+
+
+def compiled_digits(program: Program) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """``rhs`` and ``extras`` of ``(t, state, parameters)``, for mpmath's numbers or arrays of them.
+
+    They compute with the precision of the state.
+    """
+    source = mpmath_source(program)
+    filename = f"<voronec digits {hashlib.sha256(source.encode()).hexdigest()[:12]}>"
+    linecache.cache[filename] = (len(source), None, source.splitlines(keepends=True), filename)
+    namespace: dict[str, Any] = {}
+    exec(compile(source, filename, "exec"), namespace)
+    words = {"Abs": "fabs"}
+    for name in (words.get(f, f) for f in FUNCTIONS):
+        if name in namespace:
+            single = getattr(mpmath, name)
+            namespace[name] = np.frompyfunc(single, 2 if name in ("atan2", "power") else 1, 1)
+    return _careful(namespace["rhs"]), _careful(namespace.get("extras", lambda *_: []))
+
+
+def _careful(function: Callable[..., Any]) -> Callable[..., Any]:
+    def computed(t: Any, state: Any, parameters: Any) -> Any:
+        columns = [np.ravel(np.asarray(x, dtype=object)) for x in state]
+        with mpmath.workprec(precision(np.concatenate(columns)) + SPARE):
+            moments = np.frompyfunc(mpmath.mpf, 1, 1)(t)
+            return function(moments, state, parameters)
+
+    return computed
