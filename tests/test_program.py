@@ -8,7 +8,6 @@ import shutil
 import subprocess
 import traceback
 from importlib.util import find_spec
-from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -18,6 +17,7 @@ import symengine as se
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from voronec.derivation import FirstOrderForm
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.program import (
     Program,
@@ -35,11 +35,11 @@ def first_order(mass: Any, force: Any, rates: Any = (u, v, w), parameters: Any =
     """A first-order form in x, y, z with velocities u, v, w."""
     n = len(force)
     dots = [se.Symbol(f"{q}dot") for q in (x, y, z)]
-    return SimpleNamespace(
+    return FirstOrderForm(
         coordinates=(x, y, z)[:n], velocities=(u, v, w)[:n], parameters=tuple(parameters), time=t,
         rates=tuple(map(se.sympify, rates[:n])), mass=tuple(map(tuple, mass)),
         force=tuple(map(se.sympify, force)), velocity_symbols=tuple(dots[:n]),
-        stages=(), dependent=(), relations=(), positive=(),
+        definitions=(),
     )  # fmt: skip
 
 
@@ -177,11 +177,11 @@ def test_elimination_on_random_matrices_of_any_size(size: int) -> None:
     numbers = root @ root.T + 0.1 * np.eye(size)
     symbols = {(i, j): se.Symbol(f"m{i}_{j}") for i in range(size) for j in range(i + 1)}
     qs, vs = ([se.Symbol(f"{s}{i}") for i in range(size)] for s in "qv")
-    form = SimpleNamespace(
+    form = FirstOrderForm(
         coordinates=tuple(qs), velocities=tuple(vs), parameters=tuple(symbols.values()), time=t,
         rates=tuple(vs), force=tuple(qs), velocity_symbols=tuple(se.Symbol(f"{q}dot") for q in qs),
         mass=tuple(tuple(symbols[max(i, j), min(i, j)] for j in range(size)) for i in range(size)),
-        stages=(), dependent=(), relations=(), positive=(),
+        definitions=(),
     )  # fmt: skip
     rhs, _ = compiled(Program.of(form), scalar=True)
     q = rng.normal(size=size)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import count
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ import symengine as se
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from voronec.derivation import FirstOrderForm
 from voronec.program import Program, compiled, hoisted, solved, taylor_system
 from voronec.program.factoring import nested
 from voronec.program.low_rank import eliminations, low_rank
@@ -139,15 +140,13 @@ def test_what_is_not_proved_stable_is_refused() -> None:
 
 def test_a_program_knows_a_ball_about_its_contact() -> None:
     names = se.symbols("p q r")
-    form: Any = SimpleNamespace(
+    form = FirstOrderForm(
         coordinates=(x, y, z), velocities=names, parameters=(a, b, c, d), time=se.Symbol("t"),
         rates=tuple(names), mass=tuple(map(tuple, rolling(-d, [a + d, b + d, c + d], [x, y, z]))),
-        force=(x * y, y * z, z * x), velocity_symbols=se.symbols("dx dy dz"), stages=(),
-        dependent=(), relations=(), positive=(),
+        force=(x * y, y * z, z * x), velocity_symbols=se.symbols("dx dy dz"), definitions=(),
     )  # fmt: skip
     full = Program.of(form)
-    form.positive = (a, b, c, d)
-    low = Program.of(form)
+    low = Program.of(replace(form, positive=(a, b, c, d)))
     # 3 forces, 3 squares, 3 + 3 products with the normal, a quotient
     assert 9 + 3 * SQUARE + QUOTIENT <= low.weight < 9 + 3 * SQUARE + QUOTIENT + 1
     assert full.weight > 1.5 * low.weight
@@ -202,11 +201,11 @@ def test_brackets_save_products() -> None:
 
 
 def constants_of(parameters: Any) -> Any:
-    form: Any = SimpleNamespace(
+    form = FirstOrderForm(
         coordinates=(x,), velocities=(y,), parameters=(a, b, c), time=se.Symbol("t"),
         rates=(a / (b + 1) * x + a / (b + 1) * y,), mass=((ONE,),),
         force=(se.sqrt(a) * x * y / c + se.sin(a * b) + a * b,), velocity_symbols=(w,),
-        stages=(), dependent=(), relations=(), positive=(),
+        definitions=(),
     )  # fmt: skip
     return Program.of(form, {"speed": 2 * a * b * x}), parameters
 

@@ -34,8 +34,10 @@ from voronec.errors import EngineLimit
 from voronec.evaluation import acceleration, check_inertia
 from voronec.lean import lean_form
 from voronec.presentation import equations_dict, equations_latex
-from voronec.system import System
+from voronec.system import System, require_system
 
+_KEPT = "_equations"
+"""Where a system keeps its equations once they are derived."""
 SHORT = 1500
 """Normal forms that cost no more operations are taken without looking for a shorter form."""
 LARGE = 2000
@@ -267,10 +269,17 @@ def derive(system: System) -> VoronecEquations:
     """Derive the Voronec equations of a system.
 
     The constraints are solved and checked at once; equations, curvature and normal forms are made
-    when they are asked for.  Raises ``DefinitionError`` where the definition makes no sense.
+    when they are asked for, and kept with the system.  Raises ``DefinitionError`` where the
+    definition makes no sense.
     """
-    definition = read(system)
-    raw, exact = Derivation(definition, False), Derivation(definition, True)
-    _ = raw.connection
-    check_inertia(raw)
-    return VoronecEquations(system, definition, raw, exact)
+    require_system(system)
+    known: VoronecEquations | None = system.__dict__.get(_KEPT)
+    if known is None:
+        definition = read(system)
+        raw, exact = Derivation(definition, False), Derivation(definition, True)
+        _ = raw.connection
+        check_inertia(raw)
+        known = VoronecEquations(system, definition, raw, exact)
+        # a system is a value that does not change, and so are its equations
+        system.__dict__[_KEPT] = known
+    return known

@@ -32,6 +32,7 @@ from voronec.system import System
 
 __all__ = ["Motions", "VectorField"]
 
+_KEPT = "_motions"
 BITS = 192
 """The precision of ranks."""
 
@@ -206,8 +207,12 @@ class Motions:
 
     @classmethod
     def of(cls, system: System | VoronecEquations) -> Motions:
-        """Derive the equations."""
-        return cls(derive(system) if isinstance(system, System) else system)
+        """Derive the equations; what is made here is kept with them."""
+        equations = derive(system) if isinstance(system, System) else system
+        known: Motions | None = equations.__dict__.get(_KEPT)
+        if known is None:
+            known = equations.__dict__[_KEPT] = cls(equations)
+        return known
 
     @property
     def system(self) -> System:

@@ -104,8 +104,9 @@ def _split(
     v = level.velocities
     pairs = [(j, k) for j in range(len(v)) for k in range(len(v))]
     products = [momenta[j] * v[k] for j, k in pairs]
-    ring = Ring(canonical([*changes, *products], level.relations), level.relations)
-    elements = [ring.fraction(e) for e in canonical([*changes, *products], level.relations)]
+    plain = canonical([*changes, *products], level.relations)
+    ring = Ring(plain, level.relations)
+    elements = [ring.fraction(e) for e in plain]
     if any(e.den for e in elements[len(changes) :]):
         return None
     moving = [i for i, g in enumerate(ring.meaning) if g.free_symbols & set(level.positions)]

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations, count
 from typing import Any
 
@@ -94,15 +95,24 @@ def eliminations(
     constants, positive = list(constants), list(positive)
     found, left = [], [*range(len(mass))]
     for rows in _components(mass):
-        block = [[mass[i][j] for j in rows] for i in rows]
-        split = low_rank(block, relations)
-        if split is None or not _is_stable(split, positive):
+        block = tuple(tuple(mass[i][j] for j in rows) for i in rows)
+        split = _stable(block, tuple(relations), tuple(positive))
+        if split is None:
             continue
         low = Elimination(rows, split.expressions, split.solve)
         if _weight(low, constants) < _weight(_triangular(block, range(len(rows))), constants):
             found.append(low)
             left = [i for i in left if i not in rows]
     return [*found, _triangular(mass, left)] if left else found
+
+
+@lru_cache(maxsize=64)  # the same matrix comes back whenever its system is written as a program
+def _stable(
+    matrix: tuple[tuple[Any, ...], ...], relations: tuple[Any, ...], positive: tuple[Any, ...]
+) -> LowRank | None:
+    """The split of a matrix, where there is one and elimination by it is stable."""
+    split = low_rank(matrix, relations)
+    return split if split is not None and _is_stable(split, positive) else None
 
 
 def low_rank(matrix: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -> LowRank | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
@@ -98,7 +98,7 @@ class Program:
             coordinates=tuple(form.coordinates),
             velocities=tuple(form.velocities),
             parameters=tuple(form.parameters),
-            derivative=_derivative(form, known),
+            derivative=_derivative(form, tuple(known)),
             names=tuple(wanted),
             extras=_shared(observed, _fresh(known), form.stages),
         )
@@ -124,7 +124,8 @@ class Program:
         return evaluation_weight(self.derivative.expressions)
 
 
-def _derivative(form: FirstOrderForm, known: Sequence[Any]) -> Block:
+@lru_cache(maxsize=32)  # a form is weighed first, and written with its extra quantities then
+def _derivative(form: FirstOrderForm, known: tuple[Any, ...]) -> Block:
     """The cheaper of two ways to write it: expressions as they are, and with factors nested."""
     mass = form.mass
     single = {
