@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,11 @@ import sympy as sp
 
 import voronec as vo
 from voronec import bench
-from voronec.bench import agreement
+from voronec.bench import agreement, own
 from voronec.bench.contender import Contender, NotHere, Outcome
 from voronec.bench.level import level, lowest
 from voronec.bench.peers import jitted, lambdified, physics
+from voronec.bench.peers.handwritten import BY_HAND, start_values
 from voronec.bench.record import Measured, Point
 from voronec.bench.runs import CONTENDERS, contenders
 from voronec.program import Program, compiled
@@ -253,8 +255,37 @@ def test_sympys_right_hand_side_is_ours(ball: bench.Question) -> None:
         result = np.empty(6)
         function(0.0, state, np.array(at.constants), result)
         np.testing.assert_allclose(result, expected, rtol=1e-13, atol=1e-15)
-    for right in (lambdified._solved(at), lambdified._written_out(at)):
+    for right in (make(at) for make in lambdified.RIGHT_SIDES.values()):
         np.testing.assert_allclose(right(0.0, state), expected, rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("name", BY_HAND)
+def test_a_program_by_hand_is_the_engines_motion(name: str) -> None:
+    hy = pytest.importorskip("heyoka")
+    question = bench.ask(vo.load(name), time=3.0, instants=7)
+    hand = BY_HAND[name](question.parameters)
+    start = hand.start(start_values(question))
+    integrator = hy.taylor_adaptive(hand.equations, start.tolist(), tol=1e-15)
+    found = hand.back(integrator.propagate_grid(question.grid)[-1])
+    ours = vo.integrate(
+        question.equations, question.bare, question.grid, tuple(found), method="scipy", tol=1e-12
+    )
+    for key, values in found.items():
+        turned = key == "v"  # known up to whole turns
+        assert bench.difference(values, ours[key], turned).max() < 1e-9, key
+
+
+def test_our_integrator_is_timed_on_the_motion_that_is_shown(spring: bench.Question) -> None:
+    seen = vo.integrate(SPRING, times=spring.grid, outputs=("q", "p"), method="scipy", tol=1e-8)
+    again = own._again(spring, tuple(spring.expressions.values()), seen)
+    assert again is not None
+    assert again(spring.grid).steps == again(spring.grid).steps == seen.cost.steps > 0
+
+
+def test_another_motion_is_not_timed_in_place_of_ours(spring: bench.Question) -> None:
+    seen = vo.integrate(SPRING, times=spring.grid, outputs=("q", "p"), method="scipy", tol=1e-8)
+    other = replace(seen, cost=replace(seen.cost, steps=seen.cost.steps + 1))
+    assert own._again(spring, tuple(spring.expressions.values()), other) is None
 
 
 PEERS = ("dop853-lambdify-invariants", "lsoda-lambdify-coordinates", "heyoka-by-hand", "scipy")

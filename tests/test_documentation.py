@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import argparse
 import re
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+import voronec
+from voronec.cli import main
 from voronec.cli.arguments import command_parser
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -26,12 +29,49 @@ def test_examples_run(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     exec(compile(block, "example", "exec"), {"__name__": "example"})
 
 
-def test_every_command_and_option_is_described() -> None:
+def test_every_command_and_its_options_are_described() -> None:
     page = (ROOT / "docs" / "commands.md").read_text()
-    for name, options in _commands(command_parser()):
-        assert re.search(rf"`(search )?{name}\b", page), name
-        for option in options:
-            assert option == "--help" or option in page, f"{name} {option}"
+    rows = dict(re.findall(r"^\| `((?:search )?\w+)(.*)$", page, re.MULTILINE))
+    commands = {name.split()[-1]: row for name, row in rows.items()}
+    there = dict(_commands(command_parser()))
+    assert commands.keys() == there.keys() - {"search"}
+    for name, row in commands.items():
+        described = set(re.findall(r"`(--[a-z]+)", row))
+        assert described == {*there[name]} - {"--help", "--json"}, name
+
+
+@pytest.mark.parametrize("page", [ROOT / "README.md", *PAGES], ids=lambda page: page.stem)
+def test_commands_that_are_shown_are_commands(page: Path) -> None:
+    names = {"COMMAND", *dict(_commands(command_parser()))}
+    shown = re.findall(r"^    voronec (.*)$|`voronec ([^`]*)`", page.read_text(), re.MULTILINE)
+    for line in map("".join, shown):
+        for alternative in line.split(" | "):
+            words = shlex.split(alternative, comments=True)
+            assert words[0] in names, line
+            if len(words) > 1 and words[0] != "COMMAND":  # a bare name speaks of the command
+                command_parser().parse_args(words)  # ends the test where it refuses
+
+
+def test_outputs_of_the_readme_are_drawn_as_far_as_they_are_wanted(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    run = ["run", "demchenko", "--outputs", "u,v", "--times", "0:1:101", "--out", str(folder)]
+    assert main(run) == 0
+    assert (folder / "drawing.svg").exists()
+    assert (folder / "trajectory.csv").read_text().startswith("t,u,v\n")
+
+
+def test_public_names_of_motions_are_described() -> None:
+    pages = "".join((ROOT / "docs" / page).read_text() for page in ("python.md", "scenes.md"))
+    homes = ("voronec.flow", "voronec.model", "voronec.hard", "voronec.charts")
+    names = [name for name, home in voronec._HOME.items() if home.startswith(homes)]
+    assert [name for name in names if not re.search(rf"\b{name}\b", pages)] == []
+
+
+def test_pages_cite_what_is_in_the_bibliography() -> None:
+    known = set(re.findall(r"@\w+\{(\w+),", (ROOT / "docs" / "references.bib").read_text()))
+    for page in (ROOT / "README.md", *PAGES):
+        for key in re.findall(r"\[([A-Z][A-Za-z]+\d{4}\w*)\b", page.read_text()):
+            assert key in known, f"{page.name}: {key}"
 
 
 def _commands(parser: argparse.ArgumentParser) -> Iterator[tuple[str, list[str]]]:

@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.flow.levels import starts_on_level
+from voronec.flow.alike import starts_alike
 from voronec.flow.surfaces import suggested
 
 x, y, w = sp.symbols("x y w")
@@ -198,7 +198,7 @@ def test_bad_input_is_refused_in_one_line(oscillator):
 def test_starts_on_a_level_share_all_integrals_and_differ():
     equations = vo.derive(vo.load("ball-on-sphere"))
     scene = equations.system.scenes["default"]
-    starts = starts_on_level(equations, scene, {}, {}, 6)
+    starts = starts_alike(equations, scene, {}, {}, 6)
     still = vo.ensemble(equations, starts, times=[0.0], outputs=("energy", "momentum squared"))
     for name in still.outputs:
         assert np.ptp(still[name]) < 1e-10

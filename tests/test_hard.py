@@ -20,6 +20,7 @@ from voronec.hard.perturbed import perturbed, slopes
 from voronec.hard.precise import reel
 from voronec.hard.reference import Reference, _stored
 from voronec.hard.run import trials
+from voronec.hard.table import cells, tally
 from voronec.hard.trial import TOLERANCES, attempt, judged
 
 x, w = sp.symbols("x w")
@@ -241,6 +242,19 @@ def test_a_motion_where_none_starts_is_wrong_and_a_refusal_right(
 def test_the_tools_own_choice_is_never_silently_wrong_on_the_quick_cases() -> None:
     for finding in trials([NAMED[n] for n in QUICK], ("auto",)):
         assert finding.good, finding.trials
+
+
+def test_the_choice_of_who_gives_no_tolerance_is_shown_and_does_not_decide(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(TOLERANCES, "default", 1e-4)
+    finest, given = next(trials([NAMED["no-gyroscope"]], ("auto", "default"))).trials
+    assert finest.verdict == "met" and finest.automatic
+    assert given.verdict == "missed" and not given.automatic
+    finding = next(trials([NAMED["no-gyroscope"]], ("default",)))
+    assert finding.good and cells(finding.trials[0])[0].endswith("(default)")
+    rows = {row[0]: row for row in tally([finding])}
+    assert rows["default"][1] == "1" and rows["default"][-1] == "no-gyroscope"
 
 
 def test_a_coarse_method_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:

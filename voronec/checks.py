@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
+from voronec.algebra.symbols import names_in, plain_name, time, velocity
 from voronec.claims import THEOREMS, Corrected, Measure, claim_names, expressions_of, right_of
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.reading import shown
@@ -124,7 +124,7 @@ def _check_variables(system: System, measure: Measure) -> None:
             "and velocities of the equations nor among invariants and these velocities"
         )
     dots = {velocity(q) for q in system.coordinates} - velocities
-    foreign = sorted(map(str, _names_in(measure.density) & ({*system.coordinates} | dots)))
+    foreign = sorted(map(str, names_in(measure.density) & ({*system.coordinates} | dots)))
     if foreign:
         raise DefinitionError(
             f"system '{system.name}': the measure in invariants holds '{foreign[0]}'; write its "
@@ -149,7 +149,7 @@ def check_charts(system: System) -> None:
 
 def _check_known(place: str, expr: sp.Expr, known: set[sp.Expr]) -> None:
     """An expression is made of known symbols, and of derivatives of these."""
-    names = _names_in(expr) - known
+    names = names_in(expr) - known
     unknown = sorted(str(n) for n in names if getattr(n, "expr", n) not in known)
     if unknown:
         hint = " (a different symbol of that name is declared: use one symbol object)"
@@ -166,7 +166,7 @@ def check_relations(system: System) -> None:
     if system.frame is not None:
         dots |= set(system.frame.ambient)
     for i, relation in enumerate(system.fibration.relations):
-        names = _names_in(relation)
+        names = names_in(relation)
         place = f"system '{system.name}': relation {i + 1} ({shown(relation)} = 0)"
         moving = sorted(map(plain_name, names & dots))
         if moving:
@@ -187,7 +187,7 @@ def check_frame(system: System) -> None:
         return
     own = set(system.frame.velocities)
     for v, expr in zip(system.frame.velocities, system.frame.expressions, strict=True):
-        used = sorted(map(plain_name, _names_in(expr) & own))
+        used = sorted(map(plain_name, names_in(expr) & own))
         if used:
             raise DefinitionError(
                 f"system '{system.name}': the definition of '{plain_name(v)}' contains the "
@@ -217,7 +217,7 @@ def _check_group(system: System, frame: Frame) -> None:
     constant = {p.symbol for p in system.parameters if isinstance(p.symbol, sp.Symbol)}
     for pair, parts in (frame.brackets or {}).items():
         for value in parts.values():
-            moving = sorted(map(str, _names_in(value) - constant))
+            moving = sorted(map(str, names_in(value) - constant))
             if moving:
                 names = ", ".join(map(plain_name, pair))
                 raise DefinitionError(
@@ -279,23 +279,3 @@ def _claims(system: System) -> Iterator[tuple[str, sp.Expr]]:
         own = {*system.poisson.variables}
         for e in expressions_of(system.poisson):
             yield "poisson", e.xreplace(dict.fromkeys(own, sp.Integer(1)))
-
-
-def _names_in(expr: Any) -> set[sp.Expr]:
-    """The symbols, functions of time and their derivatives that occur in an expression."""
-    found: set[sp.Expr] = set()
-    stack = [expr]
-    while stack:
-        node = stack.pop()
-        if is_symbolic_name(node) or _is_time_derivative(node):
-            found.add(node)
-        elif isinstance(node, sp.Subs):
-            stack.extend(node.point)
-            stack.extend(s for s in node.expr.free_symbols - set(node.variables))
-        else:
-            stack.extend(node.args)
-    return found
-
-
-def _is_time_derivative(node: Any) -> bool:
-    return isinstance(node, sp.Derivative) and set(node.variables) == {time}

@@ -36,10 +36,10 @@ class FirstOrderForm:
     """qdot = rates(q, v, t),  mass * vdot = force(q, v, t), all in symengine inside the door.
 
     ``coordinates`` base then fibre; ``definitions`` gives v in terms of q, qdot, t, with
-    ``velocity_symbols`` the symbols of qdot; ``relations`` vanish along the motion.  ``stages``
-    are pairs (name, expression), in order, that rates, mass and force may use; ``dependent`` pairs
-    of the other velocities of a group's frame, and named momenta, with what they are; ``positive``
-    are the parameters that are declared to be positive.
+    ``velocity_symbols`` the symbols of qdot, where qdot has any; ``relations`` vanish along the
+    motion.  ``stages`` are pairs (name, expression), in order, that rates, mass and force may use;
+    ``dependent`` pairs of the other velocities of a group's frame, and named momenta, with what
+    they are; ``positive`` are the parameters that are declared to be positive.
     """
 
     coordinates: tuple[Any, ...]
@@ -49,8 +49,8 @@ class FirstOrderForm:
     rates: tuple[Any, ...]
     mass: tuple[tuple[Any, ...], ...]
     force: tuple[Any, ...]
-    definitions: tuple[Any, ...]
-    velocity_symbols: tuple[Any, ...]
+    definitions: tuple[Any, ...] = ()
+    velocity_symbols: tuple[Any, ...] = ()
     relations: tuple[Any, ...] = ()
     dependent: tuple[tuple[Any, Any], ...] = ()
     stages: tuple[tuple[Any, Any], ...] = ()

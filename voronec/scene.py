@@ -62,10 +62,16 @@ class Parameter:
 class Scene:
     """One motion to look at: initial data, a time span, and what is wanted from it.
 
-    ``initial`` gives coordinates and velocities (quasi-velocities of the frame, or coordinate
-    velocities of the base) by symbol or name; what is not named starts at zero.  ``parameters``
-    overrides defaults.  ``times`` is ``(start, end)``.  ``outputs`` are coordinates, velocities
-    or expressions in them; empty means all coordinates and velocities.
+    ``initial`` gives coordinates and velocities (quasi-velocities of the frame, or velocities of
+    coordinates, which must agree with the constraints) by symbol or name; what is not named starts
+    at zero.  ``parameters`` overrides defaults.  ``times`` is ``(start, end)``; the end may come
+    first.
+
+    ``outputs`` are what is wanted, and nothing else need be computed: coordinates, velocities,
+    invariants, integrals by name, expressions in the first three, ``configuration`` (all
+    coordinates), the title of a contact's trace in the drawing, ``reaction k`` (the multiplier of
+    constraint k, from 1).  Empty means all coordinates and velocities.  ``caption`` says in a
+    sentence what there is to see.
     """
 
     initial: Mapping[Any, Any]

@@ -9,7 +9,7 @@ from sympy.core.function import AppliedUndef
 
 from voronec.errors import DefinitionError
 
-__all__ = ["is_symbolic_name", "plain_name", "time", "velocity"]
+__all__ = ["is_symbolic_name", "names_in", "plain_name", "time", "velocity"]
 
 time = sp.Symbol("t")
 """The time ``t``; also the argument of ``sympy.physics.mechanics.dynamicsymbols``."""
@@ -46,3 +46,21 @@ def velocity(coordinate: sp.Expr) -> sp.Expr:
     if isinstance(coordinate, (AppliedUndef, sp.Derivative)):
         return coordinate.diff(time)
     return sp.Symbol(plain_name(coordinate) + "dot")
+
+
+def names_in(expr: Any) -> set[sp.Expr]:
+    """The symbols, functions of time and their derivatives that occur in an expression."""
+    found: set[sp.Expr] = set()
+    stack = [expr]
+    while stack:
+        node = stack.pop()
+        if is_symbolic_name(node) or (
+            isinstance(node, sp.Derivative) and set(node.variables) == {time}
+        ):
+            found.add(node)
+        elif isinstance(node, sp.Subs):
+            stack.extend(node.point)
+            stack.extend(s for s in node.expr.free_symbols - set(node.variables))
+        else:
+            stack.extend(node.args)
+    return found

@@ -23,8 +23,8 @@ __all__ = ["NEEDED", "Reference", "agreed", "difference", "reference"]
 
 NEEDED = 1e-13
 """The accuracy that a reference must have, relative to the size of each output."""
-DIGITS = (30, 50)
-"""The digits of the runs; the second number is tried where the first does not suffice."""
+DIGITS = (24, 32, 50)
+"""The digits of the runs; the next number is tried where one does not suffice."""
 LONG = 60.0
 """Beyond this span, in units of time, flint is left out where heyoka can run both routes."""
 

@@ -30,6 +30,8 @@ def execute(arguments: Namespace) -> int:
     """
     tolerances = [finite(word, "--tols") for word in _words(arguments.tols)]
     time = None if arguments.time is None else finite(arguments.time, "--time")
+    if time is not None and time <= 0:
+        raise DefinitionError(f"--time {arguments.time}: give a length of time above zero")
     pairs = [pair(text) for text in arguments.set]
     system, _ = resolve(arguments.system)
     folder = wanted_folder(arguments.out or f"{system.name}-bench")

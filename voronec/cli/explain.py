@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import print_json, progress
 from voronec.cli.subject import resolve
-from voronec.cli.values import pair, split_values
+from voronec.cli.values import first_scene, pair, split_values
 from voronec.cli.wanted import outputs_of
 
 if TYPE_CHECKING:
@@ -30,8 +30,7 @@ def execute(arguments: Namespace) -> int:
     from voronec.flow.explanation import explain
     from voronec.report.model_text import model_text
 
-    first = "default" if "default" in system.scenes else next(iter(system.scenes), None)
-    scene = arguments.scene or first
+    scene = arguments.scene or first_scene(system)
     progress(f"{system.name}: weighing the levels of the equations ...")
     try:
         model = explain(

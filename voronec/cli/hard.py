@@ -63,9 +63,9 @@ def _methods(names: Sequence[str]) -> tuple[str, ...]:
     from voronec.hard.run import available
 
     for name in names:
-        if name not in ("auto", *METHODS):
+        if name not in ("auto", "default", *METHODS):
             raise DefinitionError(f"there is no method '{name}'{did_you_mean(name, METHODS)}")
-        if name != "auto" and name not in available():
+        if name in METHODS and name not in available():
             raise DefinitionError(f"method '{name}' is not installed here; leave it out")
     return tuple(dict.fromkeys(names))
 

@@ -11,7 +11,7 @@ from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.formula import formula
 from voronec.cli.output import columns, print_json, progress, warn
 from voronec.cli.subject import resolve
-from voronec.cli.values import finite, pair, split_values, tolerance
+from voronec.cli.values import finite, first_scene, pair, split_values, tolerance
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -33,9 +33,7 @@ def execute(arguments: Namespace) -> int:
     tol = tolerance(arguments.tol)
     until = None if arguments.until is None else finite(arguments.until, "--until")
     pairs = [pair(text) for text in arguments.set]
-    for count, option in ((arguments.starts, "--starts"), (arguments.crossings, "--crossings")):
-        if count < 1:
-            raise DefinitionError(f"{option} {count}: give a number from 1 on")
+    _refuse_none(arguments)
     plane = None if arguments.plane is None else _plane(arguments.plane)
     outputs = [] if arguments.outputs is None else _outputs(arguments.outputs)
     system, _ = resolve(arguments.system)
@@ -47,7 +45,7 @@ def execute(arguments: Namespace) -> int:
     progress(f"{system.name}: deriving ...")
     try:
         equations = derive(system)
-        scene = arguments.scene or _first_scene(equations)
+        scene = arguments.scene or first_scene(system)
         given: dict[str, Any] = {"scene": scene, "initial": initial, "parameters": parameters}
         plane, value, outputs = _completed(equations, plane, outputs, given)
         found = section(
@@ -69,9 +67,10 @@ def execute(arguments: Namespace) -> int:
     return 1 if found.errors else 0
 
 
-def _first_scene(equations: VoronecEquations) -> str | None:
-    scenes = equations.system.scenes
-    return "default" if "default" in scenes else next(iter(scenes), None)
+def _refuse_none(arguments: Namespace) -> None:
+    for count, option in ((arguments.starts, "--starts"), (arguments.crossings, "--crossings")):
+        if count < 1:
+            raise DefinitionError(f"{option} {count}: give a number from 1 on")
 
 
 def _plane(text: str) -> tuple[Any, float]:

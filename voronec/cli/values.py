@@ -1,4 +1,4 @@
-"""Numbers typed on a command line: a tolerance, and NAME=VALUE for parameters and starts."""
+"""What is typed on a command line: tolerance, times, and NAME=VALUE for parameters and starts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.system import System
 
-__all__ = ["finite", "pair", "split_values", "tolerance"]
+__all__ = ["finite", "first_scene", "instants", "pair", "split_values", "tolerance"]
+
+INSTANTS = 1001
+MOST_INSTANTS = 10_000_000
 
 
 def finite(text: str, place: str) -> float:
@@ -34,6 +37,31 @@ def tolerance(text: str | None) -> float:
     if not 0 < tol < 1:
         raise DefinitionError(f"--tol {text}: give a number between 0 and 1, such as 1e-12")
     return tol
+
+
+def instants(text: str | None) -> Any:
+    """The grid that ``[START:]END[:N]`` means; None where nothing is said."""
+    if text is None:
+        return None
+    import numpy as np
+
+    parts = text.split(":")
+    if len(parts) > 3:
+        raise DefinitionError(f"--times {text}: give [START:]END[:N], such as 0:20:501")
+    if len(parts) == 1:
+        parts = ["0", *parts]
+    start, end = (finite(part, "--times") for part in parts[:2])
+    count = parts[2] if len(parts) == 3 else str(INSTANTS)
+    if not count.isdecimal() or not 2 <= int(count) <= MOST_INSTANTS:
+        raise DefinitionError(f"--times {text}: give from 2 to {MOST_INSTANTS} instants")
+    if start == end:
+        raise DefinitionError(f"--times {text}: start and end are the same")
+    return np.linspace(start, end, int(count))
+
+
+def first_scene(system: System) -> str | None:
+    """The scene where nobody names one: ``default``, else the first; None where there is none."""
+    return "default" if "default" in system.scenes else next(iter(system.scenes), None)
 
 
 def pair(text: str) -> tuple[str, Any]:

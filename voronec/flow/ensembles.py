@@ -12,15 +12,21 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-import sympy as sp
 
 from voronec.equations import VoronecEquations, derive
-from voronec.errors import DefinitionError, IntegrationError, VoronecError, did_you_mean
+from voronec.errors import IntegrationError, VoronecError
 from voronec.flow.batches import FINEST, Lanes, Stopped, along, along_scipy, chosen
-from voronec.flow.given import Start, grid_of, quantity, scene_of, spread_starts
-from voronec.flow.many import Many, drifts, evaluated, many
+from voronec.flow.given import (
+    Values,
+    grid_of,
+    outputs_of,
+    quantity,
+    scene_of,
+    spread_starts,
+)  # fmt: skip
+from voronec.flow.many import Many, at_each, drifts, many
 from voronec.flow.trajectory import Cost
-from voronec.flow.vocabulary import Vocabulary, label
+from voronec.flow.vocabulary import Vocabulary, held_name
 from voronec.system import System
 
 __all__ = ["Ensemble", "ensemble"]
@@ -57,13 +63,7 @@ class Ensemble:
     interrupted: bool = False
 
     def __getitem__(self, key: Any) -> np.ndarray:
-        name = key if isinstance(key, str) else label(sp.sympify(key))
-        if name not in self.series:
-            raise DefinitionError(
-                f"the ensemble holds no '{name}', ask for it in outputs=(...)"
-                + did_you_mean(name, self.series)
-            )
-        return self.series[name]
+        return self.series[held_name(key, self.series, "the ensemble holds")]
 
     def __len__(self) -> int:
         return len(self.finished)
@@ -71,7 +71,7 @@ class Ensemble:
 
 def ensemble(
     system: System | VoronecEquations,
-    starts: Mapping[Any, Any] | Sequence[Start] | None = None,
+    starts: Mapping[Any, Any] | Sequence[Values] | None = None,
     parameters: Mapping[Any, Any] | None = None,
     times: Any = None,
     outputs: Sequence[Any] = (),
@@ -106,13 +106,11 @@ def ensemble(
     """
     began = perf_counter()
     equations = system if isinstance(system, VoronecEquations) else derive(system)
-    chosen_scene = scene_of(equations, scene, starts is None)
+    chosen_scene = scene_of(equations.system, scene, starts is None, "starts")
     single, columns = spread_starts(starts, parameters or {})
-    grid = grid_of(equations, chosen_scene, times)
+    grid = grid_of(equations.system, chosen_scene, times)
     vocabulary = Vocabulary.of(equations)
-    keys = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
-    keys = keys or (chosen_scene.outputs if chosen_scene else ())
-    own = equations.system
+    keys, own = outputs_of(chosen_scene, outputs), equations.system
     wanted = dict(quantity(vocabulary, k) for k in keys or (*own.coordinates, *own.velocities))
     motions = many(equations, chosen_scene, single, columns, wanted, float(grid[0]))
     if len(motions.wrong) == len(motions):
@@ -163,7 +161,7 @@ class _Filled:
         values = self.motions.values[where][:, None, :]
         values = np.broadcast_to(values, (*rows.shape[:2], values.shape[-1]))
         names = self.motions.program.names
-        found = evaluated(self.motions.extras, names, self.grid, rows, values)
+        found = at_each(self.motions.extras, names, self.grid, rows, values)
         for name, array in self.series.items():
             array[where] = found[name]
         for name, array in self.changes.items():

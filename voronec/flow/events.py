@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.errors import DefinitionError, did_you_mean
-from voronec.flow.vocabulary import Vocabulary, label
+from voronec.errors import DefinitionError
+from voronec.flow.vocabulary import Vocabulary, held_name
 
 __all__ = ["Crossings", "Event", "spelled"]
 
@@ -53,13 +53,10 @@ class Crossings:
     series: Mapping[str, np.ndarray]
 
     def __getitem__(self, key: Any) -> np.ndarray:
-        name = key if isinstance(key, str) else label(sp.sympify(key))
+        name = held_name(key, (*self.series, *self.names), "the crossings hold")
         if name in self.series:
             return self.series[name]
-        if name in self.names:
-            return self.state[:, self.names.index(name)]
-        known = [*self.series, *self.names]
-        raise DefinitionError(f"the crossings hold no '{name}'{did_you_mean(name, known)}")
+        return self.state[:, self.names.index(name)]
 
     def __len__(self) -> int:
         return len(self.t)

@@ -6,7 +6,7 @@ until the conditions on them hold to the last digit.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -109,14 +109,7 @@ class Exactly:
         ]
         if not any(held):
             return start
-        # the conditions are affine in the velocities, which tell their slopes at unit steps
-        columns = []
-        for j in range(len(own)):
-            step = start.copy()
-            step[n + j] += 1
-            columns.append([a - b for a, b in zip(reached(step), first, strict=True)])
-        matrix = np.array(columns, dtype=float).T[held]
-        inverse = np.linalg.pinv(matrix)
+        inverse = np.linalg.pinv(_slopes(reached, start, n)[held])
         for _ in range(ROUNDS):
             gap = np.array([b - a for a, b in zip(reached(start), wanted, strict=True)])[held]
             if max(map(abs, gap)) <= scale * mpmath.eps * 8:
@@ -124,3 +117,14 @@ class Exactly:
             start = start.copy()
             start[n:] += inverse.dot(gap)
         return start
+
+
+def _slopes(reached: Callable[[np.ndarray], list[Any]], start: np.ndarray, n: int) -> np.ndarray:
+    """Slopes of conditions by the velocities, entries from n on; they are affine in these, so unit
+    steps tell them."""
+    first, columns = reached(start), []
+    for j in range(n, len(start)):
+        step = start.copy()
+        step[j] += 1
+        columns.append([a - b for a, b in zip(reached(step), first, strict=True)])
+    return np.array(columns, dtype=float).T

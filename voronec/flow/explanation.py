@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-import symengine as se
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
 from voronec.equations import VoronecEquations, derive
-from voronec.errors import DefinitionError, did_you_mean
-from voronec.flow.probe import Probe, quantities
+from voronec.errors import DefinitionError
+from voronec.flow.given import Given, outputs_of, scene_of
+from voronec.flow.modelling import numbers_at
+from voronec.flow.outset import rates_at
 from voronec.flow.reactions import Multipliers
-from voronec.flow.start import named, parameter_values, start_of
+from voronec.flow.start import parameter_values, start_of
 from voronec.flow.vocabulary import Vocabulary, number
 from voronec.model import Model, smallest_model
 from voronec.scene import Scene
@@ -46,12 +46,12 @@ def explain(
     """
     equations = system if isinstance(system, VoronecEquations) else derive(system)
     vocabulary = Vocabulary.of(equations)
-    chosen = _scene(equations.system, scene, initial is None)
-    asked = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
-    wanted = _wanted(vocabulary, asked or (chosen.outputs if chosen else ()))
+    usual = initial is None and "default" in equations.system.scenes
+    chosen = scene_of(equations.system, scene, usual)
+    wanted = _wanted(vocabulary, outputs_of(chosen, outputs))
     start = None
     if chosen is not None or initial is not None:
-        start = _start(vocabulary, chosen, parameters or {}, initial or {})
+        start = _start(vocabulary, chosen, Given.of(vocabulary, chosen, parameters, initial))
     elif parameters:
         raise DefinitionError(
             f"system '{equations.system.name}': parameters without a start; name a scene, or give "
@@ -59,19 +59,6 @@ def explain(
         )
     integrals = {name: vocabulary.claims[name] for name in equations.system.integrals}
     return smallest_model(Motions.of(equations), wanted, integrals, start, thorough=True)
-
-
-def _scene(system: System, scene: str | Scene | None, needed: bool) -> Scene | None:
-    """The scene meant; where none is named and nothing is said of the start, ``default``."""
-    if isinstance(scene, Scene):
-        return scene
-    if scene is None:
-        return system.scenes.get("default") if needed else None
-    if scene not in system.scenes:
-        raise DefinitionError(
-            f"system '{system.name}' has no scene '{scene}'{did_you_mean(scene, system.scenes)}"
-        )
-    return system.scenes[scene]
 
 
 def _wanted(vocabulary: Vocabulary, outputs: Sequence[Any]) -> dict[str, sp.Expr]:
@@ -89,29 +76,12 @@ def _wanted(vocabulary: Vocabulary, outputs: Sequence[Any]) -> dict[str, sp.Expr
     return found
 
 
-def _start(
-    vocabulary: Vocabulary,
-    chosen: Scene | None,
-    parameters: Mapping[Any, Any],
-    initial: Mapping[Any, Any],
-) -> dict[Any, float]:
+def _start(vocabulary: Vocabulary, scene: Scene | None, given: Given) -> dict[Any, float]:
     """Numbers of coordinates, velocities, parameters, time; what has no value is left out."""
     equations = vocabulary.equations
-    scene_parameters = named(vocabulary, chosen.parameters if chosen else {}, "parameter")
-    given = {**scene_parameters, **named(vocabulary, parameters, "parameter")}
-    constants = parameter_values(vocabulary, given, set())
-    program = quantities(equations.form, {})
-    values = [constants.get(str(p), np.nan) for p in program.parameters]
-    time = number(chosen.times[0], "the span's start") if chosen else 0.0
-    probe = Probe(equations.system.name, equations.form, program, values, time)
-    state = start_of(
-        vocabulary,
-        named(vocabulary, chosen.initial if chosen else {}, "initial value"),
-        named(vocabulary, initial, "initial value"),
-        constants,
-        probe.rates,
-        time,
-    ).state
-    found = dict(zip(program.state, map(float, state), strict=True))
-    found[program.time] = time
-    return found | {se.Symbol(name): value for name, value in constants.items()}
+    constants = parameter_values(vocabulary, given.parameters, set())
+    time = number(scene.times[0], "the span's start") if scene else 0.0
+    form = equations.raw.form
+    rates = rates_at(equations, form, constants, time)
+    start = start_of(vocabulary, given.scene_initial, given.initial, constants, rates, time)
+    return numbers_at(form, start.state, constants, time)

@@ -1,25 +1,55 @@
-"""What a user says about many motions: quantities, scene, starts, times."""
+"""What a user says of motions: scene, outputs, times, parameters, starts."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name
-from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, did_you_mean
+from voronec.flow.start import named
 from voronec.flow.vocabulary import Vocabulary, label, number
 from voronec.scene import Scene
+from voronec.system import System
 
-__all__ = ["Start", "grid_of", "quantity", "scene_of", "spread_starts"]
+__all__ = ["Given", "Values", "grid_of", "outputs_of", "quantity", "scene_of", "spread_starts"]
 
 POINTS = 1001
 """How many points a scene's span is seen at."""
-Start = Mapping[Any, Any]
-"""Initial values of one motion, by symbol or name."""
+Values = Mapping[Any, Any]
+"""Values of one motion, by symbol or name."""
+
+
+@dataclass(frozen=True)
+class Given:
+    """What is said of one start, by plain name: ``parameters``, and initial values, those of the
+    scene (``scene_initial``) and those over them (``initial``)."""
+
+    parameters: Mapping[str, Any]
+    scene_initial: Mapping[str, Any]
+    initial: Mapping[str, Any]
+
+    @classmethod
+    def of(
+        cls,
+        vocabulary: Vocabulary,
+        scene: Scene | None,
+        parameters: Values | None,
+        initial: Values | None,
+    ) -> Given:
+        """Scene and arguments put together; ``DefinitionError`` for names nobody knows."""
+        return cls(
+            parameters={
+                **named(vocabulary, scene.parameters if scene else {}, "parameter"),
+                **named(vocabulary, parameters or {}, "parameter"),
+            },
+            scene_initial=named(vocabulary, scene.initial if scene else {}, "initial value"),
+            initial=named(vocabulary, initial or {}, "initial value"),
+        )
 
 
 def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[str, sp.Expr]:
@@ -47,24 +77,40 @@ def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[st
     return name, expr.xreplace(meaning)
 
 
-def scene_of(equations: VoronecEquations, scene: str | Scene | None, needed: bool) -> Scene | None:
-    """The scene meant by a name; ``default`` where none is named and one is needed."""
-    system = equations.system
-    if scene is None and not needed:
-        return None
+def scene_of(
+    system: System, scene: str | Scene | None, needed: bool, instead: str = "initial={...}"
+) -> Scene | None:
+    """The scene meant by a name; where none is named and one is needed, the one called ``default``.
+
+    ``DefinitionError`` where there is none; ``instead`` is what would do in place of a scene.
+    """
     if isinstance(scene, Scene):
         return scene
-    name = "default" if scene is None else scene
-    if name not in system.scenes:
+    if scene is None:
+        if not needed:
+            return None
+        if "default" not in system.scenes:
+            raise DefinitionError(
+                f"system '{system.name}' has no scene 'default'; give {instead}, or scene= one of "
+                f"its scenes ({', '.join(system.scenes) or 'there are none'})"
+            )
+        return system.scenes["default"]
+    if scene not in system.scenes:
         raise DefinitionError(
-            f"system '{system.name}' has no scene '{name}'{did_you_mean(name, system.scenes)}"
+            f"system '{system.name}' has no scene '{scene}'{did_you_mean(scene, system.scenes)}"
         )
-    return system.scenes[name]
+    return system.scenes[scene]
+
+
+def outputs_of(scene: Scene | None, outputs: Any) -> tuple[Any, ...]:
+    """The outputs asked for, one alone among them; by default those of the scene."""
+    asked = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
+    return asked or (scene.outputs if scene else ())
 
 
 def spread_starts(
-    starts: Mapping[Any, Any] | Sequence[Start] | None, parameters: Mapping[Any, Any]
-) -> tuple[list[Start], dict[Any, Any]]:
+    starts: Values | Sequence[Values] | None, parameters: Values
+) -> tuple[list[Values], dict[Any, Any]]:
     """One mapping for each start, and parameters whose arrays are as long as these are many."""
     columns = {k: np.asarray(x) for k, x in parameters.items() if np.ndim(x) > 0}
     lengths = {f"parameter '{k}'": x for k, x in columns.items()}
@@ -89,21 +135,15 @@ def spread_starts(
         return [{} for _ in range(count)], {**parameters, **columns}
     if not isinstance(starts, Mapping):
         return list(starts), {**parameters, **columns}
-    rows: list[Start] = [{k: (long[k][i].item() if k in long else x) for k, x in given.items()}
+    rows: list[Values] = [{k: (long[k][i].item() if k in long else x) for k, x in given.items()}
             for i in range(count)]  # fmt: skip
     return rows, {**parameters, **columns}
 
 
-def grid_of(equations: VoronecEquations, scene: Scene | None, times: Any) -> np.ndarray:
+def grid_of(system: System, scene: Scene | None, times: Any) -> np.ndarray:
     """The grid of times, by default over the span of the scene; it must be strictly monotonic."""
     if times is None:
-        scene = scene or equations.system.scenes.get("default")
-        if scene is None:
-            raise DefinitionError(
-                f"system '{equations.system.name}' has no scene to take the span from; give times"
-            )
-        start, end = (number(x, "the span's end") for x in scene.times)
-        return np.linspace(start, end, POINTS)
+        return _span(system, scene or system.scenes.get("default"))
     wrong = DefinitionError(
         "times must be a strictly monotonic, finite, one-dimensional array, such as "
         "numpy.linspace(0, 10, 1001)"
@@ -112,9 +152,18 @@ def grid_of(equations: VoronecEquations, scene: Scene | None, times: Any) -> np.
         grid = np.atleast_1d(np.array(times, dtype=float))
     except (TypeError, ValueError):
         raise wrong from None
-    steps = np.diff(grid)
-    if grid.ndim != 1 or not grid.size or not np.isfinite(grid).all():
+    if grid.ndim != 1 or grid.size == 0 or not np.isfinite(grid).all():
         raise wrong
+    steps = np.diff(grid)
     if not ((steps > 0).all() or (steps < 0).all()):
         raise wrong
     return grid
+
+
+def _span(system: System, scene: Scene | None) -> np.ndarray:
+    if scene is None:
+        raise DefinitionError(
+            f"system '{system.name}' has no scene to take the span from; give times"
+        )
+    start, end = (number(x, "the span's end") for x in scene.times)
+    return np.linspace(start, end, POINTS)

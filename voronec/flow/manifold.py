@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,15 +36,12 @@ class Relations:
     def of(cls, form: FirstOrderForm, parameters: Mapping[str, float], time: float) -> Relations:
         """The relations of a first-order form."""
         m, n = len(form.relations), len(form.coordinates)
-        wanted = [*form.relations, *(r.diff(q) for r in form.relations for q in form.coordinates)]
         # the equations of motion play no part: a form that stands still is compiled at once
-        still = replace(
+        symbols, extras = _residuals_and_slopes(replace(
             form, velocities=(), rates=(0,) * n, mass=(), force=(), definitions=(), dependent=(),
             stages=(),
-        )  # fmt: skip
-        program = Program.of(still, {str(i): e for i, e in enumerate(wanted)})
-        _, extras = compiled(program)
-        values = [np.float64(parameters.get(str(p), np.nan)) for p in program.parameters]
+        ))  # fmt: skip
+        values = [np.float64(parameters.get(str(p), np.nan)) for p in symbols]
 
         def evaluate(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             with np.errstate(all="ignore"):
@@ -82,3 +80,11 @@ class Relations:
             if np.linalg.norm(step) <= STILL * (1.0 + np.linalg.norm(p)):
                 return p
         return None
+
+
+@lru_cache(maxsize=16)  # each of many starts asks for it
+def _residuals_and_slopes(form: FirstOrderForm) -> tuple[tuple[Any, ...], Callable[..., Any]]:
+    """The parameters of a function for the relations and then their slopes, row by row; and it."""
+    slopes = [r.diff(q) for r in form.relations for q in form.coordinates]
+    program = Program.of(form, {str(i): e for i, e in enumerate([*form.relations, *slopes])})
+    return program.parameters, compiled(program)[1]

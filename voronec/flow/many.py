@@ -4,28 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from voronec.equations import VoronecEquations
-from voronec.errors import (
-    DefinitionError,
-    IntegrationError,
-    VoronecError,
-)
-from voronec.flow.start import initial_state, named, parameter_values
+from voronec.errors import IntegrationError, VoronecError
+from voronec.flow.probe import quiet, rates_along
+from voronec.flow.start import named, parameter_values, start_of
 from voronec.flow.vocabulary import Vocabulary
 from voronec.model import smallest_model
 from voronec.program import Program, compiled
 from voronec.scene import Scene
 from voronec.vector_field import Motions
 
-__all__ = ["Ground", "Many", "drifts", "evaluated", "ground", "many"]
+__all__ = ["Ground", "Many", "at_each", "drifts", "ground", "many"]
 
-ON_RELATIONS = 1e-9
-"""How far a start may lie off the relations between redundant coordinates."""
 SMALL = 1e-6
 """An integral below this part of the largest among the starts counts as starting at zero."""
 NOTHING = 1e-9
@@ -57,14 +53,14 @@ def ground(vocabulary: Vocabulary, wanted: Mapping[str, sp.Expr]) -> Ground:
     integrals = {name: vocabulary.claims[name] for name in equations.system.integrals}
     model = smallest_model(Motions.of(equations), wanted, integrals) if wanted else None
     # an angle that is read off needs its branch followed along the motion
-    if model is not None and wanted.keys() <= model.reduced.outputs.keys():
+    if model is not None and wanted.keys() <= model.outputs.keys():
         return Ground(
             level=model.level,
-            form=model.reduced.form,
+            form=model.form,
             start=tuple(model.start.values()),
             frozen={str(symbol): e for symbol, e in model.frozen.items()},
-            quantities=model.reduced.outputs,
-            integrals=model.reduced.integrals,
+            quantities=model.outputs,
+            integrals=model.integrals,
         )
     return Ground(
         level="coordinates",
@@ -120,9 +116,9 @@ def many(
     looked = {**basis.quantities, **{f"integral {n}": e for n, e in basis.integrals.items()}}
     program = Program.of(basis.form, looked)
     below = _below(equations, basis)
+    functions = compiled(below)
     needed = {str(s) for p in (program, below) for b in (p.derivative, p.extras) for s in b.symbols}
     constants, wrong = _constants(vocabulary, scene, parameters, len(starts), needed)
-    functions = compiled(below)
     initial = named(vocabulary, scene.initial if scene else {}, "initial value")
     width = len(below.state)
     full = np.full((len(starts), width), np.nan)
@@ -130,14 +126,14 @@ def many(
         if i in wrong:
             continue
         own = {name: float(x[i]) for name, x in constants.items()}
-        rates = _rates(functions[0], below, own, time)
+        known = [own.get(str(p), np.nan) for p in below.parameters]
+        rates = partial(rates_along, quiet(functions[0], known), time)
         try:
-            full[i] = initial_state(
-                vocabulary, initial, named(vocabulary, given, "initial value"), own, rates
-            )
+            data = named(vocabulary, given, "initial value")
+            full[i] = start_of(vocabulary, initial, data, own, rates, time).state
         except VoronecError as error:
             wrong[i] = error
-    states, frozen = _placed(vocabulary, below, functions, full, constants, time, wrong)
+    states, frozen = _placed(below, functions[1], full, constants, time)
     values = _table({**constants, **frozen}, program.parameters, len(starts))
     rhs, extras = compiled(program)
     _check_defined(vocabulary, rhs, states, values, time, wrong)
@@ -145,12 +141,10 @@ def many(
 
 
 def _below(equations: VoronecEquations, basis: Ground) -> Program:
-    """The program on the coordinates: where a start is on the ground, and its relations."""
-    form = equations.form
+    """The program on the coordinates: where a start is on the ground."""
     start = {f"start {i}": e for i, e in enumerate(basis.start)}
     start |= {f"frozen {name}": e for name, e in basis.frozen.items()}
-    relations = {f"relation {i}": e for i, e in enumerate(form.relations)}
-    return Program.of(form, start | relations)
+    return Program.of(equations.form, start)
 
 
 def _constants(
@@ -191,42 +185,14 @@ def _is_array(x: Any) -> bool:
     return isinstance(x, list | tuple | np.ndarray) and np.ndim(x) > 0
 
 
-def _rates(rhs: Any, below: Program, own: Mapping[str, float], time: float) -> Any:
-    values = [np.float64(own.get(str(p), np.nan)) for p in below.parameters]
-
-    def rates(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        width = v.shape[1]
-        columns = [*np.repeat(q[:, None], width, axis=1), *v]
-        with np.errstate(all="ignore"):
-            found = rhs(np.float64(time), columns, values)[: len(q)]
-        return np.array([np.broadcast_to(r, (width,)) for r in found], dtype=float)
-
-    return rates
-
-
 def _placed(
-    vocabulary: Vocabulary,
-    below: Program,
-    functions: tuple[Any, Any],
-    full: np.ndarray,
-    constants: Mapping[str, np.ndarray],
-    time: float,
-    wrong: dict[int, VoronecError],
+    below: Program, extras: Any, full: np.ndarray, constants: Mapping[str, np.ndarray], time: float
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """The states and the frozen quantities on the ground; starts off the relations are wrong."""
-    system = vocabulary.equations.system
+    """The states and the frozen quantities on the ground."""
     values = _table(constants, below.parameters, len(full))
-    found = evaluated(functions[1], below.names, time, full, values)
+    found = at_each(extras, below.names, time, full, values)
     columns = [x for n, x in found.items() if n.startswith("start ")]
     frozen = {n.removeprefix("frozen "): x for n, x in found.items() if n.startswith("frozen ")}
-    for k, relation in enumerate(system.fibration.relations):
-        residuals = np.abs(found[f"relation {k}"])
-        for i in np.nonzero(~(residuals < ON_RELATIONS))[0].tolist():
-            refusal = DefinitionError(
-                f"system '{system.name}': start {i} does not satisfy the relation {relation} = 0 "
-                f"(residual {residuals[i]:.3g}); correct the coordinates"
-            )
-            wrong.setdefault(i, refusal)
     return np.stack(columns, axis=-1), frozen
 
 
@@ -240,7 +206,7 @@ def _check_defined(
 ) -> None:
     """Mark the starts at which the equations are not defined."""
     names = [f"rate {i}" for i in range(states.shape[1])]
-    slopes = np.stack([*evaluated(rhs, names, time, states, values).values()], axis=-1)
+    slopes = np.stack([*at_each(rhs, names, time, states, values).values()], axis=-1)
     finite = np.isfinite(states).all(axis=1) & np.isfinite(slopes).all(axis=1)
     for i in np.nonzero(~finite)[0].tolist():
         refusal = IntegrationError(
@@ -259,7 +225,7 @@ def _table(constants: Mapping[str, np.ndarray], symbols: Sequence[Any], count: i
     return np.stack(columns, axis=-1) if columns else np.empty((count, 0))
 
 
-def evaluated(
+def at_each(
     function: Any, names: Sequence[str], t: Any, states: np.ndarray, values: np.ndarray
 ) -> dict[str, np.ndarray]:
     """Quantities at states (..., n) with parameters (..., p), each an array of shape (...)."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import mpmath
@@ -12,35 +13,40 @@ import symengine as se
 
 from voronec.flow.observing import Branch, Watch, watched
 from voronec.flow.probe import Probe, quantities
-from voronec.flow.vocabulary import Vocabulary
+from voronec.flow.vocabulary import Vocabulary, Wanted
 from voronec.model import Model, smallest_model
 from voronec.program import Program, compiled
 from voronec.program.digits import compiled_digits
 from voronec.vector_field import Motions
 
-__all__ = ["Modelled", "modelled", "whole"]
+__all__ = ["Modelled", "modelled", "numbers_at", "whole"]
 
 
 @dataclass(frozen=True)
 class Modelled:
     """A model made ready: its program, what is watched on it, the functions of events.
 
-    ``form`` has the mass matrix of the velocities, ``functions`` are those of events, ``below``
-    computes on the coordinates where the model starts and what it takes as constant.
+    ``form`` has the mass matrix of the velocities; ``event_functions`` are expressions on the model
+    by the event's name; ``below`` computes on the coordinates where the model starts and what it
+    takes as constant.
     """
 
     model: Model | None
     program: Program
     watch: Watch
-    levels: Program | None
     form: Any
-    functions: Mapping[str, Any]
+    event_functions: Mapping[str, Any]
     below: Program
 
     @property
     def level(self) -> str:
         """The variables in which the model stands."""
         return "coordinates" if self.model is None else self.model.level
+
+    @cached_property
+    def event_program(self) -> Program | None:
+        """Computes the functions of events; None where there are none."""
+        return quantities(self.form, self.event_functions) if self.event_functions else None
 
     def place(
         self, state: Any, constants: Mapping[str, Any], time: Any
@@ -70,7 +76,7 @@ class Modelled:
 def modelled(
     vocabulary: Vocabulary,
     outputs: Sequence[Any],
-    levels: Mapping[str, Any],
+    functions: Mapping[str, Any],
     start: np.ndarray,
     constants: Mapping[str, float],
     time: float,
@@ -78,65 +84,77 @@ def modelled(
 ) -> Modelled:
     """The smallest model of the outputs and of the functions of events.
 
-    ``levels`` gives these functions in the user's symbols; ``start`` (n,) is on the coordinates;
-    ``followed`` keeps angles among the
-    states.  Reactions need accelerations, and so the coordinates.
+    ``functions`` gives those of events in the user's symbols; ``start`` (n,) is on the
+    coordinates; ``followed`` keeps angles among the states.  Reactions need accelerations, and so
+    the coordinates.
     """
-    equations = vocabulary.equations
     wanted = vocabulary.wanted(outputs)
-    system = equations.system
-    relations = {str(r): vocabulary.inward(r) for r in system.fibration.relations}
     if wanted.reactions:
-        return whole(vocabulary, outputs, levels)
-    names = {f"event {name}": e for name, e in levels.items()}
+        return whole(vocabulary, outputs, functions)
+    equations, raw = vocabulary.equations, vocabulary.equations.raw.form
+    names = {f"event {name}": e for name, e in functions.items()}
     given = {**wanted.given, **names}
-    raw = equations.raw.form
-    known = dict(zip(raw.coordinates + raw.velocities, map(float, start), strict=True))
-    known |= {se.Symbol(name): value for name, value in constants.items()} | {raw.time: time}
+    known = numbers_at(raw, start, constants, time)
     model = smallest_model(
         Motions.of(equations),
         given,
-        {name: vocabulary.claims[name] for name in system.integrals},
+        {name: vocabulary.claims[name] for name in equations.system.integrals},
         known,
         followed=given if followed else names,
     )
-    level = model.reduced
-    parts = {f"cosine of {n}": a.cosine for n, a in level.angles.items()}
-    parts |= {f"sine of {n}": a.sine for n, a in level.angles.items()}
-    shown = {n: e for n, e in level.outputs.items() if n not in names}
-    usable = {*level.variables, *level.parameters, level.time}
-    kept = {name: e for name, e in relations.items() if e.free_symbols <= usable}
-    watch = Watch.of(replace(wanted, expressions=shown | parts), level.integrals, kept)
-    functions = {n: level.outputs[f"event {n}"] for n in levels}
+    watch = _watch(vocabulary, wanted, model, known)
     below = {f"start {x}": e for x, e in model.start.items()}
     below |= {f"frozen {x}": e for x, e in model.frozen.items()}
-    branches = {
-        name: Branch(f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate])
-        for name, a in level.angles.items()
-    }
     return Modelled(
         model=model,
-        program=Program.of(level.form, watch.expressions),
-        watch=replace(watch, branches=branches),
-        levels=quantities(level.form, functions) if functions else None,
-        form=replace(level.form, mass=level.inertia or level.mass),
-        functions=functions,
+        program=Program.of(model.form, watch.expressions),
+        watch=watch,
+        form=replace(model.form, mass=model.cut.inertia or model.cut.mass),
+        event_functions={n: model.outputs[f"event {n}"] for n in functions},
         below=quantities(raw, below),
     )
 
 
-def whole(vocabulary: Vocabulary, outputs: Sequence[Any], levels: Mapping[str, Any]) -> Modelled:
+def numbers_at(
+    form: Any, state: np.ndarray, constants: Mapping[str, float], time: float
+) -> dict[Any, float]:
+    """Numbers of coordinates, velocities, parameters and the time by their symbols inside."""
+    found = dict(zip(form.coordinates + form.velocities, map(float, state), strict=True))
+    return found | {se.Symbol(name): value for name, value in constants.items()} | {form.time: time}
+
+
+def _watch(
+    vocabulary: Vocabulary, wanted: Wanted, model: Model, known: Mapping[Any, float]
+) -> Watch:
+    """The outputs on a model, its angles by their cosines and sines, and the integrals and
+    relations that it can express."""
+    level = model.cut
+    parts = {f"cosine of {n}": a.cosine for n, a in level.angles.items()}
+    parts |= {f"sine of {n}": a.sine for n, a in level.angles.items()}
+    shown = {n: e for n, e in level.outputs.items() if n in wanted.given}
+    usable = {*level.variables, *level.parameters, level.time}
+    relations = vocabulary.equations.system.fibration.relations
+    inside = {str(r): vocabulary.inward(r) for r in relations}
+    kept = {name: e for name, e in inside.items() if e.free_symbols <= usable}
+    branches = {
+        name: Branch(f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate])
+        for name, a in level.angles.items()
+    }
+    watch = Watch.of(replace(wanted, expressions=shown | parts), level.integrals, kept)
+    return replace(watch, branches=branches)
+
+
+def whole(vocabulary: Vocabulary, outputs: Sequence[Any], functions: Mapping[str, Any]) -> Modelled:
     """The equations as they are, on coordinates and velocities."""
     form = vocabulary.equations.form
     watch = watched(vocabulary, outputs)
-    inside = {name: vocabulary.inward(e) for name, e in levels.items()}
+    inside = {name: vocabulary.inward(e) for name, e in functions.items()}
     states = (*form.coordinates, *form.velocities)
     return Modelled(
         model=None,
         program=Program.of(form, watch.expressions),
         watch=watch,
-        levels=quantities(form, inside) if inside else None,
         form=form,
-        functions=inside,
+        event_functions=inside,
         below=quantities(form, {f"start {x}": x for x in states}),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import ceil, log2
 from time import perf_counter, process_time
 from types import MappingProxyType
 from typing import Any
@@ -14,17 +15,16 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.equations import VoronecEquations, derive
-from voronec.errors import DefinitionError, IntegrationError, did_you_mean
+from voronec.errors import DefinitionError, IntegrationError
 from voronec.flow.events import Crossings, Event, spelled
-from voronec.flow.exactly import Exactly
+from voronec.flow.given import Given, grid_of, outputs_of, scene_of
 from voronec.flow.modelling import Modelled, modelled, whole
 from voronec.flow.observing import Watch, followed, observed
-from voronec.flow.probe import Probe, quantities
-from voronec.flow.start import named, parameter_values, start_of
+from voronec.flow.outset import Outset
 from voronec.flow.steppers import Problem, Run
 from voronec.flow.trajectory import Cost, Trajectory
 from voronec.flow.traverse import through_charts
-from voronec.flow.vocabulary import Vocabulary, number
+from voronec.flow.vocabulary import Vocabulary
 from voronec.program import Program
 from voronec.program.digits import precision
 from voronec.scene import Scene
@@ -32,10 +32,10 @@ from voronec.system import System
 
 __all__ = ["integrate"]
 
-POINTS = 1001
-"""How many points a scene's span is seen at."""
 FEW = 100
 """On grids with fewer points angles are integrated, not read off: branches could not be told."""
+MARGIN = 32
+"""Bits beyond those of the tolerance with which outputs are computed from precise states."""
 PER_STEP = 4
 """So many points of the grid in a step, at least, tell the branches of angles apart."""
 
@@ -98,19 +98,20 @@ def integrate(
     equations = system if isinstance(system, VoronecEquations) else derive(system)
     _refuse_unknown_functions(equations.system)
     vocabulary = Vocabulary.of(equations)
-    setting = _setting(vocabulary, scene, times, outputs, parameters, initial)
-    happenings, levels = spelled(vocabulary, events)
-    ground = _Ground.of(vocabulary, setting, project)
-    followed = dense or bool(happenings) or not setting.outputs or len(setting.grid) < FEW
+    chosen = scene_of(equations.system, scene, initial is None)
+    asked, grid = outputs_of(chosen, outputs), grid_of(equations.system, chosen, times)
+    given = Given.of(vocabulary, chosen, parameters, initial)
+    happenings, functions = spelled(vocabulary, events)
+    outset = Outset.of(vocabulary, given, float(grid[0]), project)
+    followed = dense or bool(happenings) or not asked or len(grid) < FEW
 
     def moved(made: Modelled) -> Trajectory:
-        job = _Job(vocabulary, made, ground, setting.grid, tol, happenings, dense, progress)
+        job = _Job(vocabulary, made, outset, grid, tol, happenings, dense, progress)
         return job.trajectory(method, began)
 
     def smallest(followed: bool) -> Modelled:
         return modelled(
-            vocabulary, setting.outputs, levels, ground.state, ground.constants,
-            float(setting.grid[0]), followed,
+            vocabulary, asked, functions, outset.state, outset.constants, float(grid[0]), followed,
         )  # fmt: skip
 
     try:
@@ -120,11 +121,16 @@ def integrate(
             return trajectory
         # the grid is too coarse to tell branches of angles apart
         return moved(smallest(True))
-    except IntegrationError:
+    except IntegrationError as error:
         if not equations.system.charts or method == "flint":
             raise
+        refusal = error
     # where this model is singular, the equations on the coordinates may have another chart
-    return moved(whole(vocabulary, setting.outputs, levels))
+    try:
+        return moved(whole(vocabulary, asked, functions))
+    except IntegrationError as error:
+        farther = error.time is not None and abs(error.time - float(grid[0])) > 0
+        raise (error if farther else refusal) from None
 
 
 def _told_apart(trajectory: Trajectory, made: Modelled) -> bool:
@@ -138,52 +144,12 @@ def _told_apart(trajectory: Trajectory, made: Modelled) -> bool:
 
 
 @dataclass(frozen=True)
-class _Ground:
-    """The start on the coordinates: state (n,), constants by name, both in any precision too."""
-
-    state: np.ndarray
-    constants: Mapping[str, float]
-    notes: tuple[str, ...]
-    exactly: Exactly
-
-    @classmethod
-    def of(cls, vocabulary: Vocabulary, setting: _Setting, project: bool) -> _Ground:
-        """Read what is given, and look whether a motion starts there."""
-        equations, time = vocabulary.equations, float(setting.grid[0])
-        constants = parameter_values(vocabulary, setting.parameters, set())
-        form = equations.raw.form  # made in no time
-        if any(p.name not in constants for p in equations.system.parameters):
-            form = equations.form
-            needed = {str(s) for s in Program.of(form).derivative.symbols}
-            constants = parameter_values(vocabulary, setting.parameters, needed)
-        program = quantities(form, {})
-
-        def rates(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-            """Those of the raw equations, or, where they have a pole, of their normal form."""
-            found = looking(form).rates(q, v)
-            return found if np.isfinite(found).all() else looking(equations.form).rates(q, v)
-
-        def looking(own: Any) -> Probe:
-            values = [constants.get(str(p), np.nan) for p in own.parameters]
-            return Probe(equations.system.name, own, quantities(own, {}), values, time)
-
-        start = start_of(
-            vocabulary, setting.scene_initial, setting.initial, constants, rates, time, project
-        )
-        exactly = Exactly(
-            vocabulary, program, time, setting.parameters, setting.scene_initial, setting.initial,
-            start.state, bool(start.notes),
-        )  # fmt: skip
-        return cls(start.state, constants, start.notes, exactly)
-
-
-@dataclass(frozen=True)
 class _Job:
     """A model to be integrated, and how."""
 
     vocabulary: Vocabulary
     made: Modelled
-    ground: _Ground
+    outset: Outset
     grid: np.ndarray
     tol: float
     events: tuple[Event, ...]
@@ -192,17 +158,17 @@ class _Job:
 
     def trajectory(self, method: str, began: float) -> Trajectory:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
-        made, ground, time = self.made, self.ground, float(self.grid[0])
-        state, values = made.place(ground.state, ground.constants, time)
+        made, outset, time = self.made, self.outset, float(self.grid[0])
+        state, values = made.place(outset.state, outset.constants, time)
         probe = made.probe(self.vocabulary.equations.system.name, values, time)
         if not (made.model is None and self.vocabulary.equations.system.charts):
             probe.check(state)
         problem = Problem(
-            made.program, state, values, self.tol, self.events, made.levels, self.dense,
+            made.program, state, values, self.tol, self.events, made.event_program, self.dense,
             probe.suspect(state), self.progress, self._exact,
         )  # fmt: skip
         stepper, chosen = through_charts(
-            method, problem, self.grid, self.vocabulary.equations, made.functions, made.form
+            method, problem, self.grid, self.vocabulary.equations, made.event_functions, made.form
         )
         ready, busy = perf_counter(), process_time()
         run = stepper(self.grid)
@@ -211,20 +177,26 @@ class _Job:
             run=perf_counter() - ready - run.prepared, cpu=process_time() - busy,
             steps=run.steps, evaluations=run.evaluations, switches=run.switches, level=made.level,
         )  # fmt: skip
-        bits = precision(run.states)
+        bits = self._bits(run.states)
         if run.states.dtype == object:
-            constants = ground.exactly.constants(bits) | made.constants(self._exact(bits)[1])
+            constants = outset.exactly.constants(bits) | made.constants(self._exact(bits)[1])
         else:
-            constants = {**ground.constants, **made.constants(values)}
+            constants = {**outset.constants, **made.constants(values)}
         sight = _Sight(self.vocabulary, made.watch, made.program, constants, cost, bits)
-        trajectory = replace(sight.trajectory(run), notes=ground.notes)
+        trajectory = replace(sight.trajectory(run), notes=outset.notes)
         if run.halt is not None:
             raise probe.failure(state, run.halt, trajectory)
         return trajectory
 
+    def _bits(self, states: np.ndarray) -> int:
+        """The precision of states, at least that of the tolerance: some numbers are short."""
+        if states.dtype != object:
+            return precision(states)
+        return max(precision(states), ceil(-log2(self.tol)) + MARGIN)
+
     def _exact(self, bits: int) -> tuple[np.ndarray, list[Any]]:
         """Start and parameter values as mpmath's numbers."""
-        exactly, time = self.ground.exactly, float(self.grid[0])
+        exactly, time = self.outset.exactly, float(self.grid[0])
         with mpmath.workprec(bits):
             state, _ = exactly.problem(bits)
             return self.made.place(state, exactly.constants(bits), time)
@@ -286,83 +258,3 @@ def _refuse_unknown_functions(system: System) -> None:
             f"system '{system.name}' holds the unknown function '{min(unknown, key=str)}', so it "
             "has no motion in numbers; write a formula in its place"
         )
-
-
-@dataclass(frozen=True)
-class _Setting:
-    """What is asked for, scene and arguments put together."""
-
-    grid: np.ndarray
-    outputs: tuple[Any, ...]
-    parameters: Mapping[str, Any]
-    scene_initial: Mapping[str, Any]
-    initial: Mapping[str, Any]
-
-
-def _setting(
-    vocabulary: Vocabulary,
-    scene: str | Scene | None,
-    times: Any,
-    outputs: Sequence[Any],
-    parameters: Mapping[Any, Any] | None,
-    initial: Mapping[Any, Any] | None,
-) -> _Setting:
-    system = vocabulary.equations.system
-    chosen = _scene(system, scene, initial is None)
-    asked = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
-    return _Setting(
-        grid=_grid(_span(system, chosen) if times is None else times),
-        outputs=asked or (chosen.outputs if chosen else ()),
-        parameters={
-            **named(vocabulary, chosen.parameters if chosen else {}, "parameter"),
-            **named(vocabulary, parameters or {}, "parameter"),
-        },
-        scene_initial=named(vocabulary, chosen.initial if chosen else {}, "initial value"),
-        initial=named(vocabulary, initial or {}, "initial value"),
-    )
-
-
-def _scene(system: System, scene: str | Scene | None, needed: bool) -> Scene | None:
-    if isinstance(scene, Scene):
-        return scene
-    if scene is None:
-        if not needed:
-            return None
-        if "default" not in system.scenes:
-            raise DefinitionError(
-                f"system '{system.name}' has no scene 'default'; give initial={{...}}, or scene= "
-                f"one of its scenes ({', '.join(system.scenes) or 'there are none'})"
-            )
-        return system.scenes["default"]
-    if scene not in system.scenes:
-        raise DefinitionError(
-            f"system '{system.name}' has no scene '{scene}'{did_you_mean(scene, system.scenes)}"
-        )
-    return system.scenes[scene]
-
-
-def _span(system: System, chosen: Scene | None) -> np.ndarray:
-    scene = chosen or system.scenes.get("default")
-    if scene is None:
-        raise DefinitionError(
-            f"system '{system.name}' has no scene to take the span from; give times"
-        )
-    start, end = (number(x, "the span's end") for x in scene.times)
-    return np.linspace(start, end, POINTS)
-
-
-def _grid(times: Any) -> np.ndarray:
-    wrong = DefinitionError(
-        "times must be a strictly monotonic, finite, one-dimensional array, such as "
-        "numpy.linspace(0, 10, 1001)"
-    )
-    try:
-        grid = np.atleast_1d(np.array(times, dtype=float))
-    except (TypeError, ValueError):
-        raise wrong from None
-    if grid.ndim != 1 or grid.size == 0 or not np.isfinite(grid).all():
-        raise wrong
-    steps = np.diff(grid)
-    if not ((steps > 0).all() or (steps < 0).all()):
-        raise wrong
-    return grid

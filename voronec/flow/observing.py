@@ -148,7 +148,9 @@ def _along(
     """Rates (``which`` 0) or extra quantities (1) of a program on a grid."""
     if states.dtype == object:
         results = compiled_digits(program)[which](t, list(states.T), list(values))
-        return [np.broadcast_to(np.asarray(r, dtype=object), t.shape).copy() for r in results]
+        # constants of a program may be integers
+        plain = [mpmath.mpf(r) if isinstance(r, int) else r for r in results]
+        return [np.broadcast_to(np.asarray(r, dtype=object), t.shape).copy() for r in plain]
     with np.errstate(all="ignore"):
         results = compiled(program)[which](t, list(states.T), list(values))
     return [np.broadcast_to(np.asarray(r, dtype=float), t.shape).copy() for r in results]

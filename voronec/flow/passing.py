@@ -10,7 +10,7 @@ import numpy as np
 
 from voronec.errors import IntegrationError, VoronecError
 from voronec.flow.batches import COLLAPSE, INFINITE, Lanes, strides
-from voronec.flow.crossings import Paths, Zeros, zeros
+from voronec.flow.zeros import Paths, Zeros, zeros
 
 if TYPE_CHECKING:
     from voronec.flow.many import Many

@@ -12,14 +12,36 @@ import symengine as se
 
 from voronec.errors import IntegrationError
 from voronec.flow.steppers.run import Halt, Suspect
-from voronec.program import Program, compiled
+from voronec.program import Program, compiled, hoisted
 
-__all__ = ["Probe", "quantities"]
+__all__ = ["Probe", "quantities", "quiet", "rates_along"]
 
 SINGULAR = 1e-13
 """A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
 NEARLY = 1e-6
 """The same in units of the start's diagonal, for naming the cause where a run broke down."""
+
+Right = Callable[[float, Any], Any]
+"""The right-hand side at a time and a state, whose entries may be arrays."""
+
+
+def quiet(rhs: Callable[..., Any], values: Sequence[float]) -> Right:
+    """A compiled right-hand side at given parameters, undefined where it is so without a word."""
+    given = [np.float64(x) for x in values]
+
+    def right(time: float, columns: Any) -> Any:
+        with np.errstate(all="ignore"):
+            return rhs(np.float64(time), columns, given)
+
+    return right
+
+
+def rates_along(right: Right, time: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Velocities of all coordinates (n, k) at one q (n,) and several v (m, k)."""
+    width = v.shape[1]
+    columns = [*np.repeat(q[:, None], width, axis=1), *v]
+    rates = right(time, columns)
+    return np.array([np.broadcast_to(r, (width,)) for r in rates[: len(q)]], dtype=float)
 
 
 def quantities(form: Any, extras: Any) -> Program:
@@ -45,10 +67,7 @@ class Probe:
 
     def rates(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Velocities of all coordinates (n, k) at one q (n,) and several v (m, k)."""
-        width = v.shape[1]
-        columns = [*np.repeat(q[:, None], width, axis=1), *v]
-        rates = self._rhs(self.time, columns)
-        return np.array([np.broadcast_to(r, (width,)) for r in rates[: len(q)]], dtype=float)
+        return rates_along(self._rhs, self.time, q, v)
 
     def check(self, start: np.ndarray) -> None:
         """Raise where no motion starts: the equations are singular or undefined."""
@@ -56,6 +75,14 @@ class Probe:
         if _smallest(mass, mass) < SINGULAR:
             raise self._nowhere("the mass matrix is singular", start)
         slope = self._rhs(self.time, list(start))
+        meaningless = self._meaningless()
+        if meaningless:
+            raise IntegrationError(
+                f"system '{self.name}': the equations are not defined for {meaningless}; change "
+                "these parameters",
+                self.time,
+                start,
+            )
         if not np.isfinite(np.array(slope, dtype=float)).all():
             raise self._nowhere("the equations are not defined", start)
 
@@ -98,15 +125,8 @@ class Probe:
         )
 
     @cached_property
-    def _rhs(self) -> Callable[[float, Any], Any]:
-        rhs, _ = compiled(self.program)
-        values = [np.float64(x) for x in self.values]
-
-        def quiet(time: float, columns: Any) -> Any:
-            with np.errstate(all="ignore"):
-                return rhs(np.float64(time), columns, values)
-
-        return quiet
+    def _rhs(self) -> Right:
+        return quiet(compiled(self.program)[0], self.values)
 
     @cached_property
     def _mass_program(self) -> Program:
@@ -127,6 +147,21 @@ class Probe:
         for (i, j), column in zip(pairs, flat, strict=True):
             result[:, i, j] = result[:, j, i] = column
         return result
+
+    def _meaningless(self) -> str:
+        """The parameters, with their values, of which the equations hold an expression without a
+        value, such as the inverse of a sum that vanishes."""
+        raised = hoisted(self.program)
+        given = list(map(float, self.values))
+        values = raised.values(given)[len(given) :]
+        known = dict(zip(map(str, self.program.parameters), given, strict=True))
+        meaning: dict[Any, Any] = {}
+        for (symbol, expr), value in zip(raised.definitions, values, strict=True):
+            meaning[symbol] = expr.xreplace(meaning)
+            names = sorted(map(str, meaning[symbol].free_symbols))
+            if names and not np.isfinite(value):
+                return ", ".join(f"{name} = {known[name]:.6g}" for name in names)
+        return ""
 
     def _nowhere(self, what: str, start: np.ndarray) -> IntegrationError:
         return IntegrationError(

@@ -12,14 +12,14 @@ import numpy as np
 import sympy as sp
 
 from voronec.equations import VoronecEquations, derive
-from voronec.errors import DefinitionError, VoronecError, did_you_mean
+from voronec.errors import DefinitionError, VoronecError
+from voronec.flow.alike import starts_alike
 from voronec.flow.batches import FINEST, chosen
-from voronec.flow.given import Start, quantity, scene_of, spread_starts
-from voronec.flow.levels import starts_on_level
-from voronec.flow.many import Many, drifts, evaluated, many
+from voronec.flow.given import Values, outputs_of, quantity, scene_of, spread_starts
+from voronec.flow.many import Many, at_each, drifts, many
 from voronec.flow.passing import Passages, pass_lanes, pass_scipy
 from voronec.flow.trajectory import Cost
-from voronec.flow.vocabulary import Vocabulary, label, number
+from voronec.flow.vocabulary import Vocabulary, held_name, number
 from voronec.program import Program, compiled
 from voronec.system import System
 from voronec.vector_field import Motions
@@ -68,12 +68,7 @@ class Section:
     interrupted: bool = False
 
     def __getitem__(self, key: Any) -> np.ndarray:
-        name = key if isinstance(key, str) else label(sp.sympify(key))
-        if name not in self.outputs:
-            raise DefinitionError(
-                f"the section holds no '{name}', ask for it in outputs=(...)"
-                + did_you_mean(name, self.outputs)
-            )
+        name = held_name(key, self.outputs, "the section holds")
         return self.points[:, self.outputs.index(name)]
 
     def __len__(self) -> int:
@@ -89,7 +84,7 @@ def section(
     parameters: Mapping[Any, Any] | None = None,
     crossings: int = 1000,
     direction: int = 1,
-    starts: int | Mapping[Any, Any] | Sequence[Start] | None = None,
+    starts: int | Mapping[Any, Any] | Sequence[Values] | None = None,
     value: Any = 0,
     until: float | None = None,
     method: str = "auto",
@@ -124,19 +119,19 @@ def section(
     equations = system if isinstance(system, VoronecEquations) else derive(system)
     if direction not in (-1, 0, 1) or crossings < 1:
         raise DefinitionError("direction must be 1, -1 or 0, and crossings at least 1")
-    chosen_scene = scene_of(equations, scene, starts is None or isinstance(starts, int))
+    chosen_scene = scene_of(equations.system, scene, starts is None or isinstance(starts, int))
     vocabulary = Vocabulary.of(equations)
     surface, expr = quantity(vocabulary, plane, "plane")
-    level_value = number(value, "the value of the plane")
-    keys = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
-    wanted = dict(quantity(vocabulary, key) for key in keys or _whole(equations, expr))
+    on_plane = number(value, "the value of the plane")
+    keys = outputs_of(None, outputs) or _whole(equations, expr)
+    wanted = dict(quantity(vocabulary, key) for key in keys)
     single, columns = _starts(equations, chosen_scene, starts, initial, parameters)
     motions = many(
         equations, chosen_scene, single, columns, {**wanted, f"plane {surface}": expr}, 0.0
     )
     if len(motions.wrong) == len(motions):
         raise motions.wrong[0]
-    watch = _watch(motions, f"plane {surface}", level_value)
+    watch = _watch(motions, f"plane {surface}", on_plane)
     lanes, reason = chosen(method, motions.program, tol, len(motions.sound))
     ready = perf_counter()
     passages = Passages.empty(len(motions), crossings, direction, until, progress)
@@ -149,8 +144,8 @@ def section(
         tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
         run=perf_counter() - ready, steps=passages.steps[0], evaluations=passages.steps[0],
     )  # fmt: skip
-    _refuse_nothing(motions, passages, surface, level_value)
-    return _section(motions, passages, tuple(wanted), surface, level_value, direction, cost)
+    _refuse_nothing(motions, passages, surface, on_plane)
+    return _section(motions, passages, tuple(wanted), surface, on_plane, direction, cost)
 
 
 def _whole(equations: VoronecEquations, plane: sp.Expr) -> tuple[Any, ...]:
@@ -162,10 +157,10 @@ def _whole(equations: VoronecEquations, plane: sp.Expr) -> tuple[Any, ...]:
 
 def _starts(
     equations: VoronecEquations, scene: Any, starts: Any, initial: Any, parameters: Any
-) -> tuple[list[Start], dict[Any, Any]]:
+) -> tuple[list[Values], dict[Any, Any]]:
     own = dict(initial or {})
     if isinstance(starts, int) and starts > 1:
-        rows = starts_on_level(equations, scene, own, parameters or {}, starts)
+        rows = starts_alike(equations, scene, own, parameters or {}, starts)
         return spread_starts(rows, parameters or {})
     if isinstance(starts, int):
         starts = None
@@ -194,7 +189,7 @@ def _watch(motions: Many, name: str, value: float) -> Watch:
     extras = compiled(program)[1]
 
     def function(t: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
-        return evaluated(extras, ("plane",), t, states, values)["plane"] - value
+        return at_each(extras, ("plane",), t, states, values)["plane"] - value
 
     return Watch(function, needed)
 
@@ -231,7 +226,7 @@ def _section(
 ) -> Section:
     start, t, states, speed = passages.joined(motions.states.shape[1])
     names, values = motions.program.names, motions.values[start]
-    found = evaluated(motions.extras, names, t, states, values)
+    found = at_each(motions.extras, names, t, states, values)
     points = np.stack([found[name] for name in outputs], axis=-1)
     for array in (points, t, start, speed):
         array.flags.writeable = False
@@ -262,7 +257,7 @@ def _drift(
 ) -> dict[str, np.ndarray]:
     """See ``Section.drift``."""
     names = motions.program.names
-    first = evaluated(motions.extras, names, motions.time, motions.states, motions.values)
+    first = at_each(motions.extras, names, motions.time, motions.states, motions.values)
     result = {}
     for name in motions.ground.integrals:
         key = f"integral {name}"

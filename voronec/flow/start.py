@@ -19,7 +19,7 @@ from voronec.flow.manifold import Relations
 from voronec.flow.vocabulary import Vocabulary, number
 from voronec.reading import mapping, shown
 
-__all__ = ["Start", "initial_state", "named", "parameter_values", "start_of"]
+__all__ = ["Start", "named", "parameter_values", "start_of"]
 
 
 def named(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[str, Any]:
@@ -79,17 +79,6 @@ class Start:
 
     state: np.ndarray
     notes: tuple[str, ...] = ()
-
-
-def initial_state(
-    vocabulary: Vocabulary,
-    scene: Mapping[str, Any],
-    given: Mapping[str, Any],
-    parameters: Mapping[str, float],
-    rates: Rates,
-) -> np.ndarray:
-    """The state of ``start_of``, nothing moved."""
-    return start_of(vocabulary, scene, given, parameters, rates).state
 
 
 def start_of(

@@ -50,7 +50,7 @@ def suggested(
     names there are where nothing oscillates.
     """
     system = equations.system
-    chosen = scene_of(equations, scene, True)
+    chosen = scene_of(system, scene, True)
     assert chosen is not None
     positions = [*system.invariants] or [plain_name(q) for q in system.coordinates]
     velocities = [plain_name(v) for v in system.velocities]

@@ -11,11 +11,10 @@ from typing import Any
 
 import mpmath
 import numpy as np
-import sympy as sp
 
-from voronec.errors import DefinitionError, did_you_mean
+from voronec.errors import DefinitionError
 from voronec.flow.events import Crossings
-from voronec.flow.vocabulary import label
+from voronec.flow.vocabulary import held_name
 from voronec.system import System
 
 __all__ = ["Cost", "Trajectory"]
@@ -112,18 +111,13 @@ class Trajectory:
         return self.within(wanted)
 
     def __getitem__(self, key: Any) -> np.ndarray:
-        name = key if isinstance(key, str) else label(sp.sympify(key))
+        held = (*self.series, *self.names, *self.integrals)
+        name = held_name(key, held, "the trajectory holds")
         if name in self.series:
             return self.series[name]
         if name in self.names:
             return self.state[:, self.names.index(name)]
-        if name in self.integrals:
-            return self.integrals[name]
-        known = [*self.series, *self.names, *self.integrals]
-        raise DefinitionError(
-            f"the trajectory holds no '{name}', ask for it in outputs=(...)"
-            + did_you_mean(name, known)
-        )
+        return self.integrals[name]
 
     def __len__(self) -> int:
         return len(self.t)

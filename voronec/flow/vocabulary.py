@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,7 @@ from voronec.reading import expression, shown
 if TYPE_CHECKING:
     from voronec.equations import VoronecEquations
 
-__all__ = ["Vocabulary", "Wanted", "label", "number"]
+__all__ = ["Vocabulary", "Wanted", "held_name", "label", "number"]
 
 CONFIGURATION = "configuration"
 """The output that stands for all coordinates: what an animation needs."""
@@ -27,7 +28,9 @@ def number(value: Any, place: str) -> float:
     try:
         if isinstance(value, float | int):
             return float(value)
-        return float(sp.sympify(value).evalf(25))
+        exact = sp.sympify(value).evalf(25)
+        # what is not zero must not pass for it: zeros may be frozen
+        return float(exact) or math.copysign(5e-324, exact) if exact != 0 else 0.0
     except (TypeError, ValueError, OverflowError, sp.SympifyError, AttributeError):
         raise DefinitionError(f"{place} = {shown(value)} is not a real number") from None
 
@@ -36,6 +39,20 @@ def label(expr: sp.Expr) -> str:
     """What a symbol, a velocity or an expression is called."""
     bare = expr.expr if isinstance(expr, sp.Derivative) else expr
     return plain_name(expr) if is_symbolic_name(bare) else str(expr)
+
+
+def held_name(key: Any, held: Iterable[str], holder: str) -> str:
+    """The name of something that a result holds, asked for by name, symbol or expression.
+
+    ``DefinitionError`` where it is not there; ``holder`` begins the message: "the section holds".
+    """
+    name = key if isinstance(key, str) else label(sp.sympify(key))
+    known = list(held)
+    if name not in known:
+        raise DefinitionError(
+            f"{holder} no '{name}', ask for it in outputs=(...){did_you_mean(name, known)}"
+        )
+    return name
 
 
 @dataclass(frozen=True)

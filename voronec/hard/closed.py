@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import mpmath
-import symengine as se
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
@@ -49,11 +48,11 @@ class Problem:
 def problem(case: HardCase, equations: VoronecEquations, raw: bool = False) -> Problem:
     """The closed problem of a case; ``raw`` takes the unsimplified form, an independent program."""
     vocabulary = Vocabulary.of(equations)
-    constants = _numbers(vocabulary, case.scene.parameters)
+    constants = _numbers(case.scene.parameters)
     for parameter in equations.system.parameters:
         if parameter.value is not None:
             constants.setdefault(parameter.name, _number(parameter.value))
-    begun = _numbers(vocabulary, case.scene.initial)
+    begun = _numbers(case.scene.initial)
     outputs = case.scene.outputs
     if case.level == "invariants":
         form, wanted, meaning = _on_invariants(equations, outputs)
@@ -77,15 +76,16 @@ def _on_invariants(
     field, system = motions.on_invariants, equations.system
     form = FirstOrderForm(
         field.positions, field.velocities, field.parameters, field.time, field.rates, field.mass,
-        field.force, definitions=(), relations=field.relations,
-        velocity_symbols=tuple(se.Symbol(f"rate of {g}") for g in field.positions),
+        field.force, relations=field.relations,
     )  # fmt: skip
+    alike = {str(m): sp.Symbol(g) for g, m in system.invariants.items()}
+    alike |= {str(-m): -sp.Symbol(g) for g, m in system.invariants.items()}
     wanted = {}
     for key in outputs:
         name = key if isinstance(key, str) else vocabulary.quantity(key)[0]
         named = vocabulary.symbols.get(name, vocabulary.claims.get(name))
         own = sp.Symbol(name) if name in system.invariants else named
-        wanted[name] = field.read(sp.sympify(key) if own is None else own)
+        wanted[name] = field.read(alike.get(str(key), sp.sympify(key)) if own is None else own)
     return form, wanted, system.invariants
 
 
@@ -112,7 +112,7 @@ def _initial(name: str, meaning: Mapping[str, Any], known: Mapping[str, Any]) ->
     return _number(expr.xreplace(digits))
 
 
-def _numbers(vocabulary: Vocabulary, given: Mapping[Any, Any]) -> dict[str, Any]:
+def _numbers(given: Mapping[Any, Any]) -> dict[str, Any]:
     return {_plain(key): _number(value) for key, value in given.items()}
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from voronec.hard.run import Finding
-from voronec.hard.table import HEADINGS, cells, summary
+from voronec.hard.table import HEADINGS, TALLY, cells, summary, tally
 
 __all__ = ["page"]
 
@@ -35,25 +35,67 @@ reference. This page is written by `tools/build_hard_cases.py`; times are of the
   100 u kappa exceeds 1 in every output and no double determines the motion: there the integrals
   must hold to 1e-12.
 
-The integrator that the tool chooses by itself is marked *(auto)*. It must meet the figure or
-refuse; the others are shown as what they are. Each is asked for the finest tolerance that does it
-good, so that its best is seen.
+Each method is asked for the finest tolerance that does it good, so that its best is seen: heyoka
+1e-16, scipy's DOP853 2.3e-14, LSODA 1e-13, flint 1e-25. What the tool chooses by itself at 1e-16
+is marked *(auto)*; it must meet the figure or refuse, and the others are shown as what they are.
+*(default)* is the same choice at `tol=1e-13`, which is what a caller gets who asks for nothing. Its
+local errors are a thousand roundings, so on an ill-conditioned or a long motion it may miss a
+figure that is counted in roundings: **where the condition number is above 1e4, or the span above
+1e4 units, give `tol=1e-16`**; it took up to twice
+the time here.
+
+A condition number says what any method in doubles must expect, so "met" with a large one means
+that the digits are not in the data, not that they were kept: *near-a-separatrix* has four digits
+left, and *tiny-nutation* seven. A row is well served when its *roundings* are of order one.
+Near a separatrix errors of the data and errors made on the way are different things: coming back
+to the saddle, the motion forgets the former and magnifies the latter, so both are counted.
+"""
+
+METHODS_TEXT = """## What each method does
+
+Of *heyoka*, the cases are counted in which it was the tool's own choice. Roundings are errors in
+units of u kappa.
+"""
+
+
+METHODS_READ = """
+- **heyoka** (Taylor, order about 20): errors of a few roundings nearly everywhere. Passing
+  a pole of the angles costs up to two digits more. States on which nothing depends (quadratures,
+  angles that turn round) are kept small during the steps, so that they do not
+  loosen its step control.
+- **scipy** (DOP853): its tolerance has a floor of 2.3e-14, so a hundred or a thousand roundings are
+  usual; that is enough on most cases, and not on *chaotic-ball* and *tiny-nutation*.
+- **lsoda**: made for stiff equations, which these are not; it loses three to five digits, and
+  drifts. Take it only where damping makes the equations stiff.
+- **flint** (any precision): what is left of the error is the rounding of the answer. Slow, so
+  it is shown on one case only: it keeps all digits of *near-a-separatrix*.
+
+From *long* to *very-long*, ten times the time, drift at the default tolerance grows tenfold, which
+is linear: the error of a step has a sign there; at 1e-16 it is a twentieth of that, and
+grows 7.6-fold.
 """
 
 
 def page(findings: Sequence[Finding]) -> str:
     """The page as Markdown."""
     parts = [TOP, f"Of {summary(findings)}.\n", "## Method against case\n", _table(findings)]
-    parts += ["\n## What is hard\n", _cases(findings)]
+    parts += ["", METHODS_TEXT, _grid([list(TALLY), *tally(findings)]), METHODS_READ]
+    parts += ["## What is hard\n", _cases(findings)]
     return "\n".join(parts)
 
 
 def _table(findings: Sequence[Finding]) -> str:
-    rows = [["case", *HEADINGS], ["---"] * (1 + len(HEADINGS))]
+    rows = [["case", *HEADINGS]]
     for finding in findings:
         link = f"[{finding.case.name}](#{finding.case.name})"
         rows += [[link if i == 0 else "", *cells(t)] for i, t in enumerate(finding.trials)]
-    return "\n".join(f"| {' | '.join(_plain(cell) for cell in row)} |" for row in rows)
+    return _grid(rows)
+
+
+def _grid(rows: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown, headings first."""
+    ruled = [rows[0], ["---"] * len(rows[0]), *rows[1:]]
+    return "\n".join(f"| {' | '.join(_plain(cell) for cell in row)} |" for row in ruled)
 
 
 def _cases(findings: Sequence[Finding]) -> str:

@@ -43,7 +43,8 @@ def trials(
 ) -> Iterator[Finding]:
     """The findings case by case, each as soon as it is there.
 
-    ``methods`` are those wanted, ``auto`` among them or not; by default ``auto`` and whatever the
+    ``methods`` are those wanted, ``auto`` and ``default`` among them or not; by default these two
+    (the tool's own choice at its finest, and at the tolerance of ``integrate``) and whatever the
     case says is worth waiting for.  Where ``auto`` takes a method that is tried as well, it is
     tried once and marked.  A case without a reference that can be had here is ``unjudged``.
     """
@@ -60,8 +61,8 @@ def trials(
         except EngineLimit as limit:
             yield Finding(case, None, (Trial(case.name, "-", "unjudged", reason=str(limit)),))
             continue
-        for method in methods or ("auto", *available(case.methods)):
-            if any(t.chosen == method for t in found):
+        for method in methods or ("auto", "default", *available(case.methods)):
+            if any(t.automatic and t.chosen == method for t in found):
                 continue
             say(f"{position + 1}/{len(cases)} {case.name}: {method} ...")
             found.append(attempt(case, equations, method, known))

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from statistics import median
 from typing import Any
 
-from voronec.hard.case import HardCase
+from voronec.hard.case import METHODS, HardCase
 from voronec.hard.run import Finding
 from voronec.hard.trial import Trial
 
-__all__ = ["HEADINGS", "cells", "data", "head", "lines", "summary"]
+__all__ = ["HEADINGS", "TALLY", "cells", "data", "head", "lines", "summary", "tally"]
 
 HEADINGS = ("method", "error", "condition", "roundings", "drift", "seconds", "verdict")
-WIDTHS = (13, 9, 9, 9, 9, 9)
+VERDICTS = ("met", "kept", "refused", "missed", "lost")
+TALLY = ("method", "cases", *VERDICTS, "roundings, median", "roundings, worst", "missed or lost")
+WIDTHS = (16, 9, 9, 9, 9, 9)
 
 
 def cells(trial: Trial) -> list[str]:
     """One trial under ``HEADINGS``; a refusal has its reason in place of numbers."""
-    method = f"{trial.chosen} (auto)" if trial.automatic and trial.chosen else trial.method
+    own = trial.method in ("auto", "default") and trial.chosen
+    method = f"{trial.chosen} ({trial.method})" if own else trial.method
     told = f"{trial.verdict}: {trial.reason}" if trial.reason else trial.verdict
     if trial.verdict == "missed" and trial.worst:
         told += f" in {trial.worst}"
@@ -77,3 +81,22 @@ def summary(findings: Sequence[Finding]) -> str:
     told = ", ".join(f"{n} {v}" for v, n in counts.items() if n)
     silent = f"silently wrong: {', '.join(wrong)}" if wrong else "nothing silently wrong"
     return f"the tool's own choice on {len(own)} cases: {told or 'none good'}; {silent}"
+
+
+def tally(findings: Sequence[Finding]) -> list[list[str]]:
+    """For every method: on how many cases it was tried, and what came out, with the worst."""
+    groups: dict[str, list[Trial]] = {}
+    for trial in (t for f in findings for t in f.trials):
+        groups.setdefault(trial.method, []).append(trial)
+        if trial.automatic and trial.chosen in METHODS:
+            groups.setdefault(trial.chosen, []).append(trial)
+    rows = []
+    for method in ("auto", "default", *METHODS):
+        found = groups.get(method, [])
+        counts = [sum(t.verdict == v for t in found) for v in VERDICTS]
+        made = [t.roundings for t in found if t.roundings == t.roundings]
+        numbers = (f"{median(made):.1e}", f"{max(made):.1e}") if made else ("-", "-")
+        missed = ", ".join(t.case for t in found if t.verdict in ("missed", "lost"))
+        if found:
+            rows.append([method, *map(str, (len(found), *counts)), *numbers, missed or "-"])
+    return rows

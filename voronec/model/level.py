@@ -21,7 +21,10 @@ from voronec.model.recovery import Angle, recovered_angles
 from voronec.reduction import in_invariants
 from voronec.vector_field import Motions, VectorField
 
-__all__ = ["Level", "coordinates_level", "invariants_level"]
+__all__ = ["Level", "coordinates_level", "defined", "invariants_level"]
+
+INFINITE = (se.zoo, se.nan, se.oo, -se.oo)
+"""What a division by zero leaves."""
 
 
 @dataclass(frozen=True)
@@ -75,15 +78,13 @@ class Level:
             rates=self.rates,
             mass=self.mass,
             force=self.force,
-            definitions=(),
-            velocity_symbols=tuple(se.Symbol(f"d({q})/dt") for q in self.positions),
             relations=self.relations,
             stages=self.stages,
             positive=self.positive,
         )
 
     def substituted(self, values: Mapping[Any, Any]) -> Level:
-        """The level with symbols replaced, wherever they occur."""
+        """The level with symbols replaced; integrals that then have no meaning are left out."""
         given = dict(values)
 
         def on(expr: Any) -> Any:
@@ -96,11 +97,16 @@ class Level:
             force=tuple(map(on, self.force)),
             relations=tuple(map(on, self.relations)),
             outputs={name: on(e) for name, e in self.outputs.items()},
-            integrals={name: on(e) for name, e in self.integrals.items()},
+            integrals={name: e for name, x in self.integrals.items() if defined(e := on(x))},
             angles={name: a.mapped(on) for name, a in self.angles.items()},
             stages=tuple((name, on(e)) for name, e in self.stages),
             inertia=self.inertia and tuple(tuple(map(on, row)) for row in self.inertia),
         )
+
+
+def defined(expr: Any) -> bool:
+    """Whether an expression holds no infinity, such as a division by zero leaves."""
+    return not any(expr == bad or expr.has(bad) for bad in INFINITE)
 
 
 def coordinates_level(
@@ -165,7 +171,7 @@ def invariants_level(
     integrals: Mapping[str, sp.Expr],
     followed: Collection[str] = (),
 ) -> Level | None:
-    """The equations in the declared invariants and the velocities; None where there is none.
+    """The equations in the declared invariants and the velocities; None where they do not close.
 
     A coordinate that is wanted and is no function of the invariants is kept beside them, with all
     that its rate needs; an angle whose cosine and sine are invariants up to a factor is read off.
@@ -174,6 +180,9 @@ def invariants_level(
         return None
     try:
         flow = motions.on_invariants
+    except VoronecError:
+        return None  # they do not close: a false claim, but the motion is there
+    try:
         plain = _readable(flow, wanted)
         spelled = {n: motions.on_coordinates.read(e) for n, e in wanted.items() if n not in plain}
         free = {n: e for n, e in spelled.items() if n not in followed}

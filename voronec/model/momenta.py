@@ -53,6 +53,23 @@ def momenta_level(level: Level) -> Level | None:
         se.Add(rest, *[a * names[j] * v[k] for (j, k), a in numbers.items()])
         for numbers, rest in split
     ]
+    return replace(
+        level,
+        name="momenta" if level.name == "coordinates" else f"{level.name} and momenta",
+        velocities=tuple(names),
+        mass=tuple(tuple(se.Integer(int(i == j)) for j in range(n)) for i in range(n)),
+        force=tuple(rates),
+        stages=_solution(level, names),
+        inertia=level.mass,
+        start={
+            **{x: e for x, e in level.start.items() if x not in v},
+            **{p: e.xreplace(dict(level.start)) for p, e in zip(names, momenta, strict=True)},
+        },
+    )
+
+
+def _solution(level: Level, names: Sequence[Any]) -> tuple[tuple[Any, Any], ...]:
+    """Stages that give the velocities from the momenta: the mass matrix solved."""
     assignments: list[tuple[Any, Any]] = []
     fresh = iter(_fresh(level))
 
@@ -63,20 +80,7 @@ def momenta_level(level: Level) -> Level | None:
         return assignments[-1][0]
 
     solution = solved(level.mass, names, name, level.parameters, level.relations, level.positive)
-    stages = (*assignments, *zip(v, solution, strict=True))
-    return replace(
-        level,
-        name="momenta" if level.name == "coordinates" else f"{level.name} and momenta",
-        velocities=tuple(names),
-        mass=tuple(tuple(se.Integer(int(i == j)) for j in range(n)) for i in range(n)),
-        force=tuple(rates),
-        stages=stages,
-        inertia=level.mass,
-        start={
-            **{x: e for x, e in level.start.items() if x not in v},
-            **{p: e.xreplace(dict(level.start)) for p, e in zip(names, momenta, strict=True)},
-        },
-    )
+    return (*assignments, *zip(level.velocities, solution, strict=True))
 
 
 def _names(level: Level, n: int) -> list[Any]:

@@ -12,9 +12,9 @@ from voronec.algebra.normal import canonical
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import EngineLimit
 from voronec.model.dependence import blocks, restricted
-from voronec.model.level import Level
+from voronec.model.level import Level, defined
 
-__all__ = ["at_zero", "by_integrals", "constants", "without_parameters"]
+__all__ = ["at_zero", "by_integrals", "constants", "level_of", "without_parameters"]
 
 AMPLIFICATION = 100.0
 """An integral gives a variable only where it enlarges errors of the others by less than this."""
@@ -80,24 +80,29 @@ def constants(level: Level) -> list[Any]:
     return found + [level.velocities[i] for i in alone if level.force[i] == 0]
 
 
+def level_of(integral: str) -> Any:
+    """The symbol for the constant value of an integral that stands in for an equation."""
+    return se.Symbol(f"level of {integral}")
+
+
 def by_integrals(
-    level: Level, proved: Callable[[str], bool], value: Value, protected: set[Any]
+    level: Level, proved: Callable[[str], bool], value: Value
 ) -> tuple[Level, dict[Any, tuple[str, Any, Any]]]:
     """Variables that first integrals give, instead of equations.
 
     An integral is used for a variable x in which it is linear with a constant coefficient: then
     x = (level - rest) / coefficient everywhere.  Maps x to the integral's name, the symbol of its
-    level and its expression.  ``protected`` variables are left.
+    level and its expression.
     """
     given: dict[Any, tuple[str, Any, Any]] = {}
     for name, integral in level.integrals.items():
         if given.keys() & integral.free_symbols:
             continue
-        x = _solvable(level, integral, value, protected)
+        x = _solvable(level, integral, value)
         if x is None or not proved(name):
             continue
         slope = integral.diff(x)
-        symbol = se.Symbol(f"level of {name}")
+        symbol = level_of(name)
         rest = integral.subs({x: 0})
         given[x] = (name, symbol, integral)
         left = [y for y in level.variables if y != x]
@@ -107,7 +112,7 @@ def by_integrals(
     return level, given
 
 
-def _solvable(level: Level, integral: Any, value: Value, protected: set[Any]) -> Any | None:
+def _solvable(level: Level, integral: Any, value: Value) -> Any | None:
     """The variable that an integral gives well, if there is one."""
     inside = integral.free_symbols
     if _many_valued(integral):
@@ -116,7 +121,7 @@ def _solvable(level: Level, integral: Any, value: Value, protected: set[Any]) ->
     if not inside <= {*level.variables, *level.parameters, level.time}:
         return None
     for x in reversed(level.variables):
-        if x not in inside or x in protected or not (x in alone or x in level.positions):
+        if x not in inside or not (x in alone or x in level.positions):
             continue
         slope = _short(integral.diff(x))
         if slope.free_symbols & {*level.variables, level.time}:
@@ -154,8 +159,7 @@ def _many_valued(expr: Any) -> bool:
 def _finite(level: Level) -> bool:
     parts = [*level.rates, *level.force, *(e for row in level.mass for e in row)]
     parts += [e for _, e in level.stages] + [*level.outputs.values()]
-    bad = (se.zoo, se.nan, se.oo, -se.oo)
-    return not any(e in bad or any(e.has(b) for b in bad) for e in map(se.sympify, parts))
+    return all(map(defined, map(se.sympify, parts)))
 
 
 def _tidied(level: Level) -> Level:

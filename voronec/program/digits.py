@@ -29,7 +29,7 @@ def precision(numbers: Any) -> int:
 def compiled_digits(program: Program) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """``rhs`` and ``extras`` of ``(t, state, parameters)``, for mpmath's numbers or arrays of them.
 
-    They compute with the precision of the state.
+    They compute with the precision of time and state, and with that in force where it is finer.
     """
     source = mpmath_source(program)
     filename = f"<voronec digits {hashlib.sha256(source.encode()).hexdigest()[:12]}>"
@@ -46,8 +46,10 @@ def compiled_digits(program: Program) -> tuple[Callable[..., Any], Callable[...,
 
 def _careful(function: Callable[..., Any]) -> Callable[..., Any]:
     def computed(t: Any, state: Any, parameters: Any) -> Any:
-        columns = [np.ravel(np.asarray(x, dtype=object)) for x in state]
-        with mpmath.workprec(precision(np.concatenate(columns)) + SPARE):
+        columns = [np.ravel(np.asarray(x, dtype=object)) for x in (t, *state)]
+        # short numbers, such as 1, say nothing of the precision that they are meant with
+        bits = max(precision(np.concatenate(columns)), mpmath.mp.prec)
+        with mpmath.workprec(bits + SPARE):
             moments = np.frompyfunc(mpmath.mpf, 1, 1)(t)
             return function(moments, state, parameters)
 

@@ -84,7 +84,8 @@ class Program:
         """
         wanted = dict(extras or {})
         known = [form.time, *form.coordinates, *form.velocities, *form.parameters]
-        rates = dict(zip(form.velocity_symbols, form.rates, strict=True)) | dict(form.dependent)
+        dots = form.velocity_symbols
+        rates = dict(zip(dots, form.rates, strict=bool(dots))) | dict(form.dependent)
         observed = [se.sympify(e).xreplace(rates) for e in wanted.values()]
         matrix = [e for row in form.mass for e in row]
         names = [name for name, _ in form.stages]

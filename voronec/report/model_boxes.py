@@ -31,12 +31,12 @@ def boxes(model: Model) -> tuple[dict[str, Box], set[tuple[str, str]]]:
     """
     kinds = {role.variable: role.kind for role in model.roles}
     arrows = _arrows(model, kinds)
-    key = _cycles(model, kinds, arrows)
+    key = _cycles(kinds, arrows)
     wanted = {name: held for name, held in _wanted(model).items() if name not in key}
     key |= {f"= {name}": f"= {name}" for name in wanted}
     arrows |= {(x, f"= {name}") for name, held in wanted.items() for x in held}
     pairs = {(key[a], key[b]) for a, b in arrows if a in key and b in key and key[a] != key[b]}
-    merged = _alike(key, kinds, pairs, {*model.reduced.outputs})
+    merged = _alike(key, kinds, pairs, {*model.outputs})
     key = {x: merged.get(k, k) for x, k in key.items()}
     pairs = {(merged.get(a, a), merged.get(b, b)) for a, b in pairs}
     members: dict[str, list[str]] = {}
@@ -49,23 +49,21 @@ def boxes(model: Model) -> tuple[dict[str, Box], set[tuple[str, str]]]:
 def _arrows(model: Model, kinds: Mapping[str, str]) -> set[tuple[str, str]]:
     """Which variable stands in the rate, or in the formula, of which other one."""
     kept = {str(x) for x in model.states}
-    inside = {(str(a), str(b)) for a, b in dependence(model.reduced).edges}
+    inside = {(str(a), str(b)) for a, b in dependence(model.cut).edges}
     found = set(inside)
-    for a, b in dependence(model.whole).edges:
+    for a, b in dependence(model.full).edges:
         x, y = str(a), str(b)
         to_dropped = kinds.get(y) == "dropped" and kinds.get(x) != "zero"
         by_given = kinds.get(x) in ("constant", "integral") and y in kept
         if to_dropped or by_given:
             found.add((x, y))
-    for name, formula in model.reduced.stages:
+    for name, formula in model.cut.stages:
         if kinds.get(str(name)) == "integral":
             found |= {(str(s), str(name)) for s in formula.free_symbols if str(s) in kinds}
     return {(a, b) for a, b in found if a != b}
 
 
-def _cycles(
-    model: Model, kinds: Mapping[str, str], arrows: Iterable[tuple[str, str]]
-) -> dict[str, str]:
+def _cycles(kinds: Mapping[str, str], arrows: Iterable[tuple[str, str]]) -> dict[str, str]:
     """The key of each variable's box: cycles together, the dropped together, the others alone."""
     import networkx as nx
 
@@ -80,7 +78,7 @@ def _cycles(
 
 def _wanted(model: Model) -> dict[str, set[str]]:
     """What each output is computed from."""
-    own = model.reduced
+    own = model.cut
     stages = {str(name): formula for name, formula in own.stages}
     kinds = {role.variable: role.kind for role in model.roles}
     held: dict[str, set[str]] = {
@@ -125,7 +123,7 @@ def _alike(
 def _box(key: str, members: list[str], kinds: Mapping[str, str], model: Model) -> Box:
     names = tuple(x.removeprefix("= ") for x in members)
     if key.startswith("= "):
-        read = all(n in model.reduced.angles for n in names)
+        read = all(n in model.cut.angles for n in names)
         return Box(names, "wanted", "wanted, read off" if read else "wanted")
     kind = "integrated" if "integrated" in {kinds[x] for x in members} else kinds[members[0]]
     titles = {
@@ -140,7 +138,7 @@ def _box(key: str, members: list[str], kinds: Mapping[str, str], model: Model) -
     given = [x for x in members if kinds[x] == "integral"]
     if kind == "integrated" and given:
         title = f"{_listed(given)} by a first integral"
-    wanted = [x for x in members if x in model.reduced.outputs]
+    wanted = [x for x in members if x in model.outputs]
     if wanted:
         title += ", wanted" if len(wanted) == len(members) else f"; {_listed(wanted)} wanted"
     return Box(names, kind, title)

@@ -29,7 +29,7 @@ LONGEST = 60
 
 def model_text(model: Model, width: int = WIDTH) -> str:
     """The explanation of a model, a few lines of plain text."""
-    own = model.reduced
+    own = model.cut
     wanted = sorted({*own.outputs, *own.angles}, key=_place(model))
     head = f"{model.system.name}: the smallest model for {', '.join(wanted)}"
     size = f"{_count(len(model.states), 'state')}, in {_level_words(model.level)}"
@@ -68,7 +68,7 @@ def _why(model: Model, role: Role) -> str:
     """The reason, with the formula where a first integral gives the variable."""
     if role.kind != "integral":
         return role.why.replace("**", "^")
-    formula = next((e for x, e in model.reduced.stages if str(x) == role.variable), None)
+    formula = next((e for x, e in model.cut.stages if str(x) == role.variable), None)
     text = "" if formula is None else str(formula).replace("**", "^")
     return f"{role.why}: {role.variable} = {text}" if 0 < len(text) <= LONGEST else role.why
 
@@ -88,13 +88,11 @@ def _levels(model: Model) -> list[str]:
 
 def _followed(model: Model, width: int) -> list[str]:
     """Which declared integrals the model can still compute."""
-    given = {r.why.split("'")[1] for r in model.roles if r.kind == "integral" and "'" in r.why}
-    able = list(model.reduced.integrals)
-    spent = [name for name in model.system.integrals if name in given]
-    lost = [name for name in model.system.integrals if name not in {*able, *given}]
+    able = list(model.integrals)
+    lost = [name for name in model.system.integrals if name not in {*able, *model.spent}]
     rows = [
         ("integrals that can be followed", able),
-        ("integrals in place of equations", spent),
+        ("integrals in place of equations", model.spent),
         ("integrals that need more variables", lost),
     ]
     lines = [f"{what}: {', '.join(names)}" for what, names in rows if names]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from voronec.errors import DefinitionError
@@ -20,7 +21,7 @@ def pictures(trajectory: Trajectory) -> dict[str, Any]:
     """Matplotlib figures by name.
 
     ``plot``, of all outputs; ``path``, where there are outputs ``x`` and ``y``; ``drawing``, where
-    the system has one.
+    the system has one and the trajectory holds what it shows.
     """
     from voronec.report.plots import plot_trajectory
 
@@ -29,28 +30,48 @@ def pictures(trajectory: Trajectory) -> dict[str, Any]:
     if {"x", "y"} <= set(trajectory.outputs):
         found["path"] = _path(trajectory)
     if system.drawing is not None:
-        found["drawing"] = drawing(trajectory)
+        with suppress(_NotHeld):
+            found["drawing"] = drawing(trajectory)
     return found
+
+
+class _NotHeld(DefinitionError):
+    """A drawing shows what the trajectory does not hold."""
 
 
 def drawing(trajectory: Trajectory) -> Any:
     """The system's own drawing, as a matplotlib figure.
 
     It is a function of the trajectory, or a mapping of titles to pairs of names (colatitude,
-    longitude) for traces on spheres.  ``DefinitionError`` where it fails.
+    longitude) for traces on spheres, of which those are drawn that the trajectory holds.
+    ``DefinitionError`` where it fails.
     """
     from voronec.report.plots import plot_sphere_traces
 
     own = trajectory.system.drawing
     if isinstance(own, Mapping):
-        traces = {title: (trajectory[u], trajectory[v]) for title, (u, v) in own.items()}
-        return plot_sphere_traces(traces)
+        return plot_sphere_traces(_traces(trajectory, own))
     try:
         return own(trajectory)
+    except DefinitionError as error:
+        raise _NotHeld(str(error)) from error
     except Exception as error:
         what = failure(error, getattr(getattr(own, "__code__", None), "co_filename", "?"))
         name = trajectory.system.name
         raise DefinitionError(f"the drawing of system '{name}' failed: {what}") from error
+
+
+def _traces(trajectory: Trajectory, titled: Mapping[str, Any]) -> dict[str, Any]:
+    """The traces that a trajectory holds; ``_NotHeld`` where it is none of them."""
+    found, missing = {}, None
+    for title, (u, v) in titled.items():
+        try:
+            found[title] = trajectory[u], trajectory[v]
+        except DefinitionError as error:
+            missing = error
+    if missing is not None and not found:
+        raise _NotHeld(str(missing)) from missing
+    return found
 
 
 def save(figure: Any, target: Path | BinaryIO, suffix: str = "") -> None:

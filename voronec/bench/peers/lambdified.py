@@ -2,7 +2,8 @@
 
 From the coordinates, mass matrix and force are lambdified, as of ``KanesMethod``, and solved by
 numpy at each evaluation.  From the invariants a good hand writes the accelerations out, so that
-they are lambdified to plain ``math`` without arrays: an order of magnitude faster.
+they are lambdified to plain ``math`` without arrays: an order of magnitude faster.  Without that
+thought, ``lambdify`` with nothing else said writes the same for numpy, term by term (``plain``).
 """
 
 from __future__ import annotations
@@ -29,12 +30,12 @@ LONGEST = 20_000
 RightSide = Callable[[float, np.ndarray], Any]
 
 
-def _prepare(question: Question, method: str, name: str) -> Run:
+def _prepare(question: Question, method: str, name: str, kind: str) -> Run:
     try:
         at = level(question, name)
     except VoronecError as refusal:
         raise NotHere(str(refusal)) from None
-    right = _solved(at) if name == "coordinates" else _written_out(at)
+    right = RIGHT_SIDES[kind](at)
     start = at.state
 
     def run(tol: float) -> Outcome:
@@ -79,23 +80,46 @@ def _written_out(at: Level) -> RightSide:
     return lambda t, y: function(t, *y.tolist(), *constants)
 
 
-def _lambdified(field: VectorField, exprs: Any, modules: str) -> Callable[..., Any]:
+def _plain(at: Level) -> RightSide:
+    """As it comes: all derivatives in numpy's functions, common parts computed again."""
+    derivatives = at.field.components
+    if sum(len(str(e)) for e in derivatives) > LONGEST:
+        return _solved(at)
+    function = _lambdified(at.field, derivatives, "numpy", cse=False)
+    constants = at.constants
+    return lambda t, y: function(t, *y, *constants)
+
+
+def _lambdified(
+    field: VectorField, exprs: Any, modules: str, cse: bool = True
+) -> Callable[..., Any]:
     symbols = [field.time, *field.variables, *field.parameters]
     plain = {s: sp.Symbol(f"z{i}") for i, s in enumerate(symbols)}
     names = {sp.sympify(s): p for s, p in plain.items()}
     return sp.lambdify(
-        list(plain.values()), [sp.sympify(e).xreplace(names) for e in exprs], modules, cse=True
+        list(plain.values()), [sp.sympify(e).xreplace(names) for e in exprs], modules, cse=cse
     )
 
 
-def _peer(method: str, at: str) -> Contender:
-    short = method.lower()
-    about = f"scipy {method} with lambdify of the equations on the {at}"
-    return Contender(
-        f"{short}-lambdify-{at}", about, TOLERANCES, partial(_prepare, method=method, name=at)
-    )
+RIGHT_SIDES: dict[str, Callable[[Level], RightSide]] = {
+    "solved": _solved,
+    "written out": _written_out,
+    "plain": _plain,
+}
 
 
-LAMBDIFIED = tuple(
-    _peer(method, at) for method in ("DOP853", "LSODA") for at in ("invariants", "coordinates")
+def _peer(method: str, at: str, kind: str = "") -> Contender:
+    short = f"{method.lower()}-lambdify-{at}" + (f"-{kind}" if kind else "")
+    about = f"scipy {method} with {kind or 'a good'} lambdify of the equations on the {at}"
+    how = kind or ("solved" if at == "coordinates" else "written out")
+    prepare = partial(_prepare, method=method, name=at, kind=how)
+    return Contender(short, about, TOLERANCES, prepare)
+
+
+LAMBDIFIED = (
+    _peer("DOP853", "invariants"),
+    _peer("DOP853", "invariants", "plain"),
+    _peer("DOP853", "coordinates"),
+    _peer("LSODA", "invariants"),
+    _peer("LSODA", "coordinates"),
 )

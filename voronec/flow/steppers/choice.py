@@ -44,6 +44,8 @@ def choose(method: str, problem: Problem, grid: np.ndarray) -> tuple[Stepper, di
         raise DefinitionError(f"there is no method '{method}'; methods are {', '.join(METHODS)}")
     if not 0 < problem.tol < 1:
         raise DefinitionError(f"tol = {problem.tol} must lie between 0 and 1, such as 1e-13")
+    if method == "heyoka" and not problem.program.state:
+        return _made("scipy", problem, "nothing moves, and heyoka wants equations")
     if method != "auto":
         return _made(method, problem, "asked for")
     method, reason = _best(problem, grid)
@@ -59,6 +61,8 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
         return "flint", "the tolerance is finer than doubles"
     if not _is_there("heyoka"):
         return "scipy", "heyoka is not installed"
+    if not problem.program.state:
+        return "scipy", "nothing moves"
     if problem.tol >= FINEST:
         steps = estimated_steps(problem, grid, TINY // (STAGES * (problem.program.operations + 1)))
         if steps is not None:

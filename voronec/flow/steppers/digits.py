@@ -169,7 +169,7 @@ class _Walker:
         found = inf
         for k in (self.order - 1, self.order):
             pairs = zip(rows, sizes, strict=True)
-            worst = max(_log(abs(row[k])) - _log(size) for row, size in pairs)
+            worst = max((_log(abs(row[k])) - _log(size) for row, size in pairs), default=-inf)
             if worst > -inf:
                 found = min(found, 2.0 ** min((log2(self.problem.tol) - worst) / k, 1023.0))
         return found

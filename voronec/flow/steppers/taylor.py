@@ -9,14 +9,20 @@ import numpy as np
 
 from voronec.flow.events import Event
 from voronec.flow.steppers.run import COLLAPSE, INFINITE, Halt, Log, Problem, Run, Stepper, Ticker
+from voronec.flow.steppers.winding import Winding
 from voronec.program import hoisted, taylor_extras, taylor_system
 
 __all__ = ["taylor"]
 
 CHUNK = 20_000
 """Steps between two looks at the keyboard."""
+SHORT, LEAST, LARGE = 64, 32, 8.0
+"""So many steps are taken at first where states wind; fewer, down to the least, where in these they
+grow to more than so many times the others, and more, up to CHUNK, where they hardly grow."""
 AHEAD = 100_000
-"""Points of the grid that are handed over at a time."""
+"""Points of the grid that are handed over at a time, at most."""
+FEW = 1_000
+"""Points that are handed over where chunks are short."""
 CRAWL = 1e-9
 """A chunk of steps that covers less than this part of the span leads nowhere."""
 COMPACT = 60.0
@@ -28,22 +34,24 @@ def taylor(problem: Problem) -> Stepper:
     import heyoka as hy
 
     log = Log(0.0, 0.0, len(problem.start))
-    integrator = _integrator(problem, log, hy)
+    winding = Winding.of(problem.program, problem.levels)
+    integrator = _integrator(problem, log, winding, hy)
 
     def run(grid: np.ndarray) -> Run:
         # a stepper may run again, from what the start of its problem is then
         integrator.time, integrator.state[:] = float(grid[0]), problem.start
         if integrator.with_events:
             integrator.reset_cooldowns()
+        winding.reset()
         log.rows, log.stopped = {}, ""
         log.start, log.span = float(grid[0]), float(np.ptp(grid))
         ticker = Ticker(problem.progress, float(grid[0]), float(grid[-1]))
-        return _Drive(hy, integrator, problem, log, grid, ticker).run()
+        return _Drive(hy, integrator, problem, log, winding, grid, ticker).run()
 
     return run
 
 
-def _integrator(problem: Problem, log: Log, hy: Any) -> Any:
+def _integrator(problem: Problem, log: Log, winding: Winding, hy: Any) -> Any:
     raised, levels = hoisted(problem.program), problem.levels
     program = raised.program
     functions = taylor_extras(levels) if levels is not None else {}
@@ -56,9 +64,9 @@ def _integrator(problem: Problem, log: Log, hy: Any) -> Any:
     for event in problem.events:
         expr = functions[event.name]
         if event.stop:
-            kinds["t_events"].append(_terminal(event, expr, log, hy))
+            kinds["t_events"].append(_terminal(event, expr, log, winding, hy))
         else:
-            kinds["nt_events"].append(_passing(event, expr, log, hy))
+            kinds["nt_events"].append(_passing(event, expr, log, winding, hy))
     return hy.taylor_adaptive(
         taylor_system(program),
         problem.start.tolist(),
@@ -74,17 +82,17 @@ def _direction(event: Event, hy: Any) -> Any:
     return {1: kinds.positive, -1: kinds.negative, 0: kinds.any}[event.direction]
 
 
-def _passing(event: Event, expr: Any, log: Log, hy: Any) -> Any:
+def _passing(event: Event, expr: Any, log: Log, winding: Winding, hy: Any) -> Any:
     def seen(integrator: Any, time: float, _sign: int) -> None:
         integrator.update_d_output(time)
-        log.enter(event, time, integrator.d_output.copy())
+        log.enter(event, time, winding.whole(integrator.d_output))
 
     return hy.nt_event(expr, callback=seen, direction=_direction(event, hy))
 
 
-def _terminal(event: Event, expr: Any, log: Log, hy: Any) -> Any:
+def _terminal(event: Event, expr: Any, log: Log, winding: Winding, hy: Any) -> Any:
     def seen(integrator: Any, _sign: int) -> bool:
-        return not log.enter(event, float(integrator.time), integrator.state.copy())
+        return not log.enter(event, float(integrator.time), winding.whole(integrator.state))
 
     return hy.t_event(expr, callback=seen, direction=_direction(event, hy))
 
@@ -97,12 +105,20 @@ class _Drive:
     integrator: Any
     problem: Problem
     log: Log
+    winding: Winding
     grid: np.ndarray
     ticker: Ticker
     rows: list[np.ndarray] = field(default_factory=list)
     stretches: list[Any] = field(default_factory=list)
     done: int = 1
     steps: int = 0
+    size: int = field(init=False)
+    ahead: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.size, self.ahead = CHUNK, AHEAD
+        if self.winding.needed:
+            self.size, self.ahead = min(SHORT, CHUNK), FEW
 
     def run(self) -> Run:
         self.rows.append(self.problem.start[None, :])
@@ -117,35 +133,55 @@ class _Drive:
         return self.result()
 
     def chunk(self) -> Halt | None:
+        self.winding.take(self.integrator.state)
         before, state = self.integrator.time, self.integrator.state.copy()
+        size = self.size
         outcome, taken, new = self.advance()
         self.steps += taken
-        self.rows.append(new)
+        self.rows.append(self.winding.whole(new))
+        self.paced(taken, len(new))
         self.done += len(new)
         moved = abs(self.integrator.time - before)
-        if taken == CHUNK and moved <= CRAWL * np.ptp(self.grid):
-            return Halt(COLLAPSE, self.integrator.time, self.integrator.state.copy())
+        if taken == size and moved <= CRAWL * size / CHUNK * np.ptp(self.grid):
+            return self.halt(COLLAPSE)
         if outcome == self.hy.taylor_outcome.err_nf_state:
             return self.last_good(before, state, taken)
         return None
+
+    def paced(self, taken: int, points: int) -> None:
+        """How many steps, and points of the grid, the next chunk takes."""
+        if not self.winding.needed or taken < self.size // 2:
+            self.ahead = min(4 * self.ahead, AHEAD)
+            return
+        grown = self.winding.grown(self.integrator.state)
+        if grown > LARGE:
+            self.size = max(self.size // 2, min(LEAST, CHUNK))
+        elif grown < LARGE / 4:
+            self.size = min(2 * self.size, CHUNK)
+        # points cost when they are handed over, and again when they are passed
+        self.ahead = min(max(4 * points, FEW), AHEAD)
+
+    def halt(self, reason: str) -> Halt:
+        """Where the integrator stands, as the end of the run."""
+        return Halt(reason, self.integrator.time, self.winding.whole(self.integrator.state))
 
     def advance(self) -> tuple[Any, int, np.ndarray]:
         """One chunk towards, or along, the rest of the grid; new rows of it."""
         standing, done = self.integrator.time, self.done
         if self.problem.dense:
             outcome, _, _, steps, stretch, _ = self.integrator.propagate_until(
-                self.grid[-1], max_steps=CHUNK, c_output=True
+                self.grid[-1], max_steps=self.size, c_output=True
             )
             return outcome, steps, self.sampled(stretch)
         # the integrator wants its grid to begin where it stands
         first = done - 1 if standing == self.grid[done - 1] else done
         if standing != self.grid[first]:
             outcome, _, _, steps, *_ = self.integrator.propagate_until(
-                self.grid[first], max_steps=CHUNK
+                self.grid[first], max_steps=self.size
             )
             return outcome, steps, np.empty((0, len(self.problem.start)))
         outcome, _, _, steps, _, rows = self.integrator.propagate_grid(
-            self.grid[first : done + AHEAD], max_steps=CHUNK
+            self.grid[first : done + self.ahead], max_steps=self.size
         )
         return outcome, steps, rows[done - first :]
 
@@ -153,7 +189,7 @@ class _Drive:
         """Rows of the grid that a stretch of dense output covers."""
         if stretch is None:
             return np.empty((0, len(self.problem.start)))
-        self.stretches.append(stretch)
+        self.stretches.append(_Stretch(stretch, self.winding.now()))
         order = np.sign(self.grid[-1] - self.grid[0])
         end = np.searchsorted(order * self.grid, order * stretch.bounds[1], side="right")
         rows = np.array(stretch(self.grid[self.done : end])).reshape(-1, len(self.problem.start))
@@ -165,12 +201,12 @@ class _Drive:
         ta, self.log.silent = self.integrator, True
         ta.time, ta.state[:] = time, state
         step = ta.step if self.grid[-1] >= self.grid[0] else ta.step_backward
-        halt = Halt(INFINITE, ta.time, ta.state.copy())
+        halt = self.halt(INFINITE)
         for _ in range(taken + 1):
             step()
             if not (np.isfinite(ta.state).all() and np.isfinite(ta.time)):
                 break
-            halt = Halt(INFINITE, ta.time, ta.state.copy())
+            halt = self.halt(INFINITE)
         return halt
 
     def result(self, halt: Halt | None = None, interrupted: bool = False) -> Run:
@@ -183,6 +219,22 @@ class _Drive:
             self.log.arrays(self.problem.events, float), halt, interrupted, self.log.stopped,
             _joined(self.stretches, states) if self.problem.dense else None,
         )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """Dense output of a chunk, and what was taken out of its states."""
+
+    inside: Any
+    winding: Winding
+
+    @property
+    def bounds(self) -> Any:
+        """From when to when it goes."""
+        return self.inside.bounds
+
+    def __call__(self, times: np.ndarray) -> np.ndarray:
+        return self.winding.whole(self.inside(times))
 
 
 def _joined(stretches: list[Any], states: np.ndarray) -> Any:

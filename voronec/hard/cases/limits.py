@@ -49,6 +49,12 @@ LIMITS = (
         level="invariants", arithmetic="extended",
     ),
     HardCase(
+        "equal-radii", "ball-on-sphere",
+        Scene(SPUN, (0, 1), {"R1": -1}, BALL,
+              "The ball fills its hollow: epsilon is infinite, and no motion of this kind exists."),
+        level="",
+    ),
+    HardCase(
         "nearly-a-plane", "ball-on-sphere",
         Scene(SPUN, (0, 40), {"R1": 10**9}, BALL,
               "A sphere 1e9 times as large as the ball: epsilon - 1 is 1e-9."),

@@ -65,4 +65,12 @@ POLES = (
               "The start is the pole itself: the angles are undefined there, the motion is not."),
         level="invariants",
     ),
+    HardCase(
+        "angles-from-the-pole", "ball-on-sphere",
+        Scene(_spun(0, R(1, 2), 1, 1), (0, 20), {},
+              (sp.cos(u), sp.sin(u) * sp.cos(v), sp.sin(u) * sp.sin(v)),
+              "The same start, and what is wanted is written in the angles: the contact leaves the "
+              "pole along a meridian of its own, whatever v the start names."),
+        level="invariants",
+    ),
 )  # fmt: skip

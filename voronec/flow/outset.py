@@ -1,0 +1,68 @@
+"""Where one motion sets out: its start on the coordinates, in doubles and in any precision."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from voronec.equations import VoronecEquations
+from voronec.flow.conditions import Rates
+from voronec.flow.exactly import Exactly
+from voronec.flow.given import Given
+from voronec.flow.probe import Probe, quantities
+from voronec.flow.start import parameter_values, start_of
+from voronec.flow.vocabulary import Vocabulary
+from voronec.program import Program
+
+__all__ = ["Outset", "rates_at"]
+
+
+def rates_at(
+    equations: VoronecEquations, form: Any, constants: Mapping[str, float], time: float
+) -> Rates:
+    """The velocities of all coordinates by a form of the equations, or, where that has a pole, by
+    their normal form."""
+
+    def looking(own: Any) -> Probe:
+        values = [constants.get(str(p), np.nan) for p in own.parameters]
+        return Probe(equations.system.name, own, quantities(own, {}), values, time)
+
+    def rates(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        found = looking(form).rates(q, v)
+        return found if np.isfinite(found).all() else looking(equations.form).rates(q, v)
+
+    return rates
+
+
+@dataclass(frozen=True)
+class Outset:
+    """The start on the coordinates: ``state`` (n,), coordinates, then velocities; ``constants`` by
+    name; ``notes``, what was moved on request; and both again ``exactly``, in any precision."""
+
+    state: np.ndarray
+    constants: Mapping[str, float]
+    notes: tuple[str, ...]
+    exactly: Exactly
+
+    @classmethod
+    def of(cls, vocabulary: Vocabulary, given: Given, time: float, project: bool) -> Outset:
+        """Read what is given, and look whether a motion starts there."""
+        equations = vocabulary.equations
+        constants = parameter_values(vocabulary, given.parameters, set())
+        form = equations.raw.form  # made in no time
+        if any(p.name not in constants for p in equations.system.parameters):
+            form = equations.form
+            needed = {str(s) for s in Program.of(form).derivative.symbols}
+            constants = parameter_values(vocabulary, given.parameters, needed)
+        rates = rates_at(equations, form, constants, time)
+        start = start_of(
+            vocabulary, given.scene_initial, given.initial, constants, rates, time, project
+        )
+        exactly = Exactly(
+            vocabulary, quantities(form, {}), time, given.parameters, given.scene_initial,
+            given.initial, start.state, bool(start.notes),
+        )  # fmt: skip
+        return cls(start.state, constants, start.notes, exactly)

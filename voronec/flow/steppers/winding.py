@@ -1,0 +1,146 @@
+"""States that grow while nothing depends on their size, kept small during the steps.
+
+A step of Taylor's method is as long as the largest state allows: one angle of 1e5 radians loosens
+the tolerance of all the others by 1e5.  But where the right-hand side does not hold a state at all
+(a quadrature), or holds it under sines and cosines only (an angle), what has grown can be taken
+out of it between steps and added to the results: the motion of the others is the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import symengine as se
+
+from voronec.program import Block, Program
+
+__all__ = ["Winding"]
+
+TURN = 2 * np.pi
+COARSE = float(np.ldexp(np.round(np.ldexp(TURN, 30)), -30))
+"""A turn in 33 bits, whose small multiples are exact; FINE is the rest of it."""
+FINE = 2 * (float(np.float64(np.pi) - COARSE / 2)) + 2.4492935982947064e-16
+
+
+@dataclass
+class Winding:
+    """What was taken out of the states: turns of ``angles``, all of ``quadratures`` (positions).
+
+    A quadrature is kept as the sum of two doubles, so nothing is lost when small steps are added
+    to a large sum.
+    """
+
+    quadratures: np.ndarray
+    angles: np.ndarray
+    width: int
+    high: np.ndarray = field(init=False)
+    low: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.reset()
+
+    @classmethod
+    def of(cls, program: Program, levels: Program | None) -> Winding:
+        """The states of a program that may be kept small; ``levels`` are functions of events."""
+        blocks = [program.derivative, *([levels.extras] if levels is not None else [])]
+        held = set().union(*(b.symbols for b in blocks))
+        state = program.state
+        turned = _angles(blocks, [s for s in state if s in held])
+        return cls(
+            np.array([i for i, s in enumerate(state) if s not in held], dtype=int),
+            np.array([i for i, s in enumerate(state) if s in turned], dtype=int),
+            len(state),
+        )
+
+    @property
+    def needed(self) -> bool:
+        """Whether there is a state that may be kept small."""
+        return bool(len(self.quadratures) or len(self.angles))
+
+    def reset(self) -> None:
+        """Nothing is taken out."""
+        self.high, self.low = np.zeros(self.width), np.zeros(self.width)
+
+    def take(self, state: np.ndarray) -> None:
+        """Take what has grown out of a state (n,), in place."""
+        at = self.angles
+        turns = np.rint(state[at] / TURN)
+        state[at] = (state[at] - turns * COARSE) - turns * FINE
+        self.high[at] += turns  # whole numbers: exact
+        at = self.quadratures
+        total, more = self.high[at], state[at] + self.low[at]
+        self.high[at] = total + more
+        back = self.high[at] - total
+        self.low[at] = (total - (self.high[at] - back)) + (more - back)
+        state[at] = 0.0
+
+    def whole(self, states: np.ndarray) -> np.ndarray:
+        """States (..., n) as they are, from those kept small."""
+        result = np.array(states, dtype=float)
+        at = self.angles
+        result[..., at] = (result[..., at] + self.high[at] * FINE) + self.high[at] * COARSE
+        at = self.quadratures
+        result[..., at] = (result[..., at] + self.low[at]) + self.high[at]
+        return result
+
+    def now(self) -> Winding:
+        """What is taken out at present, for states that are looked at later."""
+        result = Winding(self.quadratures, self.angles, self.width)
+        result.high, result.low = self.high.copy(), self.low.copy()
+        return result
+
+    def grown(self, state: np.ndarray) -> float:
+        """The largest state that may be kept small, in units of the largest other (at least 1)."""
+        mine = np.zeros(self.width, dtype=bool)
+        mine[self.quadratures] = mine[self.angles] = True
+        others = np.abs(state[~mine]).max(initial=1.0)
+        return float(np.abs(state[mine]).max(initial=0.0) / others)
+
+
+def _angles(blocks: Iterable[Block], among: Iterable[Any]) -> set[Any]:
+    """Those of the symbols that occur under sines and cosines only, in whole multiples."""
+    found = set(among)
+    for block in blocks:
+        known: dict[Any, Mapping[Any, int]] = {s: {s: 1} for s in found}
+        for name, expr in block.assignments:
+            multiples = _multiples(expr, known, found)
+            if multiples:
+                known[name] = multiples
+        for result in block.results:
+            found -= set(_multiples(result, known, found))
+    return found
+
+
+def _multiples(
+    expr: Any, known: Mapping[Any, Mapping[Any, int]], found: set[Any]
+) -> dict[Any, int]:
+    """The whole multiples of angles in an expression; an angle that is in it in any other way is
+    struck off ``found``."""
+    bare = [s for s in _bare(expr, known, found) if s in known]
+    total: dict[Any, int] = {}
+    for symbol in bare:
+        slope = se.diff(expr, symbol)
+        if slope.is_Number and slope == int(slope):
+            for angle, n in known[symbol].items():
+                total[angle] = total.get(angle, 0) + n * int(slope)
+        else:
+            found -= set(known[symbol])
+    return {a: n for a, n in total.items() if n}
+
+
+def _bare(expr: Any, known: Mapping[Any, Mapping[Any, int]], found: set[Any]) -> set[Any]:
+    """Symbols outside of sines and cosines, whose arguments are looked at on the way."""
+    result: set[Any] = set()
+    stack = [expr]
+    while stack:
+        node = stack.pop()
+        if type(node).__name__ in ("sin", "cos"):
+            _multiples(node.args[0], known, found)
+        elif node.is_Symbol:
+            result.add(node)
+        else:
+            stack.extend(node.args)
+    return result
