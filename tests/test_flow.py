@@ -370,6 +370,24 @@ def test_ctrl_c_keeps_what_is_done_with_heyoka(monkeypatch: pytest.MonkeyPatch) 
     assert np.abs(traj.state - whole.state[: len(traj.t)]).max() < 1e-11
 
 
+def test_ctrl_c_ends_a_run_whose_angles_are_read_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    from scipy.integrate import DOP853
+
+    step, ball = DOP853.step, vo.load("demchenko")
+    times = np.linspace(0, 4000, 1001)  # too coarse to tell the branches of u apart
+    seen: list[float] = []
+
+    def interrupted(self: Any) -> Any:
+        if self.t > 5 and not seen:
+            seen.append(self.t)
+            raise KeyboardInterrupt
+        return step(self)
+
+    monkeypatch.setattr(DOP853, "step", interrupted)
+    traj = vo.integrate(ball, times=times, outputs=("u", "v"), method="scipy", tol=1e-6)
+    assert seen and traj.interrupted and traj.t[-1] <= 8
+
+
 def interrupt_at_third_call(function: Any) -> Any:
     """The function, but the third call is where Ctrl-C arrives."""
     calls = []

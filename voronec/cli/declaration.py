@@ -55,6 +55,7 @@ def _data(system: System) -> dict[str, Any]:
         "claims": declared_claims(system),
         "invariants": {name: plain(e) for name, e in system.invariants.items()},
         "scenes": {name: _scene(scene) for name, scene in system.scenes.items()},
+        "charts": {name: plain(chart.singular) for name, chart in system.charts.items()},
         "references": list(system.references),
     }  # fmt: skip
 
@@ -119,6 +120,9 @@ def _lines(system: System) -> list[str]:
         lines += ["", "parameters", *columns(rows, "  ")]
     lines += ["", "claims", *_claim_lines(data["claims"])]
     lines += ["", "scenes", *_scene_lines(data["scenes"])]
+    if data["charts"]:
+        rows = [[name, f"where {e} vanishes"] for name, e in data["charts"].items()]
+        lines += ["", "charts", *columns(rows, "  ")]
     return [*lines, "", "references  " + (", ".join(system.references) or "none")]
 
 

@@ -105,8 +105,9 @@ def integrate(
     outset = Outset.of(vocabulary, given, float(grid[0]), project)
     followed = dense or bool(happenings) or not asked or len(grid) < FEW
 
-    def moved(made: Modelled) -> Trajectory:
-        job = _Job(vocabulary, made, outset, grid, tol, happenings, dense, progress)
+    def moved(made: Modelled, times: np.ndarray = grid) -> Trajectory:
+        report = progress if times is grid else None
+        job = _Job(vocabulary, made, outset, times, tol, happenings, dense, report)
         return job.trajectory(method, began)
 
     def smallest(followed: bool) -> Modelled:
@@ -116,10 +117,14 @@ def integrate(
 
     try:
         made = smallest(followed)
-        trajectory = moved(made)
-        if followed or _told_apart(trajectory, made):
-            return trajectory
-        # the grid is too coarse to tell branches of angles apart
+        # where a grid is too coarse to tell branches of angles apart, its beginning mostly says so
+        for part in (grid[: len(grid) // 50 + 2], grid) if made.watch.branches else (grid,):
+            trajectory = moved(made, part)
+            told = _told_apart(trajectory, made)
+            if trajectory.interrupted or (told and part is grid):
+                return trajectory
+            if not told:
+                break
         return moved(smallest(True))
     except IntegrationError as error:
         if not equations.system.charts or method == "flint":

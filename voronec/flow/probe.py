@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import symengine as se
 
-from voronec.errors import IntegrationError
+from voronec.errors import DefinitionError, IntegrationError
 from voronec.flow.steppers.run import Halt, Suspect
 from voronec.program import Program, compiled, hoisted
 
@@ -77,11 +77,9 @@ class Probe:
         slope = self._rhs(self.time, list(start))
         meaningless = self._meaningless()
         if meaningless:
-            raise IntegrationError(
+            raise DefinitionError(
                 f"system '{self.name}': the equations are not defined for {meaningless}; change "
-                "these parameters",
-                self.time,
-                start,
+                "these parameters"
             )
         if not np.isfinite(np.array(slope, dtype=float)).all():
             raise self._nowhere("the equations are not defined", start)

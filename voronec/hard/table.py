@@ -78,6 +78,8 @@ def summary(findings: Sequence[Finding]) -> str:
     own = [t for f in findings for t in f.trials if t.automatic]
     counts = {v: sum(t.verdict == v for t in own) for v in ("met", "kept", "refused")}
     wrong = [t.case for t in own if not t.good]
+    if not own:
+        return "the tool's own choice took no part"
     told = ", ".join(f"{n} {v}" for v, n in counts.items() if n)
     silent = f"silently wrong: {', '.join(wrong)}" if wrong else "nothing silently wrong"
     return f"the tool's own choice on {len(own)} cases: {told or 'none good'}; {silent}"

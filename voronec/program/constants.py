@@ -129,8 +129,13 @@ class _Lifting:
         return self._named(whole) if whole.free_symbols <= self._still else whole
 
     def _product(self, args: Iterable[Any]) -> Any:
-        """Constant factors together, as one."""
-        return self._times(*self._parted(se.Mul(*args)))
+        """Constant factors together, as one; into a sum whose terms all have constants anyway."""
+        still, moving = self._parted(se.Mul(*args))
+        if still.free_symbols and isinstance(moving, se.Add):
+            parts = [self._parted(term) for term in moving.args]
+            if all(c.free_symbols for c, _ in parts):
+                return se.Add(*[self._times(still * c, m) for c, m in parts])
+        return self._times(still, moving)
 
     def _sum(self, args: Iterable[Any]) -> Any:
         """Constant terms together; a factor that all terms share stands before them."""

@@ -54,8 +54,8 @@ class LowRank:
         )  # fmt: skip
         right = [name(r) for r in right]
         rows = list(zip(diagonal, column, right, strict=True))
-        above = name(se.Add(*[scale / d * u * f for d, u, f in rows]))
-        share = name(-above / pivot)
+        above = name(se.Add(*[-scale / d * u * f for d, u, f in rows]))
+        share = name(above / pivot)
         return [name(f / d + share * u / d) for d, u, f in rows]
 
 
