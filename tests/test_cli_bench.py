@@ -115,7 +115,7 @@ def test_where_nothing_runs_there_is_a_table_all_the_same(
         (("--tols", "1e-6,x"), "--tols: 'x' is not a number"),
         (("--tols", "2"), "the tolerance 2 must lie between 0 and 1"),
         (("--scene", "fast"), "has no scene 'fast'; did you mean 'default'"),
-        (("--time", "0"), "a motion over the time 0 cannot be measured"),
+        (("--time", "0"), "--time 0: give a length of time above zero"),
         (("--time", "long"), "--time: 'long' is not a number"),
         (("--set", "k"), "--set k: give NAME=VALUE"),
         (("--set", "k=-1"), "parameter 'k' = -1 must be positive"),

@@ -140,8 +140,21 @@ def _watch(
         name: Branch(f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate])
         for name, a in level.angles.items()
     }
-    watch = Watch.of(replace(wanted, expressions=shown | parts), level.integrals, kept)
-    return replace(watch, branches=branches)
+    besides = {n: e for n, e in _besides(vocabulary, model).items() if n not in wanted.names}
+    expressions = shown | parts | besides
+    watch = Watch.of(replace(wanted, expressions=expressions), level.integrals, kept)
+    return replace(watch, branches=branches, besides=tuple(besides))
+
+
+def _besides(vocabulary: Vocabulary, model: Model) -> dict[str, Any]:
+    """Coordinates and velocities that a model knows without integrating them: what it solves for,
+    what an integral gives, what is constant or stays at zero."""
+    level, definition = model.cut, vocabulary.equations.definition
+    known = {name for name, _ in level.stages} | set(level.parameters)
+    zero = {role.variable for role in model.roles if role.kind == "zero"}
+    own = (*definition.coordinates, *definition.velocities)
+    found = {str(x): x for x in own if x in known}
+    return found | {str(x): se.Integer(0) for x in own if str(x) in zero}
 
 
 def whole(vocabulary: Vocabulary, outputs: Sequence[Any], functions: Mapping[str, Any]) -> Modelled:

@@ -57,7 +57,8 @@ class Watch:
 
     ``outputs`` in order; those in ``reactions``, positions of constraints, come from
     ``multipliers`` and the accelerations, those in ``branches`` are angles read off others; the
-    rest are ``expressions`` of their own.
+    rest are ``expressions`` of their own.  ``besides`` are coordinates and velocities that nobody
+    asked for and that are known without being integrated.
     """
 
     outputs: tuple[str, ...]
@@ -68,6 +69,7 @@ class Watch:
     reactions: Mapping[str, int] = field(default_factory=dict)
     multipliers: Multipliers | None = None
     branches: Mapping[str, Branch] = field(default_factory=dict)
+    besides: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -206,7 +208,7 @@ def observed(
         state=states,
         names=names,
         outputs=watch.outputs,
-        series=MappingProxyType({name: series[name] for name in watch.outputs}),
+        series=MappingProxyType({n: series[n] for n in (*watch.outputs, *watch.besides)}),
         integrals=MappingProxyType({n: series[key] for n, key in watch.integrals.items()}),
         parameters=MappingProxyType({n: x for n, x in constants.items() if n in known}),
         drift=MappingProxyType(drift),

@@ -62,7 +62,8 @@ class Trajectory:
 
     ``t`` has shape (k,), ``state`` (k, number of coordinates and velocities) with columns
     ``names``.  ``outputs`` are the names asked for: ``traj["u"]`` is an array of shape (k,), by
-    name, symbol or expression; coordinates, velocities and integrals are there in any case.
+    name, symbol or expression; integrals, coordinates and velocities are there as far as the model
+    knows them.
 
     ``drift`` maps each integral I of the system to max |I(t) - I(t0)| / |I(t0)|.  Let S be the
     largest value along the motion of I with all its terms taken positive.  Where I starts at zero
