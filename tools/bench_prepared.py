@@ -106,8 +106,8 @@ def by_hand() -> Iterator[Row]:
         "at most 1.1 times its time",
         f"{worst:.2f} times at worst of three tolerances ({', '.join(f'{r:.2f}' for r in ratios)})",
         worst <= 1.1,
-        "both have the same products, and constants are arguments of ours; the ratio moves by a few "
-        "hundredths from run to run",
+        "both have the same products, and constants are arguments of ours; the ratio moves by "
+        "a few hundredths from run to run",
     )
 
 
