@@ -114,7 +114,7 @@ def _routes(question: Question, digits: int) -> tuple[Route, Route]:
     levels = _levels(question)
     own = [_heyoka_route(at, question, digits) for at in levels]
     fast = [route for route in own if route is not None]
-    exact = _flint_routes(question, levels, digits)
+    exact = _flint_routes(question, digits)
     if exact and fast and question.span <= LONG:
         return exact[-1], fast[0]
     if len(fast) == 2:
@@ -145,7 +145,7 @@ def _heyoka_route(at: Level, question: Question, digits: int) -> Route | None:
     return name, lambda: precise_outputs(at, question.grid, digits)
 
 
-def _flint_routes(question: Question, levels: Sequence[Level], digits: int) -> list[Route]:
+def _flint_routes(question: Question, digits: int) -> list[Route]:
     """Runs by our own arbitrary-precision integrator: of the smallest model, of the full one."""
 
     def run(full: bool, extra: int) -> Mapping[str, np.ndarray]:

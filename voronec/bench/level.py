@@ -117,8 +117,6 @@ def _form(field: VectorField) -> FirstOrderForm:
         rates=field.rates,
         mass=field.mass,
         force=field.force,
-        definitions=(),
-        velocity_symbols=tuple(se.Dummy() for _ in field.rates),
         relations=field.relations,
     )
 

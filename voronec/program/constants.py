@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import symengine as se
@@ -72,6 +72,7 @@ def _compiled(
     )[1]
 
 
+@lru_cache(maxsize=32)  # a run looks at the constants before it compiles with them
 def hoisted(program: Program) -> Hoisted:
     """The program with every largest expression of parameters and numbers as one parameter.
 

@@ -8,6 +8,7 @@ import linecache
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from voronec.program.printing import FUNCTIONS, Dialect, decimal, fits, identifiers, lines, text
@@ -77,6 +78,7 @@ def mpmath_source(program: Program) -> str:
     return _module(program, _DIGITS)
 
 
+@lru_cache(maxsize=64)  # one run asks several times for the same functions
 def compiled(program: Program, scalar: bool = False) -> tuple[Function, Function]:
     """The functions ``rhs`` and ``extras`` of ``(t, state, parameters)``, compiled.
 
