@@ -16,6 +16,7 @@ from command_line import Call, refused
 from plugins import register
 
 from voronec.checking import Inventory, check_catalogue
+from voronec.checking.pool import _Worker
 from voronec.checking.record import Finding, Report, Result
 from voronec.checking.unit import units_of
 from voronec.cli.checking import chained
@@ -258,6 +259,22 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path: Path, own_store: Path) -> None:
     assert process.returncode == 130
     assert "Traceback" not in err and err.endswith("voronec: stopped\n")
     assert "stopped before the end" in out and "proved" in out
+
+
+def test_ctrl_c_finds_no_process_that_still_starts(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    (unit,) = units_of(Inventory.of(), ["vertical-disc"])[:1]
+    worker = _Worker.start()
+    try:
+        for _ in range(20):
+            os.kill(worker.process.pid, signal.SIGINT)
+            time.sleep(0.01)
+        worker.give(unit)
+        assert worker.take().status == "proved"
+    finally:
+        worker.end()
+    assert capfd.readouterr().err == ""
 
 
 def test_a_second_check_reuses_and_an_edit_does_not(tmp_path: Path) -> None:
