@@ -23,11 +23,15 @@ from voronec import (
     Limit,
     Measure,
     Parameter,
+    Plane,
+    Quadratures,
     Relation,
     Scene,
     Square,
     System,
+    Trace,
     kinematics,
+    velocity,
 )
 
 omega = sp.symbols("omega1:4")
@@ -54,6 +58,45 @@ def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
         "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
         "lagrangian": ball.energy + kinematics.axial_rotor(k, (0, 0, 1), ball.spin),
     }
+
+
+# Motion by quadratures in z = cos(u).  Along (e_u, e_v, n) the spin is (s, tau, n), and the
+# momentum (P s - k sin(u), P tau, A n + k cos(u)); on a level of the integrals A n = N,
+# P s sin(u) = S, P (s^2 + tau^2) = W.  In the plane, with K for the horizontal momentum,
+# P d(x + i y)/dt = -i R K (1 + k sin(u) (P (s + i tau) - k sin(u)) / |K|^2).
+z = sp.Symbol("z")
+C5, S0, h2, H = sp.symbols("C5 S0 h2 H")
+P = A + D
+body = ball.contact.body.frame
+s, tau, n = body.T * spin
+S1, S2 = P * C5 / A, -k * (2 * A + D) / (2 * A)
+S = S0 + S1 * z + S2 * z**2
+N = C5 - k * z
+W = h2 - N**2 / A
+horizontal = (ball.contact.attitude * whole.subs(dict(zip(gamma, ball.normal, strict=True))))[:2]
+rolled = sp.Matrix([sp.sin(u) * velocity(v), -velocity(u), N / A])  # (s, tau, n) again
+vertical = A * n + k * sp.cos(u)
+MOTION = Quadratures(
+    variable={z: sp.cos(u)},
+    constants={
+        C5: vertical,
+        S0: P * s * sp.sin(u) - (S1 * z + S2 * z**2).subs({C5: vertical, z: sp.cos(u)}),
+        h2: P * (s**2 + tau**2) + A * n**2,
+        H: sp.sqrt((P * s - k * sp.sin(u)) ** 2 + (P * tau) ** 2),
+    },
+    quartic=(1 - z**2) * W / P - S**2 / P**2,
+    integrals={v: S / (P * (1 - z**2)), theta: -N / A - z * S / (P * (1 - z**2))},
+    poles={1: S.subs(z, 1) / (2 * P), -1: S.subs(z, -1) / (2 * P)},
+    traces=(Trace(u, v, z),),
+    velocities=dict(zip(omega, body * rolled, strict=True)),
+    plane=Plane(
+        place=(x, y),
+        direction=horizontal,
+        length=H,
+        rates=(0, -R / P * (H + (k * S - k**2 * (1 - z**2)) / H)),
+        slopes=(R * k / H, 0),
+    ),
+)
 
 
 SYSTEM = System(
@@ -93,6 +136,7 @@ SYSTEM = System(
             caption="The gyroscope bends the path of the ball.",
         ),
     },
+    motion=MOTION,
     references=("Zhukovsky1893", "Bobylev1892", "DragovicGajicJovanovic2020"),
 )
 

@@ -121,9 +121,9 @@ def test_the_spinning_ball_that_is_not_stable(where: Range) -> None:
     witness = stability.stationary(STUDY, where).witness
     assert witness is not None
     at = {name: Fraction(value) for name, value in witness.point.items()}
-    ratio = -at["p"] / (1 + at["p"]) if where is INNER else -(1 + at["p"])
-    moment = at["I"] * Fraction(2, 3) * at["share"] / (1 + at["share"])
-    at["A"] = moment if where is INNER else at["I"] * (Fraction(1, 2) + at["share"])
+    ratio = at["mu'"]
+    assert -1 < ratio < 0 if where is INNER else ratio < -1
+    assert 3 * at["A"] < 2 * at["I"] if where is INNER else 2 * at["A"] > at["I"]
     mu, P = 1 + ratio, at["I"] + at["A"]
     b1 = at["I"] * mu + at["A"]
     assert (at["k"] * mu - b1 * at["n"]) ** 2 + 4 * P * at["n"] * at["k"] * mu < 0

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from voronec.charts import Chart
     from voronec.checking import check_catalogue, check_relation, graph
     from voronec.claims import Case, Corrected, Equation, Measure, Poisson
+    from voronec.closed.special.family import Precessions, precessions
     from voronec.comparison import compare
     from voronec.equations import VoronecEquations, derive
     from voronec.errors import (
@@ -36,11 +37,13 @@ if TYPE_CHECKING:
         integrate,
         section,
     )
+    from voronec.flow.closed_form import closed_form
     from voronec.flow.explanation import explain
     from voronec.geometry import Fibration, Frame
     from voronec.hard import HardCase
     from voronec.model import Model
     from voronec.multipliers import multiplier_acceleration, reaction_forces
+    from voronec.quadratures import Plane, Quadratures, Space, Trace
     from voronec.reduction import Reduction, descend
     from voronec.relations import Limit, Relation, Square
     from voronec.scene import Parameter, Scene
@@ -59,6 +62,8 @@ _HOME = {
     "check_catalogue": "voronec.checking",
     "check_relation": "voronec.checking",
     "compare": "voronec.comparison",
+    "Precessions": "voronec.closed.special",
+    "precessions": "voronec.closed.special",
     "load": "voronec.catalogue",
     "names": "voronec.catalogue",
     "graph": "voronec.checking",
@@ -76,6 +81,7 @@ _HOME = {
     "ensemble": "voronec.flow",
     "integrate": "voronec.flow",
     "section": "voronec.flow",
+    "closed_form": "voronec.flow.closed_form",
     "explain": "voronec.flow.explanation",
     "Model": "voronec.model",
     "Fibration": "voronec.geometry",
@@ -99,6 +105,10 @@ _HOME = {
     "Limit": "voronec.relations",
     "Relation": "voronec.relations",
     "Square": "voronec.relations",
+    "Plane": "voronec.quadratures",
+    "Quadratures": "voronec.quadratures",
+    "Space": "voronec.quadratures",
+    "Trace": "voronec.quadratures",
     "Parameter": "voronec.scene",
     "Scene": "voronec.scene",
     "System": "voronec.system",
@@ -126,13 +136,17 @@ __all__ = [
     "Measure",
     "Model",
     "Parameter",
+    "Plane",
     "Poisson",
+    "Precessions",
+    "Quadratures",
     "Reduction",
     "Relation",
     "Scene",
     "Section",
     "Square",
     "System",
+    "Trace",
     "Trajectory",
     "Verdict",
     "VoronecEquations",
@@ -141,6 +155,7 @@ __all__ = [
     "check_catalogue",
     "check_claims",
     "check_relation",
+    "closed_form",
     "compare",
     "derive",
     "descend",
@@ -153,6 +168,7 @@ __all__ = [
     "load",
     "multiplier_acceleration",
     "names",
+    "precessions",
     "prove_equal",
     "prove_inequality",
     "reaction_forces",

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
+from sympy.logic.boolalg import Boolean
 
 from voronec.algebra.symbols import names_in, plain_name, time, velocity
 from voronec.claims import THEOREMS, Corrected, Measure, claim_names, expressions_of, right_of
 from voronec.errors import DefinitionError, did_you_mean
-from voronec.reading import shown
+from voronec.reading import require_known, shown
 
 if TYPE_CHECKING:
     from voronec.geometry import Frame
@@ -22,9 +23,22 @@ __all__ = [
     "check_forces",
     "check_frame",
     "check_names",
+    "check_possible",
     "check_relations",
     "check_symbols",
 ]
+
+
+def check_possible(system: System) -> None:
+    """Conditions on the parameters are relations among them, and of nothing else."""
+    symbols = {p.symbol for p in system.parameters}
+    for words, condition in system.possible.items():
+        stray = getattr(condition, "free_symbols", symbols) - symbols
+        if not isinstance(condition, Boolean) or condition.is_Symbol or stray:
+            raise DefinitionError(
+                f"system '{system.name}': the condition '{words}' is '{shown(condition)}', which "
+                "is no relation of the system's parameters; write one such as 2*A > m*R**2"
+            )
 
 
 def check_forces(system: System) -> None:
@@ -61,7 +75,7 @@ def check_symbols(system: System) -> None:
     claimed = declared | set(system.invariant_symbols)
     claimed |= set(system.frame.named if system.frame is not None else ())
     for place, expr, known in (*places, *((p, e, claimed) for p, e in _claims(system))):
-        _check_known(f"system '{system.name}': {place}", expr, known)
+        require_known(f"system '{system.name}': {place}", expr, known)
 
 
 def check_claims(system: System) -> None:
@@ -90,7 +104,7 @@ def check_claims(system: System) -> None:
                 raise DefinitionError(
                     f"{place}: case '{label}' gives a value to '{name}', which is no parameter"
                 )
-    claimed = {*claim_names(system)}
+    claimed = {*claim_names(system), *(system.motion.claims if system.motion else ())}
     for name in system.undecided:
         if name not in claimed:
             raise DefinitionError(
@@ -142,22 +156,9 @@ def check_charts(system: System) -> None:
             wrong = f"{place} maps '{key}', which is no coordinate or velocity"
             raise DefinitionError(wrong + did_you_mean(key, names))
         for expr in (*chart.state.values(), *chart.back.values()):
-            _check_known(place, expr, {*system.known_symbols()} - {time})
+            require_known(place, expr, {*system.known_symbols()} - {time})
         for expr in (chart.singular, chart.singular_there):
-            _check_known(f"{place}: singular", expr, resting)
-
-
-def _check_known(place: str, expr: sp.Expr, known: set[sp.Expr]) -> None:
-    """An expression is made of known symbols, and of derivatives of these."""
-    names = names_in(expr) - known
-    unknown = sorted(str(n) for n in names if getattr(n, "expr", n) not in known)
-    if unknown:
-        hint = " (a different symbol of that name is declared: use one symbol object)"
-        same = any(unknown[0] in (str(k), plain_name(k)) for k in known)
-        raise DefinitionError(
-            f"{place} contains '{unknown[0]}', which is neither coordinate, velocity nor "
-            f"parameter; declare it in parameters=(...) or the fibration{hint if same else ''}"
-        )
+            require_known(f"{place}: singular", expr, resting)
 
 
 def check_relations(system: System) -> None:

@@ -8,9 +8,10 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.symbols import names_in, plain_name
 from voronec.errors import DefinitionError
 
-__all__ = ["expression", "mapping", "real_number", "several", "shown", "vanishing"]
+__all__ = ["expression", "mapping", "real_number", "require_known", "several", "shown", "vanishing"]
 
 LONGEST = 60
 """How much of an object a message quotes."""
@@ -90,6 +91,19 @@ def mapping(things: Any, place: str, entry: str) -> Mapping[Any, Any]:
             f"{place} = {shown(things)} is not a mapping; write {place}={{{entry}}} or leave it out"
         )
     return MappingProxyType(dict(things))
+
+
+def require_known(place: str, expr: sp.Expr, known: set[sp.Expr]) -> None:
+    """Refuse an expression that is not made of known symbols and of derivatives of these."""
+    names = names_in(expr) - known
+    unknown = sorted(str(n) for n in names if getattr(n, "expr", n) not in known)
+    if unknown:
+        hint = " (a different symbol of that name is declared: use one symbol object)"
+        same = any(unknown[0] in (str(k), plain_name(k)) for k in known)
+        raise DefinitionError(
+            f"{place} contains '{unknown[0]}', which is neither coordinate, velocity nor "
+            f"parameter; declare it in parameters=(...) or the fibration{hint if same else ''}"
+        )
 
 
 def _sympified(thing: Any, place: str) -> Any:

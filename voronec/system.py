@@ -14,6 +14,8 @@ from voronec.charts import Chart
 from voronec.claims import Case, Poisson, read_claims, right_of
 from voronec.errors import DefinitionError
 from voronec.geometry import Fibration, Frame
+from voronec.quadratures import Quadratures
+from voronec.quadratures.fit import check_motion
 from voronec.reading import expression, mapping, several, shown, vanishing
 from voronec.scene import Parameter, Scene
 
@@ -34,6 +36,9 @@ class System:
         expressions that vanish, affine in the velocities; as many as there are fibre coordinates.
     parameters
         ``Parameter(symbol, value, ...)``, or a bare symbol for one without a default value.
+    possible
+        in words, what parameters must meet together for such a body to exist -> the condition, a
+        relation of SymPy's or several joined: ``{"3 A < 2 m R^2, as ...": 3*A < 2*m*R**2}``.
     forces
         coordinate -> generalized force, for what does not come from the Lagrangian.
     frame
@@ -71,7 +76,7 @@ class System:
         optional: a function of a trajectory that returns a matplotlib figure, or a mapping of
         titles to pairs (colatitude, longitude) of coordinates, drawn as traces on spheres.
     motion
-        a closed-form solution, where there is one.
+        ``Quadratures``: the motion in closed form, where there is one.
 
     Expressions may use plain symbols or ``dynamicsymbols``; the Lagrangian, the forces and the
     constraints may use quasi-velocities too, which stand for their definitions.  One constraint,
@@ -84,6 +89,7 @@ class System:
     lagrangian: Any
     constraints: tuple[Any, ...] = ()
     parameters: tuple[Any, ...] = ()
+    possible: Mapping[str, Any] = field(default_factory=dict)
     forces: Mapping[Any, Any] = field(default_factory=dict)
     frame: Frame | None = None
     integrals: Mapping[str, Any] = field(default_factory=dict)
@@ -102,7 +108,7 @@ class System:
     title: str = ""
     description: str = ""
     drawing: Any = None
-    motion: Any = None
+    motion: Quadratures | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -114,6 +120,7 @@ class System:
             self._read()
         except DefinitionError as error:
             raise DefinitionError(f"system '{self.name}': {error}") from None
+        checks.check_possible(self)
         checks.check_forces(self)
         checks.check_names(self)
         checks.check_symbols(self)
@@ -121,6 +128,7 @@ class System:
         checks.check_relations(self)
         checks.check_claims(self)
         checks.check_charts(self)
+        check_motion(self)
 
     def _check_kinds(self) -> None:
         """A fibration and a frame come ready made."""
@@ -157,6 +165,8 @@ class System:
             store(name, mapping(read, name, entry))
         for name, value in read_claims(self).items():
             store(name, value)
+        entry = "'in words': condition"
+        store("possible", mapping(self.possible, "possible", entry))
         if self.multiplier is not None:
             store("multiplier", expression(self.multiplier, "the multiplier"))
         store("essential", several(self.essential, "essential", "symbol"))
@@ -172,6 +182,12 @@ class System:
             raise DefinitionError(
                 f"poisson is '{shown(self.poisson)}'; write Poisson(variables, bracket, ...)"
             )
+        if self.motion is not None:
+            if not isinstance(self.motion, Quadratures):
+                raise DefinitionError(
+                    f"motion is '{shown(self.motion)}'; write Quadratures(variable={{...}}, ...)"
+                )
+            store("motion", self.motion.titled(self.drawing))
 
     @property
     def coordinates(self) -> tuple[sp.Expr, ...]:

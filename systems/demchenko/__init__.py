@@ -20,11 +20,15 @@ from voronec import (
     Limit,
     Measure,
     Parameter,
+    Quadratures,
     Relation,
     Scene,
+    Space,
     Square,
     System,
+    Trace,
     kinematics,
+    velocity,
 )
 
 u, v, theta, u1, v1 = sp.symbols("u v theta u1 v1")
@@ -44,7 +48,9 @@ turned_rotor = kinematics.axial_rotor(k, contact.body.frame.row(0), contact.spin
 # rotor's part, along (u, v, n) and in space.
 P = M * R2**2 + A
 momentum = sp.Matrix([P * s, P * tau, A * n]) + k * axis.T
-in_space = contact.fixed.frame * contact.turn * momentum
+along_contact = contact.fixed.frame * contact.turn  # (e_u, e_v, n) in space
+in_space = along_contact * momentum
+energy = (P * (s**2 + tau**2) + A * n**2) / 2
 axial = A * n + k * (1 + R2 / R1) * sp.cos(u)
 # P s sin(u) is a quadratic function of cos(u) along each motion; this is its constant term.
 level = (
@@ -53,10 +59,57 @@ level = (
     + k * (1 + R2 / R1) * ((1 + R2 / R1) * M * R2**2 + 2 * A) / (2 * A) * sp.cos(u) ** 2
 )
 
+# Motion by quadratures in x = cos(u) [DragovicGajicJovanovic2020]: P s sin(u) = S, A n = N and
+# P (s^2 + tau^2) = W on a level of the integrals, and Z is the normal part of the momentum.
+# Where the momentum is along the fixed axis z, Z is -Gamma cos(u1), and v1 has a rate in x too.
+x = sp.Symbol("x")
+C5, S0, h2, Gamma = sp.symbols("C5 S0 h2 Gamma")
+ratio = R2 / R1
+mu = 1 + ratio
+N = C5 - k * mu * x
+W = h2 - N**2 / A
+S = S0 + (mu * M * R2**2 + A) * C5 / A * x - k * mu * (mu * M * R2**2 + 2 * A) / (2 * A) * x**2
+V = W - k * S / P
+Z = C5 - k * ratio * x
+v_rate = S / (P * mu * (1 - x**2))
+v1_rate = Gamma * (ratio / mu) * V / (Gamma**2 - Z**2)
+upper, lower = (C5 - Gamma) / (k * ratio), (C5 + Gamma) / (k * ratio)
+E = sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"E{i + 1}{j + 1}"))
+MOTION = Quadratures(
+    variable={x: sp.cos(u)},
+    constants={C5: axial, S0: level, h2: 2 * energy, Gamma: sp.sqrt(momentum.dot(momentum))},
+    quartic=((1 - x**2) * W / P - S**2 / P**2) / mu**2,
+    integrals={
+        v: v_rate,
+        v1: v1_rate,
+        theta: -N / A - x * v_rate + Z / Gamma * v1_rate,
+    },
+    poles={
+        1: S.subs(x, 1) / (2 * P * mu),
+        -1: S.subs(x, -1) / (2 * P * mu),
+        upper: V.subs(x, upper) / (2 * k * mu),
+        lower: -V.subs(x, lower) / (2 * k * mu),
+    },
+    traces=(Trace(u, v, x), Trace(u1, v1, -Z / Gamma)),
+    velocities={s: mu * sp.sin(u) * velocity(v), tau: -mu * velocity(u), n: N / A},
+    space=Space(
+        frame=along_contact,
+        vector=momentum,
+        coordinates={
+            u1: sp.atan2(sp.sqrt(E[0, 2] ** 2 + E[1, 2] ** 2), -E[2, 2]),
+            v1: sp.atan2(-E[1, 2], -E[0, 2]),
+            theta: sp.atan2(E[2, 0], -E[2, 1]),
+        },
+        entries=E,
+    ),
+)
 
-def turning_point(spin: object, normal: object, turn: object) -> dict[sp.Expr, object]:
+
+def turning_point(
+    spin: object, normal: object, turn: object, inertia: object = sp.Rational(2, 5)
+) -> dict[sp.Expr, object]:
     """Initial data at a turning point, u = 1, whose momentum lies along the fixed axis z."""
-    values = {u: turn, s: spin, tau: 0, n: normal, R2: 1, M: 1, A: sp.Rational(2, 5), k: 3}
+    values = {u: turn, s: spin, tau: 0, n: normal, R2: 1, M: 1, A: inertia, k: 3}
     along_u, _, along_n = (sp.sympify(e).subs(values) for e in momentum)
     side = 1 if along_u > 0 else -1  # keeps u1 between 0 and pi
     return {
@@ -65,6 +118,17 @@ def turning_point(spin: object, normal: object, turn: object) -> dict[sp.Expr, o
         u1: sp.atan2(side * along_u, -along_n),
     }
 
+
+around = (R1 < 0) & (-R1 < R2)  # a shell around the sphere
+filled = "a ball has its mass within R2, so 3 A <= 2 M R2^2 (for a shell, R1 < 0 and |R1| < R2)"
+hollow = (
+    "a shell around the sphere (R1 < 0, |R1| < R2) has its mass beyond R2, so 2 A >= M R2^2 "
+    "(inside the sphere rolls a ball with R2 < |R1|)"
+)
+possible = {
+    filled: around | (3 * A <= 2 * M * R2**2),
+    hollow: sp.Not(around) | (2 * A >= M * R2**2),
+}
 
 SYSTEM = System(
     name="demchenko",
@@ -82,8 +146,9 @@ SYSTEM = System(
         Parameter(A, sp.Rational(2, 5), positive=True, meaning="moment of inertia, A1 + A2 = C1"),
         Parameter(k, 3, meaning="axial momentum of the rotor"),
     ),
+    possible=possible,
     integrals={
-        "energy": (P * (s**2 + tau**2) + A * n**2) / 2,
+        "energy": energy,
         "momentum x": in_space[0],
         "momentum y": in_space[1],
         "momentum z": in_space[2],
@@ -117,14 +182,15 @@ SYSTEM = System(
             caption="Inside a sphere three times as large.",
         ),
         "shell": Scene(
-            initial=turning_point(sp.Rational(1, 5), sp.Rational(3, 2), 1),
+            initial=turning_point(sp.Rational(1, 5), sp.Rational(3, 2), 1, sp.Rational(7, 10)),
             times=(0.0, 60.0),
-            parameters={R1: -sp.Rational(1, 2)},
+            parameters={R1: -sp.Rational(1, 2), A: sp.Rational(7, 10)},
             outputs=(u, v, u1, v1, theta),
             caption="A shell around a sphere of half its radius.",
         ),
     },
     drawing={"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")},
+    motion=MOTION,
     references=("Demchenko1924", "DragovicGajicJovanovic2020", "Voronec1902", "Zhukovsky1893"),
 )
 

@@ -9,12 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from voronec.algebra.symbols import plain_name
 from voronec.bench.contender import Contender, NotHere, Outcome, Run, timed
 from voronec.bench.question import Question
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.flow import Trajectory, integrate
+from voronec.flow.closed_form import closed_form
 from voronec.flow.modelling import modelled
 from voronec.flow.steppers import Problem, Stepper
+from voronec.flow.steppers.choice import CLOSED
 from voronec.flow.traverse import through_charts
 from voronec.flow.vocabulary import Vocabulary
 
@@ -51,7 +54,9 @@ def _prepare(question: Question, method: str, full: bool) -> Run:
     def run(tol: float) -> Outcome:
         trajectory = once(question.grid, tol)
         seconds = float(trajectory.cost.cpu)
-        if method != "flint" and not trajectory.interrupted:
+        if method == CLOSED:
+            seconds = _evaluated(question)
+        elif method != "flint" and not trajectory.interrupted:
             if tol not in made:
                 made[tol] = _again(question, asked, trajectory)
             stepper = made[tol]
@@ -60,6 +65,17 @@ def _prepare(question: Question, method: str, full: bool) -> Run:
         return _outcome(question, trajectory, seconds)
 
     return run
+
+
+def _evaluated(question: Question) -> float:
+    """CPU time of evaluating the coordinates and velocities that the outputs hold."""
+    system = question.system
+    form = closed_form(question.equations, question.bare)
+    meaning = dict(zip(system.invariant_symbols, system.invariants.values(), strict=True))
+    held = {s for e in question.expressions.values() for s in e.xreplace(meaning).free_symbols}
+    names = [plain_name(q) for q in (*system.coordinates, *system.velocities) if q in held]
+    elapsed = question.grid - question.grid[0]
+    return timed(lambda: form.at(elapsed, names))[1]
 
 
 def _again(question: Question, asked: Sequence[Any], seen: Trajectory) -> Stepper | None:
@@ -109,5 +125,6 @@ OWN = (
     _own("heyoka-full", "ours: Taylor method, all coordinates", "heyoka", COARSE_TO_FINE, True),
     _own("scipy", "ours: scipy's DOP853, smallest model", "scipy", ROUNDED, False),
     _own("lsoda", "ours: scipy's LSODA, smallest model", "lsoda", ROUNDED[:-1], False),
+    _own(CLOSED, "ours: the motion in closed form, evaluated", CLOSED, (1e-16,), False),
     _own("flint", "ours: Taylor method in any precision", "flint", (EXACT,), False),
 )

@@ -58,10 +58,11 @@ Work = tuple[list[Finding], tuple[str, ...]]
 
 
 def _system(unit: Unit, bench: Bench) -> Work:
+    from voronec.analysis.quadratures import check_motion
     from voronec.relations.charts import check_charts
 
     motions = bench.motions(unit.entry)
-    claims = [*check_claims(motions), *check_charts(motions)]
+    claims = [*check_claims(motions), *check_charts(motions), *check_motion(motions)]
     return [_claim(c, c.reason) for c in claims], ()
 
 

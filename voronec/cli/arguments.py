@@ -9,7 +9,7 @@ import voronec
 
 __all__ = ["command_parser"]
 
-METHODS = ("auto", "heyoka", "scipy", "lsoda", "flint")
+METHODS = ("auto", "heyoka", "scipy", "lsoda", "flint", "closed-form")
 
 SUMMARY = "Exact equations of nonholonomic systems, and the papers that print them."
 EXITS = "exit status: 0 good, 1 a check failed, 2 the input is wrong, 130 stopped by Ctrl-C"
@@ -33,7 +33,7 @@ def command_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for add in (
         _list, _show, _derive, _explain, _regenerate, _run, _check, _compare, _graph, _section,
-        _bench, _hard, _search, _new, _cite,
+        _gallery, _bench, _hard, _search, _new, _cite,
     ):  # fmt: skip
         add(commands)
     return parser
@@ -115,6 +115,11 @@ def _run(commands: Any) -> None:
     parser.add_argument(
         "--out", metavar="DIR", help="folder for trajectory.csv and pictures (./NAME-run)"
     )
+    parser.add_argument(
+        "--animate",
+        metavar="FILE",
+        help="a film of a ball rolling on a sphere: a .gif, an .mp4, or a .png for single frames",
+    )
 
 
 def _check(commands: Any) -> None:
@@ -189,6 +194,21 @@ def _section(commands: Any) -> None:
     )
 
 
+def _gallery(commands: Any) -> None:
+    summary = "find and draw a motion of every class of traces on spheres"
+    parser = _command(commands, "gallery", "gallery", summary)
+    _system(parser)
+    parser.add_argument("--only", metavar="A,B", help="only these classes, such as A,C1,D3")
+    parser.add_argument(
+        "--set", metavar="NAME=VALUE", action="append", default=[],
+        help="hold a parameter at this value; may be given several times",
+    )  # fmt: skip
+    parser.add_argument(
+        "--out", metavar="DIR|FILE",
+        help="folder for pictures, or one .svg, .png or .pdf; none unless told",
+    )  # fmt: skip
+
+
 def _bench(commands: Any) -> None:
     summary = "measure speed against error, of our methods and of others"
     parser = _command(commands, "bench", "benchmark", summary)
@@ -215,7 +235,7 @@ def _hard(commands: Any) -> None:
     )
     parser.add_argument(
         "--method", metavar="M", action="append", default=[],
-        help="auto, heyoka, scipy, lsoda or flint; may be given several times",
+        help="auto, heyoka, scipy, lsoda, flint or closed-form; may be given several times",
     )  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="a short selection of the cases")
     parser.add_argument("--list", action="store_true", help="say which cases there are; run none")

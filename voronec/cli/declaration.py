@@ -50,6 +50,7 @@ def _data(system: System) -> dict[str, Any]:
              "range": _range(p), "meaning": p.meaning}
             for p in system.parameters
         ],
+        "possible": list(system.possible),
         "integrals": {name: plain(e) for name, e in system.conserved.items()},
         "measure": None if system.measure is None else plain(right_of(system.measure).density),
         "claims": declared_claims(system),
@@ -118,6 +119,7 @@ def _lines(system: System) -> list[str]:
             for p in data["parameters"]
         ]
         lines += ["", "parameters", *columns(rows, "  ")]
+        lines += [f"  {words}" for words in data["possible"]]
     lines += ["", "claims", *_claim_lines(data["claims"])]
     lines += ["", "scenes", *_scene_lines(data["scenes"])]
     if data["charts"]:

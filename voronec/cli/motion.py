@@ -32,6 +32,10 @@ def execute(arguments: Namespace) -> int:
     refuse_file(folder)
     parameters, initial = split_values(system, pairs)
     scene = arguments.scene or first_scene(system)
+    if arguments.animate:
+        from voronec.report.rolling_animation import check_film
+
+        check_film(system, Path(arguments.animate))
     from voronec.flow import integrate
 
     progress(f"{system.name}: integrating ...")
@@ -44,6 +48,8 @@ def execute(arguments: Namespace) -> int:
     finally:
         progress("")
     files = _write(trajectory, folder)
+    if arguments.animate:
+        files += _animate(trajectory, Path(arguments.animate))
     _report(trajectory, scene, files, arguments.json)
     if _unsound(trajectory):
         warn("an integral drifts far beyond the tolerance: it is none, or the motion is not sound")
@@ -63,6 +69,19 @@ def _write(trajectory: Trajectory, folder: Path) -> list[Path]:
             warn("the system's own drawing shows more than these outputs, so it is left out")
         written = sorted(file.name for file in workshop.iterdir())
     return [folder / name for name in written]
+
+
+def _animate(trajectory: Trajectory, target: Path) -> list[Path]:
+    from voronec.report.rolling_animation import film, rolling_of
+
+    name = trajectory.system.name
+    try:
+        return list(film(
+            rolling_of(trajectory), target,
+            progress=lambda share: progress(f"{name}: {share:.0%} of the film"),
+        ))  # fmt: skip
+    finally:
+        progress("")
 
 
 def _report(trajectory: Trajectory, scene: str | None, files: list[Path], as_json: bool) -> None:

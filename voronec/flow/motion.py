@@ -22,6 +22,7 @@ from voronec.flow.modelling import Modelled, modelled, whole
 from voronec.flow.observing import Watch, followed, observed
 from voronec.flow.outset import Outset
 from voronec.flow.steppers import Problem, Run
+from voronec.flow.steppers.choice import CLOSED
 from voronec.flow.trajectory import Cost, Trajectory
 from voronec.flow.traverse import through_charts
 from voronec.flow.vocabulary import Vocabulary
@@ -73,6 +74,9 @@ def integrate(
     method
         ``heyoka`` (Taylor), ``scipy`` (DOP853), ``lsoda`` (scipy's, for stiff systems), ``flint``
         (Taylor in any precision), or ``auto``.  ``traj.cost`` says which it was, and why.
+        ``closed-form`` evaluates the motion, where the system declares one (``closed_form``): its
+        cost does not depend on the time, and ``tol`` may be as fine as with ``flint``; it looks
+        for no events.
     tol
         the local error of one step that the integrator aims at, relative to the state (absolute
         where the state is small).  The methods differ in what they make of it, so compare errors,
@@ -103,6 +107,15 @@ def integrate(
     given = Given.of(vocabulary, chosen, parameters, initial)
     happenings, functions = spelled(vocabulary, events)
     outset = Outset.of(vocabulary, given, float(grid[0]), project)
+    if method == CLOSED:
+        if happenings:
+            raise DefinitionError(
+                "the closed form looks for no events; use another method, or evaluate the motion "
+                "on a fine grid"
+            )
+        from voronec.flow.closed_run import evaluated_motion
+
+        return evaluated_motion(vocabulary, asked, given, outset, grid, tol, dense, progress, began)
     followed = dense or bool(happenings) or not asked or len(grid) < FEW
 
     def moved(made: Modelled, times: np.ndarray = grid) -> Trajectory:

@@ -18,8 +18,9 @@ from voronec.flow.conditions import CONSISTENT, Rates, changes, met
 from voronec.flow.manifold import Relations
 from voronec.flow.vocabulary import Vocabulary, number
 from voronec.reading import mapping, shown
+from voronec.system import System
 
-__all__ = ["Start", "named", "parameter_values", "start_of"]
+__all__ = ["Start", "named", "parameter_values", "require_possible", "start_of"]
 
 
 def named(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[str, Any]:
@@ -66,7 +67,20 @@ def parameter_values(
             f"system '{system.name}': no value for the parameter(s) {', '.join(missing)}; give "
             f"parameters={{'{missing[0]}': ...}}"
         )
+    require_possible(system, given)
     return values
+
+
+def require_possible(system: System, given: Mapping[str, Any]) -> None:
+    """Refuse parameters that no body can have, decided with the exact values."""
+    values = {p.symbol: given.get(p.name, p.value) for p in system.parameters}
+    exact = {s: sp.Rational(x) if isinstance(x, float) else x for s, x in values.items()}
+    known = {s: sp.sympify(x) for s, x in exact.items() if x is not None}
+    for words, condition in system.possible.items():
+        if condition.xreplace(known) is sp.false:
+            involved = [p.symbol for p in system.parameters if condition.has(p.symbol)]
+            held = ", ".join(f"{s} = {values[s]}" for s in involved)
+            raise DefinitionError(f"system '{system.name}': {words}; not so with {held}")
 
 
 @dataclass(frozen=True)

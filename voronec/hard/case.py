@@ -13,8 +13,8 @@ from voronec.scene import Scene
 
 __all__ = ["ARITHMETICS", "METHODS", "HardCase"]
 
-METHODS = ("heyoka", "scipy", "lsoda", "flint")
-"""The integrators a case can be shown with; the tool's own choice, ``auto``, is always there."""
+METHODS = ("heyoka", "scipy", "lsoda", "flint", "closed-form")
+"""The methods a case can be shown with; the tool's own choice, ``auto``, is always there."""
 ARITHMETICS = {"quadruple": 33, "extended": 19}
 """What a reference is computed in, with its decimal digits."""
 
@@ -41,7 +41,8 @@ class HardCase:
     arithmetic
         of the reference, ``quadruple`` (33 digits) or ``extended`` (19 digits, for long spans).
     methods
-        which of heyoka, scipy, lsoda and flint are worth waiting for.
+        which of heyoka, scipy, lsoda and flint are worth waiting for; the closed form is tried
+        wherever the system declares one.
     chaotic
         whether errors grow exponentially; said in the table.
     """

@@ -44,9 +44,10 @@ def trials(
     """The findings case by case, each as soon as it is there.
 
     ``methods`` are those wanted, ``auto`` and ``default`` among them or not; by default these two
-    (the tool's own choice at its finest, and at the tolerance of ``integrate``) and whatever the
-    case says is worth waiting for.  Where ``auto`` takes a method that is tried as well, it is
-    tried once and marked.  A case without a reference that can be had here is ``unjudged``.
+    (the tool's own choice at its finest, and at the tolerance of ``integrate``), whatever the case
+    says is worth waiting for, and the closed form where the system declares one.  Where ``auto``
+    takes a method that is tried as well, it is tried once and marked.  A case without a reference
+    that can be had here is ``unjudged``.
     """
     derived: dict[str, VoronecEquations] = {}
     for position, case in enumerate(cases):
@@ -61,7 +62,8 @@ def trials(
         except EngineLimit as limit:
             yield Finding(case, None, (Trial(case.name, "-", "unjudged", reason=str(limit)),))
             continue
-        for method in methods or ("auto", "default", *available(case.methods)):
+        own = ("closed-form",) if case.level and equations.system.motion is not None else ()
+        for method in methods or ("auto", "default", *available(case.methods), *own):
             if any(t.automatic and t.chosen == method for t in found):
                 continue
             say(f"{position + 1}/{len(cases)} {case.name}: {method} ...")

@@ -29,6 +29,7 @@ TOLERANCES = {
     "scipy": 2.3e-14,
     "lsoda": 1e-13,
     "flint": 1e-25,
+    "closed-form": 1e-16,
 }
 """What each method is asked for: the finest that does it good, so that its best is shown; and
 ``default``, the tool's own choice at the tolerance of who gives none."""

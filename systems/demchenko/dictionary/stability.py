@@ -251,10 +251,21 @@ def stationary(_: Study, where: Range) -> vo.Verdict:
     for end in (1, -1):
         sign, worse = (signed(polar(end), relation, where) for relation in ("<", "<="))
         if worse.refuted:
-            method = f"a ball that spins at x = {end}: X / (1 - |x|)^2 is positive beside it"
-            return replace(worse, method=f"{method}, {worse.method}")
+            return spinning_away(where, end, worse)
         steps.append((f"X / (1 - |x|)^2 < 0 at x = {end}", sign))
     return chained(*steps)
+
+
+def spinning_away(where: Range, end: int, worse: vo.Verdict) -> vo.Verdict:
+    """A motion that leaves the pole: n between the two values at which X'' vanishes."""
+    own, reach = level(), end * sp.Rational(1, 2)
+    numbers = {**body(where), k: 1, sp.cos(u): end, sp.sin(u): 0, s: 0, tau: 0}
+    numbers[n] = (-2 * end * k * own.mu / own.P).xreplace(numbers)
+    X = sp.Poly(sp.cancel(at_state(own.X, numbers) / (1 - end * x) ** 2), x)
+    if X.eval(end) > 0 and X.count_roots(*sorted((end, reach))) == 0:
+        beside = f"with its constants, a motion begun beside x = {end} runs beyond x = {reach}"
+        return refuted(f"{beside}: X > 0 there", numbers, f"beyond {reach}", f"x stays at {end}")
+    return replace(worse, method=f"a ball that spins at x = {end}: X > 0, {worse.method}")
 
 
 # -- remarkable trajectories ----------------------------------------------------------------

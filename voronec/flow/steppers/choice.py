@@ -20,7 +20,7 @@ from voronec.flow.steppers.run import Problem, Stepper
 from voronec.flow.steppers.stepwise import FINEST, dop853, estimated_steps, lsoda
 from voronec.flow.steppers.taylor import taylor
 
-__all__ = ["METHODS", "choose"]
+__all__ = ["CLOSED", "METHODS", "choose"]
 
 EXACT = 1e-16
 """Doubles have nothing to offer below this tolerance."""
@@ -35,13 +35,17 @@ _MAKERS: dict[str, Callable[[Problem], Stepper]] = {
     "lsoda": lsoda,
     "flint": digits,
 }
-METHODS = ("auto", *_MAKERS)
+CLOSED = "closed-form"
+"""Evaluates a declared motion; it takes no steps, and is no integrator."""
+METHODS = ("auto", *_MAKERS, CLOSED)
 
 
 def choose(method: str, problem: Problem, grid: np.ndarray) -> tuple[Stepper, dict[str, Any]]:
     """The integrator, ready to run, and what ``Cost`` says of the choice."""
     if method not in METHODS:
         raise DefinitionError(f"there is no method '{method}'; methods are {', '.join(METHODS)}")
+    if method == CLOSED:
+        raise DefinitionError(f"'{CLOSED}' takes no steps; it evaluates one motion at a time")
     if not 0 < problem.tol < 1:
         raise DefinitionError(f"tol = {problem.tol} must lie between 0 and 1, such as 1e-13")
     if method == "heyoka" and not problem.program.state:

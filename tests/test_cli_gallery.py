@@ -1,0 +1,76 @@
+"""``voronec gallery``: its table, its pictures, its refusals, and what Ctrl-C leaves."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command_line import Call, refused
+
+from voronec.closed.classes import finding
+
+
+def test_rows_say_figure_class_on_both_spheres_and_start(call: Call) -> None:
+    answer = call("gallery", "demchenko", "--only", "D1")
+    head, ball, sphere = answer.out.splitlines()
+    assert answer.status == 0 and answer.err == ""
+    assert head.split()[:3] == ["sphere", "figure", "class"]
+    assert ball.split()[:6] == ["on", "the", "ball", "8", "D1", "D1"]
+    assert sphere.startswith("on the sphere") and "u = acos(" in sphere
+
+
+def test_json_and_pictures_of_every_motion(call: Call) -> None:
+    answer = call("gallery", "demchenko", "--only", "E1", "--json", "--out", "found")
+    told = json.loads(answer.out)
+    assert answer.status == 0 and told["system"] == "demchenko"
+    rows = [(m["trace"], m["class"], m["figure"]) for m in told["motions"]]
+    assert rows == [("on the ball", "E1", 11), ("on the sphere", "E1", 11)]
+    assert all(m["traces"][m["trace"]]["class"] == m["class"] for m in told["motions"])
+    names = {Path(f).name for f in told["files"]}
+    assert names == {p.name for p in Path("found").iterdir()}
+    assert names >= {"on-the-ball.svg", "on-the-sphere.svg", "on-the-sphere-E1.svg"}
+
+
+def test_one_picture_by_its_suffix_and_a_system_without_a_paper(call: Call) -> None:
+    answer = call("gallery", "zhukovsky-ball", "--only", "A", "--out", "all.png")
+    assert answer.status == 0 and "wrote all.png" in answer.out and "figure" not in answer.out
+    assert Path("all.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_class_that_does_not_exist_is_a_line_with_the_reason(call: Call) -> None:
+    answer = call("gallery", "demchenko", "--only", "A,D3", "--set", "k=0")
+    assert answer.status == 0
+    assert "class D3 on the ball does not exist: it needs a phi with 2 roots" in answer.out
+    none = call("gallery", "demchenko", "--only", "D3", "--set", "k=0")
+    assert none.status == 1 and len(none.out.splitlines()) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("demchenko", "--only", "A,F"), "there is no class 'F'"),
+        (("demchenko", "--out", "x.gif"), "a picture ends in .svg, .png or .pdf"),
+        (("demchenko", "--set", "u=1"), "set parameters only"),
+        (("demchenko", "--set", "R2=-1"), "parameter 'R2' = -1 must be positive"),
+    ],
+)
+def test_refusals(call: Call, arguments: tuple[str, ...], words: str) -> None:
+    assert words in refused(call("gallery", *arguments))
+
+
+def test_ctrl_c_keeps_what_is_done(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    find, done = finding.find, []
+
+    def stopping(*given: Any) -> Any:
+        if done:
+            raise KeyboardInterrupt
+        done.append(given)
+        return find(*given)
+
+    monkeypatch.setattr(finding, "find", stopping)
+    answer = call("gallery", "demchenko", "--only", "D2,E2", "--out", "found")
+    assert answer.status == 130 and "stopped, 1 of 4 motions done" in answer.err
+    assert answer.out.splitlines()[1].split()[:5] == ["on", "the", "ball", "9", "D2"]
+    assert Path("found/on-the-ball-D2.svg").exists()

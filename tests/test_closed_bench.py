@@ -1,0 +1,70 @@
+"""The closed form as a contender and as a reference."""
+
+import numpy as np
+import pytest
+
+import voronec as vo
+from voronec.bench import agreement
+from voronec.bench.question import ask
+from voronec.bench.runs import measure
+from voronec.hard.cases import CASES
+from voronec.hard.reference import _in_closed_form, reference
+from voronec.hard.trial import attempt
+
+
+@pytest.fixture(scope="module")
+def equations():
+    return vo.derive(vo.load("demchenko"))
+
+
+def test_the_closed_form_takes_part_and_is_the_reference(equations):
+    found = measure(ask(equations, time=3.0, instants=21), methods=("closed-form",))
+    assert "closed form" in found.reference.how[0]
+    assert found.reference.accuracy < 1e-15
+    assert not found.reference.note
+    (row,) = found.methods
+    assert [p.setting for p in row.points] == [1e-16]
+    assert row.points[0].error < 1e-13
+
+
+def test_a_long_motion_is_checked_on_its_beginning(equations, monkeypatch):
+    monkeypatch.setattr(agreement, "CROSSED", 2.0)
+    question = ask(equations, time=300.0, instants=5)
+    found = agreement.reference(question)
+    assert len(found.t) == 5
+    assert "agree up to t = 2" in found.note
+    exact = vo.closed_form(equations, question.bare).enclose(300, 20)
+    for name in ("s", "tau", "n"):
+        assert float(exact[name]) == pytest.approx(found.values[name][-1], abs=1e-15)
+
+
+def test_a_reference_that_disagrees_is_not_the_closed_form(equations, monkeypatch):
+    question = ask(equations, time=2.0, instants=5)
+    right = agreement._enclosed(question)
+    wrong = {n: np.asarray(x, dtype=float) + 1e-6 for n, x in right.items()}
+    monkeypatch.setattr(agreement, "_enclosed", lambda _: wrong)
+    assert agreement._in_closed_form(question, 1e-13) is None
+
+
+def test_a_system_without_a_motion_has_another_reference():
+    question = ask(vo.load("sleigh"), time=1.0, instants=5)
+    assert agreement._in_closed_form(question, 1e-13) is None
+
+
+@pytest.mark.parametrize("name", ["very-fast-gyroscope", "turning-point", "long"])
+def test_hard_cases_are_met_by_the_closed_form(equations, name):
+    (case,) = (c for c in CASES if c.name == name)
+    trial = attempt(case, equations, "closed-form", reference(case, equations))
+    assert trial.verdict == "met"
+    assert trial.chosen == "closed-form"
+    assert trial.error < 1e-13
+
+
+def test_references_of_hard_cases_agree_with_the_closed_form(equations):
+    (case,) = (c for c in CASES if c.name == "turning-point")
+    from voronec.hard.closed import problem
+
+    found = _in_closed_form(case, equations, problem(case, equations))
+    known = reference(case, equations)
+    for i, name in enumerate(known.values):
+        assert np.abs(found[:, i].astype(float) - known.values[name]).max() < 1e-15

@@ -1,0 +1,229 @@
+"""Phase portraits, stability charts, bifurcation sets and films."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sympy as sp
+from command_line import Call, refused
+
+import voronec as vo
+from voronec.errors import DefinitionError
+from voronec.report.phase_picture import Level, phase_figure, phase_levels
+from voronec.report.pictures import save
+
+x, c = sp.symbols("x c")
+WELLS = c - (x**2 - sp.Rational(1, 4)) ** 2
+"""Two wells: points of rest at x = 1/2 and -1/2 for c = 0, a separatrix at x = 0 for c = 1/16."""
+SIZE = 150_000
+
+
+@pytest.fixture(scope="module")
+def demchenko() -> vo.System:
+    return vo.load("demchenko")
+
+
+def written(figure: object, path: Path) -> bytes:
+    save(figure, path)
+    return path.read_bytes()
+
+
+# -- phase portrait -----------------------------------------------------------------------------
+
+
+def test_separatrices_and_points_of_rest_are_found() -> None:
+    levels = phase_levels(WELLS, x, c, sp.Rational(1, 100))
+    (separatrix,) = [level for level in levels if level.kind == "separatrix"]
+    assert separatrix.double == pytest.approx(0, abs=1e-12)
+    assert separatrix.roots == pytest.approx((-(0.5**0.5), 0, 0.5**0.5), abs=1e-9)
+    rest = sorted(level.double or 0 for level in levels if level.kind == "rest")
+    assert rest == pytest.approx([-0.5, 0.5], abs=1e-12)
+
+
+@pytest.mark.parametrize(("value", "count"), [("1/100", 2), ("1/10", 1)])
+def test_a_level_has_its_intervals(value: str, count: int) -> None:
+    (motion,) = [v for v in phase_levels(WELLS, x, c, sp.Rational(value)) if v.kind == "motion"]
+    assert len(motion.intervals) == count
+    for a, b in motion.intervals:
+        assert motion(np.array([a, b])) == pytest.approx([0, 0], abs=1e-12)
+        assert (motion(np.linspace(a, b, 9)[1:-1]) > 0).all()
+
+
+def test_only_the_interval_of_the_motion_is_marked() -> None:
+    levels = phase_levels(WELLS, x, c, sp.Rational(1, 100), place=0.5)
+    (motion,) = [level for level in levels if level.kind == "motion"]
+    assert motion.own == (motion.intervals[1],)
+    assert motion.own[0][0] > 0
+
+
+def test_curves_of_a_portrait_obey_the_equation() -> None:
+    level = Level((0.25, 0.0, -1.0), "motion")
+    (_, below) = phase_figure([level]).axes
+    (curve,) = [line for line in below.lines if len(line.get_xdata()) > 100]
+    place, rate = curve.get_data()
+    assert rate**2 == pytest.approx(0.25 - place**2, abs=1e-12)
+    assert rate.min() == pytest.approx(-0.5, abs=1e-3)
+
+
+def test_a_portrait_is_the_same_bytes_and_small(tmp_path: Path) -> None:
+    first, second = (
+        written(phase_figure(phase_levels(WELLS, x, c, sp.Rational(1, 10))), tmp_path / "p.svg")
+        for _ in range(2)
+    )
+    assert first == second
+    assert len(first) < SIZE
+
+
+def test_a_portrait_needs_numbers() -> None:
+    with pytest.raises(DefinitionError, match="still holds symbols"):
+        phase_levels(WELLS + sp.Symbol("k"), x, c, 1)
+
+
+# -- charts -------------------------------------------------------------------------------------
+
+
+def test_a_chart_shows_each_region_as_it_is(demchenko: vo.System, tmp_path: Path) -> None:
+    from matplotlib.colors import to_hex
+
+    from voronec.closed.special.chart import chart_of
+    from voronec.report.stability_picture import STABLE, UNSTABLE, stability_figure
+
+    chart = chart_of(demchenko, unit="k/A")
+    figure = stability_figure({"outer": chart}, labels=("$x$", "$w$"))
+    (panel,) = figure.axes
+    assert to_hex(panel.get_facecolor()) == STABLE
+    unstable = [region for region in chart.regions if not region.stable]
+    assert 0 < len(unstable) < len(chart.regions)
+    for patch, region in zip(panel.patches, unstable, strict=True):
+        assert to_hex(patch.get_facecolor()) == UNSTABLE
+        assert patch.get_path().contains_point([float(c) for c in region.sample])
+    assert len(written(figure, tmp_path / "chart.svg")) < SIZE
+
+
+def test_shades_of_a_bifurcation_set_are_numbers_of_motions(demchenko: vo.System) -> None:
+    from voronec.closed.special.bifurcation import bifurcation_set
+    from voronec.report.bifurcation_picture import _levels, bifurcation_figure
+
+    one = bifurcation_set(demchenko, ("S0", "h2"), {"C5": "1/2"})
+    grid = np.array([-1.0, 4.0, 7.0, 11.0, 13.0, 18.0])
+    least, second, ridge = _levels(one, grid)
+    assert np.isfinite(ridge).sum() >= 3
+    for i, across in enumerate(grid):
+        level = sp.Rational(across)
+        assert one.motions(level, sp.Rational(least[i]) - sp.Rational(1, 100)) == 0
+        assert one.motions(level, sp.Rational(least[i]) + sp.Rational(1, 100)) == 1
+        if np.isfinite(ridge[i]) and ridge[i] > second[i]:
+            assert one.motions(level, sp.Rational((second[i] + ridge[i]) / 2)) == 2
+            assert one.motions(level, sp.Rational(ridge[i]) + sp.Rational(1, 100)) == 1
+    (panel,) = bifurcation_figure({"outer": one}).axes
+    curves = [line for line in panel.lines if len(line.get_xdata()) > 2]
+    assert len(curves) == len(one.curves)
+
+
+# -- films --------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module", params=["default", "inner", "shell"])
+def run(request: pytest.FixtureRequest, demchenko: vo.System) -> vo.Trajectory:
+    times = np.linspace(0, 4, 801)
+    return vo.integrate(demchenko, scene=request.param, times=times, method="scipy")
+
+
+def test_the_ball_of_a_film_touches_and_does_not_slip(run: vo.Trajectory) -> None:
+    from voronec.report.rolling_animation import rolling_of
+
+    rolling = rolling_of(run)
+    turned = np.einsum("tij,tj->ti", rolling.attitude, rolling.body)
+    assert np.allclose(turned, -rolling.fixed, atol=1e-12)
+    # The ball's material point at the contact rests: d(centre)/dt = -omega x (contact - centre).
+    step = rolling.times[1] - rolling.times[0]
+    centres = rolling.centres
+    moved = (centres[2:] - centres[:-2]) / (2 * step)
+    change = (rolling.attitude[2:] - rolling.attitude[:-2]) / (2 * step)
+    swept = rolling.radius * np.einsum("tij,tj->ti", change, rolling.body[1:-1])
+    assert np.abs(moved + swept).max() < 2e-3 * np.abs(moved).max()
+    kinds = {2.0: "outer", -3.0: "inner", -0.5: "shell"}
+    assert rolling.kind == kinds[rolling.fixed_radius]
+
+
+def test_a_film_has_its_frames(run: vo.Trajectory, tmp_path: Path) -> None:
+    from PIL import Image
+
+    from voronec.report.rolling_animation import film, rolling_of
+
+    shares: list[float] = []
+    (target,) = film(rolling_of(run), tmp_path / "a.gif", frames=3, progress=shares.append)
+    with Image.open(target) as picture:
+        assert picture.n_frames == 3
+    assert shares == pytest.approx([1 / 3, 2 / 3, 1])
+    single = film(rolling_of(run), tmp_path / "b.svg", frames=2)
+    assert [p.name for p in single] == ["b-0001.svg", "b-0002.svg"]
+    assert single[0].read_bytes() != single[1].read_bytes()
+
+
+def test_films_that_cannot_be_are_refused_before_any_work(
+    demchenko: vo.System, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from matplotlib.animation import FFMpegWriter
+
+    from voronec.report.rolling_animation import check_film
+
+    monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
+    for system, target, words in (
+        (vo.load("sleigh"), "a.gif", "no film of a ball"),
+        (demchenko, "a.doc", "no film; write"),
+        (demchenko, "a.mp4", "ffmpeg"),
+        (demchenko, "nowhere/a.gif", "there is no"),
+    ):
+        with pytest.raises(DefinitionError, match=words):
+            check_film(system, tmp_path / target)
+    check_film(demchenko, tmp_path / "a.gif")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [("demchenko --animate a.doc", "write FILE.gif"), ("sleigh --animate a.gif", "no film of a")],
+)
+def test_run_refuses_a_film_in_one_line(call: Call, words: str, told: str) -> None:
+    assert told in refused(call("run", *words.split()))
+
+
+# -- traces of a closed form ----------------------------------------------------------------------
+
+
+def test_traces_of_a_closed_form_run_between_its_ends(demchenko: vo.System) -> None:
+    from voronec.report.motion_traces import motion_traces, shown_periods
+
+    closed = vo.closed_form(demchenko)
+    ball, fixed = motion_traces(closed, {"v": "on the ball"}, periods=6)
+    assert ball.title == "on the ball"
+    assert sorted(np.cos(ball.parallels)) == pytest.approx(sorted(closed.ends), abs=1e-4)
+    assert len(ball.points) == len(fixed.points) == 6 * 600 + 1
+    assert ball.times[-1] == pytest.approx(6 * closed.period)
+    assert shown_periods(closed, "v") == shown_periods(closed, "v1") == 16
+    assert shown_periods(closed, "theta") == 1
+
+
+def test_no_motion_is_no_portrait() -> None:
+    with pytest.raises(DefinitionError, match="no motion with c = -1"):
+        phase_levels(WELLS, x, c, -1)
+    with pytest.raises(DefinitionError, match="at x = 0: f < 0"):
+        phase_levels(WELLS, x, c, sp.Rational(1, 100), place=0.0)
+
+
+# -- what is committed ----------------------------------------------------------------------------
+
+
+def test_pictures_of_the_documentation_are_small_and_vectors() -> None:
+    folder = Path(__file__).parent.parent / "docs" / "closed-form"
+    pictures = sorted(folder.iterdir())
+    labels = {p.stem.removeprefix("class-") for p in pictures if p.stem.startswith("class-")}
+    assert labels == {"A", "B", "C1", "C2", "D1", "D2", "D3", "E1", "E2"}
+    for picture in pictures:
+        content = picture.read_bytes()
+        assert picture.suffix == ".svg"
+        assert len(content) < SIZE, picture.name
+        assert b"<image" not in content, picture.name
+        assert b"<dc:date>" not in content, picture.name

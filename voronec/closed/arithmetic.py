@@ -1,0 +1,176 @@
+"""Expressions in ball arithmetic: compiled once, evaluated at whatever precision is in force.
+
+Numbers in an expression are exact until they are used; doubles are the doubles they are.
+"""
+
+from __future__ import annotations
+
+import linecache
+from collections.abc import Callable, Iterable, Sequence
+from fractions import Fraction
+from itertools import count
+from typing import Any
+
+import sympy as sp
+
+from voronec.errors import DefinitionError, EngineLimit
+
+__all__ = ["angle", "ball", "compiled", "exact", "precise", "root"]
+
+_SERIAL = count()
+_METHODS = {
+    sp.sin: "sin",
+    sp.cos: "cos",
+    sp.tan: "tan",
+    sp.asin: "asin",
+    sp.acos: "acos",
+    sp.atan: "atan",
+    sp.exp: "exp",
+    sp.log: "log",
+    sp.sinh: "sinh",
+    sp.cosh: "cosh",
+    sp.tanh: "tanh",
+}
+
+Function = Callable[[Sequence[Any]], list[Any]]
+"""Balls in, balls out."""
+
+
+def precise(bits: int) -> Any:
+    """A context in which balls have so many bits."""
+    from flint import ctx
+
+    return ctx.workprec(bits)
+
+
+def exact(value: Any) -> Any:
+    """A number as sympy has it, exactly: doubles and decimals of any length as what they are."""
+    if isinstance(value, int | float | Fraction):
+        return sp.Rational(value)
+    if hasattr(value, "_mpf_"):
+        return _rational(value._mpf_)
+    expr = sp.sympify(value)
+    return expr.xreplace({x: _rational(x._mpf_) for x in expr.atoms(sp.Float)})
+
+
+def _rational(parts: Any) -> sp.Rational:
+    sign, mantissa, exponent, _ = parts
+    return sp.Rational(-int(mantissa) if sign else int(mantissa)) * sp.Integer(2) ** exponent
+
+
+def ball(value: Any) -> Any:
+    """A number as a ball at the precision in force; doubles and integers exactly."""
+    from flint import arb, fmpq
+
+    if isinstance(value, arb):
+        return value
+    if isinstance(value, int | float):
+        return arb(value)
+    known = exact(value)
+    if known.is_Rational:
+        return arb(fmpq(int(known.p), int(known.q)))
+    return compiled((known,), ())(())[0]
+
+
+def compiled(expressions: Iterable[Any], symbols: Sequence[Any]) -> Function:
+    """A function of the symbols' values, in their order, to those of the expressions.
+
+    Equal parts are computed once.  ``EngineLimit`` for a function that balls do not have.
+    """
+    from flint import arb, fmpq
+
+    writer = _Writer(symbols)
+    results = [writer.term(exact(e)) for e in expressions]
+    lines = ["def evaluated(given):"]
+    if symbols:
+        lines.append(f"    {', '.join(writer.arguments)}, = given")
+    lines += [f"    {line}" for line in writer.lines]
+    lines.append(f"    return [{', '.join(results)}]")
+    source = "\n".join(lines) + "\n"
+    filename = f"<voronec balls {next(_SERIAL)}>"
+    linecache.cache[filename] = (len(source), None, source.splitlines(keepends=True), filename)
+    numbers = [fmpq(int(q.p), int(q.q)) for q in writer.numbers]
+    namespace: dict[str, Any] = {"arb": arb, "N": numbers, "root": root, "angle": angle}
+    exec(compile(source, filename, "exec"), namespace)
+    function: Function = namespace["evaluated"]
+    return function
+
+
+def angle(y: Any, x: Any) -> Any:
+    """atan2(y, x); across the negative axis the ball goes on beyond pi."""
+    from flint import arb
+
+    if x < 0 and y.contains(0):
+        return arb.pi() + (y / x).atan()
+    return arb.atan2(y, x)
+
+
+def root(x: Any) -> Any:
+    """The square root; of a ball that reaches below zero, of its part above."""
+    from flint import arb
+
+    found = x.sqrt()
+    if found.is_finite() or x < 0:
+        return found
+    return arb(0).union(x.abs_upper().sqrt())
+
+
+class _Writer:
+    """Writes the lines of a function, each part of the expressions once."""
+
+    def __init__(self, symbols: Sequence[Any]) -> None:
+        self.arguments = [f"a{i}" for i in range(len(symbols))]
+        self.known: dict[Any, str] = dict(zip(symbols, self.arguments, strict=True))
+        self.lines: list[str] = []
+        self.numbers: list[Any] = []
+
+    def term(self, expr: Any) -> str:
+        """The name under which an expression is computed."""
+        if expr not in self.known:
+            text = self._written(expr)
+            name = f"b{len(self.lines)}"
+            self.lines.append(f"{name} = {text}")
+            self.known[expr] = name
+        return self.known[expr]
+
+    def _written(self, expr: Any) -> str:
+        if expr.is_Rational:
+            return f"arb({self._number(expr)})"
+        if expr.is_Add:
+            return " + ".join(map(self._operand, expr.args))
+        if expr.is_Mul:
+            return " * ".join(map(self._operand, expr.args))
+        if expr.is_Pow:
+            return self._power(*expr.as_base_exp())
+        if expr == sp.pi:
+            return "arb.pi()"
+        if isinstance(expr, sp.atan2):
+            y, x = map(self.term, expr.args)
+            return f"angle({y}, {x})"
+        if isinstance(expr, sp.Abs):
+            return f"abs({self.term(expr.args[0])})"
+        if expr.func in _METHODS:
+            return f"{self.term(expr.args[0])}.{_METHODS[expr.func]}()"
+        if isinstance(expr, sp.Symbol | sp.Derivative):
+            raise DefinitionError(f"'{expr}' has no value in the closed form")
+        raise EngineLimit(f"'{expr}' cannot be evaluated in ball arithmetic; write it with sines, "
+                          "cosines, roots and atan2")  # fmt: skip
+
+    def _number(self, expr: Any) -> str:
+        if expr.is_Integer and abs(expr) < 1 << 60:
+            return str(int(expr))
+        if expr not in self.numbers:
+            self.numbers.append(expr)
+        return f"N[{self.numbers.index(expr)}]"
+
+    def _operand(self, expr: Any) -> str:
+        # a number beside a ball takes on the precision in force there
+        return f"({self._number(expr)})" if expr.is_Rational else self.term(expr)
+
+    def _power(self, base: Any, power: Any) -> str:
+        below = self.term(base)
+        if power.is_Integer:
+            return f"{below}**({int(power)})" if power != -1 else f"1 / {below}"
+        if power.is_Rational and power.q == 2:
+            return f"root({below})**({int(power.p)})" if power.p != 1 else f"root({below})"
+        return f"{below}**{self.term(power)}"

@@ -1,0 +1,184 @@
+"""The whole motion at one time as balls that contain the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from flint import ctx
+
+from voronec.algebra.symbols import plain_name
+from voronec.closed.arithmetic import angle, ball, compiled, precise, root
+from voronec.closed.reading import Reading, reading
+from voronec.closed.rest import turned_by
+from voronec.closed.space import product
+from voronec.errors import EngineLimit
+
+if TYPE_CHECKING:
+    from voronec.closed.form import ClosedForm
+
+__all__ = ["enclosed"]
+
+GUARD = 32
+MOST = 1 << 15
+"""Bits beyond which an enclosure is given up."""
+
+
+def enclosed(form: ClosedForm, t: Any, digits: int) -> dict[str, Any]:
+    """Coordinates and velocities at a time, each with a radius below 10^-digits.
+
+    Raises ``EngineLimit`` where that cannot be had: at a time that is itself a wide ball, or at
+    the instant of a passage through a pole of the coordinates.
+    """
+    if not isinstance(t, str) and t == 0:
+        with precise(int(digits * 3.33) + 2 * GUARD):
+            return _begun(form)
+    bits = int(digits * 3.33) + GUARD
+    wide: list[str] = []
+    while bits <= MOST:
+        with precise(bits):
+            found = _rested(form, t, bits) if form.rests else _moving(form, t, digits + 5, bits)
+            least = ball(10) ** -digits
+            wide = [name for name, x in found.items() if not (x.is_finite() and x.rad() < least)]
+        if not wide:
+            return found
+        bits *= 2
+    raise EngineLimit(
+        f"{', '.join(wide)} at t = {t} cannot be had to {digits} digits; give the time exactly, "
+        "and none at which a pole of the coordinates is passed"
+    )
+
+
+def _begun(form: ClosedForm) -> dict[str, Any]:
+    problem, system = form.problem, form.system
+    given = dict(zip(problem.prepared.inputs, problem.given(ctx.prec), strict=True))
+    return {plain_name(q): given[q] for q in (*system.coordinates, *system.velocities)}
+
+
+def _moving(form: ClosedForm, t: Any, digits: int, bits: int) -> dict[str, Any]:
+    own, problem = form.problem.prepared, form.problem
+    digits = max(digits, int((bits - GUARD) / 3.33))
+    at = form.solution.enclose(t, digits)
+    table, x = problem.table(bits), at.x
+    count = len(own.poles)
+    shares = list(_shares(table, count, at))
+    rates = _rates(own, table, shares, x)
+    angles = dict(zip(own.motion.angles, form.begin(bits), strict=True))
+    found = {q: a + at.integrals[j] for j, (q, a) in enumerate(angles.items())}
+    values = [*problem.level(bits), x]
+    first = own.cosine_at
+    for i, trace in enumerate(own.motion.traces):
+        offset, slope = table[first + 2 * i : first + 2 * i + 2]
+        below, above = (
+            at.affine(1 + s * (offset + slope * at.base), 1 + s * (offset + slope * at.other))
+            for s in (-1, 1)
+        )
+        below, above = below.nonnegative_part(), above.nonnegative_part()
+        side, turns = form.branch(i)
+        colatitude = 2 * angle(root(below), root(above))
+        found[trace.colatitude] = side * colatitude + 2 * turns * ball(1).pi()
+        sine = side * root(below * above)
+        values += [sine, offset + slope * x, -slope * at.rate / sine]
+    values += rates[: len(own.motion.angles)]
+    values += [found[q] for q in reading(own).coordinates]
+    values += _polynomials(form, x, bits)
+    if form.attitude is not None and not form.attitude.upright:
+        found |= _turned(form, found, bits)
+    if own.motion.plane is not None:
+        found |= placed(form, table, at.integrals, x, bits)
+    return _named(form, found, _velocities(reading(own), values))
+
+
+def _rested(form: ClosedForm, t: Any, bits: int) -> dict[str, Any]:
+    problem, own = form.problem, form.problem.prepared
+    from voronec.elliptic.solution import exact_time
+
+    time, given = exact_time(t), dict(zip(own.inputs, problem.given(bits), strict=True))
+    found = {q: given[q] for q in own.system.coordinates}
+    turned = form.attitude is not None and not form.attitude.upright
+    for q, rate in zip(own.system.coordinates, form.steady(bits), strict=True):
+        found[q] = found[q] + rate * time
+    if turned and form.attitude is not None:
+        motion = turned_by(form.attitude.spin(bits), time)
+        frame = product(form.attitude.start(bits)[0], motion)
+        found |= _read(form, frame, bits)
+    return _named(form, found, [given[v] for v in own.system.velocities])
+
+
+def placed(form: ClosedForm, table: list[Any], integrals: Any, x: Any, bits: int) -> dict[Any, Any]:
+    """The place on a plane: along and across a constant direction."""
+    plane, own = form.quadratures.plane, form.problem.prepared
+    assert plane is not None
+    start, moved = form.problem.place(bits), []
+    for i in range(2):
+        a, b, c = table[own.slope_at + 3 * i : own.slope_at + 3 * i + 3]
+        rest = (x - start) * (a + b * (x + start) / 2 + c * (x * x + x * start + start * start) / 3)
+        moved.append(integrals[len(own.motion.angles) + i] + rest)
+    (first, second), place = form.direction(bits), [form.exact(q)(bits) for q in plane.place]
+    return {
+        plane.place[0]: place[0] + first * moved[0] - second * moved[1],
+        plane.place[1]: place[1] + second * moved[0] + first * moved[1],
+    }
+
+
+def _turned(form: ClosedForm, upright: dict[Any, Any], bits: int) -> dict[Any, Any]:
+    assert form.attitude is not None
+    frame = form.attitude.machines[2]([upright[q] for q in form.attitude.coordinates])
+    return _read(form, product(form.attitude.turn(bits), frame), bits)
+
+
+def _read(form: ClosedForm, frame: list[Any], bits: int) -> dict[Any, Any]:
+    """Coordinates off the frame in space: those of a whole turn are in (-pi, pi] here."""
+    assert form.attitude is not None
+    plain = form.attitude.machines[1](frame)
+    return form.attitude.shifted(plain, bits)
+
+
+def _shares(table: list[Any], count: int, at: Any) -> Iterator[Any]:
+    for i in range(count):
+        place, weight = table[5 + 2 * i : 7 + 2 * i]
+        if weight.is_zero():
+            yield weight
+        else:
+            yield weight / at.affine(at.base - place, at.other - place)
+
+
+def _rates(own: Any, table: list[Any], shares: list[Any], x: Any) -> list[Any]:
+    found, first = [], 5 + 2 * len(shares)
+    for j, row in enumerate(own.shares):
+        a, b, c = table[first + 3 * j : first + 3 * j + 3]
+        rate = a + x * (b + x * c)
+        for share, part in zip(row, shares, strict=True):
+            if share:
+                rate += share * part
+        found.append(rate)
+    return found
+
+
+def _polynomials(form: ClosedForm, x: Any, bits: int) -> list[Any]:
+    own = form.problem.prepared
+    kept = reading(own).polynomials
+    if not kept:
+        return []
+    key = id(reading(own))
+    if key not in _HELD:
+        _HELD[key] = (own, compiled(kept, (*own.level, own.motion.x)))
+    found: list[Any] = _HELD[key][1]([*form.problem.level(bits), x])
+    return found
+
+
+_HELD: dict[int, tuple[Any, Any]] = {}
+_COMPILED: dict[int, tuple[Reading, Any]] = {}
+
+
+def _velocities(read: Reading, values: list[Any]) -> list[Any]:
+    if id(read) not in _COMPILED:
+        _COMPILED[id(read)] = (read, compiled(read.expressions, read.symbols))
+    found: list[Any] = _COMPILED[id(read)][1](values)
+    return found
+
+
+def _named(form: ClosedForm, found: dict[Any, Any], velocities: list[Any]) -> dict[str, Any]:
+    system = form.problem.prepared.system
+    named = {plain_name(q): found[q] for q in system.coordinates}
+    return named | dict(zip(map(plain_name, system.velocities), velocities, strict=True))

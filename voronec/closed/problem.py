@@ -1,0 +1,208 @@
+"""One motion in exact numbers: its level, decisions about it, and what is to be inverted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy as sp
+
+from voronec.closed.arithmetic import ball, compiled, exact, precise
+from voronec.closed.decide import vanishes
+from voronec.closed.multiple import squarefree
+from voronec.closed.prepared import Prepared
+from voronec.errors import DefinitionError, EngineLimit
+
+__all__ = ["Problem"]
+
+LADDER = (64, 192, 512, 1000)
+"""Bits at which a sign is looked for; where the last still leaves it open, algebra decides."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A motion ready to be inverted.
+
+    ``values`` gives every symbol of ``prepared.inputs``: an exact number (int, float, mpmath's or
+    sympy's), or, where only digits are known, a function of bits to a ball.
+    """
+
+    prepared: Prepared
+    values: Mapping[Any, Any]
+    _kept: dict[Any, Any] = field(default_factory=dict, repr=False)
+
+    def given(self, bits: int) -> list[Any]:
+        """The start as balls, in the order of ``prepared.inputs``."""
+        return self._once(("given", bits), lambda: [
+            v(bits) if callable(v) else ball(v)
+            for v in (self.values[s] for s in self.prepared.inputs)
+        ], bits)  # fmt: skip
+
+    def level(self, bits: int) -> list[Any]:
+        """Parameters and constants as balls, in the order of ``prepared.level``."""
+        count = len(self.prepared.system.parameters)
+        own = self.given(bits)
+        return [*own[len(own) - count :], *self._started(bits)[:-2]]
+
+    def place(self, bits: int) -> Any:
+        """The variable at the start."""
+        return self._started(bits)[-2]
+
+    def rate(self, bits: int) -> Any:
+        """The rate of the variable at the start; exactly zero at a turning point."""
+        rate = self._started(bits)[-1]
+        return ball(0) if self._is_zero(rate, self.prepared.rate) else rate
+
+    def exact(self, expr: Any) -> Callable[[int], Any]:
+        """An expression in constants, parameters and the start, at any number of bits."""
+        symbols = (*self.prepared.inputs, *self.prepared.motion.constants)
+        key = ("compiled", expr)
+        known = _COMPILED.setdefault(id(self.prepared), (self.prepared, {}))[1]
+        if key not in known:
+            known[key] = compiled([expr], symbols)
+        function = known[key]
+
+        def at(bits: int) -> Any:
+            with precise(bits):
+                return function([*self.given(bits), *self._started(bits)[:-2]])[0]
+
+        return at
+
+    def sign(self, expr: Any) -> int:
+        """-1, 0 or 1, decided exactly; ``EngineLimit`` where no proof is found.
+
+        Balls of growing precision tell a sign; where the last still holds zero, algebra proves
+        that the number is zero.
+        """
+        read = sp.sympify(expr)
+        return int(self._once(("sign", read), lambda: self._sign(read)))
+
+    def _sign(self, expr: Any) -> int:
+        at = self.exact(expr)
+        for bits in LADDER:
+            value = at(bits)
+            if value > 0:
+                return 1
+            if value < 0:
+                return -1
+            if value.is_zero():
+                return 0
+        found = vanishes(self.spelled(expr)) if self._is_exact(expr) else None
+        if found:
+            return 0
+        raise EngineLimit(
+            f"whether '{_short(expr)}' is zero cannot be decided: it is less than "
+            f"2^-{LADDER[-1] // 2}, and no proof is found; give initial data exactly, such as "
+            "Rational(1, 3)"
+        )
+
+    def spelled(self, expr: Any) -> sp.Expr:
+        """The exact number that an expression is."""
+        meaning = {**self.prepared.motion.constants}
+        inner = sp.sympify(expr).xreplace(meaning)
+        known = {s: exact(v) for s, v in self.values.items() if not callable(v)}
+        return inner.xreplace(known)
+
+    def _is_exact(self, expr: Any) -> bool:
+        held = sp.sympify(expr).xreplace({**self.prepared.motion.constants}).free_symbols
+        return not any(callable(self.values.get(s)) for s in held)
+
+    def _is_zero(self, value: Any, expr: Any) -> bool:
+        if value.is_zero():
+            return True
+        return bool(value.contains(0)) and self.sign(expr) == 0
+
+    def _started(self, bits: int) -> list[Any]:
+        """Constants, the variable and its rate."""
+        given = self.given(bits)
+        return self._once(("start", bits), lambda: self.prepared.starting(given), bits)
+
+    def _once(self, key: Any, make: Callable[[], Any], bits: int = 0) -> Any:
+        if key not in self._kept:
+            if bits:
+                with precise(bits):
+                    self._kept[key] = make()
+            else:
+                self._kept[key] = make()
+        return self._kept[key]
+
+    # -- what is inverted ------------------------------------------------------------------
+
+    def table(self, bits: int) -> list[Any]:
+        """``prepared.parts`` of this level."""
+        level = self.level(bits)
+        return self._once(("table", bits), lambda: self.prepared.parts(level), bits)
+
+    @property
+    def rests(self) -> bool:
+        """Whether the variable stays where it is: at a multiple root of the quartic."""
+        return bool(self._once("rests", self._rests))
+
+    def _rests(self) -> bool:
+        if not self.rate(LADDER[0]).is_zero():
+            return False
+        x = self.prepared.motion.x
+        slope = sp.diff(self.prepared.motion.quartic, x)
+        return self.sign(slope.xreplace({x: self.prepared.motion.meaning})) == 0
+
+    def source(self, bits: int) -> Any:
+        """The problem at a number of bits, for ``voronec.elliptic.invert``."""
+        from voronec.elliptic.numbers import Integral, Numbers, Pole
+
+        own = self.prepared
+        if self.rests:  # nothing is integrated: all rates are constant
+            with precise(bits):
+                factors = squarefree(self, self.table(bits)[:5])
+                return Numbers(factors, self.place(bits), ball(0), rest=True)
+        with precise(bits):
+            table = self.table(bits)
+            count = len(own.poles)
+            poles = tuple(
+                Pole(table[5 + 2 * i], self._weight(table[6 + 2 * i], i)) for i in range(count)
+            )
+            first = 5 + 2 * count
+            integrals = tuple(
+                Integral(table[i], table[i + 1], table[i + 2], shares)
+                for i, shares in zip(range(first, len(table), 3), own.shares, strict=False)
+            )
+            return Numbers(
+                factors=squarefree(self, table[:5]),
+                place=self.place(bits),
+                rate=self.rate(bits),
+                poles=poles,
+                integrals=integrals,
+            )
+
+    def _weight(self, value: Any, i: int) -> Any:
+        return ball(0) if self._is_zero(value, self.prepared.poles[i][1]) else value
+
+    def check(self) -> None:
+        """Raise ``DefinitionError`` for a start or parameters at which the motion is singular."""
+        own, name = self.prepared, self.prepared.system.name
+        if not all(c.is_finite() for c in self.table(LADDER[0])[:5]):
+            symbols = [p.symbol for p in own.system.parameters]
+            held = ", ".join(f"{s} = {self.values[s]}" for s in symbols)
+            raise DefinitionError(
+                f"system '{name}': the motion in closed form is singular for {held}; change these"
+            )
+        if not all(c.is_finite() for c in self._started(LADDER[0])):
+            raise DefinitionError(
+                f"system '{name}': the closed form has no value at the start; start elsewhere"
+            )
+        for trace in own.motion.traces:
+            pole = sp.sin(trace.colatitude)
+            if self._is_zero(self.exact(pole)(LADDER[0]), pole):
+                q = trace.colatitude
+                raise DefinitionError(
+                    f"system '{name}': the start {q} = {self.values[q]} is a pole of the "
+                    "coordinates; start elsewhere, or turn the coordinates"
+                )
+
+
+_COMPILED: dict[int, tuple[Prepared, dict[Any, Any]]] = {}
+
+
+def _short(expr: Any) -> str:
+    text = str(expr)
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,0 +1,212 @@
+"""Turning a motion in space, so that the constant vector lies along the third axis, and back.
+
+With E the moving frame in space and m the vector along it, K = E m is constant.  A rotation Q
+takes the third axis to K / |K|; E' = Q^T E moves so that its vector is upright, and E = Q E'.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import velocity
+from voronec.closed.arithmetic import Function, ball, compiled, precise
+from voronec.closed.problem import Problem
+from voronec.errors import DefinitionError
+from voronec.quadratures import Space
+
+__all__ = ["Attitude"]
+
+DECIDING = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Attitude:
+    """How one motion lies in space."""
+
+    problem: Problem
+    space: Space
+    _kept: dict[Any, Any] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def coordinates(self) -> tuple[Any, ...]:
+        """The coordinates that are turned."""
+        return tuple(self.space.coordinates)
+
+    @cached_property
+    def upright(self) -> bool:
+        """Whether the vector lies along the third axis, upwards; decided exactly."""
+        along = self.space.frame * self.space.vector
+        level = all(self.problem.sign(e) == 0 for e in along[:2])
+        return level and self.problem.sign(along[2]) > 0
+
+    @cached_property
+    def vanishes(self) -> bool:
+        """Whether the vector is zero."""
+        return all(self.problem.sign(e) == 0 for e in self.space.vector)
+
+    @cached_property
+    def machines(self) -> tuple[Function, Function, Function]:
+        """Compiled: inputs to frame and vector, entries to coordinates, turned coordinates to the
+        frame."""
+        key = id(self.space)
+        if key not in _MACHINES:
+            frame, vector, own = self.space.frame, self.space.vector, self.coordinates
+            foreign = frame.free_symbols - {*own}
+            if foreign:
+                raise DefinitionError(
+                    f"the frame in space holds '{min(foreign, key=str)}', which is not among the "
+                    f"coordinates in space {', '.join(map(str, own))}"
+                )
+            _MACHINES[key] = (
+                self.space,
+                compiled([*frame, *vector], self.problem.prepared.inputs),
+                compiled(self.space.coordinates.values(), tuple(self.space.entries)),
+                compiled(list(frame), own),
+            )
+        return _MACHINES[key][1:]
+
+    def start(self, bits: int) -> tuple[list[Any], list[Any]]:
+        """Frame (9, row by row) and vector (3) at the start."""
+        with precise(bits):
+            row = self.machines[0](self.problem.given(bits))
+        return row[:9], row[9:]
+
+    def turn(self, bits: int) -> list[Any]:
+        """Q (9, row by row): the third axis to the direction of the vector."""
+        with precise(bits):
+            frame, vector = self.start(bits)
+            a, b, c = times(frame, vector)
+            size = (a * a + b * b + c * c).sqrt()
+            a, b, c = a / size, b / size, c / size
+            if self._upper:
+                return _towards(a, b, c)
+            # about the first axis by half a turn, then from the lower pole
+            q = _towards(-a, -b, -c)
+            return [q[0], -q[1], -q[2], q[3], -q[4], -q[5], q[6], -q[7], -q[8]]
+
+    @cached_property
+    def _upper(self) -> bool:
+        """Whether the vector points upwards, roughly: which of two formulas is good."""
+        with precise(DECIDING):
+            return float(times(*self.start(DECIDING))[2].mid()) >= 0
+
+    def begin(self, bits: int) -> list[Any]:
+        """The turned coordinates at the start: of E' = Q^T E."""
+        with precise(bits):
+            turned = product(transposed(self.turn(bits)), self.start(bits)[0])
+            if self.aligned:
+                # the directions in which these entries leave zero
+                a, b, c = self.spin(bits)
+                skew = [ball(0), -c, b, c, ball(0), -a, -b, a, ball(0)]
+                moved = product(turned, skew)
+                for i in (2, 5, 6, 7):
+                    turned[i] = moved[i]
+            return self.machines[1](turned)
+
+    @cached_property
+    def aligned(self) -> bool:
+        """Whether the vector starts along the third direction of the frame: turned upright, the
+        motion then starts at a pole, out of which it runs."""
+        return all(self.problem.sign(e) == 0 for e in self.space.vector[:2])
+
+    def shifted(self, read: list[Any], bits: int) -> dict[Any, Any]:
+        """Coordinates from those read off the frame: on the branch on which the motion starts.
+
+        A colatitude that starts below 0 or above pi goes on there.
+        """
+        found = {}
+        with precise(bits):
+            for q, e, (side, turns) in zip(self.coordinates, read, self.branches, strict=True):
+                found[q] = side * e + turns * ball(1).pi()
+        return found
+
+    @cached_property
+    def branches(self) -> list[tuple[int, int]]:
+        """(sign, half turns) of each coordinate: value = sign (value read off) + turns pi."""
+        with precise(DECIDING):
+            read = self.machines[1](self.start(DECIDING)[0])
+            given = dict(
+                zip(self.problem.prepared.inputs, self.problem.given(DECIDING), strict=True)
+            )
+            pi = ball(1).pi()
+            found = []
+            colatitudes = {t.colatitude for t in self.problem.prepared.motion.traces}
+            for q, e in zip(self.coordinates, read, strict=True):
+                apart = (given[q] - e) / pi
+                side = 1
+                if q in colatitudes and not apart.contains_integer():
+                    side, apart = -1, (given[q] + e) / pi
+                found.append((side, round(float(apart))))
+            return found
+
+    def spin(self, bits: int) -> list[Any]:
+        """Angular velocity of the frame along itself (3) at the start: E^T dE/dt."""
+        with precise(bits):
+            rates = self.rates(bits)
+            frame, coordinates = self.space.frame, self.problem.prepared.system.coordinates
+            if "slopes" not in self._kept:
+                slopes = [sp.diff(e, q) for q in coordinates for e in frame]
+                self._kept["slopes"] = compiled(slopes, self.problem.prepared.inputs)
+            flat = self._kept["slopes"](self.problem.given(bits))
+            moved = [sum((flat[9 * k + i] * r for k, r in enumerate(rates)), ball(0))
+                     for i in range(9)]  # fmt: skip
+            skew = product(transposed(self.start(bits)[0]), moved)
+            return [skew[7], skew[2], skew[3]]
+
+    def rates(self, bits: int) -> list[Any]:
+        """The velocities of all coordinates at the start, by frame and constraints."""
+        from flint import arb_mat
+
+        system = self.problem.prepared.system
+        dots = [sp.Dummy() for _ in system.coordinates]
+        unknown = dict(zip(map(velocity, system.coordinates), dots, strict=True))
+        if "rates" not in self._kept:
+            rows = [e.xreplace(unknown) for e in system.constraints]
+            if system.frame is None:
+                rows += [unknown[v] - v for v in system.velocities]
+            else:
+                pairs = zip(system.frame.velocities, system.frame.expressions, strict=True)
+                rows += [e.xreplace(unknown) - v for v, e in pairs]
+            still = dict.fromkeys(dots, sp.Integer(0))
+            table = [sp.diff(e, d) for e in rows for d in dots]
+            table += [-e.xreplace(still) for e in rows]
+            self._kept["rates"] = compiled(table, self.problem.prepared.inputs)
+        with precise(bits):
+            flat = self._kept["rates"](self.problem.given(bits))
+            n = len(dots)
+            left = arb_mat(n, n, flat[: n * n])
+            return list(left.solve(arb_mat(n, 1, flat[n * n :])).entries())
+
+
+_MACHINES: dict[int, tuple[Any, Function, Function, Function]] = {}
+
+
+def times(matrix: Sequence[Any], vector: Sequence[Any]) -> list[Any]:
+    """A matrix, row by row, times a vector."""
+    return [sum((matrix[3 * i + j] * vector[j] for j in range(1, 3)), matrix[3 * i] * vector[0])
+            for i in range(3)]  # fmt: skip
+
+
+def product(first: Sequence[Any], second: Sequence[Any]) -> list[Any]:
+    """Of two matrices, row by row."""
+    return [
+        sum((first[3 * i + k] * second[3 * k + j] for k in range(1, 3)), first[3 * i] * second[j])
+        for i in range(3)
+        for j in range(3)
+    ]
+
+
+def transposed(matrix: Sequence[Any]) -> list[Any]:
+    """Row by row."""
+    return [matrix[3 * j + i] for i in range(3) for j in range(3)]
+
+
+def _towards(a: Any, b: Any, c: Any) -> list[Any]:
+    """The smallest rotation of the third axis to a unit vector that is not its opposite."""
+    s = 1 / (1 + c)
+    return [1 - a * a * s, -a * b * s, a, -a * b * s, 1 - b * b * s, b, -a, -b, c]

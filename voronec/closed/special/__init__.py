@@ -1,0 +1,34 @@
+"""Special motions of a system with quadratures: precessions, their stability, limits."""
+
+from __future__ import annotations
+
+from voronec.closed.special.bifurcation import BifurcationSet, bifurcation_set
+from voronec.closed.special.chart import StabilityChart, chart_of
+from voronec.closed.special.elementary import Elementary, elementary
+from voronec.closed.special.elimination import Branch
+from voronec.closed.special.ends import End
+from voronec.closed.special.family import Precessions, precessions
+from voronec.closed.special.fast import PseudoRegular, pseudo_regular
+from voronec.closed.special.reduced import essential_rates, linearised
+from voronec.closed.special.remarkable import Remarkable, remarkable
+from voronec.closed.special.stability import Stability
+
+__all__ = [
+    "BifurcationSet",
+    "Branch",
+    "Elementary",
+    "End",
+    "Precessions",
+    "PseudoRegular",
+    "Remarkable",
+    "Stability",
+    "StabilityChart",
+    "bifurcation_set",
+    "chart_of",
+    "elementary",
+    "essential_rates",
+    "linearised",
+    "precessions",
+    "pseudo_regular",
+    "remarkable",
+]

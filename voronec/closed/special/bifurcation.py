@@ -1,0 +1,250 @@
+"""The bifurcation set: levels of the constants on which the quartic has a multiple root.
+
+In the plane of two constants, the third being given, it is where the discriminant vanishes; the
+precessions parametrise it, and the motions at the poles add single points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from voronec.closed.arithmetic import exact
+from voronec.closed.special.family import (
+    Precessions,
+    known_parameters,
+    precessions,
+)
+from voronec.closed.special.plane import Strip, sign_on, strips
+from voronec.closed.special.stability import decided
+from voronec.errors import DefinitionError
+from voronec.reading import expression, mapping, shown
+from voronec.system import System
+
+__all__ = ["BifurcationSet", "LevelCurve", "LevelPoint", "bifurcation_set"]
+
+
+STEPS = (1 - np.cos(np.linspace(0, np.pi, 63)[1:-1])) / 2
+"""Shares of an interval, dense towards its ends."""
+
+
+@dataclass(frozen=True)
+class LevelCurve:
+    """A piece of the bifurcation set: ``points`` (m, 2) in the plane, with ``x`` and ``rate`` (m,)
+    of the precessions on it, all of them stable or none."""
+
+    points: np.ndarray
+    x: np.ndarray
+    rate: np.ndarray
+    stable: bool
+
+
+@dataclass(frozen=True)
+class LevelPoint:
+    """A single point: a motion at a pole, or a precession that the family leaves out."""
+
+    point: tuple[float, float]
+    x: float
+    stable: bool
+    what: str
+
+
+@dataclass(frozen=True)
+class BifurcationSet:
+    """Where the number of motions changes in the plane of two constants.
+
+    plane
+        the two constants; ``fixed`` are the values of the others.
+    discriminant
+        polynomial in the two constants, zero where the quartic has a multiple root anywhere.
+    curves, points
+        multiple roots with -1 < x < 1, and at the poles.
+    """
+
+    system: str
+    parameters: Mapping[str, sp.Expr]
+    plane: tuple[sp.Symbol, sp.Symbol]
+    fixed: Mapping[sp.Symbol, sp.Expr]
+    quartic: sp.Expr
+    variable: sp.Symbol
+    discriminant: sp.Expr
+    curves: tuple[LevelCurve, ...]
+    points: tuple[LevelPoint, ...]
+    _known: dict[Any, int] = field(default_factory=dict, repr=False, compare=False)
+
+    def motions(self, first: Any, second: Any) -> int:
+        """How many motions there are on a level: intervals of [-1, 1] in which f >= 0.
+
+        A single point counts as one; decided exactly.
+        """
+        at = dict(zip(self.plane, (exact(first), exact(second)), strict=True))
+        f = sp.Poly(self.quartic.xreplace(at), self.variable)
+        if f.is_zero:
+            return 1
+        roots = [r for r, _ in f.sqf_part().intervals(inf=-1, sup=1, eps=Fraction(1, 10**9))]
+        edges = [sp.Integer(-1), *[e for r in roots for e in r], sp.Integer(1)]
+        gaps = list(zip(edges[::2], edges[1::2], strict=True))
+        positive = [bool(a < b and f.eval((a + b) / 2) > 0) for a, b in gaps]
+        # a root begins a motion where f is not positive before it
+        return sum(1 for i in range(len(roots)) if not positive[i]) + int(positive[0])
+
+
+def bifurcation_set(
+    system: System,
+    plane: tuple[Any, Any],
+    fixed: Mapping[Any, Any],
+    parameters: Mapping[Any, Any] | None = None,
+    window: tuple[float, float] | None = None,
+) -> BifurcationSet:
+    """The bifurcation set in the plane of two constants of the motion.
+
+    ``plane`` names two of the constants that the quartic holds; ``fixed`` gives the value of the
+    third; ``window`` is the range of the rate w of the precessions that are drawn.
+    """
+    values = known_parameters(system, parameters or {})
+    family = precessions(system, values)
+    axes, (other, value) = _read(family, plane, fixed)
+    x, w = family.place, family.rate
+    f = family.quadratures.quartic.xreplace({**values, other: value})
+    above, below = sp.fraction(sp.together(family.constants[other] - value))
+    second = sp.fraction(sp.together(family.derivative(2)))[0]
+    cuts = [below]
+    cells = strips([above], x, w, window, cuts=[*cuts, *_meetings(above, second, x)])
+    curves = [c for strip in cells for c in _graphs(family, strip, axes)]
+    curves += _vertical(family, above, axes, window)
+    names = {p.symbol: p.name for p in system.parameters}
+    return BifurcationSet(
+        system=system.name,
+        parameters={names[s]: v for s, v in values.items()},
+        plane=axes,
+        fixed={other: value},
+        quartic=sp.expand(f),
+        variable=x,
+        discriminant=_discriminant(f, x),
+        curves=tuple(curves),
+        points=tuple(_points(family, axes, other, value)),
+    )
+
+
+def _read(
+    family: Precessions, plane: tuple[Any, Any], fixed: Mapping[Any, Any]
+) -> tuple[tuple[sp.Symbol, sp.Symbol], tuple[sp.Symbol, sp.Expr]]:
+    """The constants by name: two of the plane, and the third with its value."""
+    own = {str(c): c for c in family.constants}
+    given = mapping(fixed, "fixed", "constant: value")
+    asked = [*map(str, plane), *map(str, given)]
+    if len(plane) != 2 or sorted(asked) != sorted(own):
+        raise DefinitionError(
+            f"plane {shown(tuple(map(str, plane)))} and fixed {shown([*map(str, given)])} must "
+            f"name each of the constants {', '.join(own)} once: two in plane, one in fixed"
+        )
+    ((name, value),) = given.items()
+    number = exact(expression(value, f"the constant '{name}'"))
+    return (own[asked[0]], own[asked[1]]), (own[str(name)], number)
+
+
+def _discriminant(f: sp.Expr, x: sp.Symbol) -> sp.Expr:
+    above = sp.fraction(sp.together(f))[0]
+    found = sp.discriminant(sp.Poly(above, x))
+    return sp.prod(factor for factor, _ in sp.factor_list(found)[1])
+
+
+def _meetings(curve: sp.Expr, second: sp.Expr, x: sp.Symbol) -> list[sp.Expr]:
+    """Where stability may change along the curve."""
+    found = []
+    for factor, _ in sp.factor_list(curve)[1]:
+        if factor.has(x):
+            found.append(sp.resultant(factor, second, x))
+    return [e for e in found if e != 0]
+
+
+def _graphs(
+    family: Precessions, strip: Strip, axes: tuple[sp.Symbol, sp.Symbol]
+) -> list[LevelCurve]:
+    """The pieces over an interval of w."""
+    rows = strip.abscissae()
+    found = []
+    for graph, sign in zip(strip.graphs(), strip.signs(family.derivative(2)), strict=True):
+        found.append(LevelCurve(_mapped(family, axes, graph, rows), graph, rows, sign < 0))
+    return found
+
+
+def _vertical(
+    family: Precessions,
+    curve: sp.Expr,
+    axes: tuple[sp.Symbol, sp.Symbol],
+    window: tuple[float, float] | None,
+) -> list[LevelCurve]:
+    """Pieces on which w is constant: factors of the curve that hold no x."""
+    x, w = family.place, family.rate
+    second = family.derivative(2)
+    above = sp.fraction(sp.together(second))[0]
+    found = []
+    for flat in (f for f, _ in sp.factor_list(curve)[1] if not f.has(x) and f.has(w)):
+        edges = [Fraction(-1), *_crossings(sp.resultant(flat, above, w), x), Fraction(1)]
+        for isolated, _ in sp.Poly(flat, w).intervals(eps=Fraction(1, 10**60)):
+            rate = float(sum(isolated) / 2)
+            if window and not window[0] <= rate <= window[1]:
+                continue
+            pair = (_plain(isolated[0]), _plain(isolated[1]))
+            for a, b in pairwise(edges):
+                middle = (a + b) / 2
+                sign = sign_on(second, {x: (middle, middle), w: pair})
+                graph = float(a) + float(b - a) * STEPS
+                points = _mapped(family, axes, graph, np.full_like(graph, rate))
+                found.append(LevelCurve(points, graph, np.full_like(graph, rate), sign < 0))
+    return found
+
+
+def _crossings(poly: sp.Expr, x: sp.Symbol) -> list[Fraction]:
+    """Where a polynomial in x vanishes in (-1, 1), rounded."""
+    if not poly.has(x):
+        return []
+    found = sp.Poly(poly, x).sqf_part().intervals(inf=-1, sup=1, eps=Fraction(1, 10**20))
+    middles = [_plain((a + b) / 2) for (a, b), _ in found]
+    return [m for m in middles if abs(m) < 1]
+
+
+def _plain(value: Any) -> Fraction:
+    number = sp.Rational(value)
+    return Fraction(int(number.p), int(number.q))
+
+
+def _mapped(
+    family: Precessions, axes: tuple[sp.Symbol, sp.Symbol], x: np.ndarray, w: np.ndarray
+) -> np.ndarray:
+    columns = [_value(family, family.constants[c], x, w) for c in axes]
+    return np.column_stack([np.broadcast_to(c, x.shape) for c in columns])
+
+
+def _value(family: Precessions, value: sp.Expr, x: Any, w: Any) -> Any:
+    return sp.lambdify((family.place, family.rate), value, "numpy")(x, w)
+
+
+def _points(
+    family: Precessions,
+    axes: tuple[sp.Symbol, sp.Symbol],
+    other: sp.Symbol,
+    value: sp.Expr,
+) -> list[LevelPoint]:
+    """Motions at the poles and precessions that the family leaves out, on this level."""
+    own = [(e.place, e.free, e.constants, "at a pole") for e in family.ends]
+    own += [(b.place, b.free, b.constants, "beside the family") for b in family.branches]
+    found = []
+    for place, free, constants, what in own:
+        level = sp.expand(constants[other] - value)
+        roots = sp.roots(level, free) if level.has(free) else {}
+        for root in roots:
+            if not root.is_real:
+                continue
+            known = {c: sp.sympify(e).xreplace({free: root}) for c, e in constants.items()}
+            stable = decided(family.quadratures, known, dict(family.values), place).stable
+            point = tuple(float(known[c]) for c in axes)
+            found.append(LevelPoint((point[0], point[1]), float(place), stable, what))
+    return found

@@ -1,0 +1,271 @@
+"""Regular precessions: the motions on which the variable of the quadratures is constant.
+
+The quartic f has a double root there, f(x) = f'(x) = 0.  With the rate w of one angle given at x,
+these are three equations for the constants of the motion, and each is linear in one of them after
+those before it are solved; so the whole family is rational in x and w.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.verdicts import Verdict
+from voronec.closed.arithmetic import exact
+from voronec.closed.special.elimination import Branch, branches_of, linear_in, short, solved
+from voronec.closed.special.ends import End, ends_of
+from voronec.closed.special.stability import Stability, decided
+from voronec.errors import DefinitionError, EngineLimit
+from voronec.quadratures import Quadratures
+from voronec.reading import expression, mapping, shown
+from voronec.scene import Scene
+from voronec.system import System
+
+__all__ = ["Branch", "Precessions", "precessions"]
+
+
+@dataclass(frozen=True)
+class Precessions:
+    """The regular precessions of a system with quadratures, as exact expressions.
+
+    place, rate
+        the symbols x and w, the two parameters of the family: the constant value of the variable,
+        and the rate of the angle ``turning``.
+    constants
+        constant of the motion -> its value.
+    state
+        what the state is: velocity of the equations -> value; the velocity of the colatitude is
+        zero.
+    rates
+        angle -> its constant rate.
+    branches
+        what the family leaves out.
+    values
+        what was put in for parameters.
+
+    [Demchenko1924, ch. 6; DragovicGajicJovanovic2020, sec. "Special Solutions"]
+    """
+
+    system: System
+    quadratures: Quadratures
+    turning: sp.Expr
+    rate: sp.Symbol
+    constants: Mapping[sp.Symbol, sp.Expr]
+    branches: tuple[Branch, ...]
+    values: Mapping[Any, sp.Expr]
+
+    @property
+    def place(self) -> sp.Symbol:
+        """The variable, which is a parameter here."""
+        return self.quadratures.x
+
+    def on(self, value: Any) -> sp.Expr:
+        """An expression in the variable, constants and parameters, on the family."""
+        own = sp.sympify(value).xreplace(dict(self.constants))
+        return short(own.xreplace(dict(self.values)))
+
+    @cached_property
+    def state(self) -> Mapping[Any, sp.Expr]:
+        """Velocity of the equations -> its value on the family."""
+        found = {v: self.on(_at_rest(self, e)) for v, e in self.quadratures.velocities.items()}
+        return MappingProxyType(found)
+
+    @cached_property
+    def levels(self) -> Mapping[sp.Symbol, sp.Expr]:
+        """The constants that the quartic does not hold, by the state: the length of a vector."""
+        rest = {c: e for c, e in self.quadratures.constants.items() if c not in self.constants}
+        found = {c: _at_place(self, e).xreplace(dict(self.state)) for c, e in rest.items()}
+        return MappingProxyType({c: self._level(e) for c, e in found.items()})
+
+    def _level(self, value: sp.Expr) -> sp.Expr:
+        """A level in its shortest form; of a root, what is under it."""
+        inside = value.xreplace(dict(self.values))
+        if inside.is_Pow and inside.exp == sp.S.Half:
+            return sp.sqrt(short(inside.base))
+        return short(inside)
+
+    @cached_property
+    def rates(self) -> Mapping[Any, sp.Expr]:
+        """Angle -> its rate, with ``levels`` by their symbols; undefined where a trace rests."""
+        own, found = self.quadratures, {}
+        for angle, expr in own.integrals.items():
+            value = (expr / own.clock).xreplace(dict(self.constants)).xreplace(dict(self.values))
+            for symbol, level in self.levels.items():
+                value = linear_in(value, symbol, level**2)
+            found[angle] = short(value)
+        return MappingProxyType(found)
+
+    def derivative(self, order: int) -> sp.Expr:
+        """A derivative of the quartic by x, at x: zero for the orders 0 and 1."""
+        return self._derivatives[order]
+
+    @cached_property
+    def _derivatives(self) -> tuple[sp.Expr, ...]:
+        f, x = self.quadratures.quartic, self.place
+        return tuple(self.on(sp.diff(f, x, order)) for order in range(5))
+
+    @property
+    def frequency(self) -> sp.Expr:
+        """The frequency of a small nutation, sqrt(-f''(x)/2), in the time of the system."""
+        clock = self.on(self.quadratures.clock)
+        return sp.sqrt(-self.derivative(2) / 2) / clock
+
+    @cached_property
+    def ends(self) -> tuple[End, ...]:
+        """The motions at the ends of the range of x, where the contact stays at a pole."""
+        return ends_of(self.quadratures, self.values)
+
+    def numbers(self, place: Any, rate: Any, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
+        """Exact values of everything that the family depends on."""
+        known = known_parameters(self.system, parameters)
+        given = {self.place: _number(place, "x"), self.rate: _number(rate, str(self.rate))}
+        if not (-1 < given[self.place] < 1):
+            raise DefinitionError(
+                f"{self.place} = {shown(place)} is not between -1 and 1; at a pole ask 'ends'"
+            )
+        return {**known, **given}
+
+    def stability(
+        self, place: Any, rate: Any, parameters: Mapping[Any, Any] | None = None
+    ) -> Stability:
+        """Whether x stays near, if u and the velocities begin near: decided exactly."""
+        at = self.numbers(place, rate, parameters or {})
+        for value in self.constants.values():
+            if sp.cancel(sp.denom(value).xreplace(at)) == 0:
+                raise DefinitionError(
+                    f"there is no precession of the family at {self.place} = {shown(place)}, "
+                    f"{self.rate} = {shown(rate)}: a denominator vanishes; see 'branches'"
+                )
+        constants = {c: value.xreplace(at) for c, value in self.constants.items()}
+        return decided(self.quadratures, constants, at, at[self.place])
+
+    def scene(
+        self,
+        place: Any,
+        rate: Any,
+        parameters: Mapping[Any, Any] | None = None,
+        aside: Any = 0,
+        times: tuple[float, float] = (0.0, 40.0),
+    ) -> Scene:
+        """The precession as initial data, upright; ``aside`` is added to the velocity of x."""
+        from voronec.closed.special.scenes import scene_of
+
+        at = self.numbers(place, rate, parameters or {})
+        return scene_of(self, at, _number(aside, "aside"), times)
+
+    def proved(self) -> Verdict:
+        """Whether all of it is at rest: the rates of the essential variables, by the equations."""
+        from voronec.closed.special.reduced import at_rest
+
+        return at_rest(self)
+
+
+def precessions(system: System, parameters: Mapping[Any, Any] | None = None) -> Precessions:
+    """The regular precessions of a system that declares quadratures.
+
+    ``parameters`` -> values to put in, numbers or expressions; the others stay symbols.  Raises
+    ``DefinitionError`` where the system declares no quadratures, ``EngineLimit`` where its
+    constants do not follow by linear equations.
+    """
+    quadratures = quadratures_of(system)
+    values = {**named(system, parameters or {})}
+    inside = quadratures.quartic.xreplace(values)
+    constants = [c for c in quadratures.constants if inside.has(c)]
+    rate = _fresh(system, quadratures)
+    for angle, expr in quadratures.integrals.items():
+        if not (expr.free_symbols & {*constants}):
+            continue
+        steps = solved(inside, expr.xreplace(values) - rate, quadratures.x, constants)
+        if steps is not None:
+            found, coefficient, rest, last = steps
+            branches = branches_of(
+                expr.xreplace(values) - rate,
+                inside,
+                quadratures.x,
+                found,
+                (coefficient, rest, last),
+            )
+            return Precessions(
+                system, quadratures, angle, rate, MappingProxyType(found), branches,
+                MappingProxyType(values),
+            )  # fmt: skip
+    raise EngineLimit(
+        f"the constants of system '{system.name}' do not follow from x and the rate of an angle by "
+        "linear equations; declare an angle whose rate is linear in a constant"
+    )
+
+
+def quadratures_of(system: System) -> Quadratures:
+    """The declaration; an error in one line where there is none."""
+    if not isinstance(system, System):
+        raise DefinitionError(f"'{shown(system)}' is no system; load one with vo.load")
+    if not isinstance(system.motion, Quadratures):
+        raise DefinitionError(
+            f"system '{system.name}' declares no quadratures; give it motion=vo.Quadratures(...)"
+        )
+    return system.motion
+
+
+def named(system: System, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
+    """Parameter -> expression, by the symbols of the system."""
+    own = {p.name: p.symbol for p in system.parameters}
+    found = {}
+    for key, value in mapping(parameters, "parameters", "parameter: value").items():
+        if plain_name(key) not in own:
+            raise DefinitionError(
+                f"system '{system.name}' has no parameter '{shown(key)}'; it has {', '.join(own)}"
+            )
+        found[own[plain_name(key)]] = exact(expression(value, f"the parameter '{shown(key)}'"))
+    return found
+
+
+def known_parameters(system: System, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
+    """Every parameter as an exact number: what is given, else the default."""
+    given = named(system, parameters)
+    found = {}
+    for p in system.parameters:
+        value = given.get(p.symbol, p.value)
+        if value is None or not sp.sympify(value).is_number:
+            raise DefinitionError(f"parameter '{p.name}' has no value; give parameters={{...}}")
+        found[p.symbol] = exact(value)
+    return found
+
+
+# -- expressions ----------------------------------------------------------------------------
+
+
+def _at_place(family: Precessions, value: sp.Expr) -> sp.Expr:
+    """A function of the state where the colatitude has the cosine x."""
+    meaning, x = family.quadratures.meaning, family.place
+    if not isinstance(meaning, sp.cos):
+        return value.xreplace({meaning: x})
+    (angle,) = meaning.args
+    return value.subs({sp.cos(angle): x, sp.sin(angle): sp.sqrt(1 - x**2)})
+
+
+def _at_rest(family: Precessions, value: sp.Expr) -> sp.Expr:
+    """The same where angles turn at their rates and the colatitude is constant."""
+    turning = {velocity(q): e for q, e in family.quadratures.integrals.items()}
+    meaning = family.quadratures.meaning
+    still = {velocity(q): sp.S.Zero for q in meaning.free_symbols}
+    return _at_place(family, value.xreplace({**turning, **still}))
+
+
+def _number(value: Any, name: str) -> sp.Expr:
+    number = exact(expression(value, name))
+    if not number.is_number:
+        raise DefinitionError(f"{name} = {shown(value)} is not a number; give one")
+    return number
+
+
+def _fresh(system: System, quadratures: Quadratures) -> sp.Symbol:
+    """A symbol w that means nothing else."""
+    taken = {str(s) for _, e, _ in quadratures.expressions() for s in e.free_symbols}
+    taken |= {p.name for p in system.parameters}
+    return next(sp.Symbol(n) for n in ("w", "w_0", "w_00") if n not in taken)

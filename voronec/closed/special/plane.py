@@ -1,0 +1,213 @@
+"""Curves in the strip -1 < x < 1 of a plane (x, w), and the signs between them.
+
+A cylindrical decomposition: above each interval between neighbouring critical values of w the
+curves are graphs that do not cross, so that one rational point a cell decides the sign in all of
+it.  Everything that decides is exact; only the points for drawing are doubles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from itertools import combinations, pairwise
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from voronec.closed.arithmetic import compiled, precise
+from voronec.errors import EngineLimit
+from voronec.reading import shown
+
+__all__ = ["Strip", "critical", "real_places", "sign_on", "strips"]
+
+POINTS = 61
+"""Points of an arc."""
+
+
+@dataclass(frozen=True)
+class Strip:
+    """An interval of w without a critical value: ``ends`` as doubles, cut to the window, and an
+    exact number ``inside`` it; the curves are the graphs of ``count`` functions there."""
+
+    ends: tuple[float, float]
+    inside: Fraction
+    polys: tuple[sp.Poly, ...]
+    count: int
+
+    def places(self) -> list[Fraction]:
+        """Rational values of x, one between any two neighbouring curves at ``inside``."""
+        roots = [_isolated(p, self.inside) for p in self.polys]
+        return _between(sorted(r for own in roots for r in own))
+
+    def signs(self, expr: sp.Expr) -> list[int]:
+        """The sign of an expression on every curve, where it does not vanish on any."""
+        found = []
+        for p in self.polys:
+            own = _isolated(p, self.inside)
+            x, w = p.gens
+            here = {w: (self.inside, self.inside)}
+            found += [(pair, sign_on(expr, {x: pair, **here})) for pair in own]
+        return [sign for _, sign in sorted(found)]
+
+    def graphs(self) -> list[np.ndarray]:
+        """x of every curve at ``abscissae``, from below."""
+        columns = []
+        for w in self.abscissae():
+            inner = sorted(x for p in self.polys for x in real_places(p, Fraction(float(w))))
+            columns.append(inner)
+        kept = [c if len(c) == self.count else None for c in columns]
+        known = [c for c in kept if c is not None]
+        filled = [c if c is not None else known[0 if i < POINTS // 2 else -1]
+                  for i, c in enumerate(kept)] if known else []  # fmt: skip
+        return [np.array([c[i] for c in filled]) for i in range(self.count)]
+
+    def abscissae(self) -> np.ndarray:
+        """Values of w, dense towards the ends, which are left out."""
+        low, high = self.ends
+        angles = np.linspace(0, np.pi, POINTS + 2)[1:-1]
+        return low + (high - low) * (1 - np.cos(angles)) / 2
+
+
+def strips(
+    polys: Sequence[sp.Expr], x: sp.Symbol, w: sp.Symbol, window: tuple[float, float] | None = None,
+    cuts: Sequence[sp.Expr] = (),
+) -> list[Strip]:  # fmt: skip
+    """The decomposition for the curves ``polys``; ``cuts`` vanish at further critical values."""
+    curves = [sp.Poly(p, x, w) for p in _factors(polys) if p.has(x)]
+    values = critical(curves, x, w, [*cuts, *(p for p in _factors(polys) if not p.has(x))])
+    found = []
+    for (low, high), inside in _intervals(values, window):
+        count = sum(len(_isolated(p, inside)) for p in curves)
+        found.append(Strip((low, high), inside, tuple(curves), count))
+    return found
+
+
+def critical(
+    curves: Sequence[sp.Poly], x: sp.Symbol, w: sp.Symbol, cuts: Sequence[sp.Expr] = ()
+) -> list[Any]:
+    """Isolating intervals of the values of w over which something may change."""
+    own = [*cuts]
+    for p in curves:
+        e = p.as_expr()
+        own += [sp.LC(e, x), e.subs(x, 1), e.subs(x, -1)]
+        if sp.degree(e, x) > 1:
+            own.append(sp.discriminant(e, x))
+    own += [sp.resultant(p.as_expr(), q.as_expr(), x) for p, q in combinations(curves, 2)]
+    product = sp.Poly(1, w)
+    for e in own:
+        poly = sp.Poly(e, w)
+        if not poly.is_zero and poly.degree() > 0:
+            product = product.lcm(poly.sqf_part())
+    return [] if product.degree() < 1 else product.sqf_part().intervals(eps=Fraction(1, 10**9))
+
+
+def real_places(poly: sp.Poly, w: Fraction) -> list[float]:
+    """The roots x of a curve in (-1, 1) at a rational w, rounded."""
+    return [float((a + b) / 2) for a, b in _isolated(poly, w)]
+
+
+@cache
+def _isolated(poly: sp.Poly, w: Fraction) -> tuple[tuple[Fraction, Fraction], ...]:
+    """Intervals with one root x each in (-1, 1), from below: rigorous, by ball arithmetic."""
+    from flint import fmpq_poly
+
+    x, other = poly.gens
+    at = poly.eval(other, sp.Rational(w.numerator, w.denominator))
+    inner = at.quo(at.gcd(sp.Poly((x**2 - 1) ** at.degree(), x))) if at.degree() > 0 else at
+    if inner.degree() < 1:
+        return ()
+    whole = fmpq_poly([_quotient(c) for c in reversed(inner.sqf_part().all_coeffs())]).numer()
+    return tuple(sorted(_real_roots(whole)))
+
+
+def _real_roots(poly: Any) -> list[tuple[Fraction, Fraction]]:
+    """Those in (-1, 1) of an integer polynomial without a root at its ends."""
+    from flint import ctx
+
+    bits = 64
+    while True:
+        with ctx.workprec(bits):
+            found = [root.real for root, _ in poly.complex_roots() if root.imag == 0]
+            if not any(r.contains(1) or r.contains(-1) for r in found):
+                return [_ends(r) for r in found if -1 < r < 1]
+        bits *= 2
+
+
+def sign_on(expr: sp.Expr, at: Mapping[sp.Symbol, tuple[Fraction, Fraction]]) -> int:
+    """The sign of an expression on a box that is small enough for its sign to be one.
+
+    ``EngineLimit`` where ball arithmetic does not tell it.
+    """
+    from flint import arb
+
+    function = compiled((expr,), tuple(at))
+    with precise(256):
+        balls = [arb(_quotient(a)).union(arb(_quotient(b))) for a, b in at.values()]
+        (value,) = function(balls)
+    if value > 0:
+        return 1
+    if value < 0:
+        return -1
+    raise EngineLimit(f"the sign of '{shown(expr)}' is not decided beside a critical value")
+
+
+def _ends(ball: Any) -> tuple[Fraction, Fraction]:
+    """The ends of a ball, exactly."""
+    return _dyadic(ball.lower()), _dyadic(ball.upper())
+
+
+def _dyadic(value: Any) -> Fraction:
+    mantissa, exponent = value.man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+def _quotient(value: Any) -> Any:
+    from flint import fmpq
+
+    number = sp.Rational(value)
+    return fmpq(int(number.p), int(number.q))
+
+
+def _factors(exprs: Sequence[sp.Expr]) -> list[sp.Expr]:
+    """The different irreducible factors."""
+    found: list[sp.Expr] = []
+    for e in exprs:
+        found += [f for f, _ in sp.factor_list(e)[1] if f not in found]
+    return found
+
+
+def _intervals(
+    values: Sequence[Any], window: tuple[float, float] | None
+) -> list[tuple[tuple[float, float], Fraction]]:
+    """Between neighbouring isolating intervals, and outside: the ends, and a number inside."""
+    pairs = [(_fraction(a), _fraction(b)) for (a, b), _ in values]
+    low, high = window or _around(pairs)
+    inner = [p for p in pairs if low < p[1] and p[0] < high]
+    edges = [(Fraction(low),) * 2, *inner, (Fraction(high),) * 2]
+    found = []
+    for (_, a), (b, _) in pairwise(edges):
+        if a < b:
+            found.append(((float(a), float(b)), ((a + b) / 2).limit_denominator(10**6)))
+    return [((a, b), m) for (a, b), m in found if a < m < b]
+
+
+def _around(pairs: Sequence[tuple[Fraction, Fraction]]) -> tuple[float, float]:
+    if not pairs:
+        return -1.0, 1.0
+    low, high = float(pairs[0][0]), float(pairs[-1][1])
+    span = (high - low) or max(abs(low), 1.0)
+    return low - span / 2, high + span / 2
+
+
+def _between(pairs: Sequence[tuple[Fraction, Fraction]]) -> list[Fraction]:
+    """Rational numbers between -1, the roots and 1."""
+    edges = [(Fraction(-1),) * 2, *pairs, (Fraction(1),) * 2]
+    return [(a + b) / 2 for (_, a), (b, _) in pairwise(edges)]
+
+
+def _fraction(value: Any) -> Fraction:
+    number = sp.Rational(value)
+    return Fraction(int(number.p), int(number.q))

@@ -1,0 +1,54 @@
+"""What angles grow by in a period, and whether that is a rational part of a whole turn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from voronec.algebra.symbols import plain_name
+from voronec.closed.arithmetic import ball, precise
+
+if TYPE_CHECKING:
+    from voronec.closed.form import ClosedForm
+
+__all__ = ["Turn", "turns_of"]
+
+DIGITS = 50
+"""To so many a rational fraction is recognised."""
+BITS = 200
+MOST = 1000
+"""Denominators up to this."""
+
+
+@dataclass(frozen=True)
+class Turn:
+    """What an angle grows by in a period.
+
+    ``advance`` in radians; ``fraction`` is advance / (2 pi) where that agrees to 50 digits with a
+    fraction whose denominator is at most 1000: the curve is closed then.
+    """
+
+    advance: float
+    fraction: Fraction | None = None
+
+
+def turns_of(form: ClosedForm) -> dict[str, Turn]:
+    """The turns of all angles by name; none where there is no period."""
+    if form.rests:
+        return {}
+    with precise(BITS):
+        advances = form.solution.constants(BITS).advances
+        if advances is None:
+            return {}
+        pairs = zip(form.quadratures.angles, advances, strict=False)
+        return {plain_name(q): Turn(float(a), _fraction(a)) for q, a in pairs}
+
+
+def _fraction(advance: Any) -> Fraction | None:
+    whole = advance / (2 * ball(1).pi())
+    mantissa, exponent = whole.mid().man_exp()
+    middle = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+    near = middle.limit_denominator(MOST)
+    off = abs(whole - ball(near.numerator) / near.denominator)
+    return near if off < ball(10) ** -DIGITS else None

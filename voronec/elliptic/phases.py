@@ -1,0 +1,198 @@
+"""The poles of the integrands as angles, logarithms and zeta functions of time.
+
+Each is a closed term whose derivative has the poles of a part of the integrand; what is left
+is a constant, found by comparing both at a turning point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from flint import acb, arb
+
+from voronec.elliptic.constants import Phase, Strain
+from voronec.elliptic.lattice import Lattice, Place
+from voronec.elliptic.numbers import Numbers, Pole
+from voronec.elliptic.places import Spot, branch_spot, gain_of, spot_of
+from voronec.elliptic.roots import Unresolved, shown, value_at
+from voronec.errors import DefinitionError
+
+__all__ = ["Part", "cubic_part", "left_over", "pole_part", "polynomial_part", "strain_at"]
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of all integrals: its closed terms, and its linear rate in each integral."""
+
+    phases: tuple[Phase, ...]
+    strains: tuple[Strain, ...]
+    rates: tuple[arb, ...]
+
+
+def pole_part(numbers: Numbers, lattice: Lattice, place: int) -> Part | None:
+    """The part of one pole; None where it adds nothing.
+
+    Raises:
+        DefinitionError: the weight contradicts f, or the pole is where x moves.
+        Unresolved: more bits are needed.
+    """
+    shares = tuple(integral.shares[place] for integral in numbers.integrals)
+    if all(_nothing(share) for share in shares):
+        return None
+    part = _part_of(numbers, lattice, numbers.poles[place], shares)
+    if part is None:
+        return None
+    phases = tuple(replace(phase, pole=place) for phase in part.phases)
+    return Part(phases, tuple(replace(one, pole=place) for one in part.strains), part.rates)
+
+
+def _part_of(
+    numbers: Numbers, lattice: Lattice, pole: Pole, shares: tuple[Any, ...]
+) -> Part | None:
+    if pole.weight is not None:
+        return _weighted(numbers, lattice, pole, pole.weight, shares)
+    spot = spot_of(lattice, pole.place)
+    value = value_at(numbers, pole.place)
+    if isinstance(pole.place, acb):
+        return _strained(lattice, spot, list(map(acb, shares)), pole.place, spot.velocity)
+    shares = tuple(share.real if isinstance(share, acb) else share for share in shares)
+    if spot.imaginary:
+        weight = _positive(-value, pole).sqrt() / 2
+        return _angle(lattice, spot, pole.place, weight, tuple(share / weight for share in shares))
+    velocity = spot.sign * _positive(value, pole).sqrt()
+    return _strained(lattice, spot, [acb(share) for share in shares], pole.place, acb(velocity))
+
+
+def _weighted(
+    numbers: Numbers, lattice: Lattice, pole: Pole, weight: arb, shares: tuple[Any, ...]
+) -> Part | None:
+    if not value_at(numbers, pole.place).overlaps(-4 * weight * weight):
+        raise DefinitionError(
+            f"f = {shown(value_at(numbers, pole.place))} at the pole {shown(pole.place)}, "
+            f"but its weight {shown(weight)} says -4 w^2 = {shown(-4 * weight * weight)}"
+        )
+    if not weight.is_zero():
+        return _angle(lattice, spot_of(lattice, pole.place), pole.place, weight, shares)
+    ends = (lattice.base.x,) if lattice.far is None else (lattice.base.x, lattice.far.x)
+    near = [side for side, end in enumerate(ends) if end.overlaps(pole.place)]
+    if len(near) > 1:
+        raise Unresolved("the ends of the motion may be equal")
+    if not near:
+        return None
+    # The trace passes through the pole at every turn at that end, and is a great circle there.
+    alpha = arb(0)
+    gain = gain_of(lattice, alpha, 1)
+    return Part((Phase(near[0], alpha, 1, gain, shares),), (), tuple(arb(0) for _ in shares))
+
+
+def _angle(lattice: Lattice, spot: Spot, place: arb, weight: arb, shares: tuple[Any, ...]) -> Part:
+    """The part of ``weight/(x - place)`` with ``f(place) = -4 weight^2``."""
+    if not spot.imaginary:
+        raise DefinitionError(
+            f"f is positive at the pole {shown(place)}, which therefore has no weight"
+        )
+    end = lattice.side(spot.side)
+    lean = weight * end.slope
+    if not (lean > 0 or lean < 0):
+        raise Unresolved(f"the weight {weight.str(5)} of the pole {shown(place)} may be 0")
+    sign = 1 if lean > 0 else -1
+    alpha = sign * spot.place.imag
+    zeta = lattice.sums.zeta(acb(0, alpha)).imag
+    rate = weight / (end.x - place) + lattice.scale * zeta
+    phase = Phase(spot.side, alpha, sign, gain_of(lattice, alpha, sign), shares)
+    return Part((phase,), (), tuple(share * rate for share in shares))
+
+
+def _strained(
+    lattice: Lattice, spot: Spot, shares: list[acb], place: arb | acb, velocity: acb
+) -> Part:
+    """The part of ``Re share/(x - place)``, x having that velocity where it is ``place``."""
+    end = lattice.side(spot.side)
+    logs = tuple(share / velocity for share in shares)
+    zetas = tuple(acb(0) for _ in shares)
+    strain = strain_at(lattice, spot, logs, zetas)
+    values = [(share / (end.x - place)).real for share in shares]
+    return Part((), (strain,), left_over(lattice, strain, values))
+
+
+def polynomial_part(numbers: Numbers, lattice: Lattice, coefficient: list[arb]) -> Part | None:
+    """The part of ``linear x + square x^2``, where f has degree 4; None where both are 0.
+
+    ``x = -1/(k t) - b + ...`` near its pole, with ``k^2 = f4`` and ``b = f3/(4 f4)``.
+    """
+    linear = [integral.linear for integral in numbers.integrals]
+    square = [integral.square for integral in numbers.integrals]
+    if all(_nothing(value) for value in (*linear, *square)):
+        return None
+    spot = spot_of(lattice, None)
+    end = lattice.side(spot.side)
+    lead = coefficient[4]
+    simple = [
+        one - two * coefficient[3] / (2 * lead) for one, two in zip(linear, square, strict=True)
+    ]
+    values = [one * end.x + two * end.x * end.x for one, two in zip(linear, square, strict=True)]
+    zetas = tuple(acb(-lattice.scale * two / lead) for two in square)
+    none = tuple(acb(0) for _ in square)
+    side = 1 if end.slope > 0 else -1
+    if not spot.imaginary:
+        logs = tuple(acb(side * one / lead.sqrt()) for one in simple)
+        strain = strain_at(lattice, spot, logs, zetas)
+        return Part((), (strain,), left_over(lattice, strain, values))
+    alpha = spot.place.imag
+    shares = tuple(-2 * side * one / (-lead).sqrt() for one in simple)
+    turned = lattice.scale * lattice.sums.zeta(acb(0, alpha)).imag
+    values = [value + share * turned for value, share in zip(values, shares, strict=True)]
+    phases = (Phase(spot.side, alpha, 1, gain_of(lattice, alpha, 1), shares),)
+    if all(_nothing(value) for value in square):
+        return Part(phases, (), tuple(values))
+    strain = strain_at(lattice, spot, none, zetas)
+    return Part(phases, (strain,), left_over(lattice, strain, values))
+
+
+def cubic_part(numbers: Numbers, lattice: Lattice, linear: list[arb], lead: arb) -> Part | None:
+    """The part of ``linear x`` where f has degree 3: ``x = 4/(f3 t^2) + ...`` near its pole."""
+    if all(_nothing(value) for value in linear):
+        return None
+    spot = branch_spot(lattice)
+    end: Place = lattice.side(spot.side)
+    zetas = tuple(acb(-2 * lattice.scale * one / lead) for one in linear)
+    strain = strain_at(lattice, spot, tuple(acb(0) for _ in linear), zetas)
+    return Part((), (strain,), left_over(lattice, strain, [one * end.x for one in linear]))
+
+
+def strain_at(
+    lattice: Lattice, spot: Spot, logs: tuple[acb, ...], zetas: tuple[acb, ...]
+) -> Strain:
+    """The strain with these factors, and what it gains in a period."""
+    gains = None
+    if lattice.period is not None:
+        sums, alpha = lattice.sums, spot.place.imag
+        sign = 1 if alpha > 0 else -1
+        turned = gain_of(lattice, alpha, sign) or arb(0)
+        # s(z + 2 H) = -C exp(m z) s(z)
+        wave = 0 if sums.kind == "trigonometric" else 4 if lattice.rhombic else 2
+        change = acb(-2 * wave * spot.place.real, 2 * turned)
+        gains = tuple(
+            (log * change + 2 * wave * zeta).real for log, zeta in zip(logs, zetas, strict=True)
+        )
+    return Strain(spot.side, spot.place, logs, zetas, gains)
+
+
+def left_over(lattice: Lattice, strain: Strain, values: list[arb]) -> tuple[arb, ...]:
+    """The values of a part of the integrands at the turning point, less the strain's rates."""
+    zeta, bend = lattice.sums.zeta(strain.place), lattice.sums.bend(strain.place)
+    return tuple(
+        value + 2 * lattice.scale * (log * zeta - factor * bend).real
+        for value, log, factor in zip(values, strain.logs, strain.zetas, strict=True)
+    )
+
+
+def _nothing(share: Any) -> bool:
+    return share == 0 if isinstance(share, int) else bool(share.is_zero())
+
+
+def _positive(value: arb, pole: Pole) -> arb:
+    if not value > 0:
+        raise Unresolved(f"the pole {shown(pole.place)} may be a root of f")
+    return value
