@@ -215,7 +215,7 @@ def dense() -> Iterator[Row]:
 
     closed.at(times[PERIODS][:10], ANGLES)
     work: dict[Any, Callable[[], Any]] = {p: partial(closed.at, times[p], ANGLES) for p in times}
-    best = turns({"heyoka": heyoka, **work}, 7)
+    best = turns({"heyoka": heyoka, **work}, 30)
     ratio = best["heyoka"] / best[PERIODS]
     yield Row(
         f"{INSTANTS:g} instants of all five coordinates over {PERIODS} periods, against heyoka's "

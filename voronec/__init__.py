@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from voronec.charts import Chart
     from voronec.checking import check_catalogue, check_relation, graph
     from voronec.claims import Case, Corrected, Equation, Measure, Poisson
+    from voronec.closed import ClosedForm
     from voronec.closed.special.family import Precessions, precessions
     from voronec.comparison import compare
     from voronec.equations import VoronecEquations, derive
@@ -61,6 +62,7 @@ _HOME = {
     "Chart": "voronec.charts",
     "check_catalogue": "voronec.checking",
     "check_relation": "voronec.checking",
+    "ClosedForm": "voronec.closed",
     "compare": "voronec.comparison",
     "Precessions": "voronec.closed.special",
     "precessions": "voronec.closed.special",
@@ -119,6 +121,7 @@ __all__ = [
     "Case",
     "Chart",
     "Claim",
+    "ClosedForm",
     "Corrected",
     "Crossings",
     "DefinitionError",
@@ -144,6 +147,7 @@ __all__ = [
     "Relation",
     "Scene",
     "Section",
+    "Space",
     "Square",
     "System",
     "Trace",

@@ -80,9 +80,7 @@ def _explain(commands: Any) -> None:
     _system(parser)
     _outputs(parser)
     _setting(parser)
-    parser.add_argument(
-        "--out", metavar="DIR", help="folder for explanation.txt and pictures of the dependence"
-    )
+    parser.add_argument("--out", metavar="DIR", help="folder for the text and its pictures")
 
 
 def _regenerate(commands: Any) -> None:
@@ -91,12 +89,8 @@ def _regenerate(commands: Any) -> None:
     parser.add_argument(
         "paper", metavar="NAME|FILE", help="a paper of 'voronec list', or a file that defines PAPER"
     )
-    parser.add_argument(
-        "--out", metavar="DIR", help="write HTML, LaTeX, report.json and pictures there"
-    )
-    parser.add_argument(
-        "--label", metavar="L", help="only the display or the section with this label"
-    )
+    parser.add_argument("--out", metavar="DIR", help="folder for HTML, LaTeX, JSON, pictures")
+    parser.add_argument("--label", metavar="L", help="only the display or section of this label")
     parser.add_argument("--fresh", action="store_true", help="reuse no verdict of an earlier audit")
 
 
@@ -205,7 +199,7 @@ def _gallery(commands: Any) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--out", metavar="DIR|FILE",
-        help="folder for pictures, or one .svg, .png or .pdf; none unless told",
+        help="folder for pictures, or one .svg, .png or .pdf (./NAME-gallery)",
     )  # fmt: skip
 
 

@@ -47,9 +47,9 @@ def execute(arguments: Namespace) -> int:
 
     Stopped by Ctrl-C, what is done is printed and drawn all the same.
     """
-    target = _target(arguments.out)
     pairs = [pair(text) for text in arguments.set]
     system, _ = resolve(arguments.system)
+    target = _target(arguments.out or f"{system.name}-gallery")
     parameters, initial = split_values(system, pairs)
     if initial:
         raise DefinitionError(
@@ -67,7 +67,7 @@ def execute(arguments: Namespace) -> int:
     there = [f for f in found if f.scene is not None]
     if not there and stopped:
         raise KeyboardInterrupt
-    files = _write(system, there, target) if target is not None and there else []
+    files = _write(system, there, target) if there else []
     _tell(system, found, files, arguments.json)
     if stopped:
         wanted = len(labels) * len(_traces(system))
@@ -76,9 +76,7 @@ def execute(arguments: Namespace) -> int:
     return 0 if there else 1
 
 
-def _target(out: str | None) -> Path | None:
-    if out is None:
-        return None
+def _target(out: str) -> Path:
     path = Path(out)
     if path.suffix in SUFFIXES:
         if path.is_dir():

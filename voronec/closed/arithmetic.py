@@ -91,6 +91,7 @@ def compiled(expressions: Iterable[Any], symbols: Sequence[Any]) -> Function:
     linecache.cache[filename] = (len(source), None, source.splitlines(keepends=True), filename)
     numbers = [fmpq(int(q.p), int(q.q)) for q in writer.numbers]
     namespace: dict[str, Any] = {"arb": arb, "N": numbers, "root": root, "angle": angle}
+    namespace["whole"] = whole
     exec(compile(source, filename, "exec"), namespace)
     function: Function = namespace["evaluated"]
     return function
@@ -107,12 +108,27 @@ def angle(y: Any, x: Any) -> Any:
 
 def root(x: Any) -> Any:
     """The square root; of a ball that reaches below zero, of its part above."""
-    from flint import arb
+    from flint import acb, arb
 
+    if isinstance(x, acb):
+        return x.sqrt()
     found = x.sqrt()
     if found.is_finite() or x < 0:
         return found
     return arb(0).union(x.abs_upper().sqrt())
+
+
+def whole(x: Any, power: int) -> Any:
+    """A whole power by products: flint's own is no number for a ball around 0."""
+    if power < 0:
+        return 1 / whole(x, -power)
+    result = None
+    while power:
+        if power & 1:
+            result = x if result is None else result * x
+        power >>= 1
+        x = x * x if power else x
+    return 1 if result is None else result
 
 
 class _Writer:
@@ -170,7 +186,11 @@ class _Writer:
     def _power(self, base: Any, power: Any) -> str:
         below = self.term(base)
         if power.is_Integer:
-            return f"{below}**({int(power)})" if power != -1 else f"1 / {below}"
+            return _product(below, int(power))
         if power.is_Rational and power.q == 2:
-            return f"root({below})**({int(power.p)})" if power.p != 1 else f"root({below})"
+            return _product(f"root({below})", int(power.p))
         return f"{below}**{self.term(power)}"
+
+
+def _product(base: str, power: int) -> str:
+    return base if power == 1 else f"whole({base}, {power})"

@@ -18,7 +18,7 @@ from voronec.closed.arithmetic import ball, precise
 if TYPE_CHECKING:
     from voronec.closed.form import ClosedForm
 
-__all__ = ["Bernstein", "bernstein", "evaluated", "rounded"]
+__all__ = ["Bernstein", "bernstein", "evaluated", "inner", "rounded"]
 
 FINE = 64
 """Bits that a number must have before it is rounded to a double."""
@@ -44,17 +44,18 @@ def rounded(form: ClosedForm, at: Callable[[int, Any], Sequence[Any]]) -> tuple[
 
 def bernstein(form: ClosedForm, ascending: Callable[[int], Sequence[Any]]) -> Bernstein:
     """The numbers b_k of a polynomial whose coefficients are known to any number of bits."""
+    return rounded(form, lambda bits, constants: inner(ascending(bits), constants))
 
-    def at(bits: int, constants: Any) -> list[Any]:
-        row = _shifted(ascending(bits), constants.base)
-        degree, span = len(row) - 1, constants.other - constants.base
-        inner = [c * span**j for j, c in enumerate(row)]
-        return [
-            sum((c * comb(k, j) / comb(degree, j) for j, c in enumerate(inner[: k + 1])), ball(0))
-            for k in range(degree + 1)
-        ]
 
-    return rounded(form, at)
+def inner(ascending: Sequence[Any], constants: Any) -> list[Any]:
+    """The numbers b_k of a polynomial as balls: all its values between the ends lie among them."""
+    row = _shifted(ascending, constants.base)
+    degree, span = len(row) - 1, constants.other - constants.base
+    grown = [c * span**j for j, c in enumerate(row)]
+    return [
+        sum((c * comb(k, j) / comb(degree, j) for j, c in enumerate(grown[: k + 1])), ball(0))
+        for k in range(degree + 1)
+    ]
 
 
 def _shifted(row: Sequence[Any], place: Any) -> list[Any]:

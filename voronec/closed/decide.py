@@ -8,7 +8,7 @@ in that angle.
 
 from __future__ import annotations
 
-from math import lcm
+from math import gcd, lcm
 
 import sympy as sp
 
@@ -33,8 +33,11 @@ def vanishes(value: sp.Expr) -> bool | None:
 def _in_one_angle(value: sp.Expr) -> sp.Expr:
     """Sines and cosines of rational numbers, as those of multiples of one symbol."""
     calls = [f for f in value.atoms(sp.sin, sp.cos) if f.args[0].is_Rational]
-    step = lcm(1, *(int(f.args[0].q) for f in calls))
-    return value.xreplace({f: f.func(f.args[0] * step * _ANGLE) for f in calls})
+    below = lcm(1, *(int(f.args[0].q) for f in calls))
+    # Their greatest common part as the symbol: u = 7/10 as a double is a long fraction, and
+    # multiples of it are short.
+    step = sp.Rational(gcd(0, *(int(f.args[0] * below) for f in calls)) or 1, below)
+    return value.xreplace({f: f.func(f.args[0] / step * _ANGLE) for f in calls})
 
 
 def _has_roots(value: sp.Expr) -> bool:

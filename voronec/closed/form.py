@@ -14,6 +14,7 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.balls import enclosed
+from voronec.closed.clock import Clock
 from voronec.closed.doubles import sampled
 from voronec.closed.prepared import ascending
 from voronec.closed.problem import Problem
@@ -63,6 +64,11 @@ class ClosedForm:
         return invert(self.problem.source)
 
     @cached_property
+    def clock(self) -> Clock:
+        """The time, where the quartic is in another one."""
+        return Clock(self)
+
+    @cached_property
     def attitude(self) -> Attitude | None:
         """How the motion lies in space; None where the system declares no space."""
         space = self.quadratures.space
@@ -89,7 +95,10 @@ class ClosedForm:
         tends to a limit, and where it rests."""
         if self.rests:
             return float("inf")
-        return float(self.solution.period)
+        if self.quadratures.clock == 1:
+            return float(self.solution.period)
+        advances = self.solution.constants(DECIDING).advances
+        return float("inf") if advances is None else float(advances[self.clock.number])
 
     @property
     def ends(self) -> tuple[float, float]:

@@ -1,21 +1,22 @@
 """A declared motion made ready for numbers, once: compiled, its integrals by partial fractions.
 
 The rate of an angle is ``c0 + c1 x + c2 x^2 + sum of share w/(x - c)`` over the declared poles c
-with their weights w.  The polynomial is the quotient of a division; the shares are whole numbers,
-and are read off a motion whose numbers are in no special position.
+with their weights w, and over poles of any other kind (see ``fractions``).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.closed.arithmetic import Function, ball, compiled, precise
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.closed.arithmetic import Function, ball, compiled, exact, precise
+from voronec.closed.decide import vanishes
+from voronec.closed.fractions import BITS, Split, ascending, split
+from voronec.errors import DefinitionError
 from voronec.quadratures import Quadratures
 from voronec.system import System
 
@@ -23,13 +24,6 @@ __all__ = ["Prepared", "ascending", "motion_of", "prepared"]
 
 DEGREE = 4
 """Of the square of the rate of the variable, at most."""
-MOST = 6
-"""Of numerators and denominators of rates, at most."""
-BITS = 256
-"""Of the motion off which shares are read."""
-NEAR = 2.0**-100
-"""A share is this near to a whole number, as a check."""
-
 
 def _nothing(_: Any) -> list[Any]:
     return []
@@ -37,7 +31,8 @@ def _nothing(_: Any) -> list[Any]:
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A system's motion ready for numbers; ``zeros`` are parameters that are exactly zero.
+    """A system's motion ready for numbers; ``gone`` are parameters whose values, exactly these,
+    send poles to infinity.
 
     inputs, level
         the symbols of a start (coordinates, velocities, parameters), and of a level (parameters,
@@ -48,14 +43,18 @@ class Prepared:
         level -> quartic (5), then place and weight of each pole, the quotient (3) of each integral,
         the cosine of each trace (2), and the slopes of a place on a plane (3 each).
     rates
-        of the angles, then of the place on a plane, along and across (of a motion in the time
-        itself).
-    poles, shares
-        place and weight of the poles that lie at finite places; for each integral its shares.
+        of the angles, then of the place on a plane, along and across, then of the time where the
+        quartic is in another one.
+    poles, others
+        place and weight of the poles that lie at finite places; places of the other ones.
+    cosines
+        offset and slope of those that are affine; nothing for the others.
+    fractions
+        rates and slopes as partial fractions; ``shares`` are whole numbers, one per pole.
     """
 
     system: System
-    zeros: frozenset[Any]
+    gone: Mapping[Any, Any]
     inputs: tuple[Any, ...]
     level: tuple[Any, ...]
     starting: Function
@@ -64,8 +63,14 @@ class Prepared:
     poles: tuple[tuple[Any, Any], ...]
     rates: tuple[Any, ...]
     cosines: tuple[tuple[Any, Any], ...]
+    others: tuple[Any, ...] = ()
     parts: Function = _nothing
-    shares: tuple[tuple[int, ...], ...] = ()
+    fractions: Split = field(default_factory=Split)
+
+    @property
+    def shares(self) -> tuple[tuple[int, ...], ...]:
+        """Of each integral, one per pole."""
+        return self.fractions.shares
 
     @property
     def motion(self) -> Quadratures:
@@ -88,7 +93,7 @@ class Prepared:
         return self.cosine_at + 2 * len(self.cosines)
 
 
-_KNOWN: dict[tuple[int, frozenset[Any]], Prepared] = {}
+_KNOWN: dict[tuple[int, Any], Prepared] = {}
 
 
 def motion_of(system: System) -> Quadratures:
@@ -107,73 +112,96 @@ def motion_of(system: System) -> Quadratures:
 def prepared(system: System, values: Mapping[Any, Any]) -> Prepared:
     """The motion of a system ready for numbers like ``values``, which give the parameters."""
     motion = motion_of(system)
-    critical = [s for s in _vanishing(system, motion) if values.get(s) == 0]
-    key = (id(motion), frozenset(critical))
+    gone = {s: e for factor, s, e in _critical(system, motion) if _is_zero(factor, values)}
+    key = (id(motion), frozenset(gone.items()))
     if key not in _KNOWN or _KNOWN[key].system.motion is not motion:
-        _KNOWN[key] = _prepare(system, motion, frozenset(critical))
+        _KNOWN[key] = _prepare(system, motion, gone)
     return _KNOWN[key]
 
 
-_CRITICAL: dict[int, tuple[Quadratures, list[Any]]] = {}
+def _is_zero(factor: Any, values: Mapping[Any, Any]) -> bool:
+    if any(values.get(s) is None or callable(values[s]) for s in factor.free_symbols):
+        return False
+    return bool(vanishes(factor.xreplace({s: exact(values[s]) for s in factor.free_symbols})))
 
 
-def _vanishing(system: System, motion: Quadratures) -> list[Any]:
-    """The parameters whose vanishing sends a pole to infinity."""
+_CRITICAL: dict[int, tuple[Quadratures, list[tuple[Any, Any, Any]]]] = {}
+
+
+def _critical(system: System, motion: Quadratures) -> list[tuple[Any, Any, Any]]:
+    """Polynomials in the parameters whose vanishing sends a pole to infinity, each with a parameter
+    and what it is then."""
     if id(motion) not in _CRITICAL or _CRITICAL[id(motion)][0] is not motion:
-        below = [sp.fraction(sp.together(c))[1] for c in motion.poles]
-        symbols = [p.symbol for p in system.parameters if p.symbol.is_Symbol]
-        found = [s for s in symbols if any(d.subs(s, 0) == 0 for d in below)]
-        _CRITICAL[id(motion)] = (motion, found)
+        own = {p.symbol for p in system.parameters if p.symbol.is_Symbol}
+        found: dict[Any, tuple[Any, Any, Any]] = {}
+        for place in (*motion.poles, *motion.others):
+            for factor in _factors(sp.fraction(sp.together(place))[1], own):
+                known = _solved_for(factor, sorted(own & factor.free_symbols, key=str)[::-1])
+                if known is not None:
+                    found.setdefault(known, (factor, *known))
+        _CRITICAL[id(motion)] = (motion, list(found.values()))
     return _CRITICAL[id(motion)][1]
 
 
-def _prepare(system: System, motion: Quadratures, zeros: frozenset[Any]) -> Prepared:
-    gone = dict.fromkeys(zeros, sp.Integer(0))
+def _factors(below: Any, own: set[Any]) -> list[Any]:
+    found: list[Any] = []
+    for part in sp.Mul.make_args(below):
+        above = sp.fraction(sp.together(part.base if part.is_Pow else part))[0]
+        if above.free_symbols and above.free_symbols <= own and above.is_polynomial(*own):
+            found += [factor for factor, _ in sp.factor_list(above)[1]]
+    return found
+
+
+def _solved_for(factor: Any, symbols: list[Any]) -> tuple[Any, Any] | None:
+    for s in symbols:
+        slope = sp.diff(factor, s)
+        if slope.is_number:
+            return s, s - sp.expand(factor / slope)
+    return None
+
+
+def _prepare(system: System, motion: Quadratures, gone: Mapping[Any, Any]) -> Prepared:
     own = tuple(p.symbol for p in system.parameters)
     rates = [e.xreplace(gone) for e in motion.integrals.values()]
-    plane = motion.plane if motion.clock == 1 else None
+    plane = motion.plane
     if plane is not None:
         rates += [sp.sympify(e).xreplace(gone) for e in plane.rates]
+    if motion.clock != 1:
+        rates.append(motion.clock.xreplace(gone))
     rate = _rate_of_variable(system, motion)
     inputs = (*system.coordinates, *system.velocities, *own)
+    poles = {c: w for c, w in motion.poles.items() if _is_finite(c, gone)}
+    straight = motion.clock == 1
     raw = Prepared(
         system=system,
-        zeros=zeros,
+        gone=gone,
         inputs=inputs,
         level=(*own, *motion.constants),
         starting=compiled([*motion.constants.values(), motion.meaning, rate], inputs),
         rate=rate,
         quartic=ascending(motion.quartic.xreplace(gone), motion.x, DEGREE),
-        poles=tuple(
-            (c.xreplace(gone), w.xreplace(gone))
-            for c, w in motion.poles.items()
-            if sp.fraction(sp.together(c))[1].xreplace(gone) != 0
-        ),
+        poles=tuple((c.xreplace(gone), w.xreplace(gone)) for c, w in poles.items()),
+        others=tuple(c.xreplace(gone) for c in motion.others if _is_finite(c, gone)),
         rates=tuple(rates),
         cosines=tuple(
             (e[0], e[1])
             for e in (ascending(t.cosine.xreplace(gone), motion.x, 1) for t in motion.traces)
-        ),
-    )
-    own_values = _example(raw)
+        ) if straight else (),
+    )  # fmt: skip
     slopes = [e.xreplace(gone) for e in plane.slopes] if plane is not None else []
-    for e in slopes:
-        if not e.is_polynomial(motion.x):
-            raise EngineLimit(
-                f"system '{system.name}': the place on the plane holds '{e}' along the variable, "
-                "and only polynomials are integrated there"
-            )
-    terms = [[_term(raw, t, own_values) for t in sp.Add.make_args(e)] for e in rates]
-    quotients = [_sum(_quotient(n, d) for n, d, _ in row) for row in terms]
+    whole = split(rates, slopes, raw.poles, raw.others, motion.x, raw.level, _example(raw))
     flat = [*raw.quartic, *(e for pole in raw.poles for e in pole)]
-    flat += [e for q in quotients for e in q] + [e for c in raw.cosines for e in c]
-    flat += [c for e in slopes for c in ascending(e, motion.x, 2)]
-    shares = _shares(raw, [[t for _, _, t in row] for row in terms], own_values)
-    return replace(raw, parts=compiled(flat, raw.level), shares=shares)
+    flat += [e for q in whole.quotients for e in q] + [e for c in raw.cosines for e in c]
+    flat += [e for q in whole.slopes for e in q]
+    return replace(raw, parts=compiled(flat, raw.level), fractions=whole)
+
+
+def _is_finite(place: Any, gone: Mapping[Any, Any]) -> bool:
+    return bool(sp.fraction(sp.together(place))[1].xreplace(gone) != 0)
 
 
 def _rate_of_variable(system: System, motion: Quadratures) -> Any:
-    """dx/dt as a function of the state, by the declared velocities."""
+    """dx/dtau as a function of the state, by the declared velocities."""
     dots = [velocity(q) for q in system.coordinates]
     pairs = [(v, e) for v, e in motion.velocities.items() if e.has(*dots)]
     meaning = {motion.x: motion.meaning, **motion.constants}
@@ -183,7 +211,7 @@ def _rate_of_variable(system: System, motion: Quadratures) -> Any:
         if slope != 0:
             value = dot if dot in system.velocities else _solved(system, pairs, dot, dots)
             found += slope * value.xreplace(meaning)
-    return found
+    return found if motion.clock == 1 else found * motion.clock.xreplace(meaning)
 
 
 def _solved(system: System, pairs: list[tuple[Any, Any]], dot: Any, dots: list[Any]) -> Any:
@@ -212,87 +240,11 @@ def _solved(system: System, pairs: list[tuple[Any, Any]], dot: Any, dots: list[A
     return (onto[i] * normal[j][j] - onto[j] * normal[i][j]) / determinant
 
 
-def ascending(value: Any, x: Any, degree: int) -> tuple[Any, ...]:
-    """The coefficients of a polynomial, by its slopes at 0: nothing is multiplied out."""
-    found, slope = [], sp.sympify(value)
-    for i in range(degree + 1):
-        found.append(slope.xreplace({x: sp.Integer(0)}) / sp.factorial(i))
-        slope = sp.diff(slope, x)
-    return tuple(found)
-
-
 def _example(raw: Prepared) -> list[Any]:
     """Values of the symbols of a level, of a motion whose numbers are fractions of primes."""
+    plain = {s: sp.Rational(sp.prime(i + 20), sp.prime(i + 41)) for i, s in enumerate(raw.inputs)}
+    known = {s: e.xreplace(plain) for s, e in raw.gone.items()}
     with precise(BITS):
-        given = [
-            ball(0) if s in raw.zeros else ball(sp.Rational(sp.prime(i + 20), sp.prime(i + 41)))
-            for i, s in enumerate(raw.inputs)
-        ]
+        given = [ball({**plain, **known}[s]) for s in raw.inputs]
         count = len(raw.system.parameters)
         return [*given[len(given) - count :], *raw.starting(given)[:-2]]
-
-
-def _term(raw: Prepared, term: Any, example: list[Any]) -> tuple[Any, Any, Any]:
-    """Coefficients of numerator and denominator of a rational function, up to the last that does
-    not vanish, and both themselves."""
-    above, below = sp.fraction(term)
-    x = raw.motion.x
-    parts = []
-    for value in (above, below):
-        row = list(ascending(value, x, MOST))
-        with precise(BITS):
-            seen = compiled(row, raw.level)(example)
-        while len(row) > 1 and seen[len(row) - 1].contains(0):
-            row.pop()
-        parts.append(row)
-    return parts[0], parts[1], (above, below)
-
-
-def _quotient(above: list[Any], below: list[Any]) -> tuple[Any, ...]:
-    """Of a division of polynomials, ascending, three coefficients."""
-    rest, found = list(above), [sp.Integer(0)] * 3
-    while len(rest) >= len(below):
-        shift, factor = len(rest) - len(below), rest[-1] / below[-1]
-        if shift > 2:
-            raise EngineLimit("a rate grows faster than the square of the variable")
-        found[shift] += factor
-        for i, c in enumerate(below[:-1]):
-            rest[shift + i] -= factor * c
-        rest.pop()
-    return tuple(found)
-
-
-def _sum(rows: Any) -> tuple[Any, ...]:
-    return tuple(sp.Add(*column) for column in zip(*rows, strict=True))
-
-
-def _shares(
-    raw: Prepared, terms: list[list[tuple[Any, Any]]], example: list[Any]
-) -> tuple[tuple[int, ...], ...]:
-    """Residues over weights."""
-    x = raw.motion.x
-    with precise(BITS):
-        flat = compiled([e for pole in raw.poles for e in pole], raw.level)(example)
-        places = list(zip(flat[::2], flat[1::2], strict=True))
-        found = []
-        for row in terms:
-            parts = [e for n, d in row for e in (n, d, sp.diff(d, x))]
-            at = compiled(parts, (*raw.level, x))
-            found.append(tuple(_share(at([*example, c]), w) for c, w in places))
-    return tuple(found)
-
-
-def _share(values: list[Any], weight: Any) -> int:
-    residue = ball(0)
-    for i in range(0, len(values), 3):
-        above, below, slope = values[i : i + 3]
-        if below.contains(0) and not slope.contains(0):
-            residue += above / slope
-    share = residue / weight
-    whole = round(float(share))
-    if not abs(share - whole) < NEAR:
-        raise DefinitionError(
-            f"a rate of the declared motion has the residue {float(share):.6g} times the weight of "
-            "its pole, no whole number; declare the weight w with f(c) = -4 w^2"
-        )
-    return whole

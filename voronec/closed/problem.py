@@ -156,15 +156,19 @@ class Problem:
                 factors = squarefree(self, self.table(bits)[:5])
                 return Numbers(factors, self.place(bits), ball(0), rest=True)
         with precise(bits):
-            table = self.table(bits)
+            table, others = self.table(bits), self.others(bits)
             count = len(own.poles)
             poles = tuple(
                 Pole(table[5 + 2 * i], self._weight(table[6 + 2 * i], i)) for i in range(count)
             )
+            poles += tuple(Pole(place) for place, _ in others)
             first = 5 + 2 * count
             integrals = tuple(
-                Integral(table[i], table[i + 1], table[i + 2], shares)
-                for i, shares in zip(range(first, len(table), 3), own.shares, strict=False)
+                Integral(
+                    *(self._settled(table[first + 3 * j + i], j, i) for i in range(3)),
+                    shares=(*shares, *(residues[j] for _, residues in others)),
+                )
+                for j, shares in enumerate(own.shares)
             )
             return Numbers(
                 factors=squarefree(self, table[:5]),
@@ -173,6 +177,51 @@ class Problem:
                 poles=poles,
                 integrals=integrals,
             )
+
+    def others(self, bits: int) -> list[tuple[Any, list[Any]]]:
+        """The poles without a weight: place, and residues of all rates, then of all slopes.
+
+        Real balls; or complex ones, one of each conjugate pair, with twice the residues: the real
+        part is that of both.
+        """
+        if not self.prepared.others:
+            return []
+        level = self.level(bits)
+        return list(self._once(("others", bits), lambda: self._others(level), bits))
+
+    def _others(self, level: list[Any]) -> list[tuple[Any, list[Any]]]:
+        from flint import acb
+
+        from voronec.elliptic.roots import Unresolved
+
+        flat = self.prepared.fractions.foreign(list(map(acb, level)))
+        count, found = len(self.prepared.others), []
+        rows = len(flat) // count - 1
+        for i, met in enumerate(self.prepared.fractions.meets):
+            place = acb(flat[i])
+            if not place.is_finite():
+                raise Unresolved("a pole may lie at infinity")
+            if not place.imag.is_zero() and place.imag.contains(0):
+                raise Unresolved("a pole may be real")
+            residues = flat[count + i * rows : count + (i + 1) * rows]
+            row = [acb(r) if m else 0 for r, m in zip(residues, met, strict=True)]
+            if place.imag.is_zero():
+                place, row = place.real, [r.real if m else 0 for r, m in zip(row, met, strict=True)]
+            elif place.imag < 0:
+                continue
+            else:
+                row = [2 * r for r in row]
+            found.append((place, row))
+        return found
+
+    def _settled(self, value: Any, j: int, i: int) -> Any:
+        """A coefficient; exactly 0 where it is that."""
+        if value.is_zero() or not value.contains(0):
+            return value
+        try:
+            return ball(0) if self.sign(self.prepared.fractions.quotients[j][i]) == 0 else value
+        except EngineLimit:  # as good, only slower
+            return value
 
     def _weight(self, value: Any, i: int) -> Any:
         return ball(0) if self._is_zero(value, self.prepared.poles[i][1]) else value

@@ -42,7 +42,14 @@ def turns_of(form: ClosedForm) -> dict[str, Turn]:
         if advances is None:
             return {}
         pairs = zip(form.quadratures.angles, advances, strict=False)
-        return {plain_name(q): Turn(float(a), _fraction(a)) for q, a in pairs}
+        return {plain_name(q): _turn(a) for q, a in pairs}
+
+
+def _turn(advance: Any) -> Turn:
+    fraction = _fraction(advance)
+    if fraction is not None:  # the advance is that of the fraction, to the last bit
+        advance = 2 * ball(1).pi() * fraction.numerator / fraction.denominator
+    return Turn(float(advance), fraction)
 
 
 def _fraction(advance: Any) -> Fraction | None:

@@ -9,6 +9,7 @@ from typing import TypeVar
 
 from flint import acb, acb_poly, arb, arb_poly, ctx
 
+from voronec.elliptic.isolation import isolations
 from voronec.elliptic.numbers import Numbers, Source
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -240,11 +241,7 @@ def _factor_roots(factor: tuple[arb, ...]) -> list[arb | acb]:
         raise Unresolved("the leading coefficient of f may be 0")
     polynomial = acb_poly([acb(value) for value in factor])
     # Isolating balls may be too wide for the method of Newton: then narrower ones.
-    for narrow in (None, 2.0**-40, arb(2) ** (-ctx.prec // 4), arb(2) ** (-ctx.prec // 2)):
-        try:
-            balls = polynomial.roots() if narrow is None else polynomial.roots(tol=narrow)
-        except ValueError:
-            break
+    for balls in isolations(polynomial):
         try:
             return [_sharp(factor, polynomial, balls, place) for place in range(len(balls))]
         except Unresolved:

@@ -12,7 +12,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.closed import ClosedForm, Problem, prepared
 from voronec.closed.arithmetic import exact
 from voronec.closed.prepared import motion_of
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.errors import DefinitionError
 from voronec.flow.given import Given, Values, scene_of
 from voronec.flow.start import require_possible
 from voronec.flow.vocabulary import Vocabulary, number
@@ -141,12 +141,6 @@ def _formed(system: System, given: Mapping[str, Any], initial: Mapping[str, Any]
 
 
 def _checked(problem: Problem) -> ClosedForm:
-    motion, system = problem.prepared.motion, problem.prepared.system
-    if motion.clock != 1:
-        raise EngineLimit(
-            f"system '{system.name}': its motion in closed form is in a time of its own, which is "
-            "not evaluated; integrate it by another method"
-        )
     problem.check()
     return ClosedForm(problem)
 

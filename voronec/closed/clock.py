@@ -1,0 +1,244 @@
+"""The time of a motion whose quartic is in another one: dt = clock(x) dtau, clock > 0.
+
+t(tau) is one more integral of the elliptic motion; it grows, and is inverted by Newton's method:
+in doubles for many times at once, in balls of any number of bits for one.  Whole periods are taken
+off first, so that late times lose nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voronec.closed.arithmetic import ball, precise
+from voronec.closed.bernstein import Bernstein, evaluated, inner, rounded
+from voronec.closed.ratio import ratios
+from voronec.errors import EngineLimit
+
+if TYPE_CHECKING:
+    from voronec.closed.form import ClosedForm
+
+__all__ = ["Clock", "shortened"]
+
+FINE = 192
+PIECE = 26
+"""Bits of the pieces of a period: whole numbers of them are exact."""
+NODES = 256
+"""Of a table of a period, from which Newton's method starts."""
+ROUNDS = 100
+SPARE = 12
+"""Digits of the other time beyond those that are asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Clock:
+    """The time of one motion."""
+
+    form: ClosedForm
+
+    @property
+    def number(self) -> int:
+        """Of the integral that is the time."""
+        return len(self.form.problem.prepared.rates) - 1
+
+    # -- in doubles ------------------------------------------------------------------------
+
+    @cached_property
+    def period(self) -> tuple[float, Sequence[float]] | None:
+        """The period in tau, and pieces whose sum is that in t; None where there is none."""
+        with precise(FINE):
+            constants = self.form.solution.constants(FINE)
+            if constants.half is None:
+                return None
+            return float(2 * constants.half), pieces(constants.advances[self.number])
+
+    def inverted(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The whole periods before each time, and tau since the last of them (or to the next)."""
+        if self.period is None:
+            low, high = self._spread(times)
+            return np.zeros(times.shape), self._newton(times, (low + high) / 2, low, high)
+        whole, parts = self.period
+        count, rest = shortened(times, parts)
+        if self._steady:
+            return count, rest * (whole / sum(parts))
+        taus, hours, paces = self._table
+        at = np.clip(np.searchsorted(hours, rest) - 1, 0, NODES - 1)
+        low, high = taus[at], taus[at + 1]
+        return count, self._newton(rest, _hermite(rest, at, taus, hours, paces), low, high)
+
+    @cached_property
+    def _steady(self) -> bool:
+        """Whether the clock does not depend on x."""
+        return len(self.pace[0]) == len(self.pace[1]) == 1
+
+    @cached_property
+    def _table(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """tau, t and the clock on a grid of more than one period."""
+        assert self.period is not None
+        taus = np.linspace(-0.5001, 0.5001, NODES + 1) * self.period[0]
+        # half a period of t is not half a period of tau where the motion starts off a turning point
+        sample = self.form.solution.sample(taus)
+        hours, half = sample.integral(self.number), sum(self.period[1]) / 2
+        reach = 0.5001 + max(0.0, *(half - hours[[-1]]), *(half + hours[[0]])) / half
+        taus = np.linspace(-reach, reach, NODES + 1) * self.period[0]
+        sample = self.form.solution.sample(taus)
+        return taus, sample.integral(self.number), self.paces(sample)
+
+    def _spread(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values of tau before and after each time."""
+        low, high = np.minimum(times, 0.0), np.maximum(times, 0.0)
+        for _ in range(ROUNDS):
+            short = self.form.solution.sample(low).integral(self.number) > times
+            far = self.form.solution.sample(high).integral(self.number) < times
+            if not (short.any() or far.any()):
+                return low, high
+            low, high = np.where(short, 2 * low, low), np.where(far, 2 * high, high)
+        raise EngineLimit("the time of the motion cannot be inverted")
+
+    def _newton(
+        self, times: np.ndarray, guess: np.ndarray, low: np.ndarray, high: np.ndarray
+    ) -> np.ndarray:
+        """tau by Newton's method, kept between bounds that close in."""
+        taus, left = guess.copy(), np.arange(len(times))
+        for _ in range(ROUNDS):
+            if not left.size:
+                return taus
+            now = taus[left]
+            sample = self.form.solution.sample(now)
+            gap = sample.integral(self.number) - times[left]
+            low[left] = np.where(gap < 0, now, low[left])
+            high[left] = np.where(gap > 0, now, high[left])
+            step = gap / self.paces(sample)
+            new = now - step
+            out = ~((low[left] <= new) & (new <= high[left]))
+            taus[left] = np.where(out, (low[left] + high[left]) / 2, new)
+            moved = np.abs(step) > 2.0**-26 * np.abs(now)  # the next error is the square
+            left = left[(moved | out) & (np.abs(step) > 2.0**-51 * np.abs(now))]
+        return taus
+
+    @cached_property
+    def pace(self) -> tuple[Bernstein, Bernstein]:
+        """The clock: numerator and denominator."""
+        ratio = ratios(self.form.problem.prepared)[-1]
+        return ratio.above.bernstein(self.form), ratio.below.bernstein(self.form)
+
+    @cached_property
+    def reach(self) -> list[tuple[Bernstein, Bernstein]]:
+        """Of each trace: q - p and q + p, where its cosine is p/q."""
+        return [(r.south.bernstein(self.form), r.north.bernstein(self.form))
+                for r in ratios(self.form.problem.prepared)[:-1]]  # fmt: skip
+
+    @cached_property
+    def bends(self) -> list[tuple[Bernstein, Bernstein, Bernstein]]:
+        """Of each trace: p, q and p' q - p q'."""
+        return [(r.above.bernstein(self.form), r.below.bernstein(self.form),
+                 r.bend.bernstein(self.form)) for r in ratios(self.form.problem.prepared)[:-1]
+                ]  # fmt: skip
+
+    def paces(self, sample: Any) -> np.ndarray:
+        """The clock at a sample."""
+        near, far = sample.affine(1.0, 0.0), sample.affine(0.0, 1.0)
+        above, below = (evaluated(e, near, far) for e in self.pace)
+        return np.asarray(above / below + 0 * near)
+
+    # -- in balls --------------------------------------------------------------------------
+
+    def moment(self, t: Any, digits: int) -> Any:
+        """The elliptic motion at a time, ``voronec.elliptic.Enclosed``, and radii below
+        10^-digits."""
+        from flint import ctx
+
+        bits, more = ctx.prec, SPARE
+        while True:
+            tau = self._enclosed(t, digits + more, bits)
+            try:
+                return self.form.solution.enclose(tau, digits)
+            except EngineLimit:  # the motion stretches the radius of tau
+                more, bits = 2 * more, bits + int(7 * more)
+                if more > 8 * (digits + SPARE):
+                    raise
+
+    def _enclosed(self, t: Any, digits: int, bits: int) -> Any:
+        """tau as a ball: from the middle m of a ball near it, t(tau) - t(m) = clock (tau - m) with
+        a value of the clock between the two."""
+        from voronec.elliptic.moment import nearest
+        from voronec.elliptic.solution import exact_time
+
+        with precise(bits + 64):
+            time, solution = exact_time(t), self.form.solution
+            constants = solution.constants(bits + 64)
+            rest, shift = time, ball(0)
+            if constants.half is not None:
+                whole = constants.advances[self.number]
+                count = nearest(time / whole)
+                rest, shift = time - count * whole, 2 * count * constants.half
+            tau, known = (shift + ball(self._roughly(rest))).mid(), 10
+            for _ in range(ROUNDS):
+                known = min(2 * known, digits)
+                at = solution.enclose(tau, known + 2)
+                gap = time - at.integrals[self.number]
+                if known == digits and gap.contains(0):
+                    return tau + gap / self._bounds(bits)
+                tau = (tau + gap / self._pace(at, bits)).mid()
+        raise EngineLimit(f"no {digits} digits of the motion at t = {t}")
+
+    def _roughly(self, rest: Any) -> float:
+        count, tau = self.inverted(np.array([float(rest)]))
+        return float(tau[0]) + (float(count[0]) * self.period[0] if self.period else 0.0)
+
+    def _pace(self, at: Any, bits: int) -> Any:
+        return ratios(self.form.problem.prepared)[-1].value(self.form.problem, at.x, bits)
+
+    def _bounds(self, bits: int) -> Any:
+        """A ball that holds all values of the clock, from the numbers b_k of both polynomials."""
+        constants = self.form.solution.constants(bits)
+        ratio = ratios(self.form.problem.prepared)[-1]
+        found = []
+        for part in (ratio.above, ratio.below):
+            row = inner(part.row(self.form.problem, bits), constants)
+            total = row[0]
+            for b in row[1:]:
+                total = total.union(b)
+            found.append(total)
+        value = found[0] / found[1]
+        if not value > 0:
+            raise EngineLimit("the clock of the motion is not seen to be positive")
+        return value
+
+
+def pieces(value: Any) -> list[float]:
+    """Doubles whose sum is the number: the first three short, so that products with whole numbers
+    below 2^27 are exact."""
+    found, rest = [], value
+    for _ in range(3):
+        size = float(rest)
+        unit = 2.0 ** (np.frexp(size)[1] - PIECE) if size else 1.0
+        found.append(round(size / unit) * unit)
+        rest = rest - ball(found[-1])
+    return [*found, float(rest)]
+
+
+def shortened(times: np.ndarray, parts: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Times less whole periods, the nearest; and how many these are."""
+    count = np.rint(times / sum(parts))
+    rest = times.copy()
+    for part in parts:
+        rest -= count * part
+    return count, rest
+
+
+def _hermite(
+    times: np.ndarray, at: np.ndarray, taus: np.ndarray, hours: np.ndarray, paces: np.ndarray
+) -> np.ndarray:
+    """tau between nodes, a cubic."""
+    width = hours[at + 1] - hours[at]
+    s = (times - hours[at]) / width
+    first, last = width / paces[at], width / paces[at + 1]
+    rise = taus[at + 1] - taus[at]
+    return np.asarray(
+        taus[at] + s * (first + s * (3 * rise - 2 * first - last + s * (first + last - 2 * rise)))
+    )

@@ -1,0 +1,87 @@
+"""Rational functions of the variable: the cosines of traces and the clock, in balls and doubles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from voronec.closed.arithmetic import Function, ball, compiled, precise
+from voronec.closed.bernstein import Bernstein, bernstein
+from voronec.closed.fractions import ascending
+from voronec.closed.prepared import Prepared
+
+if TYPE_CHECKING:
+    from voronec.closed.form import ClosedForm
+    from voronec.closed.problem import Problem
+
+__all__ = ["Polynomial", "Ratio", "ratios"]
+
+
+@dataclass(frozen=True, eq=False)
+class Polynomial:
+    """In the variable, its coefficients functions of a level."""
+
+    coefficients: Function
+
+    @classmethod
+    def of(cls, value: Any, own: Prepared) -> Polynomial:
+        """An expression as a polynomial."""
+        x = own.motion.x
+        degree = int(sp.degree(sp.expand(value), x)) if value.has(x) else 0
+        return cls(compiled(ascending(value, x, degree), own.level))
+
+    def row(self, problem: Problem, bits: int) -> list[Any]:
+        """The coefficients as balls."""
+        level = problem.level(bits)
+        with precise(bits):
+            return self.coefficients(level)
+
+    def value(self, problem: Problem, x: Any, bits: int) -> Any:
+        """At one value of the variable."""
+        total = ball(0)
+        for c in reversed(self.row(problem, bits)):
+            total = total * x + c
+        return total
+
+    def bernstein(self, form: ClosedForm) -> Bernstein:
+        """For doubles."""
+        return bernstein(form, lambda bits: self.row(form.problem, bits))
+
+
+@dataclass(frozen=True, eq=False)
+class Ratio:
+    """p/q: ``above``, ``below``; ``south`` is q - p, ``north`` q + p, and ``bend`` p' q - p q'."""
+
+    above: Polynomial
+    below: Polynomial
+    south: Polynomial
+    north: Polynomial
+    bend: Polynomial
+
+    @classmethod
+    def of(cls, value: Any, own: Prepared) -> Ratio:
+        """An expression as a ratio of polynomials."""
+        x = own.motion.x
+        p, q = sp.fraction(value)
+        bend = sp.diff(p, x) * q - p * sp.diff(q, x)
+        return cls(*(Polynomial.of(e, own) for e in (p, q, q - p, q + p, bend)))
+
+    def value(self, problem: Problem, x: Any, bits: int) -> Any:
+        """At one value of the variable."""
+        return self.above.value(problem, x, bits) / self.below.value(problem, x, bits)
+
+
+_KNOWN: dict[int, tuple[Prepared, Sequence[Ratio]]] = {}
+
+
+def ratios(own: Prepared) -> Sequence[Ratio]:
+    """The cosine of each trace, and the clock."""
+    if id(own) not in _KNOWN or _KNOWN[id(own)][0] is not own:
+        motion = own.motion
+        given = (*(t.cosine for t in motion.traces), motion.clock)
+        found = [Ratio.of(e.xreplace(dict(own.gone)), own) for e in given]
+        _KNOWN[id(own)] = (own, found)
+    return _KNOWN[id(own)][1]

@@ -1,0 +1,203 @@
+"""Functions of the phase of a periodic motion, as polynomials on panels of its period.
+
+What repeats itself with the period is computed at some thousands of phases, once.  After that
+an instant costs one column of a product of small matrices, however hard the functions are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from voronec.elliptic.reduction import Reduction
+from voronec.elliptic.rows import Rows
+from voronec.elliptic.stretch import Stretch
+
+__all__ = ["Panels"]
+
+COUNT = 12
+"""Coefficients of a polynomial."""
+NODES, CHECKS = 16, 9
+"""Phases of a panel to which it is fitted, and at which it is tried."""
+CELLS = 4096
+"""Parts of half a period; a panel is a number of them that is a power of two."""
+WIDEST, NARROWEST = 1024, 4
+MOST = 512
+"""Panels that are worth their while."""
+BOUND = 3e-15
+"""Errors relative to the size of a function, which is 1 at least where it is an angle."""
+BESIDE = 2.0**-10
+"""How much farther than half of a half period the panels reach: late times may overshoot."""
+BLOCK, GROUP, LONGEST = 8192, 2048, 1 << 17
+"""Times that are reduced at once, in one product, and sorted at once."""
+
+Work = Callable[[Stretch], Sequence[np.ndarray]]
+
+
+def _chebyshev() -> np.ndarray:
+    """Values at Chebyshev's nodes to coefficients of his polynomials."""
+    fit = 2 / NODES * np.cos(np.outer(np.arange(COUNT), (np.arange(NODES) + 0.5) * np.pi / NODES))
+    fit[0] /= 2
+    return np.asarray(fit)
+
+
+def _powers() -> np.ndarray:
+    """Those to coefficients of powers.  In one step with the others, digits would be lost."""
+    found = np.zeros((COUNT, COUNT))
+    for k, unit in enumerate(np.eye(COUNT)):
+        row = np.polynomial.chebyshev.cheb2poly(unit)
+        found[: len(row), k] = row
+    return found
+
+
+FIT, RAISED = _chebyshev(), _powers()
+POINTS = np.concatenate(
+    [np.cos((np.arange(NODES) + 0.5) * np.pi / NODES), np.cos(np.linspace(0, np.pi, CHECKS))]
+)
+POWERS = POINTS[NODES:] ** np.arange(COUNT)[:, None]
+
+
+@dataclass(frozen=True, eq=False)
+class Panels:
+    """Functions of the phase, tabulated; they are computed afresh where polynomials are no good.
+
+    Attributes:
+        model: the motion at no times.
+        work: the functions, of a stretch of phases.
+        reach: how far phases go from the nearest turning point, in time.
+        places: of each cell: its panel; beyond the last one where there is none.
+        middles, radii: of the panels.
+        coefficients: of the panels, of the functions, ascending.
+    """
+
+    model: Stretch
+    work: Work
+    reach: float
+    places: np.ndarray
+    middles: np.ndarray
+    radii: np.ndarray
+    coefficients: np.ndarray
+
+    @classmethod
+    def of(cls, model: Stretch, work: Work, relative: Sequence[bool]) -> Panels | None:
+        """Panels for the functions; ``relative``: of each, whether it is small where it matters.
+
+        None where the motion has no period, or where most of it is too steep.
+        """
+        half = model.doubles.constants.half
+        if half is None:
+            return None
+        reach = float(half.mid()) / 2 * (1 + BESIDE)
+        places = np.full(2 * CELLS, -1)
+        width, todo = WIDEST, np.arange(0, 2 * CELLS, WIDEST)
+        found: list[Any] = []
+        while len(todo) and width >= NARROWEST and len(todo) + len(found) <= MOST:
+            radius = reach * width / CELLS
+            middles = reach * ((todo % CELLS) * 2 + width - CELLS) / CELLS
+            good, coefficients = _fitted(model, work, relative, todo // CELLS, middles, radius)
+            for i in np.flatnonzero(good):
+                places[todo[i] : todo[i] + width] = len(found)
+                found.append((middles[i], radius, coefficients[i]))
+            width //= 2
+            todo = np.concatenate([todo[~good], todo[~good] + width])
+        if not found or 4 * np.count_nonzero(places < 0) > len(places):
+            return None
+        odd = np.arange(2 * CELLS) >= CELLS
+        places = np.where(places < 0, len(found) + odd, places).astype(np.int16)
+        middles, radii, coefficients = (np.array(part) for part in zip(*found, strict=True))
+        return cls(model, work, reach, places, middles, radii, coefficients)
+
+    def at(self, times: np.ndarray, reduction: Reduction) -> tuple[np.ndarray, np.ndarray]:
+        """Whole half periods from the turning point, and the functions, row by row."""
+        number, rows = np.empty(times.size), np.empty((self.coefficients.shape[1], times.size))
+        for first in range(0, times.size, LONGEST):
+            part = slice(first, first + LONGEST)
+            self._fill(times[part], reduction, number[part], rows[:, part])
+        return number, rows
+
+    def _fill(
+        self, times: np.ndarray, reduction: Reduction, number: np.ndarray, rows: np.ndarray
+    ) -> None:
+        rest, places = np.empty(times.size), np.empty(times.size, np.int16)
+        for first in range(0, times.size, BLOCK):
+            part = slice(first, first + BLOCK)
+            places[part] = self._placed(times[part], reduction, number[part], rest[part])
+        order = np.argsort(places, kind="stable")
+        sizes = np.bincount(places, minlength=len(self.middles) + 2)
+        rest, found = rest.take(order), np.empty(rows.shape)
+        end = 0
+        for place, size in enumerate(sizes.tolist()):
+            for first in range(end, end + size, GROUP):
+                part = slice(first, min(first + GROUP, end + size))
+                self._evaluate(place, rest[part], found[:, part])
+            end += size
+        back = np.empty(times.size, np.intp)
+        back[order] = np.arange(times.size)
+        for source, row in zip(found, rows, strict=True):
+            np.take(source, back, out=row, mode="clip")
+
+    def _placed(
+        self, times: np.ndarray, reduction: Reduction, number: np.ndarray, rest: np.ndarray
+    ) -> np.ndarray:
+        """The panel of each time, from which its phase is counted."""
+        place = np.empty(times.size)
+        reduction.apply(times, number, rest, place)
+        cell = rest * (CELLS / (2 * self.reach))
+        cell += CELLS / 2
+        np.multiply(number, 0.5, out=place)
+        place -= np.floor(place)
+        place *= 2 * CELLS
+        place += cell
+        return self.places.take(place.astype(np.intp), mode="clip")
+
+    def _evaluate(self, place: int, rest: np.ndarray, out: np.ndarray) -> None:
+        if place >= len(self.middles):
+            out[:] = _phases(self.model, self.work, rest, np.full(rest.size, place > len(self.middles)))
+            return
+        powers = np.empty((COUNT, rest.size))
+        powers[0] = 1.0
+        local = np.subtract(rest, self.middles[place], out=powers[1])
+        local /= self.radii[place]
+        np.multiply(local, local, out=powers[2])
+        np.multiply(powers[1:3], powers[2], out=powers[3:5])
+        np.multiply(powers[1:5], powers[4], out=powers[5:9])
+        np.multiply(powers[1:4], powers[8], out=powers[9:12])
+        np.matmul(self.coefficients[place], powers, out=out)
+
+
+def _fitted(
+    model: Stretch,
+    work: Work,
+    relative: Sequence[bool],
+    late: np.ndarray,
+    middles: np.ndarray,
+    radius: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Which panels are good, and the coefficients of each."""
+    rest = middles[:, None] + radius * POINTS
+    values = _phases(model, work, rest.ravel(), np.repeat(late, POINTS.size))
+    values = values.reshape(-1, len(middles), POINTS.size)
+    coefficients = (values[..., :NODES] @ FIT.T) @ RAISED.T
+    tried = values[..., NODES:]
+    error = np.abs(coefficients @ POWERS - tried)
+    size = np.abs(tried)
+    whole = np.broadcast_to(size.max(axis=2, keepdims=True), size.shape)
+    size = np.where(np.array(relative)[:, None, None], size, np.maximum(1.0, whole))
+    with np.errstate(invalid="ignore"):
+        good = (error <= BOUND * size).all(axis=(0, 2))
+    return good, coefficients.swapaxes(0, 1)
+
+
+def _phases(model: Stretch, work: Work, rest: np.ndarray, late: np.ndarray) -> np.ndarray:
+    """The functions at phases: ``rest`` from a turning point, or ``late`` from the next one."""
+    size = rest.size
+    odd = np.asarray(late != model.doubles.odd, dtype=float)
+    arguments = replace(
+        model.arguments, times=rest, kept=Rows(BLOCK // 128, size), passing=Rows(BLOCK // 128, size)
+    )
+    arguments.__dict__.update(reduced=(np.zeros(size), rest), odd=odd)
+    with np.errstate(all="ignore"):
+        return np.array(work(replace(model, arguments=arguments)))
