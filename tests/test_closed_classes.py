@@ -14,11 +14,11 @@ from voronec.closed import ClosedForm
 from voronec.closed.classes.bounded import Bounded, compiled
 from voronec.closed.classes.curve import declared
 from voronec.closed.classes.discs import degrees, discs
-from voronec.closed.classes.exact import Tally, tally
 from voronec.closed.classes.finding import find, formed
 from voronec.closed.classes.labels import LABELS, classify, label_of
-from voronec.closed.classes.many import survey
-from voronec.closed.classes.settled import classify_many
+from voronec.closed.classes.many import classify_many
+from voronec.closed.classes.survey import survey
+from voronec.closed.classes.tally import Tally, tally
 from voronec.flow.closed_form import closed_form
 
 R = sp.Rational

@@ -46,7 +46,7 @@ CASES = {
     "hardly a gyroscope": ({}, {"k": R(1, 10**12)}),
     "gyroscope turned round": ({}, {"k": -2}),
     "inside": ({}, {"R1": -3}),
-    "shell": ({}, {"R1": -R(1, 2)}),
+    "shell": ({}, {"R1": -R(1, 2), "A": R(7, 10)}),
     "colatitudes beyond their range": ({"u": -1, "u1": 4}, {}),
     "momentum along the normal": ({"s": 3 * sp.sin(1) / MOMENT, "tau": 0, "n": 2}, {}),
     "no momentum": (

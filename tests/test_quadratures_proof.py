@@ -9,8 +9,8 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.analysis.ground import Ground
 from voronec.analysis.quadratures import statements
+from voronec.analysis.quadratures.ground import Ground
 from voronec.vector_field import Motions
 
 SYSTEMS = ("demchenko", "zhukovsky-ball", "bobylev-ball")

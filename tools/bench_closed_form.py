@@ -20,7 +20,7 @@ from typing import Any
 import bench_closed_kinds
 import bench_closed_rows
 from bench_closed_rows import hard_table
-from bench_rows import Row
+from bench_rows import Row, rows_of, table
 
 import voronec as vo
 from voronec.bench import ask, measure, reference
@@ -34,20 +34,10 @@ PACKAGES = ("python-flint", "numpy", "heyoka")
 MARKS = "<!-- {}: written by tools/bench_closed_form.py -->", "<!-- end of {} -->"
 
 
-def rows_of(name: str) -> list[Row]:
-    """The rows of one measurement; what stops it is a missed row, and the others go on."""
-    try:
-        return list(ROWS[name]())
-    except (vo.VoronecError, ImportError, OSError, ValueError) as error:
-        return [Row(name, "to be measured", f"it failed: {error}", False)]
-
-
-def table(rows: list[Row]) -> str:
-    """The rows in Markdown, and under them why figures are missed."""
-    lines = ["| what | asked | reached | verdict |", "|---|---|---|---|"]
-    lines += [f"| {r.row} | {r.asked} | {r.reached} | {r.verdict} |" for r in rows]
+def _missed(rows: list[Row]) -> str:
+    """Under the table, why figures are missed."""
     missed = [f"- {r.row}: {r.why}." for r in rows if not r.good and r.why]
-    return "\n".join([*lines, *(["", "What is missed, and why:", "", *missed] if missed else [])])
+    return "\n".join(["", "", "What is missed, and why:", "", *missed]) if missed else ""
 
 
 def cases_table() -> str:
@@ -96,7 +86,7 @@ def written(page: Path, known: dict[str, Any]) -> None:
     shown = [Row(**row) for key in ROWS for row in known["rows"].get(key, [])]
     text = page.read_text("utf-8")
     parts = {
-        "figures": table(shown), CASES: known[CASES], CURVE: known[CURVE],
+        "figures": table(shown) + _missed(shown), CASES: known[CASES], CURVE: known[CURVE],
         "machine": f"Measured on {known['machine']}.",
     }  # fmt: skip
     for name, part in parts.items():
@@ -124,7 +114,7 @@ def main() -> int:
     known = kept(options.page) if options.page else {"rows": {}}
     for name in options.rows or names:
         if name in ROWS:
-            found = rows_of(name)
+            found = rows_of(ROWS[name])
             rows += found
             known["rows"][name] = [asdict(row) for row in found]
             for row in found:
@@ -135,7 +125,7 @@ def main() -> int:
             written(options.page, known)
     plain = [asdict(row) | {"verdict": row.verdict} for row in rows]
     told = json.dumps({"machine": _machine(), "rows": plain}, indent=1)
-    print(told if options.json else table(rows))
+    print(told if options.json else table(rows) + _missed(rows))
     return 0 if all(row.good for row in rows) else 1
 
 

@@ -19,9 +19,8 @@ import bench_many
 import bench_prepared
 import bench_rows
 import bench_setup
-from bench_rows import Row, ball, measured
+from bench_rows import Row, ball, measured, rows_of, table
 
-import voronec as vo
 from voronec.bench import Bench
 from voronec.report.pictures import save
 from voronec.report.work_precision import plot_work_precision
@@ -70,21 +69,6 @@ The reference is accurate to {accuracy:.0e}.
 
 Measured on {machine}.
 """
-
-
-def rows_of(name: str) -> list[Row]:
-    """The rows of one measurement; what stops it is a missed row, and the others go on."""
-    try:
-        return list(ROWS[name]())
-    except (vo.VoronecError, ImportError, OSError, ValueError) as error:
-        return [Row(name, "to be measured", f"it failed: {error}", False)]
-
-
-def table(rows: list[Row]) -> str:
-    """The rows in Markdown."""
-    lines = ["| what | asked | reached | verdict |", "|---|---|---|---|"]
-    lines += [f"| {r.row} | {r.asked} | {r.reached} | {r.verdict} |" for r in rows]
-    return "\n".join(lines)
 
 
 def reasons(rows: list[Row]) -> str:
@@ -164,7 +148,7 @@ def main() -> int:
         parser.error(f"there is no row '{unknown[0]}'; rows are {', '.join(names)}")
     rows: list[Row] = []
     for name in options.rows or names:
-        found = rows_of(name) if name != CURVE else []
+        found = rows_of(ROWS[name]) if name != CURVE else []
         rows += found
         for row in found:
             print(f"{row.row}: {row.reached} ({row.verdict})", file=sys.stderr, flush=True)

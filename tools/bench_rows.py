@@ -21,7 +21,7 @@ from voronec.bench import (
 )
 from voronec.bench.runs import contenders
 
-__all__ = ["ROWS", "Row", "ball", "measured"]
+__all__ = ["ROWS", "Row", "ball", "measured", "rows_of", "table"]
 
 SPAN = 1000.0
 ERRORS = (1e-6, 1e-9)
@@ -46,6 +46,21 @@ class Row:
     def verdict(self) -> str:
         """In one word."""
         return "reached" if self.good else "missed"
+
+
+def rows_of(measurement: Callable[[], Iterator[Row]]) -> list[Row]:
+    """The rows of one measurement; what stops it is a missed row, and the others go on."""
+    try:
+        return list(measurement())
+    except (vo.VoronecError, ImportError, OSError, ValueError) as error:
+        return [Row(measurement.__name__, "to be measured", f"it failed: {error}", False)]
+
+
+def table(rows: list[Row]) -> str:
+    """The rows in Markdown."""
+    lines = ["| what | asked | reached | verdict |", "|---|---|---|---|"]
+    lines += [f"| {r.row} | {r.asked} | {r.reached} | {r.verdict} |" for r in rows]
+    return "\n".join(lines)
 
 
 @cache

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -26,6 +26,7 @@ __all__ = [
     "check_possible",
     "check_relations",
     "check_symbols",
+    "require_possible",
 ]
 
 
@@ -39,6 +40,18 @@ def check_possible(system: System) -> None:
                 f"system '{system.name}': the condition '{words}' is '{shown(condition)}', which "
                 "is no relation of the system's parameters; write one such as 2*A > m*R**2"
             )
+
+
+def require_possible(system: System, given: Mapping[str, Any]) -> None:
+    """Refuse parameters, by name, that no body can have, decided with the exact values."""
+    values = {p.symbol: given.get(p.name, p.value) for p in system.parameters}
+    exact = {s: sp.Rational(x) if isinstance(x, float) else x for s, x in values.items()}
+    known = {s: sp.sympify(x) for s, x in exact.items() if x is not None}
+    for words, condition in system.possible.items():
+        if condition.xreplace(known) is sp.false:
+            involved = [p.symbol for p in system.parameters if condition.has(p.symbol)]
+            held = ", ".join(f"{s} = {values[s]}" for s in involved)
+            raise DefinitionError(f"system '{system.name}': {words}; not so with {held}")
 
 
 def check_forces(system: System) -> None:

@@ -18,7 +18,6 @@ from voronec.errors import DefinitionError, did_you_mean
 
 if TYPE_CHECKING:
     from voronec.closed import ClosedForm
-    from voronec.closed.classes.labels import TraceClass
     from voronec.scene import Scene
     from voronec.system import System
 
@@ -30,16 +29,29 @@ SUFFIXES = (".svg", ".png", ".pdf")
 
 
 @dataclass(frozen=True)
-class Found:
-    """A motion whose trace is of a class, or the reason why there is none."""
+class Asked:
+    """A class that the trace on some sphere is to have, and the paper's figure of it."""
 
     trace: str
     label: str
     figure: int | None
-    scene: Scene | None = None
-    closed: ClosedForm | None = None
-    classes: dict[str, TraceClass] | None = None
-    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Found:
+    """A motion of a class."""
+
+    asked: Asked
+    scene: Scene
+    closed: ClosedForm
+
+
+@dataclass(frozen=True)
+class Missing:
+    """Why there is no motion of a class, or none was found."""
+
+    asked: Asked
+    reason: str
 
 
 def execute(arguments: Namespace) -> int:
@@ -57,23 +69,23 @@ def execute(arguments: Namespace) -> int:
         )
     labels = _labels(arguments.only)
     _check(system, parameters)
-    stopped, found = False, []
+    stopped, answers = False, []
     try:
         for each in _search(system, labels, parameters):
-            found.append(each)
+            answers.append(each)
     except KeyboardInterrupt:
         stopped = True
     progress("")
-    there = [f for f in found if f.scene is not None]
-    if not there and stopped:
+    found = [f for f in answers if isinstance(f, Found)]
+    if not found and stopped:
         raise KeyboardInterrupt
-    files = _write(system, there, target) if there else []
-    _tell(system, found, files, arguments.json)
+    files = _write(system, found, target) if found else []
+    _tell(system, answers, files, arguments.json)
     if stopped:
         wanted = len(labels) * len(_traces(system))
-        print(f"voronec: stopped, {len(found)} of {wanted} motions done", file=sys.stderr)
+        print(f"voronec: stopped, {len(answers)} of {wanted} motions done", file=sys.stderr)
         return 130
-    return 0 if there else 1
+    return 0 if found else 1
 
 
 def _target(out: str) -> Path:
@@ -115,24 +127,24 @@ def _check(system: System, parameters: Any) -> None:
     held(system, parameters)
 
 
-def _search(system: System, labels: Sequence[str], parameters: Any) -> Iterator[Found]:
+def _search(system: System, labels: Sequence[str], parameters: Any) -> Iterator[Found | Missing]:
     from voronec.closed.classes.curve import declared
     from voronec.closed.classes.finding import find
-    from voronec.closed.classes.labels import LABELS, classify
+    from voronec.closed.classes.labels import LABELS
     from voronec.flow.closed_form import closed_form
 
     for curve in declared(system).curves:
         for label in labels:
             drawn = PAPER in system.references and label in LABELS
             figure = FIRST_FIGURE + LABELS.index(label) if drawn else None
+            asked = Asked(curve.title, label, figure)
             progress(f"{system.name}: class {label} {curve.title} ...")
             try:
                 scene = find(system, label, curve.title, parameters)
             except DefinitionError as error:
-                yield Found(curve.title, label, figure, reason=str(error))
+                yield Missing(asked, str(error))
                 continue
-            closed = closed_form(system, scene)
-            yield Found(curve.title, label, figure, scene, closed, classify(closed))
+            yield Found(asked, scene, closed_form(system, scene))
 
 
 def _traces(system: System) -> tuple[Any, ...]:
@@ -157,11 +169,11 @@ def _write(system: System, found: Sequence[Found], target: Path) -> list[Path]:
     names = []
     with delivery(target) as workshop:
         for f, traces in own:
-            progress(f"{system.name}: drawing {f.label} {f.trace}")
-            names.append(f"{_slug(f.trace)}-{f.label}.svg")
+            progress(f"{system.name}: drawing {f.asked.label} {f.asked.trace}")
+            names.append(f"{_slug(f.asked.trace)}-{f.asked.label}.svg")
             save(traces_figure(traces), workshop / names[-1])
-        for title in dict.fromkeys(f.trace for f, _ in own):
-            shown = [_of_class(f, traces) for f, traces in own if f.trace == title]
+        for title in dict.fromkeys(f.asked.trace for f, _ in own):
+            shown = [_of_class(f, traces) for f, traces in own if f.asked.trace == title]
             names.append(f"{_slug(title)}.svg")
             save(traces_figure(shown, title=title, columns=3), workshop / names[-1])
     progress("")
@@ -173,18 +185,15 @@ def _drawn(system: System, found: Found) -> tuple[Any, ...]:
     from voronec.closed.classes.curve import title
     from voronec.report.motion_traces import motion_traces
 
-    assert found.closed is not None and found.classes is not None
     longitudes = {plain_name(t.longitude): title(t) for t in _traces(system)}
-    titles = {v: f"{name}: {found.classes[name].label}" for v, name in longitudes.items()}
-    assert found.scene is not None
+    titles = {v: f"{name}: {found.closed.classes[name].label}" for v, name in longitudes.items()}
     periods = found.scene.times[1] / found.closed.period
     return motion_traces(found.closed, titles, periods=periods)
 
 
 def _of_class(found: Found, traces: Sequence[Any]) -> Any:
     """The sphere whose class was looked for."""
-    assert found.classes is not None
-    return traces[list(found.classes).index(found.trace)]
+    return traces[list(found.closed.classes).index(found.asked.trace)]
 
 
 def _slug(title: str) -> str:
@@ -195,40 +204,40 @@ def _slug(title: str) -> str:
 # -- words --------------------------------------------------------------------------------
 
 
-def _tell(system: System, found: Sequence[Found], files: Sequence[Path], as_json: bool) -> None:
-    there = [f for f in found if f.scene is not None]
+def _tell(
+    system: System, answers: Sequence[Found | Missing], files: Sequence[Path], as_json: bool
+) -> None:
     if as_json:
-        print_json({"system": system.name, "motions": [_data(f) for f in found],
+        print_json({"system": system.name, "motions": [_data(f) for f in answers],
                     "files": [str(file) for file in files]})  # fmt: skip
         return
-    if there:
-        print("\n".join(columns([_head(there), *map(_row, there)])))
-    for f in found:
-        if f.reason:
+    found = [f for f in answers if isinstance(f, Found)]
+    if found:
+        print("\n".join(columns([_head(found[0]), *map(_row, found)])))
+    for f in answers:
+        if isinstance(f, Missing):
             print(f.reason)
     if files:
         print(f"wrote {files[0]}" if len(files) == 1 else f"wrote {len(files)} pictures to "
               f"{files[0].parent}")  # fmt: skip
 
 
-def _head(found: Sequence[Found]) -> list[str]:
-    first = found[0]
-    assert first.classes is not None
-    figure = ["figure"] if first.figure is not None else []
-    spheres = [part for name in first.classes for part in (name, "drift")]
+def _head(first: Found) -> list[str]:
+    figure = ["figure"] if first.asked.figure is not None else []
+    spheres = [part for name in first.closed.classes for part in (name, "drift")]
     return ["sphere", *figure, "class", *spheres, "period", "parameters", "start"]
 
 
 def _row(found: Found) -> list[str]:
-    assert found.classes is not None and found.scene is not None and found.closed is not None
-    figure = [str(found.figure)] if found.figure is not None else []
+    asked = found.asked
+    figure = [str(asked.figure)] if asked.figure is not None else []
     cells = []
-    for each in found.classes.values():
+    for each in found.closed.classes.values():
         drift = "" if each.drift is None else f"{each.drift:.4f}"
         closes = f" = {each.fraction} of 2pi" if each.fraction is not None else ""
         cells += [each.label, drift + closes]
     return [
-        found.trace, *figure, found.label, *cells, f"{found.closed.period:.4f}",
+        asked.trace, *figure, asked.label, *cells, f"{found.closed.period:.4f}",
         _values(found.scene.parameters) or "the defaults", _values(found.scene.initial),
     ]  # fmt: skip
 
@@ -237,9 +246,10 @@ def _values(given: Any) -> str:
     return ", ".join(f"{plain_name(k)} = {plain(v)}" for k, v in given.items())
 
 
-def _data(found: Found) -> dict[str, Any]:
-    data: dict[str, Any] = {"trace": found.trace, "class": found.label, "figure": found.figure}
-    if found.scene is None or found.classes is None or found.closed is None:
+def _data(found: Found | Missing) -> dict[str, Any]:
+    asked = found.asked
+    data: dict[str, Any] = {"trace": asked.trace, "class": asked.label, "figure": asked.figure}
+    if isinstance(found, Missing):
         return {**data, "reason": found.reason}
     return {
         **data,
@@ -253,6 +263,6 @@ def _data(found: Found) -> dict[str, Any]:
                 "reversals": list(each.reversals),
                 "fraction": None if each.fraction is None else str(each.fraction),
             }
-            for name, each in found.classes.items()
+            for name, each in found.closed.classes.items()
         },
     }  # fmt: skip

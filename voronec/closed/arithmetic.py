@@ -50,7 +50,22 @@ def exact(value: Any) -> Any:
     if hasattr(value, "_mpf_"):
         return _rational(value._mpf_)
     expr = sp.sympify(value)
-    return expr.xreplace({x: _rational(x._mpf_) for x in expr.atoms(sp.Float)})
+    found = {x: _rational(x._mpf_) for x in expr.atoms(sp.Float)}
+    if expr.has(sp.I):
+        found |= {e: _turn(e) for e in expr.atoms(sp.Mul) if sp.I in e.args}
+    return expr.xreplace(found)
+
+
+def _turn(expr: Any) -> Any:
+    """``-i log((x + i y)/sqrt(x^2 + y^2))``, which sympy writes for an angle of whose sides it does
+    not know the signs, as that angle."""
+    logs = [f for f in expr.args if f.func is sp.log]
+    if len(logs) != 1:
+        return expr
+    along, across = logs[0].args[0].as_real_imag()
+    factor = sp.Mul(-1, *(f for f in expr.args if f is not logs[0] and f != sp.I))
+    turn = sp.atan2(across, along, evaluate=False)
+    return turn if factor == 1 else sp.Mul(factor, turn, evaluate=False)
 
 
 def _rational(parts: Any) -> sp.Rational:

@@ -5,19 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from flint import ctx
+from flint import acb, ctx
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import angle, ball, compiled, precise, root
+from voronec.closed.ratio import ratios
 from voronec.closed.reading import Reading, reading
 from voronec.closed.rest import turned_by
 from voronec.closed.space import product
+from voronec.closed.wheel import rolled_in_balls
 from voronec.errors import EngineLimit
 
 if TYPE_CHECKING:
     from voronec.closed.form import ClosedForm
 
-__all__ = ["enclosed"]
+__all__ = ["enclosed", "polynomials"]
 
 GUARD = 32
 MOST = 1 << 15
@@ -58,35 +60,52 @@ def _begun(form: ClosedForm) -> dict[str, Any]:
 def _moving(form: ClosedForm, t: Any, digits: int, bits: int) -> dict[str, Any]:
     own, problem = form.problem.prepared, form.problem
     digits = max(digits, int((bits - GUARD) / 3.33))
-    at = form.solution.enclose(t, digits)
+    timed = form.quadratures.clock != 1
+    at = form.clock.moment(t, digits) if timed else form.solution.enclose(t, digits)
     table, x = problem.table(bits), at.x
-    count = len(own.poles)
-    shares = list(_shares(table, count, at))
-    rates = _rates(own, table, shares, x)
+    shares = list(_shares(table, len(own.poles), at))
+    pace = ratios(own)[-1].value(problem, x, bits) if timed else ball(1)
+    rates = [rate / pace for rate in _rates(own, table, shares, x)[: len(own.motion.angles)]]
     angles = dict(zip(own.motion.angles, form.begin(bits), strict=True))
     found = {q: a + at.integrals[j] for j, (q, a) in enumerate(angles.items())}
     values = [*problem.level(bits), x]
-    first = own.cosine_at
     for i, trace in enumerate(own.motion.traces):
-        offset, slope = table[first + 2 * i : first + 2 * i + 2]
-        below, above = (
-            at.affine(1 + s * (offset + slope * at.base), 1 + s * (offset + slope * at.other))
-            for s in (-1, 1)
-        )
-        below, above = below.nonnegative_part(), above.nonnegative_part()
+        south, north, cosine, fall = (_bent if timed else _straight)(form, table, i, at, bits)
         side, turns = form.branch(i)
-        colatitude = 2 * angle(root(below), root(above))
+        colatitude = 2 * angle(root(south), root(north))
         found[trace.colatitude] = side * colatitude + 2 * turns * ball(1).pi()
-        sine = side * root(below * above)
-        values += [sine, offset + slope * x, -slope * at.rate / sine]
-    values += rates[: len(own.motion.angles)]
+        sine = side * root(south * north)
+        values += [sine, cosine, -fall * at.rate / (sine * pace)]
+    values += rates
     values += [found[q] for q in reading(own).coordinates]
-    values += _polynomials(form, x, bits)
+    values += polynomials(form, x, bits)
     if form.attitude is not None and not form.attitude.upright:
         found |= _turned(form, found, bits)
     if own.motion.plane is not None:
         found |= placed(form, table, at.integrals, x, bits)
     return _named(form, found, _velocities(reading(own), values))
+
+
+def _straight(form: ClosedForm, table: list[Any], i: int, at: Any, bits: int) -> tuple[Any, ...]:
+    """1 - cosine and 1 + cosine of a trace, the cosine, and its slope by x, which is constant."""
+    first = form.problem.prepared.cosine_at + 2 * i
+    offset, slope = table[first : first + 2]
+    south, north = (
+        at.affine(1 + s * (offset + slope * at.base), 1 + s * (offset + slope * at.other))
+        for s in (-1, 1)
+    )
+    return south.nonnegative_part(), north.nonnegative_part(), offset + slope * at.x, slope
+
+
+def _bent(form: ClosedForm, _: list[Any], i: int, at: Any, bits: int) -> tuple[Any, ...]:
+    """The same where the cosine is a ratio p/q."""
+    ratio, problem = ratios(form.problem.prepared)[i], form.problem
+    p, q, south, north, bend = (
+        part.value(problem, at.x, bits)
+        for part in (ratio.above, ratio.below, ratio.south, ratio.north, ratio.bend)
+    )
+    south, north = (south / q).nonnegative_part(), (north / q).nonnegative_part()
+    return south, north, p / q, bend / (q * q)
 
 
 def _rested(form: ClosedForm, t: Any, bits: int) -> dict[str, Any]:
@@ -98,11 +117,22 @@ def _rested(form: ClosedForm, t: Any, bits: int) -> dict[str, Any]:
     turned = form.attitude is not None and not form.attitude.upright
     for q, rate in zip(own.system.coordinates, form.steady(bits), strict=True):
         found[q] = found[q] + rate * time
+    if form.wheels:
+        found |= rolled_in_balls(form, time, bits)
     if turned and form.attitude is not None:
         motion = turned_by(form.attitude.spin(bits), time)
         frame = product(form.attitude.start(bits)[0], motion)
         found |= _read(form, frame, bits)
-    return _named(form, found, [given[v] for v in own.system.velocities])
+    return _named(form, found, _resting(form, found, given, bits))
+
+
+def _resting(form: ClosedForm, found: dict[Any, Any], given: dict[Any, Any], bits: int) -> Any:
+    """The velocities where the variable rests: constant, if they hold no moving coordinate."""
+    own = form.problem.prepared
+    read = reading(own)
+    if not read.coordinates:
+        return [given[v] for v in own.system.velocities]
+    return _velocities(read, form.resting(found, bits))
 
 
 def placed(form: ClosedForm, table: list[Any], integrals: Any, x: Any, bits: int) -> dict[Any, Any]:
@@ -113,6 +143,10 @@ def placed(form: ClosedForm, table: list[Any], integrals: Any, x: Any, bits: int
     for i in range(2):
         a, b, c = table[own.slope_at + 3 * i : own.slope_at + 3 * i + 3]
         rest = (x - start) * (a + b * (x + start) / 2 + c * (x * x + x * start + start * start) / 3)
+        for place, residues in form.problem.others(bits):
+            residue = residues[len(own.rates) + i]
+            if not isinstance(residue, int):
+                rest += acb(residue * acb((x - place) / (start - place)).log()).real
         moved.append(integrals[len(own.motion.angles) + i] + rest)
     (first, second), place = form.direction(bits), [form.exact(q)(bits) for q in plane.place]
     return {
@@ -155,7 +189,8 @@ def _rates(own: Any, table: list[Any], shares: list[Any], x: Any) -> list[Any]:
     return found
 
 
-def _polynomials(form: ClosedForm, x: Any, bits: int) -> list[Any]:
+def polynomials(form: ClosedForm, x: Any, bits: int) -> list[Any]:
+    """The polynomials in x that velocities hold."""
     own = form.problem.prepared
     kept = reading(own).polynomials
     if not kept:

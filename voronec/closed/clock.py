@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voronec.closed.arithmetic import ball, precise
-from voronec.closed.bernstein import Bernstein, evaluated, inner, rounded
+from voronec.closed.bernstein import Bernstein, evaluated, inner
+from voronec.closed.gauss import Summed
 from voronec.closed.ratio import ratios
 from voronec.errors import EngineLimit
 
@@ -44,6 +45,11 @@ class Clock:
     def number(self) -> int:
         """Of the integral that is the time."""
         return len(self.form.problem.prepared.rates) - 1
+
+    @cached_property
+    def summed(self) -> list[Summed]:
+        """The integrals by another way, for those whose closed terms cancel."""
+        return [Summed(self.form, j) for j in range(self.number + 1)]
 
     # -- in doubles ------------------------------------------------------------------------
 
@@ -104,6 +110,7 @@ class Clock:
     ) -> np.ndarray:
         """tau by Newton's method, kept between bounds that close in."""
         taus, left = guess.copy(), np.arange(len(times))
+        least = 2.0**-20 / float(self.form.solution.constants(FINE).scale)
         for _ in range(ROUNDS):
             if not left.size:
                 return taus
@@ -114,10 +121,11 @@ class Clock:
             high[left] = np.where(gap > 0, now, high[left])
             step = gap / self.paces(sample)
             new = now - step
-            out = ~((low[left] <= new) & (new <= high[left]))
+            # after a short step, that leaves an error of the size of its square, all is done
+            more = np.abs(step) > 2.0**-26 * np.maximum(np.abs(now), least)
+            out = more & ~((low[left] <= new) & (new <= high[left]))
             taus[left] = np.where(out, (low[left] + high[left]) / 2, new)
-            moved = np.abs(step) > 2.0**-26 * np.abs(now)  # the next error is the square
-            left = left[(moved | out) & (np.abs(step) > 2.0**-51 * np.abs(now))]
+            left = left[more]
         return taus
 
     @cached_property
@@ -181,7 +189,8 @@ class Clock:
                 known = min(2 * known, digits)
                 at = solution.enclose(tau, known + 2)
                 gap = time - at.integrals[self.number]
-                if known == digits and gap.contains(0):
+                near = gap.contains(0) or abs(gap) < ball(10) ** -digits
+                if known == digits and near:
                     return tau + gap / self._bounds(bits)
                 tau = (tau + gap / self._pace(at, bits)).mid()
         raise EngineLimit(f"no {digits} digits of the motion at t = {t}")

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import sympy as sp
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import precise
@@ -39,7 +40,7 @@ def clocked(
     coordinates = {plain_name(q): q for q in form.system.coordinates}
     for name in names:
         if name in coordinates:
-            found[name] = seen.coordinate(coordinates[name])
+            found[name] = seen.value(coordinates[name])
     if {*names} - {*coordinates}:
         found |= seen.velocities()
     return {name: x.reshape(grid.shape) for name, x in found.items()}
@@ -73,7 +74,8 @@ class Timed:
     def integral(self, j: int, whole: bool) -> np.ndarray:
         """An integral since the start, or, of an angle, less whole turns that nobody asks for."""
         advances = self.form.solution.constants(FINE).advances
-        count, found = self._instants[0], self.sample.integral(j)
+        count, summed = self._instants[0], self.form.clock.summed[j]
+        found = summed.at(self._instants[1]) if summed.needed else self.sample.integral(j)
         if advances is None or not count.any():
             return np.asarray(found)
         with precise(FINE):
@@ -85,7 +87,14 @@ class Timed:
             found = found + count * part
         return np.asarray(found)
 
-    def coordinate(self, q: Any) -> np.ndarray:
+    def value(self, q: Any) -> np.ndarray:
+        """A coordinate as it is asked for."""
+        found, plane = self.coordinate(q, self.whole), self.form.quadratures.plane
+        if self.whole or (plane is not None and q in plane.place):
+            return found
+        return np.asarray(found - TURN * np.ceil(found / TURN - 0.5))
+
+    def coordinate(self, q: Any, whole: bool) -> np.ndarray:
         """A colatitude, an angle that is an integral, or a place."""
         motion = self.form.quadratures
         for i, trace in enumerate(motion.traces):
@@ -96,7 +105,7 @@ class Timed:
                                   + turns * TURN)  # fmt: skip
         if q in motion.angles:
             j = motion.angles.index(q)
-            return self.integral(j, self.whole) + self.form.ready.starts[j][0 if self.whole else 1]
+            return self.integral(j, whole) + self.form.ready.starts[j][0 if whole else 1]
         return self.place[q]
 
     @cached_property
@@ -142,10 +151,9 @@ class Timed:
                 fall = -bend / below**2 * self.sample.rate / (sine * pace)
                 values += [sine, above / below, fall]
             values += [rate / pace for rate in self._rates()[:angles]]
-            values += [self.coordinate(q) for q in reading(own).coordinates]
+            # less whole turns: the sines of late angles lose nothing
+            values += [self.coordinate(q, False) for q in reading(own).coordinates]
             values += [self._valued(p) for p in form.ready.polynomials]
-            from voronec.closed.doubles import _velocities
-
             found = _velocities(own)(*values)
         names = map(plain_name, form.system.velocities)
         return {n: np.broadcast_to(e, self.grid.shape).astype(float)
@@ -161,3 +169,13 @@ class Timed:
             found.append(rate)
         return found
 
+
+_FUNCTIONS: dict[int, tuple[Any, Any]] = {}
+
+
+def _velocities(own: Any) -> Any:
+    if id(own) not in _FUNCTIONS or _FUNCTIONS[id(own)][0] is not own:
+        read = reading(own)
+        function = sp.lambdify(read.symbols, list(read.expressions), "numpy", cse=True)
+        _FUNCTIONS[id(own)] = (own, function)
+    return _FUNCTIONS[id(own)][1]

@@ -6,24 +6,29 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
-from voronec.closed.balls import enclosed
+from voronec.closed.balls import enclosed, polynomials
 from voronec.closed.clock import Clock
 from voronec.closed.doubles import sampled
 from voronec.closed.prepared import ascending
 from voronec.closed.problem import Problem
+from voronec.closed.reading import reading
 from voronec.closed.ready import Ready
 from voronec.closed.space import Attitude
 from voronec.closed.turns import Turn, turns_of
+from voronec.closed.wheel import velocities
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.quadratures import Quadratures
 from voronec.system import System
+
+if TYPE_CHECKING:
+    from voronec.closed.classes.labels import TraceClass
 
 __all__ = ["ClosedForm"]
 
@@ -143,6 +148,13 @@ class ClosedForm:
         """What each angle grows by in a period, and the fraction of a whole turn that this is."""
         return MappingProxyType(turns_of(self))
 
+    @cached_property
+    def classes(self) -> Mapping[str, TraceClass]:
+        """The class of the trace on each sphere, by its title."""
+        from voronec.closed.classes.labels import classify
+
+        return MappingProxyType(classify(self))
+
     # -- decisions -------------------------------------------------------------------------
 
     def exact(self, expr: Any) -> Callable[[int], Any]:
@@ -214,14 +226,40 @@ class ClosedForm:
         return (1, whole // 2) if whole % 2 == 0 else (-1, (whole + 1) // 2)
 
     def steady(self, bits: int) -> list[Any]:
-        """The constant velocities of all coordinates at rest of the variable; of a motion that is
-        turned in space, without those of its coordinates in space."""
+        """The velocities of all coordinates at rest of the variable; of a motion that is turned in
+        space, without those of its coordinates in space.  Constant, but for a place on a plane
+        that goes round (``wheels``)."""
         own, coordinates = self.attitude, self.system.coordinates
         if own is not None:
             rates = own.rates(bits)
             return [ball(0) if q in own.coordinates and not own.upright else r
                     for q, r in zip(coordinates, rates, strict=True)]  # fmt: skip
+        if self.wheels:
+            return velocities(self.problem, bits)
         return [self.problem.exact(e)(bits) for e in self._resting]
+
+    def resting(self, moved: Mapping[Any, Any], bits: int) -> list[Any]:
+        """Values of the symbols of a ``Reading`` where the variable rests, with coordinates that
+        have moved."""
+        own, x = self.problem.prepared, self.problem.place(bits)
+        read, values = reading(own), [*self.problem.level(bits), x]
+        rates = dict(zip(self.system.coordinates, self.steady(bits), strict=True))
+        with precise(bits):
+            for trace in self.quadratures.traces:
+                colatitude = self.exact(trace.colatitude)(bits)
+                values += [colatitude.sin(), colatitude.cos(), ball(0)]
+            values += [rates[q] for q in self.quadratures.angles]
+            values += [moved[q] for q in read.coordinates]
+            return values + polynomials(self, x, bits)
+
+    @cached_property
+    def wheels(self) -> bool:
+        """Whether the variable rests and the vector in the plane vanishes: nothing singles out a
+        direction then, and the place goes round evenly."""
+        plane = self.quadratures.plane
+        if plane is None or not self.rests:
+            return False
+        return all(self.sign(e) == 0 for e in plane.direction)
 
     @cached_property
     def _resting(self) -> list[Any]:
@@ -233,7 +271,10 @@ class ClosedForm:
             x, y = motion.plane.place
             found |= {x: a * along - b * across, y: b * along + a * across}
         meaning = {motion.x: motion.meaning}
-        return [found.get(q, sp.Integer(0)).xreplace(meaning) for q in self.system.coordinates]
+        return [
+            (found.get(q, sp.Integer(0)) / motion.clock).xreplace(meaning)
+            for q in self.system.coordinates
+        ]
 
     def direction(self, bits: int) -> tuple[Any, Any]:
         """The unit vector along which a place on a plane is counted."""

@@ -25,6 +25,7 @@ __all__ = ["Prepared", "ascending", "motion_of", "prepared"]
 DEGREE = 4
 """Of the square of the rate of the variable, at most."""
 
+
 def _nothing(_: Any) -> list[Any]:
     return []
 

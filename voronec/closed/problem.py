@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,6 +18,8 @@ __all__ = ["Problem"]
 
 LADDER = (64, 192, 512, 1000)
 """Bits at which a sign is looked for; where the last still leaves it open, algebra decides."""
+BEYOND = (4000, 16000)
+"""And where algebra proves nothing, or that the number is not zero, however small."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,23 +81,28 @@ class Problem:
         return int(self._once(("sign", read), lambda: self._sign(read)))
 
     def _sign(self, expr: Any) -> int:
-        at = self.exact(expr)
-        for bits in LADDER:
-            value = at(bits)
-            if value > 0:
-                return 1
-            if value < 0:
-                return -1
-            if value.is_zero():
-                return 0
-        found = vanishes(self.spelled(expr)) if self._is_exact(expr) else None
-        if found:
+        told = self._told(expr, LADDER)
+        if told is None and self._is_exact(expr) and vanishes(self.spelled(expr)):
             return 0
+        told = self._told(expr, BEYOND) if told is None else told
+        if told is not None:
+            return told
         raise EngineLimit(
             f"whether '{_short(expr)}' is zero cannot be decided: it is less than "
-            f"2^-{LADDER[-1] // 2}, and no proof is found; give initial data exactly, such as "
+            f"2^-{BEYOND[-1] // 2}, and no proof is found; give initial data exactly, such as "
             "Rational(1, 3)"
         )
+
+    def _told(self, expr: Any, ladder: Sequence[int]) -> int | None:
+        """The sign where balls of so many bits tell it."""
+        at = self.exact(expr)
+        for bits in ladder:
+            value = at(bits)
+            if value > 0 or value < 0:
+                return 1 if value > 0 else -1
+            if value.is_zero():
+                return 0
+        return None
 
     def spelled(self, expr: Any) -> sp.Expr:
         """The exact number that an expression is."""
@@ -165,8 +172,10 @@ class Problem:
             first = 5 + 2 * count
             integrals = tuple(
                 Integral(
-                    *(self._settled(table[first + 3 * j + i], j, i) for i in range(3)),
-                    shares=(*shares, *(residues[j] for _, residues in others)),
+                    self._settled(table[first + 3 * j], j, 0),
+                    self._settled(table[first + 3 * j + 1], j, 1),
+                    self._settled(table[first + 3 * j + 2], j, 2),
+                    (*shares, *(residues[j] for _, residues in others)),
                 )
                 for j, shares in enumerate(own.shares)
             )

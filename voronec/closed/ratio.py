@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -74,14 +75,8 @@ class Ratio:
         return self.above.value(problem, x, bits) / self.below.value(problem, x, bits)
 
 
-_KNOWN: dict[int, tuple[Prepared, Sequence[Ratio]]] = {}
-
-
+@cache
 def ratios(own: Prepared) -> Sequence[Ratio]:
     """The cosine of each trace, and the clock."""
-    if id(own) not in _KNOWN or _KNOWN[id(own)][0] is not own:
-        motion = own.motion
-        given = (*(t.cosine for t in motion.traces), motion.clock)
-        found = [Ratio.of(e.xreplace(dict(own.gone)), own) for e in given]
-        _KNOWN[id(own)] = (own, found)
-    return _KNOWN[id(own)][1]
+    given = (*(t.cosine for t in own.motion.traces), own.motion.clock)
+    return [Ratio.of(e.xreplace(dict(own.gone)), own) for e in given]

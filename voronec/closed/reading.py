@@ -7,6 +7,7 @@ coordinates are symbols, each of which has its own accurate value along the moti
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import sympy as sp
@@ -33,17 +34,9 @@ class Reading:
     velocities: tuple[Any, ...]
 
 
-_KNOWN: dict[int, tuple[Prepared, Reading]] = {}
-
-
+@cache
 def reading(own: Prepared) -> Reading:
     """The velocities of a prepared motion."""
-    if id(own) not in _KNOWN or _KNOWN[id(own)][0] is not own:
-        _KNOWN[id(own)] = (own, _read(own))
-    return _KNOWN[id(own)][1]
-
-
-def _read(own: Prepared) -> Reading:
     motion, symbols = own.motion, [*own.level, own.motion.x]
     meaning: dict[Any, Any] = {}
     for i, trace in enumerate(motion.traces):

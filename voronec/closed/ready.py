@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.bernstein import Bernstein, bernstein, rounded
 from voronec.closed.prepared import ascending
 from voronec.closed.reading import reading
+from voronec.closed.seen import Seen
+from voronec.elliptic.panels import Panels
 
 if TYPE_CHECKING:
     from voronec.closed.form import ClosedForm
@@ -37,6 +40,52 @@ class Ready:
             return [
                 (float(a), float(a - turn * round(float(a / turn)))) for a in self.form.begin(FINE)
             ]
+
+    @cached_property
+    def level(self) -> list[float]:
+        """Parameters and constants of the motion."""
+        return [float(c) for c in self.form.problem.level(FINE)]
+
+    @cached_property
+    def branches(self) -> list[tuple[int, int]]:
+        """Of each trace: the branch of its colatitude."""
+        return [self.form.branch(i) for i in range(len(self.form.quadratures.traces))]
+
+    @cached_property
+    def turn(self) -> list[float]:
+        """From the motion turned upright to that in space: nine entries, row by row."""
+        assert self.form.attitude is not None
+        return [float(e) for e in self.form.attitude.turn(FINE)]
+
+    @cached_property
+    def place(self) -> tuple[float, list[float], tuple[float, ...]]:
+        """On a plane: the variable and the place at the start, and the direction."""
+        plane = self.form.quadratures.plane
+        assert plane is not None
+        origin = [float(self.form.exact(q)(FINE)) for q in plane.place]
+        direction = tuple(map(float, self.form.direction(FINE)))
+        return float(self.form.problem.place(FINE)), origin, direction
+
+    def panels(self, plain: tuple[str, ...], circles: tuple[Any, ...], model: Any) -> Panels | None:
+        """Tables of ``Seen.rows``, with no whole half periods in them, nor whole turns in the
+        angles at the start."""
+        if (plain, circles) not in self.tables:
+            velocities = {plain_name(v) for v in self.form.system.velocities}
+            angles = {plain_name(q) for q in self.form.quadratures.angles}
+            sizes = ["largest" if n in velocities else "turn" if n in angles else "own"
+                     for n in plain]  # fmt: skip
+            sizes += ["turn"] * (2 * len(circles))
+
+            def work(at: Any) -> list[Any]:
+                return Seen(self.form, at, True, True).rows(plain, circles)
+
+            self.tables[plain, circles] = Panels.of(model, work, sizes)
+        return self.tables[plain, circles]
+
+    @cached_property
+    def tables(self) -> dict[Any, Panels | None]:
+        """Those that were made."""
+        return {}
 
     @cached_property
     def reach(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:

@@ -16,12 +16,16 @@ import sympy as sp
 from voronec.algebra.symbols import velocity
 from voronec.closed.arithmetic import Function, ball, compiled, precise
 from voronec.closed.problem import Problem
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, EngineLimit
 from voronec.quadratures import Space
 
 __all__ = ["Attitude"]
 
 DECIDING = 64
+MOST = 1 << 12
+"""Bits at which the start is computed, at most."""
+SPARE = 24
+"""Bits of it that may be lost."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +43,17 @@ class Attitude:
 
     @cached_property
     def upright(self) -> bool:
-        """Whether the vector lies along the third axis, upwards; decided exactly."""
-        along = self.space.frame * self.space.vector
-        level = all(self.problem.sign(e) == 0 for e in along[:2])
-        return level and self.problem.sign(along[2]) > 0
+        """Whether the vector lies along the third axis, upwards; decided exactly.
+
+        Where no proof is found the motion is turned, by a small angle or none, which is as right.
+        """
+        # Seen from the frame: an angle about the third axis does not occur.
+        axis = self.space.frame.row(2).T
+        try:
+            level = all(self.problem.sign(e) == 0 for e in self.space.vector.cross(axis))
+            return level and self.problem.sign(self.space.vector.dot(axis)) > 0
+        except EngineLimit:
+            return False
 
     @cached_property
     def vanishes(self) -> bool:
@@ -72,12 +83,19 @@ class Attitude:
 
     def start(self, bits: int) -> tuple[list[Any], list[Any]]:
         """Frame (9, row by row) and vector (3) at the start."""
-        with precise(bits):
-            row = self.machines[0](self.problem.given(bits))
+        if ("start", bits) not in self._kept:
+            with precise(bits):
+                self._kept["start", bits] = self.machines[0](self.problem.given(bits))
+        row = self._kept["start", bits]
         return row[:9], row[9:]
 
     def turn(self, bits: int) -> list[Any]:
         """Q (9, row by row): the third axis to the direction of the vector."""
+        if ("turn", bits) not in self._kept:
+            self._kept["turn", bits] = self._turn(bits)
+        return list(self._kept["turn", bits])
+
+    def _turn(self, bits: int) -> list[Any]:
         with precise(bits):
             frame, vector = self.start(bits)
             a, b, c = times(frame, vector)
@@ -96,7 +114,20 @@ class Attitude:
             return float(times(*self.start(DECIDING))[2].mid()) >= 0
 
     def begin(self, bits: int) -> list[Any]:
-        """The turned coordinates at the start: of E' = Q^T E."""
+        """The turned coordinates at the start, of E' = Q^T E, to nearly so many bits."""
+        if ("begin", bits) not in self._kept:
+            self._kept["begin", bits] = self._sharply(bits)
+        return list(self._kept["begin", bits])
+
+    def _sharply(self, bits: int) -> list[Any]:
+        # near a pole of these coordinates entries of E' are small, their directions need more bits
+        found, work = self._begin(bits), bits
+        while work < MOST and not all(e.rad() < ball(2) ** (SPARE - bits) for e in found):
+            work *= 2
+            found = self._begin(work)
+        return found
+
+    def _begin(self, bits: int) -> list[Any]:
         with precise(bits):
             turned = product(transposed(self.turn(bits)), self.start(bits)[0])
             if self.aligned:

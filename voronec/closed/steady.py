@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import sympy as sp
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
+from voronec.closed.reading import reading
 
 if TYPE_CHECKING:
     from voronec.closed.form import ClosedForm
@@ -27,24 +29,48 @@ def steadily(
     """Coordinates and velocities; angles continuous (``whole``) or modulo a turn."""
     system, problem = form.system, form.problem
     given = dict(zip(problem.prepared.inputs, problem.given(BITS), strict=True))
-    found = {}
+    plane, found = form.quadratures.plane, {}
+    straight = plane.place if plane is not None else ()
     for q, rate in zip(system.coordinates, form.steady(BITS), strict=True):
-        if whole:
+        if whole or q in straight:
             found[plain_name(q)] = float(given[q]) + float(rate) * grid
         else:
             with precise(BITS):
                 turn = _part(given[q])
             found[plain_name(q)] = 2 * np.pi * turned(rate, grid) + turn
-    for v in system.velocities:
-        found[plain_name(v)] = np.full(grid.shape, float(given[v]))
+    if form.wheels:
+        from voronec.closed.wheel import rolled
+
+        found |= {plain_name(q): x for q, x in rolled(form, grid).items()}
+    found |= _velocities(form, grid, given)
     own = form.attitude
     in_space = {plain_name(q) for q in own.coordinates} if own is not None else set()
     if own is not None and not own.upright and in_space & {*names}:
-        from voronec.closed.doubles import read_off
+        from voronec.closed.turned import read_frame
 
         start = np.array([float(e) for e in own.start(BITS)[0]]).reshape(3, 3)
-        found |= read_off(form, _frames(start, own.spin(BITS), grid), grid, whole)
+        found |= read_frame(form, _frames(start, own.spin(BITS), grid), grid, whole)
     return found
+
+
+def _velocities(
+    form: ClosedForm, grid: np.ndarray, given: Mapping[Any, Any]
+) -> dict[str, np.ndarray]:
+    """Constant, where no moving coordinate is in them."""
+    names = list(map(plain_name, form.system.velocities))
+    values = [given[v] for v in form.system.velocities]
+    read = reading(form.problem.prepared)
+    if read.coordinates:
+        rates = dict(zip(form.system.coordinates, form.steady(BITS), strict=True))
+        with precise(BITS):
+            moved: dict[Any, Any] = dict.fromkeys(read.coordinates, ball(0))
+            start = [_part(given[q]) for q in read.coordinates]
+            numbers: list[Any] = [float(x) for x in form.resting(moved, BITS)]
+        for q, turn in zip(read.coordinates, start, strict=True):
+            numbers[read.symbols.index(q)] = 2 * np.pi * turned(rates[q], grid) + turn
+        values = sp.lambdify(read.symbols, list(read.expressions), "numpy", cse=True)(*numbers)
+    return {n: np.broadcast_to(x, grid.shape).astype(float) if np.ndim(x) else
+            np.full(grid.shape, float(x)) for n, x in zip(names, values, strict=True)}  # fmt: skip
 
 
 def _part(angle: Any) -> float:

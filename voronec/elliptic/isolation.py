@@ -41,19 +41,18 @@ def _approached(polynomial: acb_poly) -> list[acb]:
     places = [acb((size * acb(arb(2 * k) / degree + arb(0.35)).exp_pi_i()).mid())
               for k in range(degree)]  # fmt: skip
     least = arb(2) ** (4 - ctx.prec)
-    for _ in range(ctx.prec + ROOM):
+    for _ in range(ctx.prec // 2 + ROOM):
         moved = False
         for k, place in enumerate(places):
             value = values(place)
             if value.contains(0):
                 continue
-            pull = slopes(place) / value
+            pull = acb(slopes(place).mid()) / acb(value.mid())
             for j, other in enumerate(places):
-                if j != k:
-                    pull -= 1 / (place - other)
-            step = acb((1 / pull).mid())
+                pull -= 0 if j == k else 1 / (place - other)
+            step = acb((1 / acb(pull.mid())).mid())
             if not step.is_finite():
-                step = acb((place / 7).mid())
+                continue
             places[k] = acb((place - step).mid())
             moved = moved or bool(abs(step) > least * abs(place))
         if not moved:
@@ -65,9 +64,7 @@ def _size(polynomial: acb_poly) -> arb:
     """A radius of the order of the roots': the largest of |c_k/c_n|^(1/(n - k))."""
     *rest, lead = polynomial.coeffs()
     degree = len(rest)
-    sizes = [
-        (abs(c) / abs(lead)).root(degree - k) for k, c in enumerate(rest) if not c.is_zero()
-    ]
+    sizes = [(abs(c) / abs(lead)).root(degree - k) for k, c in enumerate(rest) if not c.is_zero()]
     return arb(max((float(s.log()) for s in sizes), default=0.0)).exp()
 
 

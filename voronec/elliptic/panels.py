@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from voronec.elliptic.reduction import Reduction
-from voronec.elliptic.rows import Rows
+from voronec.elliptic.rows import Rows, matrix
 from voronec.elliptic.stretch import Stretch
 
 __all__ = ["Panels"]
@@ -28,10 +28,13 @@ WIDEST, NARROWEST = 1024, 4
 MOST = 512
 """Panels that are worth their while."""
 BOUND = 3e-15
-"""Errors relative to the size of a function, which is 1 at least where it is an angle."""
+"""Errors relative to the size of a function."""
+SIZES = ("own", "turn", "largest")
+"""Sizes of functions: the value at each phase; the largest on a panel, or 1 if it is less; the
+largest there is."""
 BESIDE = 2.0**-10
 """How much farther than half of a half period the panels reach: late times may overshoot."""
-BLOCK, GROUP, LONGEST = 8192, 2048, 1 << 17
+BLOCK, GROUP, LONGEST = 4096, 4096, 1 << 15
 """Times that are reduced at once, in one product, and sorted at once."""
 
 Work = Callable[[Stretch], Sequence[np.ndarray]]
@@ -82,8 +85,8 @@ class Panels:
     coefficients: np.ndarray
 
     @classmethod
-    def of(cls, model: Stretch, work: Work, relative: Sequence[bool]) -> Panels | None:
-        """Panels for the functions; ``relative``: of each, whether it is small where it matters.
+    def of(cls, model: Stretch, work: Work, sizes: Sequence[str]) -> Panels | None:
+        """Panels for the functions, each with one of ``SIZES``.
 
         None where the motion has no period, or where most of it is too steep.
         """
@@ -94,10 +97,16 @@ class Panels:
         places = np.full(2 * CELLS, -1)
         width, todo = WIDEST, np.arange(0, 2 * CELLS, WIDEST)
         found: list[Any] = []
+        largest = np.zeros(len(sizes))
         while len(todo) and width >= NARROWEST and len(todo) + len(found) <= MOST:
             radius = reach * width / CELLS
             middles = reach * ((todo % CELLS) * 2 + width - CELLS) / CELLS
-            good, coefficients = _fitted(model, work, relative, todo // CELLS, middles, radius)
+            rest, late = middles[:, None] + radius * POINTS, todo // CELLS
+            values = _phases(model, work, rest.ravel(), np.repeat(late, POINTS.size))
+            values = values.reshape(-1, *rest.shape)
+            if width == WIDEST:
+                largest = np.abs(values).max(axis=(1, 2))
+            good, coefficients = _fitted(values, np.array(sizes), largest)
             for i in np.flatnonzero(good):
                 places[todo[i] : todo[i] + width] = len(found)
                 found.append((middles[i], radius, coefficients[i]))
@@ -112,31 +121,36 @@ class Panels:
 
     def at(self, times: np.ndarray, reduction: Reduction) -> tuple[np.ndarray, np.ndarray]:
         """Whole half periods from the turning point, and the functions, row by row."""
-        number, rows = np.empty(times.size), np.empty((self.coefficients.shape[1], times.size))
+        count = self.coefficients.shape[1]
+        number, rows = np.empty(times.size), matrix(count, times.size)
+        spare = matrix(count, min(LONGEST, times.size))
         for first in range(0, times.size, LONGEST):
             part = slice(first, first + LONGEST)
-            self._fill(times[part], reduction, number[part], rows[:, part])
+            self._fill(times[part], reduction, number[part], rows[:, part], spare)
         return number, rows
 
     def _fill(
-        self, times: np.ndarray, reduction: Reduction, number: np.ndarray, rows: np.ndarray
+        self,
+        times: np.ndarray,
+        reduction: Reduction,
+        number: np.ndarray,
+        rows: np.ndarray,
+        spare: np.ndarray,
     ) -> None:
         rest, places = np.empty(times.size), np.empty(times.size, np.int16)
         for first in range(0, times.size, BLOCK):
             part = slice(first, first + BLOCK)
             places[part] = self._placed(times[part], reduction, number[part], rest[part])
         order = np.argsort(places, kind="stable")
-        sizes = np.bincount(places, minlength=len(self.middles) + 2)
-        rest, found = rest.take(order), np.empty(rows.shape)
-        end = 0
-        for place, size in enumerate(sizes.tolist()):
+        rest, end = rest.take(order), 0
+        for place, size in enumerate(np.bincount(places).tolist()):
             for first in range(end, end + size, GROUP):
                 part = slice(first, min(first + GROUP, end + size))
-                self._evaluate(place, rest[part], found[:, part])
+                self._evaluate(place, rest[part], spare[:, part])
             end += size
         back = np.empty(times.size, np.intp)
         back[order] = np.arange(times.size)
-        for source, row in zip(found, rows, strict=True):
+        for source, row in zip(spare, rows, strict=True):
             np.take(source, back, out=row, mode="clip")
 
     def _placed(
@@ -155,7 +169,8 @@ class Panels:
 
     def _evaluate(self, place: int, rest: np.ndarray, out: np.ndarray) -> None:
         if place >= len(self.middles):
-            out[:] = _phases(self.model, self.work, rest, np.full(rest.size, place > len(self.middles)))
+            late = np.full(rest.size, place > len(self.middles))
+            out[:] = _phases(self.model, self.work, rest, late)
             return
         powers = np.empty((COUNT, rest.size))
         powers[0] = 1.0
@@ -169,23 +184,18 @@ class Panels:
 
 
 def _fitted(
-    model: Stretch,
-    work: Work,
-    relative: Sequence[bool],
-    late: np.ndarray,
-    middles: np.ndarray,
-    radius: float,
+    values: np.ndarray, sizes: np.ndarray, largest: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Which panels are good, and the coefficients of each."""
-    rest = middles[:, None] + radius * POINTS
-    values = _phases(model, work, rest.ravel(), np.repeat(late, POINTS.size))
-    values = values.reshape(-1, len(middles), POINTS.size)
-    coefficients = (values[..., :NODES] @ FIT.T) @ RAISED.T
+    """Which panels are good, and the coefficients of each, from values at ``POINTS``."""
+    # what a function does on the panel, without its size, which would only be rounded
+    level = values[..., NODES // 2]
+    coefficients = ((values[..., :NODES] - level[..., None]) @ FIT.T) @ RAISED.T
+    coefficients[..., 0] += level
     tried = values[..., NODES:]
-    error = np.abs(coefficients @ POWERS - tried)
-    size = np.abs(tried)
-    whole = np.broadcast_to(size.max(axis=2, keepdims=True), size.shape)
-    size = np.where(np.array(relative)[:, None, None], size, np.maximum(1.0, whole))
+    error, size = np.abs(coefficients @ POWERS - tried), np.abs(tried)
+    wide = size[sizes == "turn"].max(axis=2, keepdims=True)
+    size[sizes == "turn"] = np.maximum(wide, 1.0)
+    size[sizes == "largest"] = largest[sizes == "largest", None, None]
     with np.errstate(invalid="ignore"):
         good = (error <= BOUND * size).all(axis=(0, 2))
     return good, coefficients.swapaxes(0, 1)

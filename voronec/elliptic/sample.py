@@ -13,7 +13,7 @@ import numpy as np
 from voronec.elliptic.arguments import Arguments
 from voronec.elliptic.doubles import Doubles, doubles_of
 from voronec.elliptic.reduction import Reduction
-from voronec.elliptic.rows import Rows
+from voronec.elliptic.rows import PIECE, Rows, matrix
 from voronec.elliptic.stretch import TURN, Stretch
 from voronec.errors import DefinitionError
 
@@ -23,8 +23,6 @@ BLOCK = 8192
 """Times in a stretch."""
 ROWS = 64
 """Arrays of a stretch that are made at once."""
-PIECE = 1 << 19
-"""Numbers in a piece of memory that the system hands out in large pages, which is far faster."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +102,7 @@ class Sample:
         for part, times in self._parts():
             values = _quietly(work, _at(self.model, times, kept, passing))
             if whole is None:
-                whole = _matrix(len(values), self.times.size)
+                whole = matrix(len(values), self.times.size)
             for row, value in zip(whole, values, strict=True):
                 row[part] = value
             kept.free()
@@ -174,13 +172,6 @@ def _bare(doubles: Doubles, reduction: Reduction, latest: float) -> Stretch:
 def _at(model: Stretch, times: np.ndarray, kept: Rows, passing: Rows) -> Stretch:
     arguments = replace(model.arguments, times=times, kept=kept, passing=passing)
     return replace(model, arguments=arguments)
-
-
-def _matrix(count: int, size: int) -> np.ndarray:
-    """Memory for so many results, in one piece: the system gives large ones in large pages."""
-    enough = count * size
-    piece = np.empty(max(enough, PIECE) if enough > PIECE // 8 else enough)
-    return piece[:enough].reshape(count, size)
 
 
 def _quietly(work: Callable[[Stretch], Any], stretch: Stretch) -> Any:

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
+from voronec.checks import require_possible
 from voronec.closed import ClosedForm, Problem, prepared
 from voronec.closed.arithmetic import exact
 from voronec.closed.prepared import motion_of
 from voronec.errors import DefinitionError
 from voronec.flow.given import Given, Values, scene_of
-from voronec.flow.start import require_possible
 from voronec.flow.vocabulary import Vocabulary, number
 from voronec.scene import Scene
 from voronec.system import System

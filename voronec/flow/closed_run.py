@@ -61,7 +61,9 @@ def evaluated_motion(
         else quantities(equations.raw.form, watch.expressions)
     )
     sight = _Sight(vocabulary, form, watch, program, outset, float(grid[0]), tol)
-    if not form.rests:
+    if tol >= EXACT:
+        form.at(0.0, sight.names)
+    elif not form.rests:
         form.solution.constants(64)
     ready, busy = perf_counter(), process_time()
     t, states = sight.states(grid, progress)
@@ -108,7 +110,7 @@ class _Sight:
         """The instants, as far as the keyboard let them come, and the states there."""
         if self.tol >= EXACT:
             found = self.form.at(grid - self.start, self.names)
-            return grid.copy(), np.stack([found[n] for n in self.names], axis=-1)
+            return grid.copy(), np.stack([found[n] for n in self.names]).T
         rows = []
         try:
             for i, t in enumerate(grid):

@@ -13,14 +13,14 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
+from voronec.checks import require_possible
 from voronec.errors import DefinitionError
 from voronec.flow.conditions import CONSISTENT, Rates, changes, met
 from voronec.flow.manifold import Relations
 from voronec.flow.vocabulary import Vocabulary, number
 from voronec.reading import mapping, shown
-from voronec.system import System
 
-__all__ = ["Start", "named", "parameter_values", "require_possible", "start_of"]
+__all__ = ["Start", "named", "parameter_values", "start_of"]
 
 
 def named(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[str, Any]:
@@ -69,18 +69,6 @@ def parameter_values(
         )
     require_possible(system, given)
     return values
-
-
-def require_possible(system: System, given: Mapping[str, Any]) -> None:
-    """Refuse parameters that no body can have, decided with the exact values."""
-    values = {p.symbol: given.get(p.name, p.value) for p in system.parameters}
-    exact = {s: sp.Rational(x) if isinstance(x, float) else x for s, x in values.items()}
-    known = {s: sp.sympify(x) for s, x in exact.items() if x is not None}
-    for words, condition in system.possible.items():
-        if condition.xreplace(known) is sp.false:
-            involved = [p.symbol for p in system.parameters if condition.has(p.symbol)]
-            held = ", ".join(f"{s} = {values[s]}" for s in involved)
-            raise DefinitionError(f"system '{system.name}': {words}; not so with {held}")
 
 
 @dataclass(frozen=True)

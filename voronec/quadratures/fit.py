@@ -9,6 +9,7 @@ from voronec.errors import DefinitionError
 from voronec.reading import require_known
 
 if TYPE_CHECKING:
+    from voronec.quadratures.declaration import Quadratures
     from voronec.system import System
 
 __all__ = ["check_motion"]
@@ -17,10 +18,22 @@ __all__ = ["check_motion"]
 def check_motion(system: System) -> None:
     """A motion by quadratures is made of the state, parameters and its own symbols, and gives every
     coordinate and every velocity."""
-    motion = system.motion
-    if motion is None:
+    if system.motion is None:
         return
     place = f"system '{system.name}': motion"
+    _check_symbols(system, system.motion, place)
+    _check_subjects(system, system.motion, place)
+    for q in system.coordinates:
+        if q not in system.motion.given:
+            raise DefinitionError(f"{place} gives no value to the coordinate '{plain_name(q)}'")
+    for w in system.velocities:
+        dotted = w in {velocity(q) for q in system.coordinates}
+        if w not in system.motion.velocities and not dotted:
+            raise DefinitionError(f"{place} gives no value to the velocity '{plain_name(w)}'")
+
+
+def _check_symbols(system: System, motion: Quadratures, place: str) -> None:
+    """Its own symbols are new, and its expressions hold none but known ones."""
     own = {motion.x, *motion.constants}
     for symbol in own:
         meaning = system.invariants.get(plain_name(symbol))
@@ -34,6 +47,10 @@ def check_motion(system: System) -> None:
     for what, expr, inside in motion.expressions():
         known = {"state": state, "level": resting | own, "both": state | own}[inside]
         require_known(f"{place}: {what}", expr, known)
+
+
+def _check_subjects(system: System, motion: Quadratures, place: str) -> None:
+    """What is given a rate or a value is a coordinate or a velocity."""
     for trace in motion.traces:
         for q, role in ((trace.colatitude, "colatitude"), (trace.longitude, "longitude")):
             if q not in system.coordinates:
@@ -50,10 +67,3 @@ def check_motion(system: System) -> None:
             raise DefinitionError(
                 f"{place} gives a value to '{v}', which is no velocity of the equations"
             )
-    for q in system.coordinates:
-        if q not in motion.given:
-            raise DefinitionError(f"{place} gives no value to the coordinate '{plain_name(q)}'")
-    for w in system.velocities:
-        dotted = w in {velocity(q) for q in system.coordinates}
-        if w not in motion.velocities and not dotted:
-            raise DefinitionError(f"{place} gives no value to the velocity '{plain_name(w)}'")

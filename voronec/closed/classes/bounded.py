@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-__all__ = ["Bounded", "compiled"]
+__all__ = ["UNIT", "Bounded", "compiled"]
 
 UNIT = 2.0**-52
 """Twice the rounding error of one operation: it covers that of the bound's own arithmetic."""

@@ -12,7 +12,7 @@ import sympy as sp
 from voronec.algebra.door import Door
 from voronec.algebra.normal import canonical
 from voronec.closed.classes.curve import Curve, Declared
-from voronec.closed.classes.exact import remainder
+from voronec.closed.classes.tally import remainder
 
 __all__ = ["NEEDED", "Conditions", "conditions", "solutions"]
 
@@ -38,7 +38,7 @@ def conditions(known: Declared, curve: Curve, label: str) -> Conditions:
     parts = set(label.split("+"))
     wanted = [known.rate]
     if parts & {"D1", "D2", "D3"}:
-        wanted.append(known.started(_value(curve.above, known.motion.x)))
+        wanted.append(known.started(curve.above_at(known.motion.x)))
     further = ()
     if "D3" in parts:
         further = tuple(known.started(e) for e in remainder(known.quartic, curve.above))
@@ -46,17 +46,13 @@ def conditions(known: Declared, curve: Curve, label: str) -> Conditions:
     for side, name in ((1, "E1"), (-1, "E2")):
         if name in parts:
             offset, slope = curve.cosine
-            at_pole = known.started(_value(curve.above, (side - offset) / slope))
+            at_pole = known.started(curve.above_at((side - offset) / slope))
             if _rational(at_pole):
                 wanted.append(at_pole)
             else:
                 wanted.append(known.started(1 - (offset + slope * known.motion.x) ** 2))
                 elsewhere = True
     return Conditions(tuple(map(_short, wanted)), further, elsewhere)
-
-
-def _value(coefficients: Sequence[Any], x: Any) -> Any:
-    return sum((c * x**i for i, c in enumerate(coefficients)), sp.Integer(0))
 
 
 def _rational(value: Any) -> bool:

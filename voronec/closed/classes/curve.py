@@ -15,6 +15,7 @@ import sympy as sp
 from voronec.algebra.door import Door
 from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import plain_name
+from voronec.closed.fractions import ascending
 from voronec.closed.prepared import motion_of, prepared
 from voronec.errors import DefinitionError
 from voronec.quadratures import Quadratures, Trace
@@ -42,6 +43,10 @@ class Curve:
     def title(self) -> str:
         """What the trace is called."""
         return title(self.trace)
+
+    def above_at(self, x: Any) -> Any:
+        """``above`` at a place: 0 where phi vanishes."""
+        return sum((c * x**i for i, c in enumerate(self.above)), sp.Integer(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +132,7 @@ def _read(system: System, motion: Quadratures) -> Declared:
     own = tuple(p.symbol for p in system.parameters)
     inputs = (*system.coordinates, *system.velocities, *own)
     starting = (*motion.constants.values(), motion.meaning, prepared(system, {}).rate)
-    quartic = _ascending(motion.quartic, motion.x, DEGREE)
+    quartic = ascending(motion.quartic, motion.x, DEGREE)
     curves = tuple(_curve(motion, trace) for trace in motion.traces)
     return Declared(system, inputs, (*own, *motion.constants), starting, quartic, curves)
 
@@ -148,17 +153,8 @@ def _curve(motion: Quadratures, trace: Trace) -> Curve:
             f"the rate of '{plain_name(trace.longitude)}' is no polynomial over 1 - cosine^2 of "
             "its trace; such a trace is not classified"
         )
-    rows = _ascending(above, x, DEGREE)
+    rows = ascending(above, x, DEGREE)
     while len(rows) > 1 and rows[-1] == 0:
         rows = rows[:-1]
-    offset, slope = _ascending(trace.cosine, x, 1)
+    offset, slope = ascending(trace.cosine, x, 1)
     return Curve(trace, tuple(c / below for c in rows), rows, (offset, slope))
-
-
-def _ascending(value: Any, x: Any, degree: int) -> tuple[Any, ...]:
-    """Coefficients of a polynomial, each as it comes: nothing is multiplied out."""
-    found, slope = [], value
-    for power in range(degree + 1):
-        found.append(slope.subs(x, 0) / sp.factorial(power))
-        slope = sp.diff(slope, x)
-    return tuple(found)

@@ -16,12 +16,14 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
+from voronec.checks import require_possible
 from voronec.closed.classes.conditions import NEEDED, conditions, solutions
 from voronec.closed.classes.curve import Curve, Declared, declared
 from voronec.closed.classes.labels import classify
-from voronec.closed.classes.many import survey
 from voronec.closed.classes.starts import elsewhere, fill
+from voronec.closed.classes.survey import survey
 from voronec.closed.form import ClosedForm
+from voronec.closed.given import named
 from voronec.closed.prepared import prepared
 from voronec.closed.problem import Problem
 from voronec.errors import DefinitionError, EngineLimit
@@ -81,27 +83,14 @@ def find(
 
 def held(system: System, given: Mapping[Any, Any]) -> dict[Any, Any]:
     """Parameters to be held, exactly, by symbol; ``DefinitionError`` for what no body has."""
-    from voronec.closed.arithmetic import exact
-    from voronec.errors import did_you_mean
-
-    by_name = {p.name: p for p in system.parameters}
-    found = {}
-    for key, value in given.items():
-        name = key if isinstance(key, str) else plain_name(key)
-        if name not in by_name:
-            raise DefinitionError(
-                f"system '{system.name}' has no parameter '{name}'{did_you_mean(name, by_name)}"
-            )
-        try:
-            by_name[name].check(value)
-        except DefinitionError as error:
-            raise DefinitionError(f"system '{system.name}': {error}") from None
-        found[by_name[name].symbol] = exact(value)
-    own = {p.symbol: found.get(p.symbol, sp.nsimplify(p.value or 1)) for p in system.parameters}
-    for words, condition in system.possible.items():
-        if condition.xreplace(own) is sp.false:
-            values = ", ".join(f"{s} = {v}" for s, v in own.items() if condition.has(s))
-            raise DefinitionError(f"system '{system.name}': {words}; not so with {values}")
+    found = named(system, given)
+    for p in system.parameters:
+        if p.symbol in found:
+            try:
+                p.check(found[p.symbol])
+            except DefinitionError as error:
+                raise DefinitionError(f"system '{system.name}': {error}") from None
+    require_possible(system, {plain_name(s): v for s, v in found.items()})
     return found
 
 

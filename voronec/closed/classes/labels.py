@@ -38,12 +38,12 @@ from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.classes.curve import Curve, declared
-from voronec.closed.classes.exact import Tally, tally
+from voronec.closed.classes.tally import Tally, tally
 
 if TYPE_CHECKING:
     from voronec.closed.form import ClosedForm
 
-__all__ = ["LABELS", "TraceClass", "classify", "drift_sign", "label_of"]
+__all__ = ["LABELS", "TraceClass", "classify", "label_of", "labelled"]
 
 LABELS = ("A", "B", "C1", "C2", "D1", "D2", "D3", "E1", "E2")
 """The classes of the paper's figures, 4 to 12 in this order."""
@@ -113,11 +113,8 @@ def _classified(closed: ClosedForm, curve: Curve, counts: Tally) -> TraceClass:
     turns = sorted(offset + slope * place for place, times in counts.inner if times % 2)
     name = plain_name(curve.trace.longitude)
     turn = None if counts.rest else closed.turns.get(name)
-    label = label_of(counts, 0)
-    if "C" in label and not counts.rest and turn is not None:
-        label = label_of(counts, drift_sign(closed, curve))
     return TraceClass(
-        label=label,
+        label=labelled(closed, curve, counts),
         reversals=tuple(turns),
         lower=lower,
         upper=upper,
@@ -136,7 +133,15 @@ def _note(turn: Any) -> str:
     return f"a closed curve: {count} {word}, {turn.fraction} of a turn each"
 
 
-def drift_sign(closed: ClosedForm, curve: Curve) -> int:
+def labelled(closed: ClosedForm, curve: Curve, counts: Tally) -> str:
+    """The label of a trace; the drift is looked at where it matters."""
+    label = label_of(counts, 0)
+    if "C" in label and not counts.rest:
+        return label_of(counts, _drift_sign(closed, curve))
+    return label
+
+
+def _drift_sign(closed: ClosedForm, curve: Curve) -> int:
     """The sign of what the longitude grows by in a period; 0 where it cannot be told from zero,
     and where there is no period."""
     index = closed.quadratures.angles.index(curve.trace.longitude)

@@ -1,251 +1,63 @@
-"""The classes of very many motions: bounded doubles first, balls where these leave a sign open."""
+"""Every one of very many motions classified: what doubles leave open is decided by balls."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from voronec.algebra.symbols import plain_name
-from voronec.closed.classes.bounded import UNIT, Bounded, compiled
-from voronec.closed.classes.curve import Curve, Declared, declared
-from voronec.closed.classes.discs import Discs, degrees, discs
-from voronec.closed.classes.drift import Path, drifts
-from voronec.errors import DefinitionError, did_you_mean
+from voronec.closed.classes.curve import declared
+from voronec.closed.classes.labels import labelled
+from voronec.closed.classes.survey import Survey, arrays, survey
+from voronec.closed.classes.tally import tally
+from voronec.closed.form import ClosedForm
+from voronec.closed.prepared import prepared
+from voronec.closed.problem import Problem
+from voronec.errors import EngineLimit
 from voronec.system import System
 
-__all__ = ["Survey", "arrays", "survey"]
+__all__ = ["UNDECIDED", "classify_many"]
 
-LOOPS = ("A", "B", "C")
-CHUNK = 20_000
-
-
-@dataclass(frozen=True)
-class Survey:
-    """Traces of n motions on one sphere, each array (n,).
-
-    labels
-        the class; empty where doubles do not decide it.
-    reversals
-        roots of phi strictly between the ends; -1 where open.
-    lower, upper
-        cosines of the parallels, approximately; nan where open.
-    drift, period
-        of the longitude in a period, and the period, approximately; nan where not asked for.
-    """
-
-    labels: np.ndarray
-    reversals: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
-    drift: np.ndarray
-    period: np.ndarray
-
-    @property
-    def open(self) -> np.ndarray:
-        """Which motions have no class yet."""
-        return np.nonzero(self.labels == "")[0]
+UNDECIDED = "undecided"
+"""The label of a motion on which algebra has no verdict."""
 
 
-def survey(
+def classify_many(
     system: System,
     parameters: Mapping[Any, Any],
     initial: Mapping[Any, Any],
     trace: str | None = None,
-    every_drift: bool = False,
+    progress: Callable[[float], Any] | None = None,
 ) -> Survey:
-    """Classes A, B, C1, C2, "parallel" and "point" of many motions, as far as doubles prove them.
+    """The class of every one of n motions on one sphere, the first unless told.
 
-    ``parameters`` and ``initial`` give arrays or numbers by name or symbol; what is not given is
-    the parameter's default, and 0 at the start.  With ``every_drift`` drift and period are there
-    for all motions, not only where the class depends on them.
+    ``parameters`` and ``initial`` give arrays or numbers by name or symbol, used as the doubles
+    they are; what is not given is the parameter's default, and 0 at the start.
     """
+    found = survey(system, parameters, initial, trace)
+    values = arrays(declared(system), parameters, initial)
+    labels, reversals = found.labels.astype(object), found.reversals.copy()
+    left = found.open
+    for done, i in enumerate(left):
+        label, turns = _settled(system, [row[i] for row in values], trace)
+        labels[i] = label
+        reversals[i] = turns
+        if progress is not None and done % 50 == 0:
+            progress(done / len(left))
+    return replace(found, labels=labels, reversals=reversals)
+
+
+def _settled(system: System, row: list[Any], trace: str | None) -> tuple[str, int]:
+    """Label and number of reversals of one motion."""
     known = declared(system)
-    values = arrays(known, parameters, initial)
-    count = len(values[0])
-    with np.errstate(all="ignore"):  # what is not finite is left open
-        parts = [
-            _surveyed(known, known.curve(trace), [v[i : i + CHUNK] for v in values], every_drift)
-            for i in range(0, count, CHUNK)
-        ]
-    names = Survey.__dataclass_fields__
-    return Survey(**{n: np.concatenate([getattr(p, n) for p in parts]) for n in names})
-
-
-def arrays(
-    known: Declared, parameters: Mapping[Any, Any], initial: Mapping[Any, Any]
-) -> list[np.ndarray]:
-    """Arrays of one length for every symbol of a start."""
-    given = {plain_name(k): v for k, v in {**parameters, **initial}.items()}
-    names = [plain_name(s) for s in known.inputs]
-    for name in given:
-        if name not in names:
-            raise DefinitionError(f"there is no '{name}'{did_you_mean(name, names)}")
-    usual = {p.name: p.value for p in known.system.parameters}
-    rows = [np.atleast_1d(np.asarray(given.get(n, usual.get(n, 0)), dtype=float)) for n in names]
-    count = max(map(len, rows))
-    return [np.broadcast_to(row, count).copy() for row in rows]
-
-
-@dataclass(frozen=True)
-class _Formulas:
-    starting: Callable[..., list[Bounded]]
-    level: Callable[..., list[Bounded]]
-    degree: int
-
-
-@cache
-def _formulas(known: Declared, curve: Curve) -> _Formulas:
-    values = (*known.quartic, *curve.cosine, *curve.phi)
-    return _Formulas(compiled(known.inputs, known.starting), compiled(known.level, values), 4)
-
-
-def _surveyed(known: Declared, curve: Curve, values: list[np.ndarray], every_drift: bool) -> Survey:
-    formulas = _formulas(known, curve)
-    own = values[len(values) - len(known.system.parameters) :]
-    *constants, place, rate = formulas.starting(*values)
-    raw = formulas.level(*own, *constants)
-    count = len(values[0])
-    numbers = [_filled(e, count) for e in (*raw, place, rate)]
-    quartic, cosine, phi = numbers[:5], numbers[5:7], numbers[7:-2]
-    board = _Board.empty(count)
-    heights, steps = degrees(quartic), degrees(phi)
-    for height, step in {*zip(heights.tolist(), steps.tolist(), strict=True)}:
-        chosen = np.nonzero((heights == height) & (steps == step))[0]
-        if height < 2 or step < -1:
-            continue
-        group = _Group(
-            [c.take(chosen) for c in quartic[: height + 1]],
-            [c.take(chosen) for c in phi[: step + 1]],
-            (cosine[0].take(chosen), cosine[1].take(chosen)),
-            numbers[-2].take(chosen), numbers[-1].take(chosen),
-        )  # fmt: skip
-        group.enter(board, chosen, every_drift)
-    return board.survey()
-
-
-def _filled(value: Bounded, count: int) -> Bounded:
-    mid, err = (np.broadcast_to(np.asarray(a, dtype=float), count) for a in (value.mid, value.err))
-    good = np.isfinite(mid) & np.isfinite(err)
-    return Bounded(np.where(good, mid, 0.0), np.where(good, err, np.inf))
-
-
-@dataclass(frozen=True)
-class _Board:
-    labels: np.ndarray
-    reversals: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
-    drift: np.ndarray
-    period: np.ndarray
-
-    @classmethod
-    def empty(cls, count: int) -> _Board:
-        return cls(np.full(count, "", dtype="U8"), np.full(count, -1),
-                   *(np.full(count, np.nan) for _ in range(4)))  # fmt: skip
-
-    def survey(self) -> Survey:
-        return Survey(**vars(self))
-
-
-@dataclass(frozen=True)
-class _Group:
-    """Motions whose f have one degree, and whose phi have one."""
-
-    quartic: list[Bounded]
-    phi: list[Bounded]
-    cosine: tuple[Bounded, Bounded]
-    place: Bounded
-    rate: Bounded
-
-    def enter(self, board: _Board, rows: np.ndarray, every_drift: bool) -> None:
-        """Write what is certain to the board."""
-        roots = discs(self.quartic)
-        ends, good = _ends(roots, self.place, self.rate, self.quartic[-1])
-        low, high = (_end(roots, ends[:, i]) for i in (0, 1))
-        offset, slope = self.cosine
-        edges = [offset + slope * e for e in (low, high)]
-        tilt = slope.sign
-        inside, counted = self._inside(low, high)
-        flat = slope.zero & good
-        free = good & (tilt != 0) & counted & self._off_poles(low, high)
-        labels = np.where(flat, "parallel" if self.phi else "point", "")
-        labels = np.where(free, np.array([*LOOPS, "", ""])[np.minimum(inside, 3)], labels)
-        if not self.phi:
-            labels = np.where(free, "", labels)  # a meridian: left to the exact route
-        asked = np.nonzero(good & (tilt != 0) if every_drift else free & (labels == "C"))[0]
-        if len(asked) and self.phi:
-            path = Path(low, high, self.quartic[-1], roots, ends, tuple(self.phi), self.cosine)
-            drift, period = drifts(path.take(asked))
-            sign = np.array(["", "1", "2"])[drift.sign]
-            named = np.where(drift.sign == 0, "", np.char.add("C", sign))
-            labels = labels.astype("U8")
-            loops = labels[asked] == "C"
-            labels[asked] = np.where(loops, named, labels[asked])
-            # at cusps and poles the bound is infinite, and the number is good all the same
-            board.drift[rows[asked]], board.period[rows[asked]] = drift.mid, period.mid
-        board.labels[rows] = labels
-        board.reversals[rows] = np.where(free, inside, -1)
-        both = np.sort([e.mid for e in edges], axis=0)
-        board.lower[rows], board.upper[rows] = np.where(good, both, np.nan)
-
-    def _inside(self, low: Bounded, high: Bounded) -> tuple[np.ndarray, np.ndarray]:
-        """How many roots phi has between the ends, and where that is certain."""
-        count = len(low.mid)
-        if not self.phi:
-            return np.zeros(count, dtype=int), np.ones(count, dtype=bool)
-        roots = discs(self.phi)
-        real, radius = np.nan_to_num(roots.real), roots.radius * (1 + 4 * UNIT)
-        left, right = real - radius, real + radius
-        below, above = (low.mid + low.err)[:, None], (high.mid - high.err)[:, None]
-        inside = (left > below) & (right < above)
-        outside = (right < (low.mid - low.err)[:, None]) | (left > (high.mid + high.err)[:, None])
-        straight = roots.kind == 1
-        certain = np.all(~straight | inside | outside, axis=1) & roots.known
-        return np.sum(straight & inside, axis=1), certain
-
-    def _off_poles(self, low: Bounded, high: Bounded) -> np.ndarray:
-        """Where neither end can be a pole of the sphere."""
-        offset, slope = self.cosine
-        found = np.ones(len(low.mid), dtype=bool)
-        for side in (1, -1):
-            place = (side - offset) / slope
-            for end in (low, high):
-                found &= (place - end).sign != 0
-        return found
-
-
-def _end(roots: Discs, column: np.ndarray) -> Bounded:
-    pick = column[:, None]
-    return Bounded(np.take_along_axis(roots.centre, pick, axis=1)[:, 0].real,
-                   np.take_along_axis(roots.radius, pick, axis=1)[:, 0])  # fmt: skip
-
-
-def _ends(
-    roots: Discs, place: Bounded, rate: Bounded, leading: Bounded
-) -> tuple[np.ndarray, np.ndarray]:
-    """The columns of the roots between which x runs (n, 2), and where that is certain.
-
-    At a turning point, where the rate is exactly zero, x is one of the roots itself, and f is
-    positive on the side to which it goes.
-    """
-    real = roots.kind == 1
-    centre, radius = roots.centre.real, roots.radius * (1 + 4 * UNIT)
-    x, blur = place.mid[:, None], place.err[:, None] + UNIT * np.abs(place.mid[:, None])
-    above, below = real & (centre - radius > x + blur), real & (centre + radius < x - blur)
-    here = real & ~above & ~below
-    upward = np.sign(leading.mid) * np.where(np.sum(above, axis=1) % 2, -1, 1) > 0
-    start = np.sum(here, axis=1)
-    moving = (rate.sign != 0) & (start == 0)
-    turning = rate.zero & (start == 1)
-    next_up = np.argmin(np.where(above, centre, np.inf), axis=1)
-    next_down = np.argmax(np.where(below, centre, -np.inf), axis=1)
-    own = np.argmax(here, axis=1)
-    low = np.where(turning & upward, own, next_down)
-    high = np.where(turning & ~upward, own, next_up)
-    has_up, has_down = np.any(above, axis=1), np.any(below, axis=1)
-    whole = np.where(turning, np.where(upward, has_up, has_down), has_up & has_down)
-    return np.stack([low, high], axis=1), roots.known & (moving | turning) & whole
+    curve = known.curve(trace)
+    values = dict(zip(known.inputs, map(float, row), strict=True))
+    closed = ClosedForm(Problem(prepared(system, values), values))
+    try:
+        counts = tally(closed.problem, curve)
+        if counts is None:
+            return "parallel", 0
+        label = labelled(closed, curve, counts)
+    except EngineLimit:
+        return UNDECIDED, -1
+    return label, sum(times % 2 for _, times in counts.inner)

@@ -9,6 +9,7 @@ import sympy as sp
 
 from voronec.algebra.symbols import velocity
 from voronec.closed.form import ClosedForm
+from voronec.closed.upright import turned_upright
 from voronec.system import System
 
 __all__ = ["elsewhere", "fill"]
@@ -19,25 +20,13 @@ LARGEST = 60
 
 
 def fill(system: System, own: Mapping[Any, Any], start: Mapping[Any, Any]) -> dict[Any, Any]:
-    """A start with the coordinates in space such that the constant vector is upright.
-
-    E has the vector's direction as its third row; its second row is level, so that of a contact the
-    longitude in space is zero.
-    """
+    """A start with the coordinates in space such that the constant vector is upright."""
     space = system.motion.space if system.motion is not None else None
     if space is None:
         return dict(start)
     values = {**own, **start}
-    a, b, c = (sp.nsimplify(sp.simplify(e.xreplace(values))) for e in space.vector)
-    size, level = sp.sqrt(a**2 + b**2 + c**2), sp.sqrt(a**2 + b**2)
-    if size == 0:
-        return dict(start)
-    third = sp.Matrix([[a, b, c]]) / size
-    second = sp.Matrix([[-b, a, 0]]) / level if level != 0 else sp.Matrix([[0, 1, 0]])
-    first = second.cross(third)
-    rows = [*first, *second, *third]
-    meaning = {s: sp.simplify(e) for s, e in zip(space.entries, rows, strict=True)}
-    turned = {q: sp.simplify(e.xreplace(meaning)) for q, e in space.coordinates.items()}
+    vector = [sp.nsimplify(sp.simplify(e.xreplace(values))) for e in space.vector]
+    turned = {q: sp.simplify(e) for q, e in turned_upright(space, vector).items()}
     return {**start, **{q: sp.Integer(0) if e is sp.nan else e for q, e in turned.items()}}
 
 

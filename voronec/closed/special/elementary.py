@@ -16,7 +16,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.normal import shorten
-from voronec.closed.special.family import named, quadratures_of
+from voronec.closed.given import named, quadratures_of
 from voronec.errors import EngineLimit
 from voronec.system import System
 

@@ -15,15 +15,15 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.symbols import velocity
 from voronec.algebra.verdicts import Verdict
-from voronec.closed.arithmetic import exact
+from voronec.closed.given import known_parameters, named, number, quadratures_of
 from voronec.closed.special.elimination import Branch, branches_of, linear_in, short, solved
 from voronec.closed.special.ends import End, ends_of
 from voronec.closed.special.stability import Stability, decided
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.quadratures import Quadratures
-from voronec.reading import expression, mapping, shown
+from voronec.reading import shown
 from voronec.scene import Scene
 from voronec.system import System
 
@@ -70,6 +70,14 @@ class Precessions:
         own = sp.sympify(value).xreplace(dict(self.constants))
         return short(own.xreplace(dict(self.values)))
 
+    def placed(self, value: Any) -> Any:
+        """A function of the state, or a matrix of such, where the colatitude has the cosine x."""
+        meaning, x = self.quadratures.meaning, self.place
+        if not isinstance(meaning, sp.cos):
+            return value.xreplace({meaning: x})
+        (angle,) = meaning.args
+        return value.subs({sp.cos(angle): x, sp.sin(angle): sp.sqrt(1 - x**2)})
+
     @cached_property
     def state(self) -> Mapping[Any, sp.Expr]:
         """Velocity of the equations -> its value on the family."""
@@ -80,7 +88,7 @@ class Precessions:
     def levels(self) -> Mapping[sp.Symbol, sp.Expr]:
         """The constants that the quartic does not hold, by the state: the length of a vector."""
         rest = {c: e for c, e in self.quadratures.constants.items() if c not in self.constants}
-        found = {c: _at_place(self, e).xreplace(dict(self.state)) for c, e in rest.items()}
+        found = {c: self.placed(e).xreplace(dict(self.state)) for c, e in rest.items()}
         return MappingProxyType({c: self._level(e) for c, e in found.items()})
 
     def _level(self, value: sp.Expr) -> sp.Expr:
@@ -124,7 +132,7 @@ class Precessions:
     def numbers(self, place: Any, rate: Any, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
         """Exact values of everything that the family depends on."""
         known = known_parameters(self.system, parameters)
-        given = {self.place: _number(place, "x"), self.rate: _number(rate, str(self.rate))}
+        given = {self.place: number(place, "x"), self.rate: number(rate, str(self.rate))}
         if not (-1 < given[self.place] < 1):
             raise DefinitionError(
                 f"{self.place} = {shown(place)} is not between -1 and 1; at a pole ask 'ends'"
@@ -157,7 +165,7 @@ class Precessions:
         from voronec.closed.special.scenes import scene_of
 
         at = self.numbers(place, rate, parameters or {})
-        return scene_of(self, at, _number(aside, "aside"), times)
+        return scene_of(self, at, number(aside, "aside"), times)
 
     def proved(self) -> Verdict:
         """Whether all of it is at rest: the rates of the essential variables, by the equations."""
@@ -201,52 +209,7 @@ def precessions(system: System, parameters: Mapping[Any, Any] | None = None) -> 
     )
 
 
-def quadratures_of(system: System) -> Quadratures:
-    """The declaration; an error in one line where there is none."""
-    if not isinstance(system, System):
-        raise DefinitionError(f"'{shown(system)}' is no system; load one with vo.load")
-    if not isinstance(system.motion, Quadratures):
-        raise DefinitionError(
-            f"system '{system.name}' declares no quadratures; give it motion=vo.Quadratures(...)"
-        )
-    return system.motion
-
-
-def named(system: System, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
-    """Parameter -> expression, by the symbols of the system."""
-    own = {p.name: p.symbol for p in system.parameters}
-    found = {}
-    for key, value in mapping(parameters, "parameters", "parameter: value").items():
-        if plain_name(key) not in own:
-            raise DefinitionError(
-                f"system '{system.name}' has no parameter '{shown(key)}'; it has {', '.join(own)}"
-            )
-        found[own[plain_name(key)]] = exact(expression(value, f"the parameter '{shown(key)}'"))
-    return found
-
-
-def known_parameters(system: System, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
-    """Every parameter as an exact number: what is given, else the default."""
-    given = named(system, parameters)
-    found = {}
-    for p in system.parameters:
-        value = given.get(p.symbol, p.value)
-        if value is None or not sp.sympify(value).is_number:
-            raise DefinitionError(f"parameter '{p.name}' has no value; give parameters={{...}}")
-        found[p.symbol] = exact(value)
-    return found
-
-
 # -- expressions ----------------------------------------------------------------------------
-
-
-def _at_place(family: Precessions, value: sp.Expr) -> sp.Expr:
-    """A function of the state where the colatitude has the cosine x."""
-    meaning, x = family.quadratures.meaning, family.place
-    if not isinstance(meaning, sp.cos):
-        return value.xreplace({meaning: x})
-    (angle,) = meaning.args
-    return value.subs({sp.cos(angle): x, sp.sin(angle): sp.sqrt(1 - x**2)})
 
 
 def _at_rest(family: Precessions, value: sp.Expr) -> sp.Expr:
@@ -254,14 +217,7 @@ def _at_rest(family: Precessions, value: sp.Expr) -> sp.Expr:
     turning = {velocity(q): e for q, e in family.quadratures.integrals.items()}
     meaning = family.quadratures.meaning
     still = {velocity(q): sp.S.Zero for q in meaning.free_symbols}
-    return _at_place(family, value.xreplace({**turning, **still}))
-
-
-def _number(value: Any, name: str) -> sp.Expr:
-    number = exact(expression(value, name))
-    if not number.is_number:
-        raise DefinitionError(f"{name} = {shown(value)} is not a number; give one")
-    return number
+    return family.placed(value.xreplace({**turning, **still}))
 
 
 def _fresh(system: System, quadratures: Quadratures) -> sp.Symbol:

@@ -21,7 +21,7 @@ import sympy as sp
 from voronec.algebra.normal import shorten
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import exact
-from voronec.closed.special.family import known_parameters, named, quadratures_of
+from voronec.closed.given import known_parameters, named, quadratures_of
 from voronec.closed.special.series import (
     around,
     half_width,

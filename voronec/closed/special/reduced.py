@@ -52,10 +52,6 @@ def linearised(family: Precessions) -> sp.Matrix:
 
 
 def _on_family(family: Precessions, value: sp.Expr) -> sp.Expr:
-    x = family.place
-    own = value.xreplace(dict(family.state))
     (angle,) = family.quadratures.meaning.free_symbols
-    cosine, sine = x, sp.sqrt(1 - x**2)
-    return sp.sympify(
-        own.subs({sp.cos(angle): cosine, sp.sin(angle): sine}).subs(angle, sp.acos(x))
-    )
+    own = family.placed(value.xreplace(dict(family.state)))
+    return sp.sympify(own.subs(angle, sp.acos(family.place)))

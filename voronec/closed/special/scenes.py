@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
+from voronec.closed.upright import turned_upright
 from voronec.errors import DefinitionError
 from voronec.quadratures import Space
 from voronec.scene import Scene
@@ -16,9 +17,6 @@ if TYPE_CHECKING:
     from voronec.closed.special.family import Precessions
 
 __all__ = ["scene_of", "upright"]
-
-ACROSS = sp.ImmutableMatrix([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
-"""A position in which no coordinate of a contact is singular, for a vector that is zero."""
 
 
 def scene_of(
@@ -57,21 +55,7 @@ def upright(
     """Coordinates in space for which the vector lies along the third axis, upwards."""
     known = {k: v for k, v in state.items() if k != angle}
     vector = space.vector.subs({sp.cos(angle): cosine, sp.sin(angle): sine}).xreplace(known)
-    vector = vector.applyfunc(_plain)
-    length = sp.sqrt(_plain(vector.dot(vector)))
-    rows = ACROSS if length == 0 else _frame(vector / length)
-    entries = dict(zip(space.entries, rows, strict=True))
-    return {q: e.xreplace(entries) for q, e in space.coordinates.items()}
-
-
-def _frame(third: sp.Matrix) -> sp.Matrix:
-    """An orthogonal matrix with a given last row."""
-    flat = sp.sqrt(_plain(third[0] ** 2 + third[1] ** 2))
-    if flat == 0:
-        return sp.diag(1, third[2], third[2])
-    first = sp.Matrix([third[1], -third[0], 0]) / flat
-    second = third.cross(first)
-    return sp.Matrix([list(first), list(second), list(third)])
+    return turned_upright(space, vector.applyfunc(_plain))
 
 
 def _plain(value: Any) -> sp.Expr:

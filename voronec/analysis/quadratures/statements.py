@@ -12,9 +12,9 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.verdicts import Verdict
 from voronec.analysis.claims import Claim
-from voronec.analysis.ground import Ground
-from voronec.analysis.in_space import InSpace
-from voronec.analysis.residues import decide_residues
+from voronec.analysis.quadratures.ground import Ground
+from voronec.analysis.quadratures.in_space import InSpace
+from voronec.analysis.quadratures.residues import decide_residues
 from voronec.errors import EngineLimit
 from voronec.quadratures import Plane, Trace
 from voronec.reading import shown

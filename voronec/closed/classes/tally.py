@@ -89,10 +89,9 @@ class _Search:
         """x is a multiple root of f and stays there."""
         motion = self.problem.prepared.motion
         x, (offset, slope) = motion.meaning, self.curve.cosine
-        value = sum((c * x**i for i, c in enumerate(self.curve.above)), sp.Integer(0))
         cosine = offset + slope * x
         pole = next((s for s in (1, -1) if self.problem.sign(cosine - s) == 0), 0)
-        still = pole != 0 or self.problem.sign(value) == 0
+        still = pole != 0 or self.problem.sign(self.curve.above_at(x)) == 0
         place = float(self.problem.place(BITS))
         return Tally(rest=True, still=still, ends=(place, place), poles=(pole, pole),
                      tilt=self.problem.sign(slope) or 1)  # fmt: skip

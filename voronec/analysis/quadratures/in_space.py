@@ -11,7 +11,7 @@ import symengine as se
 
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.verdicts import Verdict
-from voronec.analysis.ground import Ground, Residuals
+from voronec.analysis.quadratures.ground import Ground, Residuals
 from voronec.quadratures import Space
 
 __all__ = ["InSpace"]

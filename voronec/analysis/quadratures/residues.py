@@ -13,7 +13,7 @@ from voronec.algebra.normal import quotient
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict
-from voronec.analysis.ground import Ground
+from voronec.analysis.quadratures.ground import Ground
 from voronec.errors import EngineLimit
 from voronec.reading import shown
 
