@@ -14,7 +14,7 @@ from voronec.closed.classes import finding
 
 def test_rows_say_figure_class_on_both_spheres_and_start(call: Call) -> None:
     answer = call("gallery", "demchenko", "--only", "D1")
-    head, ball, sphere, wrote = answer.out.splitlines()
+    head, ball, sphere, _ = answer.out.splitlines()
     assert answer.status == 0 and answer.err == ""
     assert head.split()[:3] == ["sphere", "figure", "class"]
     assert ball.split()[:6] == ["on", "the", "ball", "8", "D1", "D1"]

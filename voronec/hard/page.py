@@ -69,6 +69,8 @@ METHODS_READ = """
   drifts. Take it only where damping makes the equations stiff.
 - **flint** (any precision): what is left of the error is the rounding of the answer. Slow, so
   it is shown on one case only: it keeps all digits of *near-a-separatrix*.
+- **closed-form** ([not an integrator](closed-form.md), where a system declares its motion): nothing
+  accumulates; what is left is the rounding of outputs such as u - 1.
 
 From *long* to *very-long*, ten times the time, drift at the default tolerance grows tenfold, which
 is linear: the error of a step has a sign there; at 1e-16 it is a twentieth of that, and
