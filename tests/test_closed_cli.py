@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from command_line import Call, refused
@@ -38,3 +39,21 @@ def test_run_says_in_a_line_what_has_no_closed_form(
     monkeypatch.setattr(vo, "names", lambda: ["demchenko", "snakeboard"])
     answer = call("run", "snakeboard", "--method", "closed-form")
     assert "declares no motion in closed form" in refused(answer)
+
+
+@pytest.mark.parametrize(
+    ("span", "more", "method"),
+    [
+        (10**6, {}, "closed-form"),
+        (10**6, {"outputs": ("u1",), "initial": {"u1": 1.2, "theta": 0.3}}, "heyoka"),
+        (10**4, {"events": ("tau",)}, "heyoka"),
+        (10**3, {}, "heyoka"),
+    ],
+)
+def test_auto_evaluates_what_steps_would_spoil(span: int, more: Any, method: str) -> None:
+    if method == "heyoka":
+        pytest.importorskip("heyoka")
+        span = min(span, 10**4)
+    given = {"outputs": ("u", "n"), "scene": "default", "tol": 1e-16, **more}
+    found = vo.integrate(vo.load("demchenko"), times=[0, span], **given)
+    assert found.cost.method == method

@@ -14,7 +14,7 @@ import numpy as np
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed import ClosedForm
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, EngineLimit
 from voronec.flow.closed_form import closed_from
 from voronec.flow.given import Given
 from voronec.flow.modelling import whole
@@ -29,6 +29,7 @@ __all__ = ["evaluated_motion"]
 
 EXACT = 1e-16
 """Doubles have nothing to offer below this tolerance."""
+REASONS = {"closed-form": "asked for", "auto": "auto: the way is long, and nothing adds up"}
 MARGIN = 32
 """Bits beyond those of the tolerance in which outputs are computed."""
 OFTEN = 20
@@ -45,10 +46,12 @@ def evaluated_motion(
     dense: bool,
     progress: Callable[[float], Any] | None,
     began: float,
+    method: str,
 ) -> Trajectory:
     """The trajectory of a motion in closed form.
 
-    A tolerance below 1e-16 gives mpmath's numbers, from enclosures that are narrower than it.
+    A tolerance below 1e-16 gives mpmath's numbers, from enclosures that are narrower than it.  For
+    ``auto`` angles must be continuous, else ``EngineLimit``.
     """
     if not 0 < tol < 1:
         raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
@@ -61,6 +64,8 @@ def evaluated_motion(
         else quantities(equations.raw.form, watch.expressions)
     )
     sight = _Sight(vocabulary, form, watch, program, outset, float(grid[0]), tol)
+    if method == "auto":
+        _require_continuous(form, sight.names)
     if tol >= EXACT:
         form.at(0.0, sight.names)
     elif not form.rests:
@@ -68,7 +73,7 @@ def evaluated_motion(
     ready, busy = perf_counter(), process_time()
     t, states = sight.states(grid, progress)
     cost = Cost(
-        "closed-form", "asked for", tol, ready - began, perf_counter() - ready, 0, 0,
+        "closed-form", REASONS[method], tol, ready - began, perf_counter() - ready, 0, 0,
         cpu=process_time() - busy,
     )  # fmt: skip
     if not len(t):
@@ -79,6 +84,15 @@ def evaluated_motion(
         notes=outset.notes,
         within=(lambda times: sight.seen(*sight.states(times, None), cost)) if dense else None,
     )
+
+
+def _require_continuous(form: ClosedForm, names: Sequence[str]) -> None:
+    """Angles of a motion that is turned in space are known up to whole turns."""
+    attitude = form.attitude
+    if attitude is None or attitude.upright:
+        return
+    if {*names} & {plain_name(q) for q in attitude.coordinates}:
+        raise EngineLimit("between distant instants these angles are known up to whole turns")
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import ceil, log2
 from time import perf_counter, process_time
@@ -15,7 +16,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.equations import VoronecEquations, derive
-from voronec.errors import DefinitionError, IntegrationError
+from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.flow.events import Crossings, Event, spelled
 from voronec.flow.given import Given, grid_of, outputs_of, scene_of
 from voronec.flow.modelling import Modelled, modelled, whole
@@ -37,6 +38,8 @@ FEW = 100
 """On grids with fewer points angles are integrated, not read off: branches could not be told."""
 MARGIN = 32
 """Bits beyond those of the tolerance with which outputs are computed from precise states."""
+FAR = 1e4
+"""Over such a span the errors of the steps add up; a closed form has none."""
 PER_STEP = 4
 """So many points of the grid in a step, at least, tell the branches of angles apart."""
 
@@ -107,15 +110,19 @@ def integrate(
     given = Given.of(vocabulary, chosen, parameters, initial)
     happenings, functions = spelled(vocabulary, events)
     outset = Outset.of(vocabulary, given, float(grid[0]), project)
-    if method == CLOSED:
-        if happenings:
-            raise DefinitionError(
-                "the closed form looks for no events; use another method, or evaluate the motion "
-                "on a fine grid"
-            )
+    if method == CLOSED and happenings:
+        raise DefinitionError(
+            "the closed form looks for no events; use another method, or evaluate the motion "
+            "on a fine grid"
+        )
+    far = equations.system.motion is not None and not happenings and abs(grid[-1] - grid[0]) >= FAR
+    if method == CLOSED or (method == "auto" and far):
         from voronec.flow.closed_run import evaluated_motion
 
-        return evaluated_motion(vocabulary, asked, given, outset, grid, tol, dense, progress, began)
+        with suppress(*(() if method == CLOSED else (DefinitionError, EngineLimit))):
+            return evaluated_motion(
+                vocabulary, asked, given, outset, grid, tol, dense, progress, began, method
+            )
     followed = dense or bool(happenings) or not asked or len(grid) < FEW
 
     def moved(made: Modelled, times: np.ndarray = grid) -> Trajectory:

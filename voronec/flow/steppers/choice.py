@@ -3,7 +3,8 @@
 A tolerance finer than doubles asks for ``flint``.  Else heyoka is the fastest by far once it is
 compiled, which takes from a tenth of a second to seconds: what scipy integrates sooner than that,
 it does.  Where heyoka does not install, scipy does all the rest.  The rule counts operations and
-measures no time, so that the same call always makes the same choice.
+measures no time, so that the same call always makes the same choice.  (A motion that is declared in
+closed form is evaluated, where the span is long: ``voronec.flow.motion``.)
 """
 
 from __future__ import annotations
