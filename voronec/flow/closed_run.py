@@ -22,7 +22,7 @@ from voronec.flow.observing import Watch, observed, watched
 from voronec.flow.outset import Outset
 from voronec.flow.probe import quantities
 from voronec.flow.trajectory import Cost, Trajectory
-from voronec.flow.vocabulary import Vocabulary
+from voronec.flow.vocabulary import Vocabulary, Wanted
 from voronec.program import Program
 
 __all__ = ["evaluated_motion"]
@@ -65,7 +65,7 @@ def evaluated_motion(
     )
     sight = _Sight(vocabulary, form, watch, program, outset, float(grid[0]), tol)
     if method == "auto":
-        _require_continuous(form, sight.names)
+        _require_continuous(form, vocabulary.wanted(asked))
     if tol >= EXACT:
         form.at(0.0, sight.names)
     elif not form.rests:
@@ -86,12 +86,13 @@ def evaluated_motion(
     )
 
 
-def _require_continuous(form: ClosedForm, names: Sequence[str]) -> None:
+def _require_continuous(form: ClosedForm, wanted: Wanted) -> None:
     """Angles of a motion that is turned in space are known up to whole turns."""
     attitude = form.attitude
     if attitude is None or attitude.upright:
         return
-    if {*names} & {plain_name(q) for q in attitude.coordinates}:
+    angles = {plain_name(q) for q in attitude.coordinates}
+    if any(angles & {str(s) for s in e.free_symbols} for e in wanted.expressions.values()):
         raise EngineLimit("between distant instants these angles are known up to whole turns")
 
 

@@ -6,7 +6,7 @@ shaded by how many intervals of x there are.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,14 +16,11 @@ from voronec.errors import DefinitionError
 from voronec.report.plots import INK, MARK, STYLE
 
 if TYPE_CHECKING:
-    from voronec.closed.special.bifurcation import BifurcationSet, LevelPoint
+    from voronec.closed.special.bifurcation import BifurcationSet
 
 __all__ = ["bifurcation_figure"]
 
 ONE, TWO, POLE = "#eaf0f6", "#c3d4e4", "#2f7d5b"
-NEAR = 0.06
-"""Of the panel: ends of curves nearer than this to a point meet it."""
-
 Window = tuple[tuple[float, float], tuple[float, float]]
 
 
@@ -122,25 +119,12 @@ def _panel(panel: Any, one: BifurcationSet, window: Window) -> None:
             {"color": INK, "linewidth": 1.1, "zorder": 4} if curve.stable
             else {"color": MARK, "linewidth": 1.0, "linestyle": (0, (5, 2)), "zorder": 3}
         )  # fmt: skip
-        panel.plot(*_reaching(curve.points, one.points, window).T, **style)
+        panel.plot(*curve.points.T, **style)
     for point in one.points:
         colour = INK if point.stable else MARK
         panel.plot(*point.point, "o", color=colour if point.stable else "white", markersize=4,
                    markeredgecolor=colour, markeredgewidth=0.9, zorder=5)  # fmt: skip
     panel.set(xlim=(left, right), ylim=(low, high))
-
-
-def _reaching(curve: np.ndarray, points: Sequence[LevelPoint], window: Window) -> np.ndarray:
-    """A curve, continued to the single points at which it ends a little before."""
-    size = np.ptp(np.array(window), axis=1)
-    found = [curve]
-    for end, ahead in ((curve[0], True), (curve[-1], False)):
-        for point in points:
-            if np.hypot(*((np.array(point.point) - end) / size)) < NEAR:
-                more = np.array([point.point])
-                found = [more, *found] if ahead else [*found, more]
-                break
-    return np.concatenate(found)
 
 
 def _poles(panel: Any, poles: Mapping[str, float], window: Window) -> None:

@@ -17,8 +17,6 @@ __all__ = ["STABLE", "UNSTABLE", "stability_figure"]
 
 STABLE, UNSTABLE = "#e3ecf5", "#f3d9d2"
 """Told apart in print without colours, too: the second is hatched."""
-NEAR = 0.04
-"""Of the panel: ends of curves nearer than this meet."""
 
 
 def stability_figure(
@@ -68,27 +66,12 @@ def _chart(panel: Any, chart: StabilityChart) -> None:
         if not region.stable:
             panel.fill(*region.outline.T, linewidth=0, zorder=1, **_hatched())
     low, high = chart.window
-    for curve in [*chart.curves, *_links(chart.curves, (2.0, high - low))]:
+    for curve in chart.curves:
         panel.plot(*curve.T, color=INK, linewidth=1.0, solid_capstyle="round", zorder=3)
     panel.set(xlim=(-1, 1), ylim=(low, high))
     for line in _excluded(chart):
         if low < line < high:
             panel.axhline(line, color=MARK, linewidth=0.8, linestyle=(0, (4, 2.5)), zorder=3)
-
-
-def _links(curves: Sequence[np.ndarray], size: tuple[float, float]) -> list[np.ndarray]:
-    """Short lines between ends of curves that meet: where a boundary turns back, its pieces end a
-    little before."""
-    ends = [end for curve in curves for end in (curve[0], curve[-1])]
-    links = []
-    for i, end in enumerate(ends):
-        others = np.array([*ends[:i], *ends[i + 1 :]])
-        if len(others):
-            gaps = np.hypot(*((others - end) / size).T)
-            nearest = int(np.argmin(gaps))
-            if gaps[nearest] < NEAR:
-                links.append(np.array([end, others[nearest]]))
-    return links
 
 
 def _hatched() -> dict[str, Any]:

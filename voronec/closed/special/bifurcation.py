@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.closed.arithmetic import exact
+from voronec.closed.arithmetic import ball, compiled, exact, precise
 from voronec.closed.special.family import (
     Precessions,
     known_parameters,
@@ -30,8 +30,8 @@ from voronec.system import System
 __all__ = ["BifurcationSet", "LevelCurve", "LevelPoint", "bifurcation_set"]
 
 
-STEPS = (1 - np.cos(np.linspace(0, np.pi, 63)[1:-1])) / 2
-"""Shares of an interval, dense towards its ends."""
+STEPS = (1 - np.cos(np.linspace(0, np.pi, 63))) / 2
+"""Shares of an interval, dense towards its ends and with them."""
 
 
 @dataclass(frozen=True)
@@ -167,12 +167,41 @@ def _meetings(curve: sp.Expr, second: sp.Expr, x: sp.Symbol) -> list[sp.Expr]:
 def _graphs(
     family: Precessions, strip: Strip, axes: tuple[sp.Symbol, sp.Symbol]
 ) -> list[LevelCurve]:
-    """The pieces over an interval of w."""
+    """The pieces over an interval of w, up to where they end."""
     rows = strip.abscissae()
+    limits = [_limits(family, strip, axes, end) for end in strip.ends]
     found = []
-    for graph, sign in zip(strip.graphs(), strip.signs(family.derivative(2)), strict=True):
-        found.append(LevelCurve(_mapped(family, axes, graph, rows), graph, rows, sign < 0))
+    drawn = zip(strip.graphs(), strip.signs(family.derivative(2)), *limits, strict=True)
+    for graph, sign, first, last in drawn:
+        points = _mapped(family, axes, graph[1:-1], rows[1:-1])
+        closed = [p for p in (first, points, last) if p is not None]
+        kept = slice(int(first is None), len(rows) - int(last is None))
+        found.append(LevelCurve(np.vstack(closed), graph[kept], rows[kept], sign < 0))
     return found
+
+
+def _limits(
+    family: Precessions, strip: Strip, axes: tuple[sp.Symbol, sp.Symbol], end: Fraction
+) -> list[np.ndarray | None]:
+    """Where in the plane the curves of a strip end; None for those that run away.
+
+    Taken hard beside the critical value, in balls: what is 0/0 there has its limit.
+    """
+    exprs = tuple(family.constants[c] for c in axes)
+    function = compiled(exprs, (family.place, family.rate))
+
+    def points(w: Fraction) -> np.ndarray:
+        with precise(512):
+            columns = [function([_hull(*pair), ball(w)]) for pair in strip.places_at(w)]
+            return np.array([[float(v) for v in column] for column in columns])
+
+    at, near = points(end), points(end + (strip.inside - end) / 2**60)
+    settled = np.abs(at - near) < 1e-6 * (1 + np.abs(near))
+    return [p if fixed.all() else None for p, fixed in zip(at, settled, strict=True)]
+
+
+def _hull(low: Fraction, high: Fraction) -> Any:
+    return ball(low).union(ball(high))
 
 
 def _vertical(

@@ -98,7 +98,7 @@ def chart_of(
         excluded=sp.expand(below),
         curves=_curves(cells),
         regions=tuple(regions),
-        window=(cells[0].ends[0], cells[-1].ends[1]),
+        window=(float(cells[0].ends[0]), float(cells[-1].ends[1])),
     )
 
 
@@ -112,18 +112,15 @@ def _regions(strip: Strip, second: sp.Expr, x: sp.Symbol, w: sp.Symbol) -> list[
     for place, left, right in zip(strip.places(), edges, edges[1:], strict=False):
         at = sp.Rational(place.numerator, place.denominator)
         sign = sign_of(second.xreplace({x: at, w: here}))
-        outline = _outline(strip, rows, left, right)
+        outline = _outline(rows, left, right)
         found.append(Region(sign < 0, (place, strip.inside), outline))
     return found
 
 
-def _outline(strip: Strip, rows: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Up along one curve and down along the other, to the very ends of the interval."""
-    low, high = strip.ends
-    heights = np.concatenate([[low], rows, [high]])
-    sides = [np.concatenate([[s[0]], s, [s[-1]]]) for s in (left, right)]
-    up = np.column_stack([sides[0], heights])
-    down = np.column_stack([sides[1], heights])[::-1]
+def _outline(rows: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Up along one curve and down along the other."""
+    up = np.column_stack([left, rows])
+    down = np.column_stack([right, rows])[::-1]
     return np.vstack([up, down, up[:1]])
 
 

@@ -21,18 +21,24 @@ from voronec.closed.arithmetic import compiled, precise
 from voronec.errors import EngineLimit
 from voronec.reading import shown
 
-__all__ = ["Strip", "critical", "real_places", "sign_on", "strips"]
+__all__ = ["Strip", "critical", "sign_on", "strips"]
 
-POINTS = 61
-"""Points of an arc."""
+SHARES = tuple(
+    Fraction(round(2**40 * (1 - np.cos(a)) / 2), 2**40) for a in np.linspace(0, np.pi, 63)
+)
+"""Of an interval, dense towards its ends, which belong to it."""
+BESIDE = Fraction(1, 2**100)
+"""How near a critical value a strip ends, of its width: two curves that meet there in a fold are
+then closer to each other than doubles tell."""
 
 
 @dataclass(frozen=True)
 class Strip:
-    """An interval of w without a critical value: ``ends`` as doubles, cut to the window, and an
-    exact number ``inside`` it; the curves are the graphs of ``count`` functions there."""
+    """An interval of w without a critical value: its exact ``ends`` lie hard beside the critical
+    values or the edges of the window, and ``inside`` between them; the curves are the graphs of
+    ``count`` functions there."""
 
-    ends: tuple[float, float]
+    ends: tuple[Fraction, Fraction]
     inside: Fraction
     polys: tuple[sp.Poly, ...]
     count: int
@@ -52,23 +58,23 @@ class Strip:
             found += [(pair, sign_on(expr, {x: pair, **here})) for pair in own]
         return [sign for _, sign in sorted(found)]
 
+    def places_at(self, w: Fraction) -> list[tuple[Fraction, Fraction]]:
+        """Isolating intervals of x of every curve at w, from below."""
+        return sorted(pair for p in self.polys for pair in _isolated(p, w))
+
     def graphs(self) -> list[np.ndarray]:
         """x of every curve at ``abscissae``, from below."""
-        columns = []
-        for w in self.abscissae():
-            inner = sorted(x for p in self.polys for x in real_places(p, Fraction(float(w))))
-            columns.append(inner)
-        kept = [c if len(c) == self.count else None for c in columns]
-        known = [c for c in kept if c is not None]
-        filled = [c if c is not None else known[0 if i < POINTS // 2 else -1]
-                  for i, c in enumerate(kept)] if known else []  # fmt: skip
-        return [np.array([c[i] for c in filled]) for i in range(self.count)]
+        columns = [self.places_at(w) for w in self._rows()]
+        middles = [[float((a + b) / 2) for a, b in column] for column in columns]
+        return [np.array(graph) for graph in zip(*middles, strict=True)]
 
     def abscissae(self) -> np.ndarray:
-        """Values of w, dense towards the ends, which are left out."""
+        """Values of w, dense towards the ends and with them."""
+        return np.array([float(w) for w in self._rows()])
+
+    def _rows(self) -> list[Fraction]:
         low, high = self.ends
-        angles = np.linspace(0, np.pi, POINTS + 2)[1:-1]
-        return low + (high - low) * (1 - np.cos(angles)) / 2
+        return [low + (high - low) * share for share in SHARES]
 
 
 def strips(
@@ -79,16 +85,16 @@ def strips(
     curves = [sp.Poly(p, x, w) for p in _factors(polys) if p.has(x)]
     values = critical(curves, x, w, [*cuts, *(p for p in _factors(polys) if not p.has(x))])
     found = []
-    for (low, high), inside in _intervals(values, window):
+    for ends, inside in _intervals(values, window):
         count = sum(len(_isolated(p, inside)) for p in curves)
-        found.append(Strip((low, high), inside, tuple(curves), count))
+        found.append(Strip(ends, inside, tuple(curves), count))
     return found
 
 
 def critical(
     curves: Sequence[sp.Poly], x: sp.Symbol, w: sp.Symbol, cuts: Sequence[sp.Expr] = ()
-) -> list[Any]:
-    """Isolating intervals of the values of w over which something may change."""
+) -> list[tuple[Fraction, Fraction]]:
+    """Isolating intervals of the values of w over which something may change, from below."""
     own = [*cuts]
     for p in curves:
         e = p.as_expr()
@@ -101,38 +107,41 @@ def critical(
         poly = sp.Poly(e, w)
         if not poly.is_zero and poly.degree() > 0:
             product = product.lcm(poly.sqf_part())
-    return [] if product.degree() < 1 else product.sqf_part().intervals(eps=Fraction(1, 10**9))
-
-
-def real_places(poly: sp.Poly, w: Fraction) -> list[float]:
-    """The roots x of a curve in (-1, 1) at a rational w, rounded."""
-    return [float((a + b) / 2) for a, b in _isolated(poly, w)]
+    return [] if product.degree() < 1 else sorted(_real_roots(_integers(product), bits=256))
 
 
 @cache
 def _isolated(poly: sp.Poly, w: Fraction) -> tuple[tuple[Fraction, Fraction], ...]:
     """Intervals with one root x each in (-1, 1), from below: rigorous, by ball arithmetic."""
-    from flint import fmpq_poly
-
     x, other = poly.gens
     at = poly.eval(other, sp.Rational(w.numerator, w.denominator))
     inner = at.quo(at.gcd(sp.Poly((x**2 - 1) ** at.degree(), x))) if at.degree() > 0 else at
     if inner.degree() < 1:
         return ()
-    whole = fmpq_poly([_quotient(c) for c in reversed(inner.sqf_part().all_coeffs())]).numer()
-    return tuple(sorted(_real_roots(whole)))
+    return tuple(sorted(_real_roots(_integers(inner), within=1)))
 
 
-def _real_roots(poly: Any) -> list[tuple[Fraction, Fraction]]:
-    """Those in (-1, 1) of an integer polynomial without a root at its ends."""
+def _integers(poly: sp.Poly) -> Any:
+    """An integer polynomial with the same roots, each once."""
+    from flint import fmpq_poly
+
+    return fmpq_poly([_quotient(c) for c in reversed(poly.sqf_part().all_coeffs())]).numer()
+
+
+def _real_roots(
+    poly: Any, within: int | None = None, bits: int = 64
+) -> list[tuple[Fraction, Fraction]]:
+    """The real roots of an integer polynomial, or those in (-within, within), neither end of which
+    is a root; to so many bits."""
     from flint import ctx
 
-    bits = 64
     while True:
         with ctx.workprec(bits):
             found = [root.real for root, _ in poly.complex_roots() if root.imag == 0]
-            if not any(r.contains(1) or r.contains(-1) for r in found):
-                return [_ends(r) for r in found if -1 < r < 1]
+            if within is None:
+                return [_ends(r) for r in found]
+            if not any(r.contains(within) or r.contains(-within) for r in found):
+                return [_ends(r) for r in found if -within < r < within]
         bits *= 2
 
 
@@ -180,17 +189,17 @@ def _factors(exprs: Sequence[sp.Expr]) -> list[sp.Expr]:
 
 
 def _intervals(
-    values: Sequence[Any], window: tuple[float, float] | None
-) -> list[tuple[tuple[float, float], Fraction]]:
+    pairs: Sequence[tuple[Fraction, Fraction]], window: tuple[float, float] | None
+) -> list[tuple[tuple[Fraction, Fraction], Fraction]]:
     """Between neighbouring isolating intervals, and outside: the ends, and a number inside."""
-    pairs = [(_fraction(a), _fraction(b)) for (a, b), _ in values]
     low, high = window or _around(pairs)
     inner = [p for p in pairs if low < p[1] and p[0] < high]
     edges = [(Fraction(low),) * 2, *inner, (Fraction(high),) * 2]
     found = []
     for (_, a), (b, _) in pairwise(edges):
         if a < b:
-            found.append(((float(a), float(b)), ((a + b) / 2).limit_denominator(10**6)))
+            edge = (b - a) * BESIDE
+            found.append(((a + edge, b - edge), ((a + b) / 2).limit_denominator(10**6)))
     return [((a, b), m) for (a, b), m in found if a < m < b]
 
 
@@ -206,8 +215,3 @@ def _between(pairs: Sequence[tuple[Fraction, Fraction]]) -> list[Fraction]:
     """Rational numbers between -1, the roots and 1."""
     edges = [(Fraction(-1),) * 2, *pairs, (Fraction(1),) * 2]
     return [(a + b) / 2 for (_, a), (b, _) in pairwise(edges)]
-
-
-def _fraction(value: Any) -> Fraction:
-    number = sp.Rational(value)
-    return Fraction(int(number.p), int(number.q))
