@@ -67,9 +67,28 @@ def test_the_boundary_is_where_the_second_derivative_vanishes(outer):
         assert np.abs(value(*curve.T)).max() < 1e-9
 
 
-@pytest.mark.parametrize("radius", [-3, R(-1, 2)])
-def test_inside_and_around_with_a_positive_leading_coefficient_all_are_stable(demchenko, radius):
-    chart = chart_of(demchenko, {"R1": radius}, unit=sp.Symbol("k") / sp.Symbol("A"))
+def loose_ends(curves, points=()):
+    """The ends at which a curve meets no other one and no single point."""
+    ends = [end for curve in curves for end in (curve[0], curve[-1])]
+    alone = []
+    for i, end in enumerate(ends):
+        others = np.array([*ends[:i], *ends[i + 1 :], *points])
+        if np.abs((others - end) / (1 + np.abs(end))).max(axis=1).min() > 1e-9:
+            alone.append(end)
+    return alone
+
+
+def test_the_boundary_closes_at_every_fold(outer):
+    assert len(outer.curves) > 2
+    assert not loose_ends(outer.curves)
+
+
+@pytest.mark.parametrize(("radius", "inertia"), [(-3, R(2, 5)), (R(-1, 2), R(7, 10))])
+def test_inside_and_around_with_a_positive_leading_coefficient_all_are_stable(
+    demchenko, radius, inertia
+):
+    own = {"R1": radius, "A": inertia}
+    chart = chart_of(demchenko, own, unit=sp.Symbol("k") / sp.Symbol("A"))
     assert all(region.stable for region in chart.regions)
     assert not chart.curves
 
@@ -97,6 +116,23 @@ def test_the_discriminant_vanishes_on_the_family_and_on_the_single_points(demche
         assert abs(value(*single.point)) < 1e-8 * scale(*single.point)
     off = levels.curves[0].points[20] * 1.01
     assert abs(value(*off)) > 1e-8 * scale(*off)
+
+
+def test_curves_end_in_cusps_in_folds_and_at_single_points(levels):
+    # two run out of the window, and one of the pieces that meet has its limit from 0/0
+    points = [single.point for single in levels.points]
+    assert len(points) == 2
+    assert len(loose_ends([c.points for c in levels.curves], points)) == 2
+
+
+@pytest.mark.parametrize("body", [{}, {"R1": -6}, {"R1": R(-1, 5), "A": R(7, 10)}])
+def test_a_branch_beside_the_family_is_reached(demchenko, body):
+    found = bifurcation_set(demchenko, ("S0", "h2"), {"C5": R(1, 2)}, body, (-30, 30))
+    points = [single.point for single in found.points]
+    (beside,) = [single.point for single in found.points if single.what == "beside the family"]
+    ends = [c.points[i] for c in found.curves for i in (0, -1)]
+    assert np.abs(np.array(ends) - beside).max(axis=1).min() < 1e-9
+    assert len(loose_ends([c.points for c in found.curves], points)) == 2  # of the window
 
 
 def test_the_number_of_motions_changes_across_the_set(levels):
@@ -150,7 +186,7 @@ def measured(system, k):
 
 
 def test_every_term_of_the_expansions_gains_an_order(demchenko):
-    found = pseudo_regular(demchenko, "k", terms=3, parameters=BODY, start=START)
+    found = pseudo_regular(demchenko, "k", terms=2, parameters=BODY, start=START)
     true = {k: measured(demchenko, k) for k in (200, 400)}
     # the first term left out: of the frequency k (...), the drift, and (...)/k of the widths
     lost = {"frequency": -1, "v": 0, "v1": 0, "half width": 1, "centre": 1}

@@ -10,7 +10,8 @@ import sympy as sp
 from matplotlib._pylab_helpers import Gcf
 
 import voronec as vo
-from voronec.report.plots import plot_sphere_traces, plot_trajectory, quantity_label
+from voronec.report.pictures import drawing
+from voronec.report.plots import INK, PALE, plot_trajectory, quantity_label
 
 theta1, omega, energy = sp.symbols("theta1 omega E")
 PENDULUM = vo.System(
@@ -27,15 +28,6 @@ NAMES = ("theta1", omega, vo.velocity(theta1), "energy", sp.cos(theta1) ** 2, "o
 @pytest.fixture(scope="module")
 def motion() -> Any:
     return vo.integrate(PENDULUM, times=GRID, initial={theta1: 1}, outputs=NAMES, method="scipy")
-
-
-def drawn(axis: Any, color: str) -> np.ndarray:
-    """All points of the lines of one colour, gaps left out."""
-    from matplotlib.colors import to_hex
-
-    lines = [line.get_xydata() for line in axis.lines if to_hex(line.get_color()) == color]
-    points = np.vstack(lines)
-    return points[np.isfinite(points).all(axis=1)]
 
 
 def test_labels_are_formulas(motion: Any) -> None:
@@ -68,54 +60,68 @@ def test_many_panels_stand_in_two_columns(motion: Any) -> None:
         plot_trajectory(motion, [])
 
 
-def test_a_trace_runs_between_its_parallels_and_splits_at_the_outline() -> None:
-    v = np.linspace(0, 6 * np.pi, 400)
-    u = 1.0 + 0.3 * np.cos(3.7 * v)
-    figure = plot_sphere_traces({"ball": (u, v)}, height=0.4, longitudes=[0.0])
-    (axis,) = figure.axes
-    front, back = drawn(axis, "#1b3a5c"), drawn(axis, "#b4c0cd")
-    for points in (front, back):
-        assert (np.hypot(*points.T) <= 1 + 1e-12).all() and len(points) > 100
-    # undo the projection: on the near side the depth is positive
-    cos, sin = np.cos(0.4), np.sin(0.4)
-    for points, side in ((front, 1), (back, -1)):
-        depth = side * np.sqrt(1 - np.minimum(1, (points**2).sum(axis=1)))
-        colatitude = np.arccos(points[:, 1] * cos + depth * sin)
-        assert colatitude.min() > 0.7 - 1e-3 and colatitude.max() < 1.3 + 1e-3
-    limits = [line for line in axis.lines if line.get_linestyle() == "--"]
-    assert len(limits) == 4  # two parallels, each with a near and a far part
+# -- a run's own drawing: the traces on spheres ------------------------------------------------
+
+BALL = vo.load("demchenko")
+SPAN = 12.0
 
 
-def test_the_start_is_marked_filled_in_front_and_open_behind() -> None:
-    u, v = np.full(50, 1.2), np.linspace(0, 1, 50)
-    for eye, face in ((0.0, "#b3361e"), (np.pi, "white")):
-        (axis,) = plot_sphere_traces({"ball": (u, v)}, height=0.0, longitudes=[eye]).axes
-        (dot,) = (line for line in axis.lines if line.get_marker() == "o")
-        assert dot.get_markerfacecolor() == face
-        side = np.cos(eye)
-        assert np.allclose(dot.get_xydata(), [[-np.sin(eye), np.cos(1.2)]], atol=1e-12)
-        assert side * 1.0 == pytest.approx(1 if face != "white" else -1)
+def drawn(count: int) -> list[Any]:
+    """The spheres of a run with so many times."""
+    run = vo.integrate(BALL, scene="default", times=np.linspace(0.0, SPAN, count), method="scipy")
+    return list(drawing(run).axes)
 
 
-def test_two_spheres_side_by_side_as_vector_graphics(tmp_path: Any) -> None:
-    v = np.linspace(0, 20, 60)
-    figure = plot_sphere_traces(
-        {"moving ball": (0.6 + 0 * v, v), "fixed sphere": (2.5 + 0.2 * np.sin(v), -v)}
-    )
-    assert [a.get_title() for a in figure.axes] == ["moving ball", "fixed sphere"]
-    figure.savefig(tmp_path / "traces.svg")
-    text = (tmp_path / "traces.svg").read_text()
-    assert "<path" in text and "<image" not in text
-    # coarse data are drawn as smooth curves: no chord longer than a few degrees
-    points = drawn(figure.axes[0], "#1b3a5c")
-    assert len(points) > 400 and np.hypot(*np.diff(points, axis=0).T).max() < 0.06
+def curve(axis: Any) -> np.ndarray:
+    """Points along the whole curve, in front and behind."""
+    from matplotlib.colors import to_hex
+    from matplotlib.patches import PathPatch
+    from matplotlib.transforms import Affine2D
+
+    own = [p for p in axis.patches if isinstance(p, PathPatch)]
+    paths = [p.get_path() for p in own if to_hex(p.get_edgecolor()) in (INK, PALE)]
+    large = Affine2D().scale(1e5)
+    return np.vstack([q for p in paths for q in p.to_polygons(large, closed_only=False)]) / 1e5
 
 
-def test_mistakes_in_traces_are_named() -> None:
-    for traces, message in (
-        ({}, "no trace to draw"),
-        ({"ball": ([1.0, 2.0], [1.0])}, "'ball' needs two arrays"),
-        ({"ball": ([1.0, np.nan], [1.0, 2.0])}, "'ball' holds values that are not finite"),
-    ):
-        with pytest.raises(vo.DefinitionError, match=message):
-            plot_sphere_traces(traces)
+def dots(axis: Any) -> int:
+    """How many points of the curve are marked, its start left out."""
+    marked = [line for line in axis.lines if line.get_marker() == "o"]
+    return sum(len(m.get_xydata()) for m in marked if m.get_color() in (INK, PALE))
+
+
+def apart(one: np.ndarray, other: np.ndarray) -> float:
+    from scipy.spatial import cKDTree
+
+    return float(max(cKDTree(one).query(other)[0].max(), cKDTree(other).query(one)[0].max()))
+
+
+@pytest.fixture(scope="module")
+def fine() -> list[Any]:
+    return drawn(1201)
+
+
+def test_the_traces_of_a_run_are_drawn_without_marks(fine: list[Any]) -> None:
+    assert [a.get_title() for a in fine] == ["on the ball", "on the sphere"]
+    for axis in fine:
+        assert dots(axis) == 0
+        assert np.hypot(*curve(axis).T).max() < 1 + 1e-3
+
+
+def test_coarser_times_that_tell_the_curve_give_the_same_curve(fine: list[Any]) -> None:
+    for one, other in zip(fine, drawn(61), strict=True):
+        assert dots(other) == 0
+        assert apart(curve(one), curve(other)) < 0.02
+
+
+def test_times_too_coarse_for_a_curve_show_their_points() -> None:
+    for axis in drawn(16):
+        assert dots(axis) == 16
+
+
+def test_a_drawing_shows_what_the_run_holds() -> None:
+    some = vo.integrate(BALL, times=(0.0, 1.0), outputs=("u1", "v1"), method="scipy")
+    assert [a.get_title() for a in drawing(some).axes] == ["on the sphere"]
+    none = vo.integrate(BALL, times=(0.0, 1.0), outputs=("u", "u1"), method="scipy")
+    with pytest.raises(vo.DefinitionError):
+        drawing(none)

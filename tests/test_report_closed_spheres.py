@@ -15,9 +15,11 @@ from voronec.report.sphere_curves import (
     Arcs,
     View,
     best_view,
+    great_arcs,
     meridian,
     on_sphere,
     parallel,
+    settled,
     smooth_arcs,
 )
 from voronec.report.sphere_picture import SphereTrace, traces_figure
@@ -72,6 +74,34 @@ def test_a_passage_through_the_pole_is_straight() -> None:
     across = sampled(arcs) @ [-np.sin(0.4), np.cos(0.4), 0]
     assert np.abs(across).max() < 1e-12
     assert len(arcs.handles) < 20
+
+
+def test_coarse_points_of_a_smooth_curve_make_arcs_on_the_sphere() -> None:
+    coarse = np.linspace(0, 6 * np.pi, 121)
+    arcs = smooth_arcs(cusped(coarse), coarse)
+    assert distance(sampled(arcs), cusped(np.linspace(0, 6 * np.pi, 400_001))) < 2e-3
+    assert np.allclose(np.linalg.norm(sampled(arcs), axis=1), 1, atol=2 * FINE)
+
+
+@pytest.mark.parametrize(("count", "told"), [(1201, True), (121, True), (13, False), (4, False)])
+def test_points_tell_their_curve_or_not(count: int, told: bool) -> None:
+    times = np.linspace(0, 6 * np.pi, count)
+    assert settled(cusped(times), times) is told
+
+
+def test_shortest_ways_are_great_circles_through_the_points() -> None:
+    points = on_sphere(np.array([0.3, 1.5, 2.0, 2.0]), np.array([0.0, 2.0, -1.0, -1.0 + np.pi]))
+    arcs = great_arcs(points)
+    assert np.allclose(arcs.handles[::4, 0], points[:-1], atol=1e-12)
+    assert np.allclose(arcs.handles[3::4, 3], points[1:], atol=1e-12)
+    assert np.allclose(np.linalg.norm(sampled(arcs), axis=1), 1, atol=1e-3)
+    normal = np.cross(points[0], points[1])
+    assert np.abs(sampled(Arcs(arcs.handles[:4])) @ normal).max() < 1e-12
+
+
+def test_a_contact_at_rest_is_seen_from_in_front() -> None:
+    points = on_sphere(np.full(9, 1.2), np.full(9, 2.0))
+    assert best_view(points).project(points)[0, 2] > 0.7
 
 
 def test_arcs_end_at_the_horizon() -> None:
@@ -166,6 +196,21 @@ def test_the_start_is_open_where_it_is_behind(longitude: float, filled: bool) ->
     assert start.get_markerfacecolor() == (MARK if filled else "white")
 
 
+def test_points_that_tell_no_curve_are_dots() -> None:
+    from voronec.report.plots import INK, PALE
+
+    t = TIMES[::1000]
+    given = trace(colatitude=1.0 - 0.2 * np.sin(t) ** 2, longitude=0.3 * t, times=t)
+    (axis,) = traces_figure([given]).axes
+    marked = [m for m in axis.lines if m.get_color() in (INK, PALE) and m.get_marker() == "o"]
+    assert sum(len(m.get_xydata()) for m in marked) == len(t)
+
+
+def test_an_axis_without_a_name_has_no_words() -> None:
+    (axis,) = traces_figure([trace(axis="", view=View(2.0, -0.4))]).axes
+    assert not any(words.get_text() for words in axis.texts)
+
+
 def test_pictures_are_the_same_bytes_and_small() -> None:
     texts = []
     for _ in range(2):
@@ -181,7 +226,7 @@ def test_pictures_are_the_same_bytes_and_small() -> None:
 @pytest.mark.parametrize(
     ("colatitude", "longitude", "words"),
     [
-        ([1.0, 1.0, 1.0], [0.0, 0.1, 0.2], "four or more"),
+        ([1.0], [0.0], "two or more"),
         ([1.0] * 5, [0.0] * 4, "one length"),
         ([1.0, np.nan, 1.0, 1.0], [0.0] * 4, "not finite"),
     ],

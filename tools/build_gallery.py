@@ -22,7 +22,7 @@ from voronec.closed.classes.finding import find
 from voronec.closed.classes.labels import LABELS, classify
 from voronec.closed.special.bifurcation import bifurcation_set
 from voronec.closed.special.chart import chart_of
-from voronec.closed.special.family import quadratures_of
+from voronec.closed.special.family import precessions, quadratures_of
 from voronec.report.bifurcation_picture import bifurcation_figure
 from voronec.report.motion_traces import motion_traces
 from voronec.report.phase_picture import phase_figure, phase_levels
@@ -36,16 +36,26 @@ BALL, SPHERE = "on the ball", "on the sphere"
 FIGURES = dict(zip(LABELS, range(4, 13), strict=True))
 """Class -> the figure of the paper."""
 LARGEST = 150_000
-RADII = {
-    "outer, $R_2/R_1 = 1/2$": "2",
-    "outer, $R_2/R_1 = 2$": "1/2",
-    "inner, $R_2/R_1 = -1/3$": "-3",
-    "inner, $R_2/R_1 = -1/6$": "-6",
-    "shell, $R_2/R_1 = -2$": "-1/2",
-    "shell, $R_2/R_1 = -5$": "-1/5",
+SHELL = {"A": "7/10"}
+"""A shell has its mass beyond R2."""
+OUTER, INNER, AROUND = (
+    "outer, $R_2/R_1 = 1/2$",
+    "inner, $R_2/R_1 = -1/6$",
+    "shell, $R_2/R_1 = -5$",
+)
+BODIES = {
+    OUTER: {"R1": "2"},
+    "outer, $R_2/R_1 = 2$": {"R1": "1/2"},
+    "inner, $R_2/R_1 = -1/4$": {"R1": "-4"},
+    "inner, $R_2/R_1 = -1/10$": {"R1": "-10"},
+    AROUND: {"R1": "-1/5", **SHELL},
+    "shell, $R_2/R_1 = -10$": {"R1": "-1/10", **SHELL},
 }
-WINDOWS = {"inner, $R_2/R_1 = -1/6$": ((2.5, 4.3), (5.0, 13.5))}
+"""Title -> what differs from the default."""
+LEVELS = {OUTER: BODIES[OUTER], INNER: {"R1": "-6"}, AROUND: BODIES[AROUND]}
+WINDOWS = {INNER: ((2.5, 4.3), (5.0, 13.5))}
 """Where the bifurcation set shows its finer parts."""
+MASSES = "$R_2 = M = 1$; $A = 2/5$, of shells $7/10$"
 
 
 def main(names: list[str]) -> None:
@@ -77,12 +87,12 @@ def _pictures(system: vo.System) -> dict[str, Callable[[], Any]]:
 
 
 def _write(name: str, figure: Any) -> int:
-    """Numbers of paths are kept to a thousandth of a point."""
+    """Numbers of paths are kept to a hundredth of a point."""
     stream = io.BytesIO()
     save(figure, stream, ".svg")
     text = re.sub(
         r' d="[^"]*"',
-        lambda path: re.sub(r"-?\d+\.\d{4,}", lambda n: f"{float(n[0]):.3f}", path[0]),
+        lambda path: re.sub(r"-?\d+\.\d{3,}", lambda n: f"{float(n[0]):.2f}", path[0]),
         stream.getvalue().decode(),
     )
     if len(text) > LARGEST:
@@ -98,7 +108,7 @@ def class_figure(system: vo.System, label: str) -> Any:
     titles = {"v": f"on the ball: {label}", "v1": f"on the sphere: {classes[SPHERE].label}"}
     notes = {"v": _start(closed), "v1": _parameters(closed)}
     title = f"Class {label}, as in Demchenko's figure {FIGURES[label]}"
-    return traces_figure(motion_traces(closed, titles, notes), title=title)
+    return traces_figure(motion_traces(closed, titles, notes), title=title, side=2.0)
 
 
 def sheet(system: vo.System, trace: str) -> Any:
@@ -146,14 +156,28 @@ def portrait(system: vo.System) -> Any:
         {**_known(system), names["C5"]: sp.Rational(1, 2), names["S0"]: sp.Integer(6)}
     )
     levels = phase_levels(sp.expand(quartic), motion.x, names["h2"], sp.Integer(24), place=0.7)
-    note = "levels of $2h$ with $C_5 = 1/2$, $S_0 = 6$; $R_2/R_1 = 1/2$, $k = 3$"
+    note = "levels of $2h$ with $C_5 = 1/2$, $S_0 = 6$; $R_2/R_1 = 1/2$, $A = 2/5$, $k = 3$"
     return phase_figure(levels, note=note)
 
 
 def stability(system: vo.System) -> Any:
     """The family of regular precessions, for three ways of rolling."""
-    charts = {name: chart_of(system, {"R1": r}, unit="k/A") for name, r in RADII.items()}
-    return stability_figure(_by_column(charts), labels=(r"$x = \cos u$", r"$\dot v\, A/k$"))
+    charts = {name: chart_of(system, own, unit="k/A") for name, own in BODIES.items()}
+    (_, inner), (shell, _) = _always_stable(system, {}), _always_stable(system, SHELL)
+    note = (
+        f"{MASSES}. All precessions are stable\ninside for $-1 < R_2/R_1 < {inner:.3f}$, "
+        f"and of a shell for ${shell:.3f} < R_2/R_1 < -1$."
+    )
+    labels = (r"$x = \cos u$", r"$\dot v\, A/k$")
+    return stability_figure(_by_column(charts), labels=labels, note=note)
+
+
+def _always_stable(system: vo.System, own: dict[str, str]) -> tuple[float, float]:
+    """The ratios R2/R1 between which f > 0, so that every precession is stable."""
+    ratio = sp.Symbol("m")
+    bare = precessions(system, {"R1": 1 / ratio, "R2": 1, "M": 1, "k": 1, "A": "2/5", **own})
+    low, high = sp.Poly(sp.fraction(sp.together(bare.derivative(4)))[0], ratio).nroots(n=20)
+    return float(low), float(high)
 
 
 def _by_column(things: dict[str, Any]) -> dict[str, Any]:
@@ -165,18 +189,19 @@ def _by_column(things: dict[str, Any]) -> dict[str, Any]:
 def bifurcation(system: vo.System) -> Any:
     """The plane of two constants, for three ways of rolling."""
     sets, poles = {}, {}
-    for name, radius in (pair for i, pair in enumerate(RADII.items()) if i in (0, 3, 5)):
-        own = {"R1": radius}
+    for name, own in LEVELS.items():
         sets[name] = bifurcation_set(system, ("S0", "h2"), {"C5": "1/2"}, own, (-30, 30))
-        poles[name] = _through(system, radius)
-    return bifurcation_figure(sets, labels=("$S_0$", "$2h$"), poles=poles, windows=WINDOWS)
+        poles[name] = _through(system, own)
+    note = f"$C_5 = 1/2$, $k = 3$, {MASSES}"
+    labels = ("$S_0$", "$2h$")
+    return bifurcation_figure(sets, labels=labels, poles=poles, windows=WINDOWS, note=note)
 
 
-def _through(system: vo.System, radius: str) -> dict[str, float]:
+def _through(system: vo.System, own: dict[str, str]) -> dict[str, float]:
     """S0 of the motions through x = 1 and x = -1."""
     motion = quadratures_of(system)
     names = {str(c): c for c in motion.constants}
-    known = {**_known(system, R1=radius), names["C5"]: sp.Rational(1, 2)}
+    known = {**_known(system, **own), names["C5"]: sp.Rational(1, 2)}
     found = {}
     for place in (1, -1):
         (value,) = sp.solve(motion.poles[sp.Integer(place)].xreplace(known), names["S0"])

@@ -71,6 +71,7 @@ def bifurcation_figure(
     labels: tuple[str, str] | None = None,
     poles: Mapping[str, Mapping[str, float]] | None = None,
     windows: Mapping[str, Window] | None = None,
+    note: str = "",
 ) -> Any:
     """A matplotlib ``Figure``, one panel for each set.
 
@@ -82,6 +83,8 @@ def bifurcation_figure(
         title -> {name: value of the first constant for which traces pass through a pole}.
     windows
         title -> ((left, right), (low, high)).
+    note
+        small words above the legend.
     """
     from matplotlib import rc_context
     from matplotlib.figure import Figure
@@ -89,18 +92,18 @@ def bifurcation_figure(
     if not sets:
         raise DefinitionError("there is no bifurcation set to draw")
     with rc_context(STYLE):
-        figure = Figure(figsize=(0.6 + 2.7 * len(sets), 3.6), layout="constrained")
+        figure = Figure(figsize=(0.4 + 2.1 * len(sets), 3.4), layout="constrained")
         panels = figure.subplots(1, len(sets), squeeze=False)[0]
         for panel, (name, one) in zip(panels, sets.items(), strict=True):
             window = (windows or {}).get(name) or _window(one)
             _panel(panel, one, window)
             _poles(panel, (poles or {}).get(name, {}), window)
             across, up = labels or (f"${one.plane[0]}$", f"${one.plane[1]}$")
-            panel.set_title(name, fontsize=10)
+            panel.set_title(name, fontsize=9)
             panel.set_xlabel(across)
             if panel is panels[0]:
                 panel.set_ylabel(up)
-        _legend(figure, bool(poles))
+        _legend(figure, bool(poles), note)
         if title:
             figure.suptitle(title, fontsize=10.5)
         figure.draw_without_rendering()  # settles fonts while the style is in force
@@ -136,7 +139,7 @@ def _poles(panel: Any, poles: Mapping[str, float], window: Window) -> None:
                            ha="right", va="top", fontsize=7.5, color=POLE)  # fmt: skip
 
 
-def _legend(figure: Any, poles: bool) -> None:
+def _legend(figure: Any, poles: bool, note: str) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -146,19 +149,10 @@ def _legend(figure: Any, poles: bool) -> None:
         Line2D([], [], color=INK, linewidth=1.1, label="stable precessions"),
         Line2D([], [], color=MARK, linewidth=1, linestyle=(0, (5, 2)), label="unstable"),
     ]
-    keys.append(
-        Line2D(
-            [],
-            [],
-            color=INK,
-            marker="o",
-            markersize=4,
-            linewidth=0,
-            label="at rest (open: unstable)",
-        )
-    )
+    keys.append(Line2D([], [], color=INK, marker="o", markersize=4, linewidth=0,
+                       label="single motions (open: unstable)"))  # fmt: skip
     if poles:
         keys.append(Line2D([], [], color=POLE, linewidth=0.7, linestyle=(0, (1, 1.5)),
                            label="through a pole"))  # fmt: skip
-    figure.legend(handles=keys, loc="outside lower center", ncols=len(keys), frameon=False,
-                  fontsize=8.5)  # fmt: skip
+    figure.legend(handles=keys, loc="outside lower center", ncols=3, frameon=False,
+                  fontsize=8, title=note or None, title_fontsize=8)  # fmt: skip

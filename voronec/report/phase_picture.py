@@ -151,7 +151,7 @@ def phase_figure(levels: Sequence[Level], title: str = "", note: str = "", x: st
     if not levels:
         raise DefinitionError("there is no level to draw")
     with rc_context(STYLE):
-        figure = Figure(figsize=(5.4, 5.6), layout="constrained")
+        figure = Figure(figsize=(4.0, 4.5), layout="constrained")
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1, 1.6))
         _quartics(above, levels, x)
         order = ("other", "rest", "separatrix", "motion")
@@ -162,7 +162,7 @@ def phase_figure(levels: Sequence[Level], title: str = "", note: str = "", x: st
         if title:
             figure.suptitle(title, fontsize=10.5)
         if note:
-            figure.supxlabel(note, fontsize=8.5)
+            figure.supxlabel(note, fontsize=8)
         figure.draw_without_rendering()  # settles fonts while the style is in force
     return figure
 
@@ -223,6 +223,7 @@ def _frame(panel: Any, levels: Sequence[Level], x: str) -> None:
     weighty = [level for level in levels if level.kind in ("motion", "separatrix")] or levels
     top = max(float(np.sqrt(max(level(place).max(), 0.0))) for level in weighty) or 1.0
     panel.set(xlim=(-1, 1), ylim=(-1.45 * top, 1.45 * top), xlabel=f"${x}$")
+    panel.set_xticks((-1, -0.5, 0, 0.5, 1))
     panel.set_ylabel(rf"$\dot{{{x}}}$")
     panel.axhline(0, color="#444444", linewidth=0.4, zorder=1)
     panel.spines[["top", "right"]].set_visible(False)

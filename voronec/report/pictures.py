@@ -46,11 +46,9 @@ def drawing(trajectory: Trajectory) -> Any:
     longitude) for traces on spheres, of which those are drawn that the trajectory holds.
     ``DefinitionError`` where it fails.
     """
-    from voronec.report.plots import plot_sphere_traces
-
     own = trajectory.system.drawing
     if isinstance(own, Mapping):
-        return plot_sphere_traces(_traces(trajectory, own))
+        return _spheres(trajectory, own)
     try:
         return own(trajectory)
     except DefinitionError as error:
@@ -61,17 +59,24 @@ def drawing(trajectory: Trajectory) -> Any:
         raise DefinitionError(f"the drawing of system '{name}' failed: {what}") from error
 
 
-def _traces(trajectory: Trajectory, titled: Mapping[str, Any]) -> dict[str, Any]:
+def _spheres(trajectory: Trajectory, titled: Mapping[str, Any]) -> Any:
     """The traces that a trajectory holds; ``_NotHeld`` where it is none of them."""
-    found, missing = {}, None
+    import numpy as np
+
+    from voronec.report.sphere_picture import SphereTrace, traces_figure
+
+    elapsed = np.abs(np.asarray(trajectory.t, float) - float(trajectory.t[0]))
+    found, missing = [], None
     for title, (u, v) in titled.items():
         try:
-            found[title] = trajectory[u], trajectory[v]
+            held = trajectory[u], trajectory[v]
         except DefinitionError as error:
             missing = error
+            continue
+        found.append(SphereTrace(*held, elapsed, title=title, axis=""))
     if missing is not None and not found:
         raise _NotHeld(str(missing)) from missing
-    return found
+    return traces_figure(found)
 
 
 def save(figure: Any, target: Path | BinaryIO, suffix: str = "") -> None:

@@ -165,6 +165,10 @@ class _Globe:
     ) -> None:
         style = {"color": self.ink, "linewidth": 1.1 * width, "alpha": alpha, "zorder": order}
         self._line(panel, view, self.curve, front, **style)
+        x, y, depth = self._seen(view, self.curve[:1])[0]
+        if (depth >= 0) == front:  # where it began
+            panel.plot([x], [y], "o", color="white", markeredgecolor=self.ink, alpha=alpha,
+                       markersize=2.4 * width, markeredgewidth=0.7, zorder=order)  # fmt: skip
 
     def _line(self, panel: Any, view: View, points: np.ndarray, front: bool, **style: Any) -> None:
         x, y, depth = self._seen(view, points).T

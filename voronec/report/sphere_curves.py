@@ -8,14 +8,29 @@ a passage through a pole stay what they are at any magnification.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-__all__ = ["Arcs", "View", "best_view", "meridian", "on_sphere", "parallel", "smooth_arcs"]
+__all__ = [
+    "Arcs",
+    "View",
+    "best_view",
+    "great_arcs",
+    "meridian",
+    "on_sphere",
+    "parallel",
+    "settled",
+    "smooth_arcs",
+]
 
 FINE = 2e-4
 """How far arcs may lie from the curve, in radii: 1/50 of a point on a sphere of 3 inches."""
+SETTLED = 0.03
+"""How far from a curve of every other point the rest may lie; all together err 16 times less."""
+LONG = 0.05
+"""A step, in radii, above which a cubic leaves the sphere visibly."""
 
 
 @dataclass(frozen=True)
@@ -124,18 +139,61 @@ def smooth_arcs(points: np.ndarray, times: np.ndarray | None = None, fine: float
     """As few cubic arcs as keep within ``fine`` of a curve given at many times.
 
     points
-        (n, 3), dense enough that nothing happens in between.
+        (n, 3), of unit length, dense enough that nothing happens in between (see ``settled``).
     times
         where on the curve they are, growing; equal steps unless told.  A curve that is smooth in
         the time is drawn so even where it has a cusp.
     """
     from scipy.interpolate import CubicSpline
 
-    place = np.arange(len(points), dtype=float) if times is None else np.asarray(times, float)
+    place = _places(points, times)
     spline = CubicSpline(place, points)
+    parts = min(64, int(np.ceil(np.linalg.norm(np.diff(points, axis=0), axis=1).max() / LONG)))
+    if parts > 1:  # between given points the curve stays on the sphere, too
+        shares = np.arange(parts) / parts
+        inner = (place[:-1, None] + np.diff(place)[:, None] * shares).ravel()
+        place = np.concatenate([inner, place[-1:]])
+        points = spline(place)
+        points /= np.linalg.norm(points, axis=1)[:, None]
+        spline = CubicSpline(place, points)
     tangents = spline(place, 1)
     kept = _kept(place, points, tangents, fine)
     return _joined(points[kept], tangents[kept], place[kept])
+
+
+def settled(points: np.ndarray, times: np.ndarray | None = None) -> bool:
+    """Whether points tell the curve: one through every other of them passes by the rest."""
+    from scipy.interpolate import CubicSpline
+
+    if len(points) < 8:
+        return False
+    place = _places(points, times)
+    coarse = CubicSpline(place[::2], points[::2])
+    last = len(points) - 1 - len(points) % 2  # beyond the last even point nothing is between
+    off = np.linalg.norm(coarse(place[1:last:2]) - points[1:last:2], axis=1)
+    return bool(off.max() < SETTLED)
+
+
+def great_arcs(points: np.ndarray) -> Arcs:
+    """Points on the sphere, joined in order by the shortest ways."""
+    arcs = [_shortest(p, q) for p, q in pairwise(points)]
+    return Arcs(np.concatenate([a.handles for a in arcs]))
+
+
+def _shortest(first: np.ndarray, last: np.ndarray) -> Arcs:
+    """Part of a great circle."""
+    across = last - (first @ last) * first
+    if np.linalg.norm(across) < 1e-12:
+        across = np.cross(first, np.eye(3)[np.argmin(np.abs(first))])
+    across = across / np.linalg.norm(across)
+    angles = np.linspace(0.0, np.arctan2(across @ last, first @ last), 4 + 1)[:, None]
+    around = np.cos(angles) * first + np.sin(angles) * across
+    tangents = np.cos(angles) * across - np.sin(angles) * first
+    return _joined(around, tangents, _circular(angles[:, 0]))
+
+
+def _places(points: np.ndarray, times: np.ndarray | None) -> np.ndarray:
+    return np.arange(len(points), dtype=float) if times is None else np.asarray(times, float)
 
 
 def _kept(place: np.ndarray, points: np.ndarray, slopes: np.ndarray, fine: float) -> np.ndarray:
@@ -190,6 +248,8 @@ def best_view(points: np.ndarray, start: bool = True) -> View:
     heading = steps / np.maximum(length, 1e-300)[:, None]
     bend = np.linalg.norm(np.diff(heading, axis=0), axis=1)
     weight = length + 0.03 * np.concatenate([bend, [0.0]])
+    if not weight.any():
+        weight = np.ones_like(length)  # a contact at rest
     if start:
         weight *= 1 + np.exp(-np.cumsum(length) / 2)
     middle = (points[1:] + points[:-1]) / 2

@@ -1,7 +1,8 @@
 """Traces of a contact on spheres, for print: vector graphics, made of smooth arcs throughout.
 
 What lies behind a sphere is pale, its parallels there dashed; both limiting parallels, the poles
-and the axis, the start and the sense of the motion are marked.
+and the axis, the start and the sense of the motion are marked.  Points that do not tell the curve
+between them are shown as points, joined by shortest ways.
 """
 
 from __future__ import annotations
@@ -19,9 +20,11 @@ from voronec.report.sphere_curves import (
     Arcs,
     View,
     best_view,
+    great_arcs,
     meridian,
     on_sphere,
     parallel,
+    settled,
     smooth_arcs,
 )
 
@@ -35,15 +38,15 @@ class SphereTrace:
     """A curve on a sphere, and what a picture says of it.
 
     colatitude, longitude
-        arrays of one length, in radians: the point is (sin u cos v, sin u sin v, cos u).  Points
-        are many, a few hundred for each wave; they are joined smoothly and thinned out.
+        arrays of one length, in radians: the point is (sin u cos v, sin u sin v, cos u).  Where
+        they tell the curve, a few hundred for each wave, they are joined smoothly and thinned out.
     times
         the times of these points where their steps are not equal.
     limits
         the colatitudes of the two parallels between which the curve runs; its extremes unless told,
         none where it is empty.
     title, note, axis
-        the words above, the small ones below, and the name of the axis, as mathtext.
+        the words above, the small ones below, and the name of the axis or nothing, as mathtext.
     view
         from where it is seen; the best view unless told.
     """
@@ -61,8 +64,8 @@ class SphereTrace:
     def __post_init__(self) -> None:
         u, v = np.asarray(self.colatitude, float), np.asarray(self.longitude, float)
         what = f"the trace '{self.title}'"
-        if u.ndim != 1 or u.shape != v.shape or len(u) < 4:
-            raise DefinitionError(f"{what} needs two arrays of one length, four or more")
+        if u.ndim != 1 or u.shape != v.shape or len(u) < 2:
+            raise DefinitionError(f"{what} needs two arrays of one length, two or more")
         if not (np.isfinite(u).all() and np.isfinite(v).all()):
             raise DefinitionError(f"{what} holds values that are not finite")
         object.__setattr__(self, "points", on_sphere(u, v))
@@ -106,7 +109,7 @@ def traces_figure(
         for axis, trace in zip(axes, traces, strict=False):
             draw_sphere(axis, trace, scale=side / 3.1)
         if title:
-            figure.suptitle(title, fontsize=11)
+            figure.suptitle(title, fontsize=11 * (side / 3.1) ** 0.25)
         figure.draw_without_rendering()  # settles fonts while the style is in force
     return figure
 
@@ -119,13 +122,19 @@ def draw_sphere(axis: Any, trace: SphereTrace, scale: float = 1.0) -> None:
         if np.sin(colatitude) > 1e-9:
             ring = parallel(colatitude, view.longitude).seen(view)
             _arcs(axis, ring, MARK, PALE_MARK, 0.65 * scale, dashed=True)
-    curve = smooth_arcs(trace.points, trace.times, FINE / scale**3).seen(view)
-    _arcs(axis, curve, INK, PALE, 1.0 * scale)
+    told = settled(trace.points, trace.times)
+    curve = smooth_arcs(trace.points, trace.times, FINE / scale**3) if told else (
+        great_arcs(trace.points)
+    )  # fmt: skip
+    curve = curve.seen(view)
+    _arcs(axis, curve, INK, PALE, (1.0 if told else 0.5) * scale)
+    if not told:
+        _dots(axis, view.project(trace.points), scale)
     _arrow(axis, curve, scale)
     _start(axis, curve.handles[0, 0], scale)
-    axis.set_title(trace.title, fontsize=10 * scale**0.5, pad=3)
+    axis.set_title(trace.title, fontsize=10 * scale**0.25, pad=3)
     if trace.note:
-        axis.text(0, -1.1, trace.note, ha="center", va="top", fontsize=8 * scale**0.5)
+        axis.text(0, -1.1, trace.note, ha="center", va="top", fontsize=8 * scale**0.25)
 
 
 def _globe(axis: Any, view: View, name: str, scale: float) -> None:
@@ -133,15 +142,15 @@ def _globe(axis: Any, view: View, name: str, scale: float) -> None:
     from matplotlib.patches import Circle
 
     axis.set(aspect="equal", xlim=(-1.05, 1.05), ylim=(-1.12, 1.26))
-    axis.add_patch(
-        Circle((0, 0), 1, facecolor="white", edgecolor="#5d6b7a", linewidth=0.8 * scale, zorder=1)
-    )
+    axis.add_patch(Circle((0, 0), 1, facecolor="white", linewidth=0, zorder=1))
+    axis.add_patch(Circle((0, 0), 1, fill=False, edgecolor="#5d6b7a", linewidth=0.8 * scale,
+                          zorder=2.5))  # fmt: skip
     for longitude in np.arange(12) * np.pi / 6:
-        _arcs(axis, meridian(view.longitude + longitude).seen(view), GRID, None, 0.45 * scale)
+        _arcs(axis, meridian(view.longitude + longitude).seen(view), GRID, None, 0.5, order=1)
     for colatitude in np.arange(1, 6) * np.pi / 6:
-        _arcs(axis, parallel(colatitude).seen(view), GRID, None, 0.45 * scale)
+        _arcs(axis, parallel(colatitude).seen(view), GRID, None, 0.5, order=1)
     top, bottom = view.project([[0, 0, 1.24], [0, 0, -1.1]])
-    shown = view.height > 0 or top[1] > 1
+    shown = view.height > 0 or top[1] > 1 or not name
     _axis(axis, view.project([0, 0, 1]), top, name, scale)
     _axis(axis, view.project([0, 0, -1]), bottom, "" if shown else f"$-{name[1:]}", scale)
 
@@ -156,13 +165,14 @@ def _axis(axis: Any, pole: np.ndarray, tip: np.ndarray, name: str, scale: float)
     if front:
         axis.plot([0], [pole[1]], "o", color=SOFT, markersize=2.2 * scale, markeredgewidth=0,
                   zorder=2.6)  # fmt: skip
-    axis.text(0.035, tip[1] - 0.01, name, fontsize=8.5 * scale**0.5, va="center", color="#5d6b7a",
+    axis.text(0.035, tip[1] - 0.01, name, fontsize=8.5 * scale**0.25, va="center", color="#5d6b7a",
               zorder=2.6)  # fmt: skip
 
 
 def _arcs(
-    axis: Any, arcs: Arcs, front: str, back: str | None, width: float, dashed: bool = False
-) -> None:
+    axis: Any, arcs: Arcs, front: str, back: str | None, width: float, dashed: bool = False,
+    order: int = 2,
+) -> None:  # fmt: skip
     """What is in front in one colour, what is behind in another, thinner, or not at all."""
     from matplotlib.patches import PathPatch
 
@@ -175,7 +185,7 @@ def _arcs(
         axis.add_patch(PathPatch(
             _path(chosen), fill=False, edgecolor=colour, linewidth=share * width,
             linestyle=(0, (4, 3)) if hidden else "-", capstyle="butt" if hidden else "round",
-            joinstyle="round", zorder=3 if seen else 2,
+            joinstyle="round", zorder=order + seen,
         ))  # fmt: skip
 
 
@@ -218,6 +228,14 @@ def _arrow_places(curve: Arcs) -> list[tuple[np.ndarray, np.ndarray]]:
     if arcs[-1, 3, 2] > 0.1 and np.linalg.norm(last[:2]) > 1e-6:
         found.append((arcs[-1, 3, :2], last[:2]))
     return [(place, way / np.linalg.norm(way)) for place, way in found]
+
+
+def _dots(axis: Any, places: np.ndarray, scale: float) -> None:
+    """Points whose curve is not known."""
+    for front, colour in ((False, PALE), (True, INK)):
+        x, y, _ = places[(places[:, 2] >= 0) == front].T
+        axis.plot(x, y, "o", color=colour, markersize=2.4 * scale, markeredgewidth=0,
+                  zorder=3.5 if front else 2.5)  # fmt: skip
 
 
 def _start(axis: Any, place: np.ndarray, scale: float) -> None:
