@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -100,6 +101,28 @@ def test_a_chart_shows_each_region_as_it_is(demchenko: vo.System, tmp_path: Path
         assert to_hex(patch.get_facecolor()) == UNSTABLE
         assert patch.get_path().contains_point([float(c) for c in region.sample])
     assert len(written(figure, tmp_path / "chart.svg")) < SIZE
+    # below k = b1 w lies a second region, which only an enlargement shows
+    (corner,) = panel.child_axes
+    small = min(unstable, key=lambda region: np.ptp(region.outline[:, 0]))
+    assert np.ptp(small.outline[:, 0]) < 0.1
+    for low, high, own in zip(*corner.viewLim.get_points(), small.outline.T, strict=True):
+        assert low < own.min() and own.max() < high
+        assert (high - low) < 2.1 * np.ptp(own)
+
+
+def test_lines_lose_points_and_neither_shape_nor_ends() -> None:
+    from scipy.spatial import cKDTree
+
+    from voronec.report.stability_picture import FINE, _thinned
+
+    angle = np.linspace(0, 2 * np.pi, 401)
+    ring = np.column_stack([np.cos(angle), 100 * np.sin(angle)])
+    size = np.array([2.0, 200.0])
+    few = _thinned(ring, size)
+    assert len(few) < 150
+    assert np.array_equal(few[[0, -1]], ring[[0, -1]])
+    dense = np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(few)])
+    assert cKDTree(dense / size).query(ring / size)[0].max() < 1.1 * FINE
 
 
 def test_shades_of_a_bifurcation_set_are_numbers_of_motions(demchenko: vo.System) -> None:
