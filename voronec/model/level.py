@@ -17,6 +17,7 @@ import sympy as sp
 from voronec.algebra.normal import canonical
 from voronec.derivation import FirstOrderForm
 from voronec.errors import EngineLimit, VoronecError
+from voronec.model.denominators import with_positive_denominators
 from voronec.model.recovery import Angle, recovered_angles
 from voronec.reduction import in_invariants
 from voronec.vector_field import Motions, VectorField
@@ -243,7 +244,8 @@ def _expressed(
         found = in_invariants(motions.equations, targets, kept)
         missing = [t for t, f in zip(targets, found, strict=True) if f is None]
         if not missing:
-            count = len(todo)
+            count, ideal = len(todo), motions.on_invariants.relations
+            found = [with_positive_denominators(e, ideal) for e in found]
             return dict(zip(todo, found[:count], strict=True)), tuple(kept), found[count:]
         needed = set().union(*(t.free_symbols for t in missing)) - set(kept)
         fresh = [q for q in low.positions if q in needed]
