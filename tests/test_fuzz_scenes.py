@@ -1,0 +1,99 @@
+"""The fuzzer's own referee against closed forms, and that it tells right from wrong."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+import sys
+from dataclasses import replace
+from math import cos, exp, pi, sin
+from pathlib import Path
+
+import pytest
+import sympy as sp
+
+import voronec as vo
+
+TOOLS = Path(__file__).parents[1] / "tools"
+x, phi, y = sp.symbols("x phi y")
+xdot = vo.velocity(x)
+pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="the referee is compiled")
+
+
+def tool(name):
+    """A module of the folder of tools, which is no package."""
+    sys.path.insert(0, str(TOOLS))
+    try:
+        spec = importlib.util.find_spec(name)
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[name] = module
+        spec.loader.exec_module(module)
+        return module
+    finally:
+        sys.path.remove(str(TOOLS))
+
+
+def motion(system, q, v, times, tolerance=3e-17, precision="long double"):
+    reference = tool("fuzz_reference")
+    referee = reference.Referee(reference.mechanics_of(system))
+    start = referee.start(q, v, [], times[0])
+    found = referee.motion(start, [], times[0], times, tolerance, precision)
+    assert found.outcome == "done"
+    return found
+
+
+def particle(force, potential=0):
+    return vo.System("p", vo.Fibration(x), xdot**2 / 2 - potential, forces={x: force})
+
+
+def test_friction_brings_a_particle_to_rest_and_holds_it():
+    found = motion(particle(-sp.sign(xdot)), [0], [1], [0.0, 0.5, 1.0, 3.0])
+    places = [float(row[0]) for row in found.states]
+    assert places == pytest.approx([0, 0.375, 0.5, 0.5], abs=1e-15)
+    assert found.slides == 1
+
+
+def test_what_is_held_is_let_go_where_the_drive_beats_the_friction():
+    force = 2 * sp.sin(vo.time) - sp.sign(xdot)
+    row = motion(particle(force), [0], [0], [0.0, 2.0]).states[-1]
+    free = pi / 6  # 2 sin t = 1
+    assert float(row[1]) == pytest.approx(2 * (cos(free) - cos(2)) - (2 - free), abs=1e-15)
+
+
+def test_quadratic_drag_and_a_spring_of_two_stiffnesses():
+    drag = motion(particle(-sp.Abs(xdot) * xdot), [0], [-1], [0.0, 5.0]).states[-1]
+    assert float(drag[1]) == pytest.approx(-1 / 6, abs=1e-16)
+    spring = sp.Piecewise((-x, x > 0), (-4 * x, True))
+    row = motion(particle(spring), [0], [1], [0.0, pi + pi / 4]).states[-1]
+    assert float(row[0]) == pytest.approx(-0.5, abs=1e-15)
+
+
+def test_a_sleigh_runs_round_in_both_precisions():
+    sleigh = vo.load("sleigh")
+    system = replace(
+        sleigh,
+        lagrangian=sleigh.lagrangian.subs({"m": 1, "J": 1, "a": 0}),
+        parameters=(), integrals={}, equations={}, measure=None, integrable="", essential=(),
+        cases={}, scenes={},
+    )  # fmt: skip
+    for precision, tolerance, off in (("long double", 3e-17, 1e-14), ("quad", 1e-24, 1e-15)):
+        row = motion(system, [0, 0, 0], [1, 2], [0.0, 7.0], tolerance, precision).states[-1]
+        assert float(row[0]) == pytest.approx(sin(14) / 2, abs=off)
+        assert float(row[1]) == 14
+        assert float(row[2]) == pytest.approx((1 - cos(14)) / 2, abs=off)
+
+
+def test_a_driven_particle_forgets_its_start_backwards_too():
+    found = motion(particle(-xdot), [0], [1], [0.0, -2.0]).states[-1]
+    assert float(found[1]) == pytest.approx(exp(2), abs=1e-15)
+
+
+def test_an_answer_that_is_off_is_wrong_and_a_right_one_is_right(monkeypatch):
+    scene = tool("fuzz_scene")
+    judged = scene.Workshop(1, "sleigh").judged("smooth", 1)
+    assert judged[:2] == ("sleigh", "right")
+    asked = scene._asked
+    monkeypatch.setattr(
+        scene, "_asked", lambda *a: {n: column + 1e-6 for n, column in asked(*a).items()}
+    )
+    assert scene.Workshop(1, "sleigh").judged("smooth", 1)[1] == "wrong"
