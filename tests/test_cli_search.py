@@ -8,8 +8,8 @@ import pytest
 import sympy as sp
 from command_line import Call, refused
 
+from voronec.algebra.text import formula
 from voronec.analysis import search
-from voronec.cli.formula import formula
 
 
 def test_what_is_found_is_printed_with_its_proof_and_the_statement(call: Call) -> None:

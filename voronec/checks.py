@@ -9,6 +9,7 @@ import sympy as sp
 from sympy.logic.boolalg import Boolean
 
 from voronec.algebra.symbols import names_in, plain_name, time, velocity
+from voronec.algebra.text import sympified
 from voronec.claims import THEOREMS, Corrected, Measure, claim_names, expressions_of, right_of
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.reading import require_known, shown
@@ -46,7 +47,7 @@ def require_possible(system: System, given: Mapping[str, Any]) -> None:
     """Refuse parameters, by name, that no body can have, decided with the exact values."""
     values = {p.symbol: given.get(p.name, p.value) for p in system.parameters}
     exact = {s: sp.Rational(x) if isinstance(x, float) else x for s, x in values.items()}
-    known = {s: sp.sympify(x) for s, x in exact.items() if x is not None}
+    known = {s: sympified(x) for s, x in exact.items() if x is not None}
     for words, condition in system.possible.items():
         if condition.xreplace(known) is sp.false:
             involved = [p.symbol for p in system.parameters if condition.has(p.symbol)]

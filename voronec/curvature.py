@@ -8,6 +8,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.definition import Definition
 from voronec.derivation import Derivation
 
@@ -104,4 +105,4 @@ def brackets_of(
 
 
 def _array(entries: list[Any], shape: tuple[int, ...]) -> sp.ImmutableDenseNDimArray:
-    return sp.ImmutableDenseNDimArray([sp.sympify(e) for e in entries], shape)
+    return sp.ImmutableDenseNDimArray([sympified(e) for e in entries], shape)

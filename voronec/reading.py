@@ -9,28 +9,30 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import names_in, plain_name
+from voronec.algebra.text import exact_number, formula, shown, sympified
 from voronec.errors import DefinitionError
 
-__all__ = ["expression", "mapping", "real_number", "require_known", "several", "shown", "vanishing"]
-
-LONGEST = 60
-"""How much of an object a message quotes."""
+__all__ = [
+    "expression",
+    "mapping",
+    "real_number",
+    "real_text",
+    "require_known",
+    "several",
+    "shown",
+    "texts_read",
+    "vanishing",
+]
 
 _NOT_REAL = (sp.I, sp.nan, sp.zoo, sp.oo, -sp.oo)
-
-
-def shown(thing: Any) -> str:
-    """An object as a message quotes it: on one line, and not too long."""
-    text = " ".join(str(thing).split())
-    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
 def expression(thing: Any, place: str) -> sp.Expr:
     """A scalar, real SymPy expression; ``place`` says in messages what it is.
 
-    Numbers, text and anything else that SymPy reads are accepted.
+    Numbers are accepted, and text as ``algebra.text.formula`` reads it.
     """
-    expr = _scalar(_sympified(thing, place), thing, place)
+    expr = _scalar(sympified(thing, place), thing, place)
     for number in _NOT_REAL:
         if expr.has(number):
             mend = (
@@ -44,7 +46,7 @@ def expression(thing: Any, place: str) -> sp.Expr:
 
 def vanishing(thing: Any, place: str) -> sp.Expr:
     """An expression that vanishes; ``sympy.Eq(left, right)`` is read as left - right."""
-    read = _sympified(thing, place)
+    read = sympified(thing, place)
     if isinstance(read, sp.Equality):
         return expression(read.lhs - read.rhs, place)
     if isinstance(read, (sp.Rel, sp.logic.boolalg.Boolean)) and not isinstance(read, sp.Symbol):
@@ -57,14 +59,25 @@ def vanishing(thing: Any, place: str) -> sp.Expr:
 
 def real_number(value: Any, place: str) -> sp.Expr:
     """A finite real number as SymPy has it; ``DefinitionError`` where it is none."""
+    if isinstance(value, str):
+        return real_text(value, place)
     try:
-        number = sp.sympify(value)
-    except Exception:  # SymPy evaluates text: anything may come out
+        number = sympified(value)
+    except DefinitionError:
         number = None
     fit = isinstance(number, sp.Expr) and number.is_number
     if not fit or number is sp.nan or number.is_real is False or number.is_finite is False:
         raise DefinitionError(f"{place} = {shown(value)} is not a real number; give a finite one")
     return number
+
+
+def real_text(text: str, place: str) -> sp.Expr:
+    """The real number that a text means, exactly."""
+    try:
+        return exact_number(text, place)
+    except DefinitionError as error:
+        why = str(error).removeprefix(f"{place}: ")
+        raise DefinitionError(f"{place} = {shown(text)} is not a real number: {why}") from None
 
 
 def several(
@@ -93,6 +106,16 @@ def mapping(things: Any, place: str, entry: str) -> Mapping[Any, Any]:
     return MappingProxyType(dict(things))
 
 
+def texts_read(things: Mapping[Any, Any], role: str) -> Mapping[Any, Any]:
+    """A mapping whose values are no text any more; ``role`` says in messages what they are."""
+    if not any(isinstance(value, str) for value in things.values()):
+        return things
+    return {
+        key: formula(value, f"{role} '{shown(key)}'") if isinstance(value, str) else value
+        for key, value in things.items()
+    }
+
+
 def require_known(place: str, expr: sp.Expr, known: set[sp.Expr]) -> None:
     """Refuse an expression that is not made of known symbols and of derivatives of these."""
     names = names_in(expr) - known
@@ -104,15 +127,6 @@ def require_known(place: str, expr: sp.Expr, known: set[sp.Expr]) -> None:
             f"{place} contains '{unknown[0]}', which is neither coordinate, velocity nor "
             f"parameter; declare it in parameters=(...) or the fibration{hint if same else ''}"
         )
-
-
-def _sympified(thing: Any, place: str) -> Any:
-    try:
-        return sp.sympify(thing)
-    except Exception:  # SymPy evaluates text: anything may come out
-        raise DefinitionError(
-            f"{place} is '{shown(thing)}', which SymPy cannot read; write it with sympy symbols"
-        ) from None
 
 
 def _scalar(read: Any, thing: Any, place: str) -> sp.Expr:

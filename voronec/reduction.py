@@ -21,6 +21,7 @@ from voronec.algebra.rank import proved_rank
 from voronec.algebra.ring import Ring
 from voronec.algebra.shape import expression
 from voronec.algebra.tape import Tape
+from voronec.algebra.text import sympified
 from voronec.algebra.typeset import plain_text
 from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit
@@ -104,7 +105,7 @@ def descend(
     return Reduction(
         system=eqs.system,
         invariants=tuple(sp.Symbol(name) for name in chosen),
-        definitions=tuple(sp.sympify(g) for g in chosen.values()),
+        definitions=tuple(sympified(g) for g in chosen.values()),
         velocities=eqs.velocities,
         mass=sp.ImmutableMatrix(n, n, found[: n * n]),
         force=sp.ImmutableMatrix(n, 1, found[n * n : n * n + n]),

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name
+from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError
-from voronec.reading import mapping, real_number, shown
+from voronec.reading import mapping, real_number, real_text, several, shown, texts_read
 
 __all__ = ["Parameter", "Scene"]
 
@@ -39,6 +40,11 @@ class Parameter:
         for bound in ("lower", "upper"):
             if getattr(self, bound) is not None:
                 real_number(getattr(self, bound), f"parameter '{self.name}': {bound}")
+        for field_name in ("value", "lower", "upper"):
+            if isinstance(getattr(self, field_name), str):
+                place = f"parameter '{self.name}'" + f": {field_name}" * (field_name != "value")
+                number = real_text(getattr(self, field_name), place)
+                object.__setattr__(self, field_name, number)
         if self.value is not None:
             self.check(self.value)
 
@@ -52,9 +58,9 @@ class Parameter:
         number = real_number(value, f"parameter '{self.name}'")
         if self.positive and not number > 0:
             raise DefinitionError(f"parameter '{self.name}' = {value} must be positive")
-        if self.lower is not None and number < sp.sympify(self.lower):
+        if self.lower is not None and number < sympified(self.lower):
             raise DefinitionError(f"parameter '{self.name}' = {value} is below {self.lower}")
-        if self.upper is not None and number > sp.sympify(self.upper):
+        if self.upper is not None and number > sympified(self.upper):
             raise DefinitionError(f"parameter '{self.name}' = {value} is above {self.upper}")
 
 
@@ -81,5 +87,25 @@ class Scene:
     caption: str = ""
 
     def __post_init__(self) -> None:
-        mapping(self.initial, "initial", "coordinate or velocity: value")
-        mapping(self.parameters, "parameters", "parameter: value")
+        initial = mapping(self.initial, "initial", "coordinate or velocity: value")
+        constants = mapping(self.parameters, "parameters", "parameter: value")
+        if texts_read(initial, "initial value") is not initial:
+            object.__setattr__(self, "initial", texts_read(initial, "initial value"))
+        if texts_read(constants, "parameter") is not constants:
+            object.__setattr__(self, "parameters", texts_read(constants, "parameter"))
+        object.__setattr__(self, "times", _span(self.times))
+        object.__setattr__(self, "outputs", several(self.outputs, "outputs", "name"))
+
+
+def _span(times: Any) -> tuple[Any, Any]:
+    """Start and end of a motion, two finite numbers."""
+    if isinstance(times, str) or not isinstance(times, Iterable) or len(span := [*times]) != 2:
+        raise DefinitionError(
+            f"times = {shown(times)} is no pair of numbers; write times=(start, end)"
+        )
+    start, end = (real_text(x, "times") if isinstance(x, str) else x for x in span)
+    for end_of_span in (start, end):
+        real_number(end_of_span, "times")
+    if start == end:
+        raise DefinitionError(f"times = {shown(times)}: start and end are the same")
+    return start, end

@@ -23,6 +23,7 @@ from voronec.algebra.points import sample_evaluable
 from voronec.algebra.products import is_product
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
+from voronec.algebra.text import sympified
 from voronec.derivation import Derivation
 from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
@@ -304,7 +305,7 @@ class Motions:
         coordinate, a velocity that is none of the equations, a named momentum."""
         names = moving_names(self.system.coordinates, self.system.frame)
         moving = {*names} - {*self.system.velocities}
-        return any(sp.sympify(e).has(*moving) for e in exprs)
+        return any(sympified(e).has(*moving) for e in exprs)
 
     def deciding(self, exprs: Sequence[sp.Expr]) -> VectorField:
         """The field on which a claim about these functions is decided: the reduced one, where they

@@ -15,9 +15,10 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Door", "sympified"]
+__all__ = ["Door"]
 
 _FUNCTIONS = {
     name: getattr(se, name)
@@ -193,15 +194,3 @@ def _taken_at(derivative: Any, at: dict[Any, Any]) -> Any:
     if any(p.is_Number for p in at.values()):
         raise EngineLimit(f"the derivative of '{function}' at a number; use a parameter for it")
     return moved.xreplace({shift: se.Integer(0) for shift in shifts.values()})
-
-
-def sympified(expr: Any) -> sp.Expr:
-    """A SymPy expression of what was handed in; ``DefinitionError`` where it is none."""
-    try:
-        return sp.sympify(expr)
-    except (sp.SympifyError, AttributeError, SyntaxError, TypeError) as error:
-        raise DefinitionError(f"'{expr}' is not an expression: {_first_line(error)}") from None
-
-
-def _first_line(error: BaseException) -> str:
-    return (str(error).strip() or type(error).__name__).splitlines()[0]

@@ -20,6 +20,7 @@ from voronec.algebra.door import Door
 from voronec.algebra.field import Fraction
 from voronec.algebra.ring import Ring
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import PROOF_LIMIT, Verdict
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -48,7 +49,7 @@ def prove_inequality(
     both = [s for s in real if s in positive]
     if both:
         raise DefinitionError(f"'{both[0]}' is declared positive and real; declare it once")
-    a, b = sp.sympify(a), sp.sympify(b)
+    a, b = sympified(a), sympified(b)
     symbols = real_symbols(a, b)
     below = {s: sp.Symbol(f"|{s.name}|") for s in symbols if s.is_negative}
     if below:

@@ -10,6 +10,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
+from voronec.algebra.text import sympified
 
 __all__ = ["latex_of", "plain_text", "symbol_latex"]
 
@@ -45,7 +46,7 @@ def latex_of(expr: Any, coordinates: Iterable[sp.Expr], velocities: Iterable[sp.
             plain[symbol] = stand_in
             bare = symbol_latex(plain_name(thing))
             names.setdefault(stand_in, f"{dots}{{{bare}}}" if dots else bare)
-    expr = sp.sympify(expr)
+    expr = sympified(expr)
     if isinstance(expr, sp.MatrixBase):
         expr = expr.applyfunc(lambda e: e.xreplace(plain))
     else:
@@ -58,7 +59,7 @@ def latex_of(expr: Any, coordinates: Iterable[sp.Expr], velocities: Iterable[sp.
 
 def plain_text(expr: Any) -> str:
     """An expression in one line of Python, coordinates ``x(t)`` and velocities by bare names."""
-    expr = sp.sympify(expr, strict=not isinstance(expr, str))
+    expr = sympified(expr)
     motions = expr.atoms(AppliedUndef, sp.Derivative)
     bare = {f: sp.Symbol(plain_name(f)) for f in motions if is_symbolic_name(getattr(f, "expr", f))}
     return str(expr.xreplace(bare))

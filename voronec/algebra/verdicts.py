@@ -10,10 +10,11 @@ import flint
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.door import Door, sympified
+from voronec.algebra.door import Door
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.ring import Ring
 from voronec.algebra.tape import Tape
+from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Verdict", "Witness", "all_vanish", "decide_equal", "decide_zero", "prove_equal"]

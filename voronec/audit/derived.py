@@ -10,6 +10,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.normal import shorten
+from voronec.algebra.text import sympified
 from voronec.audit.comparisons import accelerations
 from voronec.audit.hooks import HookError, asked
 from voronec.audit.latex.nodes import Call, Chain, Dot, Name, Node, walk
@@ -128,7 +129,7 @@ def _first_value(part: Node, chain: Chain, study: Study) -> tuple[dict[str, int]
 
 def print_latex(value: Any, chain: Chain, study: Study) -> str:
     """A value in its shortest proved form, with the abbreviations that the formula uses."""
-    value, symbols = _fold(sp.sympify(value), chain, study)
+    value, symbols = _fold(sympified(value), chain, study)
     value, names = _plain_symbols(shorten([value])[0], study)
     verbatim = {x: x.name for x in value.free_symbols if "{" in x.name}
     names = {**verbatim, **study.spelling, **symbols, **names}

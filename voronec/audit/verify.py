@@ -11,6 +11,7 @@ import sympy as sp
 
 from voronec.algebra.normal import shorten
 from voronec.algebra.signs import prove_inequality
+from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import Verdict, prove_equal
 from voronec.audit.comparisons import Comparison, accelerations, comparisons, value_of
 from voronec.audit.hooks import HookError, asked
@@ -101,7 +102,7 @@ def _ordered(gaps: Sequence[tuple[Any, str, Any]], where: Range) -> Verdict:
     """Whether all inequalities hold in a range; the first that does not decides."""
     found = []
     for left, relation, right in gaps:
-        a, b = (sp.sympify(side).xreplace(dict(where.values)) for side in (left, right))
+        a, b = (sympified(side).xreplace(dict(where.values)) for side in (left, right))
         found.append(prove_inequality(a, relation, b, where.positive, where.real))
         if not found[-1].proved:
             return found[-1]

@@ -11,6 +11,7 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.bench.question import Question
 from voronec.claims import right_of
 from voronec.derivation import FirstOrderForm
@@ -104,7 +105,7 @@ def lowest(question: Question) -> Level:
 
 
 def _read(field: VectorField, expr: Any) -> Any:
-    return field.read(sp.sympify(expr))
+    return field.read(sympified(expr))
 
 
 def _form(field: VectorField) -> FirstOrderForm:
@@ -142,4 +143,4 @@ def _value(question: Question, numbers: Mapping[str, float], name: str) -> Any:
 
 
 def _plain(inside: Any) -> sp.Expr:
-    return sp.sympify(inside.xreplace({s: se.Symbol(str(s)) for s in inside.free_symbols}))
+    return sympified(inside.xreplace({s: se.Symbol(str(s)) for s in inside.free_symbols}))

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import csv
+import re
 from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from voronec.algebra.text import formula
 from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.formula import formula
 from voronec.cli.output import columns, print_json, progress, warn
 from voronec.cli.subject import resolve
 from voronec.cli.values import finite, first_scene, pair, split_values, tolerance
+from voronec.cli.wanted import BETWEEN
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -81,13 +83,11 @@ def _plane(text: str) -> tuple[Any, float]:
 
 
 def _outputs(text: str) -> list[Any]:
-    return [_quantity(part, f"--outputs {text}") for part in text.split(",")]
+    return [_quantity(part, f"--outputs {text}") for part in re.split(BETWEEN, text)]
 
 
 def _quantity(text: str, place: str) -> Any:
     """A name as it is, anything else as a formula."""
-    import re
-
     bare = text.strip()
     named = bool(re.fullmatch(r"\w[\w -]*", bare)) and not re.fullmatch(r"\w+\s*-.*|\d.*", bare)
     return bare if named else formula(bare, place)

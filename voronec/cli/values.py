@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from voronec.errors import DefinitionError
@@ -19,14 +17,10 @@ MOST_INSTANTS = 10_000_000
 
 
 def finite(text: str, place: str) -> float:
-    """A number, which may be a fraction; ``DefinitionError`` names the place."""
-    try:
-        value = float(Fraction(text.strip()))
-    except (ValueError, ZeroDivisionError, OverflowError):
-        value = math.nan
-    if not math.isfinite(value):
-        raise DefinitionError(f"{place}: '{text}' is not a number")
-    return value
+    """A number, which may be a formula; ``DefinitionError`` names the place."""
+    from voronec.algebra.text import exact_number
+
+    return float(exact_number(text, place))
 
 
 def tolerance(text: str | None) -> float:
@@ -65,15 +59,13 @@ def first_scene(system: System) -> str | None:
 
 
 def pair(text: str) -> tuple[str, Any]:
-    """NAME=VALUE; a decimal or a fraction is kept exactly."""
-    import sympy as sp
+    """NAME=VALUE, the value a number or a formula of numbers, kept exactly."""
+    from voronec.algebra.text import exact_number
 
     name, equals, value = (part.strip() for part in text.partition("="))
     if not equals or not name:
         raise DefinitionError(f"--set {text}: give NAME=VALUE, such as m=2.5 or a=1/3")
-    finite(value, f"--set {name}")
-    exact = Fraction(value)
-    return name, sp.Rational(exact.numerator, exact.denominator)
+    return name, exact_number(value, f"--set {name}")
 
 
 def split_values(

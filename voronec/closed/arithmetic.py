@@ -13,6 +13,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["angle", "ball", "compiled", "exact", "precise", "root"]
@@ -49,7 +50,7 @@ def exact(value: Any) -> Any:
         return sp.Rational(value)
     if hasattr(value, "_mpf_"):
         return _rational(value._mpf_)
-    expr = sp.sympify(value)
+    expr = sympified(value)
     found = {x: _rational(x._mpf_) for x in expr.atoms(sp.Float)}
     if expr.has(sp.I):
         found |= {e: _turn(e) for e in expr.atoms(sp.Mul) if sp.I in e.args}

@@ -12,6 +12,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import sympified
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.balls import enclosed, polynomials
 from voronec.closed.clock import Clock
@@ -159,7 +160,7 @@ class ClosedForm:
 
     def exact(self, expr: Any) -> Callable[[int], Any]:
         """An expression in constants and parameters at any number of bits, as a ball."""
-        return self.problem.exact(sp.sympify(expr))
+        return self.problem.exact(sympified(expr))
 
     def sign(self, expr: Any) -> int:
         """-1, 0 or 1, decided exactly; ``EngineLimit`` where no proof is found."""
@@ -167,7 +168,7 @@ class ClosedForm:
 
     def polynomial(self, expr: Any) -> tuple[sp.Expr, ...]:
         """The coefficients of a polynomial in the variable, ascending, as expressions."""
-        degree = sp.degree(sp.sympify(expr), self.quadratures.x) if expr else 0
+        degree = sp.degree(sympified(expr), self.quadratures.x) if expr else 0
         return ascending(expr, self.quadratures.x, int(max(degree, 0)))
 
     # -- the motion ------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import sympified
 from voronec.closed.arithmetic import exact
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.quadratures import Quadratures
@@ -48,7 +49,7 @@ def known_parameters(system: System, parameters: Mapping[Any, Any]) -> dict[Any,
     found = {}
     for p in system.parameters:
         value = given.get(p.symbol, p.value)
-        if value is None or not sp.sympify(value).is_number:
+        if value is None or not sympified(value).is_number:
             raise DefinitionError(f"parameter '{p.name}' has no value; give parameters={{...}}")
         found[p.symbol] = exact(value)
     return found

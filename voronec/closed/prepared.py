@@ -13,6 +13,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.text import sympified
 from voronec.closed.arithmetic import Function, ball, compiled, exact, precise
 from voronec.closed.decide import vanishes
 from voronec.closed.fractions import BITS, Split, ascending, split
@@ -166,7 +167,7 @@ def _prepare(system: System, motion: Quadratures, gone: Mapping[Any, Any]) -> Pr
     rates = [e.xreplace(gone) for e in motion.integrals.values()]
     plane = motion.plane
     if plane is not None:
-        rates += [sp.sympify(e).xreplace(gone) for e in plane.rates]
+        rates += [sympified(e).xreplace(gone) for e in plane.rates]
     if motion.clock != 1:
         rates.append(motion.clock.xreplace(gone))
     rate = _rate_of_variable(system, motion)

@@ -8,6 +8,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.closed.arithmetic import ball, compiled, exact, precise
 from voronec.closed.decide import vanishes
 from voronec.closed.multiple import squarefree
@@ -77,7 +78,7 @@ class Problem:
         Balls of growing precision tell a sign; where the last still holds zero, algebra proves
         that the number is zero.
         """
-        read = sp.sympify(expr)
+        read = sympified(expr)
         return int(self._once(("sign", read), lambda: self._sign(read)))
 
     def _sign(self, expr: Any) -> int:
@@ -107,12 +108,12 @@ class Problem:
     def spelled(self, expr: Any) -> sp.Expr:
         """The exact number that an expression is."""
         meaning = {**self.prepared.motion.constants}
-        inner = sp.sympify(expr).xreplace(meaning)
+        inner = sympified(expr).xreplace(meaning)
         known = {s: exact(v) for s, v in self.values.items() if not callable(v)}
         return inner.xreplace(known)
 
     def _is_exact(self, expr: Any) -> bool:
-        held = sp.sympify(expr).xreplace({**self.prepared.motion.constants}).free_symbols
+        held = sympified(expr).xreplace({**self.prepared.motion.constants}).free_symbols
         return not any(callable(self.values.get(s)) for s in held)
 
     def _is_zero(self, value: Any, expr: Any) -> bool:

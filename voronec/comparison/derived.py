@@ -11,6 +11,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import sympified
 from voronec.algebra.typeset import plain_text
 from voronec.comparison.points import is_general, random_point
 from voronec.curvature import curvature_of, vertical_parts
@@ -219,5 +220,5 @@ def _is_name(thing: Any) -> bool:
 
 
 def _digits(value: Any) -> str:
-    number = sp.sympify(value)
+    number = sympified(value)
     return str(number) if number.is_Rational else str(sp.N(number, 60))

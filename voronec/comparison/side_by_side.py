@@ -9,6 +9,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name
+from voronec.algebra.text import exact_number
 from voronec.algebra.verdicts import prove_equal
 from voronec.comparison.derived import FACTS, Derived
 from voronec.comparison.text import read_expression
@@ -181,7 +182,7 @@ def _acceleration(side: Derived, at: Any) -> dict[str, str] | None:
             return dict(stored)
     if side.equations is None:
         return None
-    point = {k: sp.Rational(x) if "/" in x else sp.Float(x, 60) for k, x in at.items()}
+    point = {k: _stored(x) for k, x in at.items()}
     known = {plain_name(s) for s in side.equations.system.known_symbols() if is_symbolic_name(s)}
     if not {*at} <= known:
         return None
@@ -192,13 +193,17 @@ def _acceleration(side: Derived, at: Any) -> dict[str, str] | None:
     return {plain_name(q): str(a) for q, a in found.items()}
 
 
+def _stored(number: Any) -> sp.Expr:
+    return exact_number(str(number), "a number of a stored derivation")
+
+
 def _point(number: int, at: Any, stored: Any, found: Any, swapped: bool) -> Iterator[Row]:
-    size = 1 + max((abs(sp.Float(a, 30)) for a in stored.values()), default=0)
+    size = 1 + max((abs(_stored(a)) for a in stored.values()), default=0)
     for name, value in stored.items():
         other = found.get(name)
         if other is None:
             continue
-        close = abs(sp.Float(value, 30) - sp.Float(other, 30)) <= AGREEMENT * size
+        close = abs(_stored(value) - _stored(other)) <= AGREEMENT * size
         status = "numeric" if close else "refuted"
         a, b = (other, value) if swapped else (value, other)
         how = "" if close else "at " + ", ".join(f"{k} = {x}" for k, x in at.items())

@@ -10,9 +10,11 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name
+from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.flow.start import named
 from voronec.flow.vocabulary import Vocabulary, label, number
+from voronec.reading import shown
 from voronec.scene import Scene
 from voronec.system import System
 
@@ -63,8 +65,8 @@ def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[st
     known = {**vocabulary.claims, **invariants, **vocabulary.symbols}
     if isinstance(key, str):
         name = vocabulary.name(key, known, role)
-        return name, sp.sympify(known[name])
-    expr = sp.sympify(key)
+        return name, sympified(known[name])
+    expr = sympified(key)
     meaning = {}
     for symbol in sorted(expr.free_symbols, key=str):
         if str(symbol) not in known:
@@ -112,14 +114,11 @@ def spread_starts(
     starts: Values | Sequence[Values] | None, parameters: Values
 ) -> tuple[list[Values], dict[Any, Any]]:
     """One mapping for each start, and parameters whose arrays are as long as these are many."""
-    columns = {k: np.asarray(x) for k, x in parameters.items() if np.ndim(x) > 0}
+    columns = _columns(parameters, "parameter")
     lengths = {f"parameter '{k}'": x for k, x in columns.items()}
     given = starts if isinstance(starts, Mapping) else {}
-    long = {k: np.asarray(x) for k, x in given.items() if np.ndim(x) > 0}
+    long = _columns(given, "start")
     lengths |= {f"start '{k}'": x for k, x in long.items()}
-    for what, x in lengths.items():
-        if x.ndim != 1 or not len(x):
-            raise DefinitionError(f"{what}: give a number or a one-dimensional array")
     if starts is not None and not isinstance(starts, Mapping):
         if not all(isinstance(s, Mapping) for s in starts):
             raise DefinitionError(
@@ -138,6 +137,25 @@ def spread_starts(
     rows: list[Values] = [{k: (long[k][i].item() if k in long else x) for k, x in given.items()}
             for i in range(count)]  # fmt: skip
     return rows, {**parameters, **columns}
+
+
+def _columns(given: Values, role: str) -> dict[Any, np.ndarray]:
+    """The arrays among some values, in numbers."""
+    found = {}
+    for key, values in given.items():
+        place = f"{role} '{shown(key)}'"
+        try:
+            column = np.asarray(values)
+        except (TypeError, ValueError):  # rows of several lengths
+            column = np.empty((0, 0))
+        if column.ndim == 0:
+            continue
+        if column.ndim != 1 or not len(column):
+            raise DefinitionError(f"{place}: give a number or a one-dimensional array")
+        if column.dtype.kind not in "fiu":
+            column = np.array([number(x, place) for x in column])
+        found[key] = column
+    return found
 
 
 def grid_of(system: System, scene: Scene | None, times: Any) -> np.ndarray:

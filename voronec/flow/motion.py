@@ -12,9 +12,9 @@ from typing import Any
 
 import mpmath
 import numpy as np
-import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from voronec.algebra.text import sympified
 from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.flow.events import Crossings, Event, spelled
@@ -277,7 +277,7 @@ def _refuse_unknown_functions(system: System) -> None:
     """What holds an unknown function has no motion in numbers."""
     frame = system.frame.expressions if system.frame is not None else ()
     held = (system.lagrangian, *system.constraints, *system.forces.values(), *frame)
-    unknown = {f for e in held for f in sp.sympify(e).atoms(AppliedUndef)} - {*system.coordinates}
+    unknown = {f for e in held for f in sympified(e).atoms(AppliedUndef)} - {*system.coordinates}
     if unknown:
         raise DefinitionError(
             f"system '{system.name}' holds the unknown function '{min(unknown, key=str)}', so it "

@@ -21,6 +21,7 @@ import symengine as se
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
+from voronec.algebra.text import sympified
 from voronec.definition import Definition
 from voronec.errors import DefinitionError
 
@@ -132,7 +133,7 @@ def _number(value: Any, precise: bool) -> Any:
     import sympy as sp
 
     digits = mp.mp.dps + 5
-    return mp.mpf(sp.Float(sp.sympify(value).evalf(digits), digits)._mpf_)
+    return mp.mpf(sp.Float(sympified(value).evalf(digits), digits)._mpf_)
 
 
 def _conditions(d: Definition) -> list[tuple[Any, ...]]:

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.symbols import plain_name
+from voronec.algebra.symbols import names_in, plain_name
 from voronec.checks import require_possible
 from voronec.errors import DefinitionError
 from voronec.flow.conditions import CONSISTENT, Rates, changes, met
 from voronec.flow.manifold import Relations
 from voronec.flow.vocabulary import Vocabulary, number
-from voronec.reading import mapping, shown
+from voronec.reading import mapping, shown, texts_read
 
 __all__ = ["Start", "named", "parameter_values", "start_of"]
 
@@ -33,7 +33,7 @@ def named(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[s
         among = [name for name in vocabulary.symbols if name not in constants | {"t"}]
     result: dict[str, Any] = {}
     argument = "parameters" if role == "parameter" else "initial"
-    for key, value in mapping(given, argument, "name: value").items():
+    for key, value in texts_read(mapping(given, argument, "name: value"), role).items():
         name = vocabulary.name(key, among, role)
         if name in result:
             raise DefinitionError(f"system '{system.name}': the {role} '{name}' is given twice")
@@ -151,11 +151,13 @@ def _numbers(
     vocabulary: Vocabulary, values: Mapping[str, Any], parameters: Mapping[str, float]
 ) -> dict[str, float]:
     """Initial values as numbers; they may be expressions in the parameters."""
-    symbols = {vocabulary.symbols[name]: x for name, x in parameters.items()}
     result = {}
     for name, value in values.items():
         if isinstance(value, sp.Expr) and not value.is_number:
-            value = value.xreplace({s: sp.Float(x, 17) for s, x in symbols.items()})
+            held = {s: plain_name(s) for s in names_in(value)}
+            value = value.xreplace(
+                {s: sp.Float(parameters[n], 17) for s, n in held.items() if n in parameters}
+            )
         place = f"system '{vocabulary.equations.system.name}': initial value '{name}'"
         lacking = sorted(map(str, value.free_symbols)) if isinstance(value, sp.Expr) else []
         if lacking:
@@ -163,6 +165,4 @@ def _numbers(
                 f"{place} = {shown(value)} is not a real number, since '{lacking[0]}' has no value"
             )
         result[name] = number(value, place)
-        if not np.isfinite(result[name]):
-            raise DefinitionError(f"{place} = {value} is not finite")
     return result

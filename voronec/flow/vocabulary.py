@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
+from voronec.algebra.text import in_doubles, sympified
 from voronec.claims import right_of
 from voronec.errors import DefinitionError, did_you_mean
-from voronec.reading import expression, shown
+from voronec.reading import expression, real_text, shown
 
 if TYPE_CHECKING:
     from voronec.equations import VoronecEquations
@@ -24,15 +25,28 @@ CONFIGURATION = "configuration"
 
 
 def number(value: Any, place: str) -> float:
-    """A real number as a double, or ``DefinitionError`` naming the place."""
+    """A finite real number as a double, or ``DefinitionError`` naming the place."""
     try:
-        if isinstance(value, float | int):
-            return float(value)
-        exact = sp.sympify(value).evalf(25)
-        # what is not zero must not pass for it: zeros may be frozen
-        return float(exact) or math.copysign(5e-324, exact) if exact != 0 else 0.0
-    except (TypeError, ValueError, OverflowError, sp.SympifyError, AttributeError):
-        raise DefinitionError(f"{place} = {shown(value)} is not a real number") from None
+        found = float(value) if isinstance(value, float | int) else _double(value, place)
+    except (TypeError, ValueError, AttributeError):
+        found = math.nan
+    except OverflowError:
+        raise DefinitionError(
+            f"{place} = {shown(value)} is not a real number that a double holds"
+        ) from None
+    if math.isfinite(found):
+        return found
+    raise DefinitionError(
+        f"{place} = {shown(value)} is not {'finite' if math.isinf(found) else 'a real number'}"
+    )
+
+
+def _double(value: Any, place: str) -> float:
+    read = real_text(value, place) if isinstance(value, str) else sympified(value, place)
+    in_doubles(read)  # refuses what could not be computed
+    exact = read.evalf(25)
+    # what is not zero must not pass for it: zeros may be frozen
+    return float(exact) or math.copysign(5e-324, exact) if exact != 0 else 0.0
 
 
 def label(expr: sp.Expr) -> str:
@@ -46,7 +60,7 @@ def held_name(key: Any, held: Iterable[str], holder: str) -> str:
 
     ``DefinitionError`` where it is not there; ``holder`` begins the message: "the section holds".
     """
-    name = key if isinstance(key, str) else label(sp.sympify(key))
+    name = key if isinstance(key, str) else label(sympified(key))
     known = list(held)
     if name not in known:
         raise DefinitionError(
@@ -184,12 +198,12 @@ class Vocabulary:
         """A user's expression inside the door, its invariants spelled out."""
         system = self.equations.system
         meaning = dict(zip(system.invariant_symbols, system.invariants.values(), strict=True))
-        return self.equations.door.inward(sp.sympify(expr).xreplace(meaning))
+        return self.equations.door.inward(sympified(expr).xreplace(meaning))
 
     def _plain(self, key: Any, role: str) -> str:
         try:
-            return plain_name(sp.sympify(key))
-        except (DefinitionError, sp.SympifyError):
+            return plain_name(sympified(key))
+        except DefinitionError:
             raise DefinitionError(
                 f"system '{self.equations.system.name}': '{key}' names no {role}; give a symbol "
                 "or its name"

@@ -10,6 +10,7 @@ import mpmath
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import sympified
 from voronec.derivation import FirstOrderForm
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError
@@ -85,7 +86,7 @@ def _on_invariants(
         name = key if isinstance(key, str) else vocabulary.quantity(key)[0]
         named = vocabulary.symbols.get(name, vocabulary.claims.get(name))
         own = sp.Symbol(name) if name in system.invariants else named
-        wanted[name] = field.read(alike.get(str(key), sp.sympify(key)) if own is None else own)
+        wanted[name] = field.read(alike.get(str(key), sympified(key)) if own is None else own)
     return form, wanted, system.invariants
 
 
@@ -107,7 +108,7 @@ def _start(
 def _initial(name: str, meaning: Mapping[str, Any], known: Mapping[str, Any]) -> Any:
     if name not in meaning:
         return known.get(name, mpmath.mpf(0))
-    expr = sp.sympify(meaning[name])
+    expr = sympified(meaning[name])
     digits = {s: sp.Float(known.get(str(s), 0), DIGITS) for s in expr.free_symbols}
     return _number(expr.xreplace(digits))
 
@@ -125,7 +126,7 @@ def _number(value: Any) -> Any:
     with mpmath.workdps(DIGITS):
         if isinstance(value, float | int):
             return mpmath.mpf(value)
-        return mpmath.mpf(sp.Float(sp.sympify(value).evalf(DIGITS), DIGITS)._mpf_)
+        return mpmath.mpf(sp.Float(sympified(value).evalf(DIGITS), DIGITS)._mpf_)
 
 
 def _closed(program: Program) -> tuple[int, ...]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.charts import Chart
 from voronec.kinematics.bodies import kinetic_energy, point_velocity
 from voronec.kinematics.poles import HALF_TURN, turned_poles
@@ -68,7 +69,7 @@ class RollingBall:
         """On any surface, in the coordinates u, v, theta and those of the surface."""
         contact = RollingContact(Surface.sphere(radius, _U, _V), fixed, _THETA)
         place = three(offset or (0, 0, 0), "the centre of mass of a ball")
-        return cls(contact, sp.sympify(mass), three(inertia, "the moments of a ball"), place)
+        return cls(contact, sympified(mass), three(inertia, "the moments of a ball"), place)
 
     @property
     def base(self) -> tuple[sp.Expr, ...]:
@@ -170,7 +171,7 @@ def contact_momentum(
     twist = dot(spin, normal)
     return sp.ImmutableMatrix(
         [
-            i * w + sp.sympify(carried) * (w - twist * g)
+            i * w + sympified(carried) * (w - twist * g)
             for i, w, g in zip(moments, spin, normal, strict=True)
         ]
     )

@@ -7,6 +7,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError
 from voronec.kinematics.vectors import Vector, cross, dot, three
 
@@ -25,7 +26,7 @@ def kinetic_energy(
     w, spin = three(velocity, "the velocity of a body"), three(omega, "an angular velocity")
     tensor = _tensor(inertia)
     rotation = sp.Add(*[tensor[i, j] * spin[i] * spin[j] for i in range(3) for j in range(3)])
-    return sp.sympify(mass) * dot(w, w) / 2 + rotation / 2
+    return sympified(mass) * dot(w, w) / 2 + rotation / 2
 
 
 def point_velocity(velocity: Sequence[Any], omega: Sequence[Any], arm: Sequence[Any]) -> Vector:
@@ -49,7 +50,7 @@ def axial_rotor(momentum: Any, axis: Sequence[Any], omega: Sequence[Any]) -> sp.
     to the body, its axial moment C does not.  ``axis`` and ``omega`` are given along the same axes.
     """
     direction = three(axis, "the axis of a rotor")
-    return sp.sympify(momentum) * dot(direction, three(omega, "an angular velocity"))
+    return sympified(momentum) * dot(direction, three(omega, "an angular velocity"))
 
 
 def uniform_field_energy(
@@ -61,7 +62,7 @@ def uniform_field_energy(
     gravity with z upward, and then it is m g z.
     """
     g = three(acceleration, "the acceleration of a field")
-    return -sp.sympify(mass) * dot(g, three(position, "a position"))
+    return -sympified(mass) * dot(g, three(position, "a position"))
 
 
 def _tensor(inertia: Any) -> sp.ImmutableMatrix:

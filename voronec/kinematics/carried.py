@@ -10,6 +10,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
+from voronec.algebra.text import sympified
 from voronec.kinematics.bodies import kinetic_energy
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rolling import RollingContact
@@ -74,7 +75,7 @@ class CarriedContact:
         n = e.cross(f)
         turned = self.contact.rolled([axis.dot(self.omega) for axis in (e, f, n)])
         known = {velocity(q): rate for q, rate in turned.items()}
-        a, b, c = (sp.sympify(x).xreplace(known) for x in self.contact.body.frame_rates)
+        a, b, c = (sympified(x).xreplace(known) for x in self.contact.body.frame_rates)
         pairs = (
             (o, -self.omega.cross(r + o)),
             (r, self.trace(known)),
@@ -86,7 +87,7 @@ class CarriedContact:
 
     def trace(self, known: dict[sp.Expr, sp.Expr]) -> sp.Matrix:
         """The velocity of the contact over the body, where those of (u, v) are ``known``."""
-        x, y, _ = (sp.sympify(z).xreplace(known) for z in self.contact.body.trace_velocity)
+        x, y, _ = (sympified(z).xreplace(known) for z in self.contact.body.trace_velocity)
         return x * self.vectors[2] + y * self.vectors[3]
 
     @property

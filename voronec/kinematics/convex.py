@@ -8,6 +8,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.kinematics.vectors import Vector, three
 
 __all__ = ["ConvexBody"]
@@ -45,7 +46,7 @@ class ConvexBody:
         """
         gamma = _column(normal, "a normal")
         squares = sp.diag(*(x**2 for x in three(axes, "the semi-axes of an ellipsoid")))
-        h, reach = sp.sympify(height), squares * gamma
+        h, reach = sympified(height), squares * gamma
         radii = squares / h - reach * reach.T / h**3
         return cls(
             sp.ImmutableMatrix(gamma),
@@ -64,7 +65,7 @@ class ConvexBody:
         turning = self.normal.cross(_column(omega, "an angular velocity"))
         if sphere is None:
             return sp.ImmutableMatrix(turning)
-        radius = sp.sympify(sphere)
+        radius = sympified(sphere)
         taken = (radius + self.radii.trace()) * turning - self.radii * turning
         return sp.ImmutableMatrix(radius * taken / self.widened(radius))
 

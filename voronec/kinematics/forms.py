@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
+from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
@@ -217,7 +218,7 @@ class SurfaceForms:
 
 
 def _two(things: Sequence[Any], what: str) -> tuple[sp.Expr, sp.Expr]:
-    found = tuple(sp.sympify(thing) for thing in things)
+    found = tuple(sympified(thing) for thing in things)
     if len(found) != 2:
         raise DefinitionError(f"a surface in lines of curvature takes two of each: {what}")
     return found[0], found[1]

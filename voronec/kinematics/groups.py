@@ -20,6 +20,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError
 
 __all__ = [
@@ -94,7 +95,7 @@ class BodyVelocity:
 
         A rigid body with the second moments a_i of its mass has J_ij = a_i + a_j."""
         turning = sum(j * w**2 for j, w in zip(moments, self.angular, strict=True))
-        return sp.sympify(turning + mass * sum(w**2 for w in self.linear)) / 2
+        return sympified(turning + mass * sum(w**2 for w in self.linear)) / 2
 
     @property
     def last(self) -> tuple[sp.Symbol, ...]:
@@ -173,7 +174,7 @@ def product_form(moments: Sequence[Any], vector: Sequence[Any]) -> sp.Expr:
     size = len(vector)
     given = dict(zip(combinations(range(1, size + 1), 2), moments, strict=True))
     form = given[1, 2] * given[1, 3] / given[2, 3] * vector[0] ** 2
-    return sp.sympify(form + sum(given[1, j] * vector[j - 1] ** 2 for j in range(2, size + 1)))
+    return sympified(form + sum(given[1, j] * vector[j - 1] ** 2 for j in range(2, size + 1)))
 
 
 def wedge_square(matrix: sp.MatrixBase) -> sp.ImmutableMatrix:

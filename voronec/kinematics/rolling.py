@@ -18,6 +18,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rotations import distinct_names
@@ -157,7 +158,7 @@ class RollingContact:
         found = {a: step / length for a, step, length in zip(names, steps, lengths, strict=True)}
         dots = {velocity(a): rate for a, rate in found.items()}
         own, carried = self.body.frame_rates[2], self.fixed.frame_rates[2]
-        found[self.theta] = -n - sp.sympify(own + carried).xreplace(dots)
+        found[self.theta] = -n - sympified(own + carried).xreplace(dots)
         return found
 
     def _turned(self, vector: Vector) -> Vector:

@@ -12,6 +12,7 @@ import sympy as sp
 from voronec.algebra.door import Door
 from voronec.algebra.normal import shortest
 from voronec.algebra.symbols import time, velocity
+from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import decide_equal
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.kinematics.rotations import distinct_names
@@ -50,12 +51,12 @@ class Surface:
         store(self, "coordinates", distinct_names(tuple(self.coordinates), 2, "the surface"))
         store(self, "position", three(self.position, "the position on a surface"))
         if self.lengths is not None:
-            lengths = tuple(sp.sympify(length) for length in self.lengths)
+            lengths = tuple(sympified(length) for length in self.lengths)
             if len(lengths) != 2:
                 raise DefinitionError("lengths of a surface: two are needed, |r_u| and |r_v|")
             store(self, "lengths", lengths)
         if self.area is not None:
-            store(self, "area", sp.sympify(self.area))
+            store(self, "area", sympified(self.area))
         _ = self._shape  # every error shows itself here, not at first use
 
     @classmethod
@@ -103,7 +104,7 @@ class Surface:
         f > 0; the profile may hold unknown functions.  With s = |(f', g')| the normal is
         (-g' cos v, -g' sin v, f')/s: outward where g falls.
         """
-        f, g = (sp.sympify(part) for part in profile)
+        f, g = (sympified(part) for part in profile)
         reach = sp.sqrt(sp.diff(f, u) ** 2 + sp.diff(g, u) ** 2)
         return cls((u, v), (f * sp.cos(v), f * sp.sin(v), g), (reach, f))
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError
 
 __all__ = ["Vector", "column", "cross", "dot", "three"]
@@ -31,8 +32,8 @@ def cross(a: Sequence[Any], b: Sequence[Any]) -> Vector:
 def three(things: Any, what: str) -> Vector:
     """Three SymPy expressions out of a sequence or a matrix; ``what`` names them in errors."""
     try:
-        entries = tuple(sp.sympify(thing) for thing in things)
-    except (TypeError, sp.SympifyError):
+        entries = tuple(sympified(thing) for thing in things)
+    except (TypeError, DefinitionError):
         entries = ()
     if len(entries) != 3 or not all(isinstance(e, sp.Expr) for e in entries):
         raise DefinitionError(f"{what} must be three expressions, got '{things}'")

@@ -13,6 +13,7 @@ import mpmath as mp
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, time
+from voronec.algebra.text import exact_number, sympified
 from voronec.errors import DefinitionError
 from voronec.system import System
 
@@ -67,8 +68,8 @@ def _name(system: System, key: Any) -> str:
     if isinstance(key, str):
         return key
     try:
-        return plain_name(sp.sympify(key))
-    except (DefinitionError, sp.SympifyError, TypeError):
+        return plain_name(sympified(key))
+    except DefinitionError:
         raise DefinitionError(
             f"system '{system.name}': the point has the key '{key}', which is neither a symbol "
             "nor a name"
@@ -79,7 +80,7 @@ def _exact(name: str, number: Any) -> Exact:
     """A number as it stands: decimals in strings are decimals, floats are binary."""
     try:
         value = _read(number)
-    except (TypeError, ValueError, OverflowError, ZeroDivisionError, AttributeError):
+    except (DefinitionError, TypeError, ValueError, OverflowError, AttributeError):
         value = None
     if value is None:
         raise DefinitionError(f"the value of '{name}' is '{number}', which is not a real number")
@@ -87,8 +88,10 @@ def _exact(name: str, number: Any) -> Exact:
 
 
 def _read(number: Any) -> Exact | None:
-    if isinstance(number, (str, Decimal, Fraction)):
-        return Fraction(number)
+    if isinstance(number, (str, Decimal)):
+        return _read(exact_number(str(number), "a number"))
+    if isinstance(number, Fraction):
+        return number
     if isinstance(number, float):
         return Fraction(float(number)) if math.isfinite(number) else None
     if isinstance(number, (mp.mpf, sp.Float)):
@@ -96,7 +99,7 @@ def _read(number: Any) -> Exact | None:
         return raw if mp.isfinite(raw) else None
     if hasattr(number, "__index__") and not isinstance(number, sp.Basic):
         return Fraction(operator.index(number))
-    value = sp.sympify(number)
+    value = sympified(number)
     if isinstance(value, sp.Rational):
         return Fraction(int(value.p), int(value.q))
     if isinstance(value, sp.Float):

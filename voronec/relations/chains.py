@@ -10,6 +10,7 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import Verdict, decide_equal
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.relations.checking import completed, decided_at_limit
@@ -232,8 +233,8 @@ def _then(first: _Chain, second: _Chain) -> _Chain:
 def _carried_back(first: _Chain, second: _Chain) -> dict[Any, Any]:
     """The parameters of the start of ``first`` for which those of its end follow a limit."""
     small = sp.Symbol(str(second.small))
-    values = {str(p): sp.sympify(e) for p, e in first.parameters.items() if p.is_Symbol}
-    scaled = {str(p): sp.sympify(e) for p, e in second.scaled.items()}
+    values = {str(p): sympified(e) for p, e in first.parameters.items() if p.is_Symbol}
+    scaled = {str(p): sympified(e) for p, e in second.scaled.items()}
     family = carried_back(values, scaled, small)
     own = {str(p): p for p in first.start.parameters}
     if family is None or not own.keys() >= family.keys():

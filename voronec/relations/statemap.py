@@ -13,6 +13,7 @@ import sympy as sp
 
 from voronec.algebra.angles import Angles, holds_angles
 from voronec.algebra.symbols import plain_name, time
+from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.relations.declaration import Relation
 from voronec.relations.functions import Functions
@@ -147,7 +148,7 @@ class _Reader:
         if self.relation.limit is not None:
             known.add(self.relation.limit.small)
         names = {*map(plain_name, known), *formals}
-        for symbol in sp.sympify(expr).free_symbols:
+        for symbol in sympified(expr).free_symbols:
             if str(symbol) not in names:
                 raise DefinitionError(
                     f"relation '{self.relation.label}': {place} holds '{symbol}', which "

@@ -12,6 +12,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.text import printed
 from voronec.algebra.typeset import symbol_latex
 from voronec.errors import DefinitionError
 
@@ -51,8 +52,8 @@ def quantity_label(trajectory: Trajectory, name: str) -> str:
     if name in system.integrals or name in system.invariants:
         return name
     try:
-        expr = sp.sympify(name, locals={plain_name(s): s for s in system.known_symbols()})
-    except (sp.SympifyError, TypeError, SyntaxError, AttributeError):
+        expr = printed(name, "a label", {plain_name(s): s for s in system.known_symbols()})
+    except DefinitionError:
         return name
     return f"${sp.latex(expr)}$"
 

@@ -8,6 +8,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import printed
 from voronec.algebra.typeset import symbol_latex
 from voronec.errors import DefinitionError
 from voronec.report.plots import INK, MARK, STYLE
@@ -78,8 +79,8 @@ def _label(section: Section, name: str) -> str:
         return name
     try:
         meant = dict(things) | {g: sp.Symbol(g) for g in system.invariants}
-        return f"${sp.latex(sp.sympify(name, locals=meant))}$"
-    except (sp.SympifyError, TypeError, SyntaxError, AttributeError):
+        return f"${sp.latex(printed(name, 'a label', meant))}$"
+    except DefinitionError:
         return name
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
+from voronec.algebra.text import sympified
 from voronec.algebra.typeset import latex_of, symbol_latex
 from voronec.checking import Finding, Result
 from voronec.claims import Corrected, Equation, Measure, right_of
@@ -129,7 +130,7 @@ def _definition(system: System) -> Iterator[str]:
     rows = [
         [
             f"${show(p.symbol)}$",
-            "" if p.value is None else f"${sp.latex(sp.sympify(p.value))}$",
+            "" if p.value is None else f"${sp.latex(sympified(p.value))}$",
             p.meaning,
         ]
         for p in system.parameters

@@ -9,9 +9,9 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.door import sympified
 from voronec.algebra.normal import shortest
 from voronec.algebra.ring import Ring
+from voronec.algebra.text import sympified
 from voronec.analysis.search.ansatz import Ansatz, Letter
 from voronec.analysis.search.declared import declared, on_field
 from voronec.claims import Corrected

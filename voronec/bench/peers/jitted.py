@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.bench.contender import Contender, NotHere, Outcome, Run, timed, without
 from voronec.bench.level import Level, lowest
 from voronec.bench.question import Question
@@ -91,8 +92,8 @@ def sympy_right_hand_side(at: Level) -> Callable[..., None]:
     if sum(len(str(e)) for e in exprs) > LONGEST:
         raise NotHere("the equations are too long for SymPy")
     symbols = [field.time, *field.variables, *field.parameters]
-    names = {sp.sympify(s): sp.Symbol(f"z{i}") for i, s in enumerate(symbols)}
-    shared, found = sp.cse([sp.sympify(e).xreplace(names) for e in exprs])
+    names = {sympified(s): sp.Symbol(f"z{i}") for i, s in enumerate(symbols)}
+    shared, found = sp.cse([sympified(e).xreplace(names) for e in exprs])
     text = [sp.pycode(e, fully_qualified_modules=False) for e in found]
     places = ["t", *(f"state[{i}]" for i in range(len(field.variables)))]
     places += [f"parameters[{i}]" for i in range(len(field.parameters))]

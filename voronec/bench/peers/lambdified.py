@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.bench.contender import Contender, NotHere, Outcome, Run, timed
 from voronec.bench.level import Level, level
 from voronec.bench.question import Question
@@ -95,9 +96,9 @@ def _lambdified(
 ) -> Callable[..., Any]:
     symbols = [field.time, *field.variables, *field.parameters]
     plain = {s: sp.Symbol(f"z{i}") for i, s in enumerate(symbols)}
-    names = {sp.sympify(s): p for s, p in plain.items()}
+    names = {sympified(s): p for s, p in plain.items()}
     return sp.lambdify(
-        list(plain.values()), [sp.sympify(e).xreplace(names) for e in exprs], modules, cse=cse
+        list(plain.values()), [sympified(e).xreplace(names) for e in exprs], modules, cse=cse
     )
 
 

@@ -15,6 +15,7 @@ import sympy as sp
 from voronec.algebra.door import Door
 from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import sympified
 from voronec.closed.fractions import ascending
 from voronec.closed.prepared import motion_of, prepared
 from voronec.errors import DefinitionError
@@ -103,7 +104,7 @@ class Declared:
     def started(self, value: Any) -> Any:
         """A function of a level and of x, as a function of the start."""
         meaning = dict(zip(self.motion.constants, self.starting[:-2], strict=True))
-        return sp.sympify(value).xreplace({**meaning, self.motion.x: self.place})
+        return sympified(value).xreplace({**meaning, self.motion.x: self.place})
 
 
 def title(trace: Trace) -> str:

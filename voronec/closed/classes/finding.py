@@ -16,6 +16,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import sympified
 from voronec.checks import require_possible
 from voronec.closed.classes.conditions import NEEDED, conditions, solutions
 from voronec.closed.classes.curve import Curve, Declared, declared
@@ -172,7 +173,7 @@ class _Search:
             for found in solutions(wanted, {**own, **angles}, system.velocities):
                 for _ in range(100 if plain else 1):
                     free = {v: self._drawn() for v in system.velocities if v not in found}
-                    solved = {v: sp.sympify(e).xreplace(free) for v, e in found.items()}
+                    solved = {v: sympified(e).xreplace(free) for v, e in found.items()}
                     yield {**angles, **{v: {**free, **solved}[v] for v in system.velocities}}
 
     def _drawn(self) -> Any:

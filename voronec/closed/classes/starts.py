@@ -8,6 +8,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
+from voronec.algebra.text import sympified
 from voronec.closed.form import ClosedForm
 from voronec.closed.upright import turned_upright
 from voronec.system import System
@@ -41,7 +42,7 @@ def elsewhere(closed: ClosedForm, start: Mapping[Any, Any]) -> dict[Any, Any]:
     low, high = closed.ends
     place = sp.Rational(low + (high - low) * float(SHARE)).limit_denominator(LARGEST)
     level = {s: sp.nsimplify(sp.simplify(problem.spelled(s))) for s in motion.constants}
-    level |= {p.symbol: sp.sympify(problem.values[p.symbol]) for p in closed.system.parameters}
+    level |= {p.symbol: sympified(problem.values[p.symbol]) for p in closed.system.parameters}
     level |= {motion.x: place}
     solved = sp.solve(motion.meaning - place, q)
     angle = next(a for a in solved if 0 <= float(a) <= float(sp.pi))

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.closed.arithmetic import ball, compiled, exact, precise
 from voronec.closed.special.family import (
     Precessions,
@@ -272,7 +273,7 @@ def _points(
         for root in roots:
             if not root.is_real:
                 continue
-            known = {c: sp.sympify(e).xreplace({free: root}) for c, e in constants.items()}
+            known = {c: sympified(e).xreplace({free: root}) for c, e in constants.items()}
             stable = decided(family.quadratures, known, dict(family.values), place).stable
             point = tuple(float(known[c]) for c in axes)
             found.append(LevelPoint((point[0], point[1]), float(place), stable, what))

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.closed.special.family import known_parameters, precessions
 from voronec.closed.special.plane import Strip, strips
 from voronec.closed.special.stability import sign_of
@@ -78,7 +79,7 @@ def chart_of(
     """
     values = known_parameters(system, parameters or {})
     family = precessions(system, values)
-    scale = sp.sympify(unit).xreplace(values)
+    scale = sympified(unit).xreplace(values)
     if not (scale.is_number and sign_of(scale) > 0):
         raise DefinitionError(f"unit = {shown(unit)} is not a positive number; write one like k/A")
     x, w = family.place, family.rate

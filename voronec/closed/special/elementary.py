@@ -16,6 +16,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.normal import shorten
+from voronec.algebra.text import sympified
 from voronec.closed.given import named, quadratures_of
 from voronec.errors import EngineLimit
 from voronec.system import System
@@ -49,10 +50,10 @@ class Elementary:
 
         Both cosines of the pole are of one sign, so that the root is real.
         """
-        c, w = sp.sympify(pole), self.weights[sp.sympify(pole)]
+        c, w = sympified(pole), self.weights[sympified(pole)]
         low, high = self.centre - self.half_width - c, self.centre + self.half_width - c
         side = sp.sign(w) * sp.sign(high)
-        return side * sp.atan(sp.sqrt(low / high) * sp.tan(sp.sympify(phase) / 2))
+        return side * sp.atan(sp.sqrt(low / high) * sp.tan(sympified(phase) / 2))
 
 
 def elementary(system: System, parameters: Mapping[Any, Any]) -> Elementary:

@@ -16,6 +16,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
+from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import Verdict
 from voronec.closed.given import known_parameters, named, number, quadratures_of
 from voronec.closed.special.elimination import Branch, branches_of, linear_in, short, solved
@@ -67,7 +68,7 @@ class Precessions:
 
     def on(self, value: Any) -> sp.Expr:
         """An expression in the variable, constants and parameters, on the family."""
-        own = sp.sympify(value).xreplace(dict(self.constants))
+        own = sympified(value).xreplace(dict(self.constants))
         return short(own.xreplace(dict(self.values)))
 
     def placed(self, value: Any) -> Any:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from voronec.algebra.normal import shorten
+from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import Verdict, prove_equal
 from voronec.errors import DefinitionError
 from voronec.vector_field import Motions
@@ -54,4 +55,4 @@ def linearised(family: Precessions) -> sp.Matrix:
 def _on_family(family: Precessions, value: sp.Expr) -> sp.Expr:
     (angle,) = family.quadratures.meaning.free_symbols
     own = family.placed(value.xreplace(dict(family.state)))
-    return sp.sympify(own.subs(angle, sp.acos(family.place)))
+    return sympified(own.subs(angle, sp.acos(family.place)))
