@@ -102,7 +102,7 @@ def ensemble(
 
     A start or a parameter from which no motion goes, and a motion that breaks down, is noted in
     ``errors``, and the others go on; where every start is wrong, the first error is raised.
-    Ctrl-C ends the run and keeps the motions that are done.
+    Ctrl-C ends the run and keeps the motions that are done; none is while it is being set up.
     """
     began = perf_counter()
     equations = system if isinstance(system, VoronecEquations) else derive(system)
@@ -112,10 +112,13 @@ def ensemble(
     vocabulary = Vocabulary.of(equations)
     keys, own = outputs_of(chosen_scene, outputs), equations.system
     wanted = dict(quantity(vocabulary, k) for k in keys or (*own.coordinates, *own.velocities))
-    motions = many(equations, chosen_scene, single, columns, wanted, float(grid[0]))
-    if len(motions.wrong) == len(motions):
-        raise motions.wrong[0]
-    lanes, reason = chosen(method, motions.program, tol, len(motions.sound))
+    try:
+        motions = many(equations, chosen_scene, single, columns, wanted, float(grid[0]))
+        if len(motions.wrong) == len(motions):
+            raise motions.wrong[0]
+        lanes, reason = chosen(method, motions.program, tol, len(motions.sound))
+    except KeyboardInterrupt:
+        return _nothing_done(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
     ready = perf_counter()
     filled = _Filled.empty(motions, tuple(wanted), grid)
     interrupted = _run(filled, lanes, tol, jobs, progress)
@@ -125,6 +128,20 @@ def ensemble(
         run=perf_counter() - ready, steps=sum(filled.steps), evaluations=sum(filled.steps),
     )  # fmt: skip
     return filled.ensemble(cost, interrupted)
+
+
+def _nothing_done(
+    system: System, outputs: tuple[str, ...], grid: np.ndarray, count: int, tol: float, spent: float
+) -> Ensemble:
+    """What there is when the set-up is stopped by hand."""
+    cost = Cost("none", "stopped by hand while it was set up", tol, spent, 0.0, 0, 0)
+    series = {name: np.full((count, len(grid)), np.nan) for name in outputs}
+    finished = np.zeros(count, dtype=bool)
+    for array in (grid, finished, *series.values()):
+        array.flags.writeable = False
+    return Ensemble(
+        system, grid, outputs, MappingProxyType(series), {}, finished, {}, {}, "", cost, True
+    )
 
 
 @dataclass(frozen=True, eq=False)

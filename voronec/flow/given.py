@@ -159,17 +159,24 @@ def _columns(given: Values, role: str) -> dict[Any, np.ndarray]:
 
 
 def grid_of(system: System, scene: Scene | None, times: Any) -> np.ndarray:
-    """The grid of times, by default over the span of the scene; it must be strictly monotonic."""
+    """The grid of times, by default over the span of the scene; it must be strictly monotonic.
+
+    One number is the end of a span that begins where the scene does, or at zero.
+    """
+    known = scene or system.scenes.get("default")
     if times is None:
-        return _span(system, scene or system.scenes.get("default"))
+        return _span(system, known)
     wrong = DefinitionError(
         "times must be a strictly monotonic, finite, one-dimensional array, such as "
-        "numpy.linspace(0, 10, 1001)"
+        "numpy.linspace(0, 10, 1001), or one number, the end of a span of some length"
     )
     try:
-        grid = np.atleast_1d(np.array(times, dtype=float))
-    except (TypeError, ValueError):
+        grid = np.array(times, dtype=float)
+    except (TypeError, ValueError, OverflowError):
         raise wrong from None
+    if grid.ndim == 0 and np.isfinite(grid):
+        begin = 0.0 if known is None else number(known.times[0], "the span's end")
+        grid = np.linspace(begin, float(grid), POINTS)
     if grid.ndim != 1 or grid.size == 0 or not np.isfinite(grid).all():
         raise wrong
     steps = np.diff(grid)

@@ -12,6 +12,7 @@ import sympy as sp
 
 from voronec.equations import VoronecEquations
 from voronec.errors import IntegrationError, VoronecError
+from voronec.flow.inertia import require_inertia
 from voronec.flow.probe import quiet, rates_along
 from voronec.flow.start import named, parameter_values, start_of
 from voronec.flow.vocabulary import Vocabulary
@@ -122,6 +123,7 @@ def many(
     initial = named(vocabulary, scene.initial if scene else {}, "initial value")
     width = len(below.state)
     full = np.full((len(starts), width), np.nan)
+    massive: set[frozenset[str]] = set()
     for i, given in enumerate(starts):
         if i in wrong:
             continue
@@ -131,6 +133,10 @@ def many(
         try:
             data = named(vocabulary, given, "initial value")
             full[i] = start_of(vocabulary, initial, data, own, rates, time).state
+            zero = frozenset(name for name, x in own.items() if x == 0)
+            if zero not in massive:
+                require_inertia(equations, own, full[i], time)
+                massive.add(zero)
         except VoronecError as error:
             wrong[i] = error
     states, frozen = _placed(below, functions[1], full, constants, time)

@@ -66,8 +66,9 @@ def integrate(
         name of one of the system's scenes (or a ``Scene``): initial data, span, parameters and
         outputs.  Where neither scene nor ``initial`` is given, the one called ``default``.
     times
-        a strictly monotonic array; it may run backwards.  By default 1001 points over the span of
-        the scene (or of the scene ``default``).
+        a strictly monotonic array; it may run backwards.  One number T stands for 1001 points from
+        where the scene begins (else from 0) to T.  By default 1001 points over the span of the
+        scene (or of the scene ``default``).
     outputs
         names, symbols or expressions; by default all coordinates and velocities.
     parameters, initial
@@ -96,8 +97,8 @@ def integrate(
     progress
         called now and then on long runs, with the fraction that is done.
 
-    Ctrl-C during the run ends it: the trajectory then holds what is done and is marked
-    ``interrupted``.  Raises ``DefinitionError`` for input that makes no sense, and
+    Ctrl-C during the run ends it: the trajectory then holds what is done, ends where the run stood
+    and is marked ``interrupted``.  Raises ``DefinitionError`` for input that makes no sense, and
     ``IntegrationError`` (with ``time``, ``state`` and the ``trajectory`` up to there) where the
     motion cannot be continued.
     """

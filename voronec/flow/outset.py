@@ -12,6 +12,7 @@ from voronec.equations import VoronecEquations
 from voronec.flow.conditions import Rates
 from voronec.flow.exactly import Exactly
 from voronec.flow.given import Given
+from voronec.flow.inertia import require_inertia
 from voronec.flow.probe import Probe, quantities
 from voronec.flow.start import parameter_values, start_of
 from voronec.flow.vocabulary import Vocabulary
@@ -61,6 +62,7 @@ class Outset:
         start = start_of(
             vocabulary, given.scene_initial, given.initial, constants, rates, time, project
         )
+        require_inertia(equations, constants, start.state, time)
         exactly = Exactly(
             vocabulary, quantities(form, {}), time, given.parameters, given.scene_initial,
             given.initial, start.state, bool(start.notes),

@@ -71,7 +71,7 @@ class Probe:
 
     def check(self, start: np.ndarray) -> None:
         """Raise where no motion starts: the equations are singular or undefined."""
-        mass = self._masses(np.array([self.time]), start[None, :])[0]
+        mass = self.masses(np.array([self.time]), start[None, :])[0]
         if _smallest(mass, mass) < SINGULAR:
             raise self._nowhere("the mass matrix is singular", start)
         slope = self._rhs(self.time, list(start))
@@ -92,13 +92,13 @@ class Probe:
         moving = {*self.program.state, self.program.time}
         if not self._mass_program.extras.symbols & moving:
             return None
-        base = self._masses(np.array([self.time]), start[None, :])[0]
+        base = self.masses(np.array([self.time]), start[None, :])[0]
         units = np.sqrt(np.abs(np.diag(base)))
         scale = np.outer(units, units) if units.all() else np.ones_like(base)
         negative = int((np.linalg.eigvalsh(base / scale) < 0).sum())
 
         def first(t: np.ndarray, states: np.ndarray) -> int | None:
-            masses = self._masses(t, states) / scale
+            masses = self.masses(t, states) / scale
             masses[~np.isfinite(masses).all(axis=(1, 2))] = base / scale
             sizes = np.linalg.eigvalsh(masses)
             small = np.abs(sizes).min(axis=1) < SINGULAR * np.abs(sizes).max(axis=1)
@@ -111,7 +111,7 @@ class Probe:
         """The error for a run that stopped short, with what can be said about the cause."""
         state = np.array(halt.state, dtype=float)
         times = np.array([self.time, float(halt.time)])
-        masses = self._masses(times, np.array([np.array(start, dtype=float), state]))
+        masses = self.masses(times, np.array([np.array(start, dtype=float), state]))
         singular = halt.singular or _smallest(*masses) < NEARLY
         cause = "; the mass matrix is singular there" if singular else ""
         return IntegrationError(
@@ -136,7 +136,7 @@ class Probe:
     def _mass_entries(self) -> Any:
         return compiled(self._mass_program)[1]
 
-    def _masses(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
+    def masses(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Mass matrices (k, n, n) at times (k,) and states (k, m)."""
         n = len(self.form.velocities)
         with np.errstate(all="ignore"):

@@ -83,12 +83,14 @@ class _Journey:
     switches: int = 0
     ready: int = 0
     last: np.ndarray = field(init=False)
+    standing: tuple[Any, np.ndarray] = field(init=False)
     rows: list[np.ndarray] = field(init=False)
     crossings: dict[str, list[tuple[np.ndarray, np.ndarray]]] = field(default_factory=dict)
     stretches: list[_Stretch] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.last = self.atlas.problem.start
+        self.standing = self.grid[0], self.last
         self.rows = [self.last[None, :]]
         self.order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
 
@@ -102,7 +104,7 @@ class _Journey:
                     part.halt.reason, part.halt.time, self.homeward(name, part.halt)
                 )
                 if part.halt or part.interrupted or part.stopped not in ("", LEAVE, RETURN):
-                    return self.result(halt, part.interrupted, part.stopped, part.t[-1])
+                    return self.result(halt, part.interrupted, part.stopped)
                 time, state, before = part.t[-1], part.states[-1], name
                 if part.stopped == RETURN:
                     name, state = HOME, self.last
@@ -159,6 +161,7 @@ class _Journey:
         self.rows.append(rows[np.searchsorted(self.order * times, ahead[:count])])
         self.done += count
         self.last = rows[-1]
+        self.standing = times[-1], self.last
         for event in self.atlas.problem.events:
             t, states = part.crossings[event.name]
             found = states if own else stretch.branched(t, place.home(t, states))
@@ -171,11 +174,11 @@ class _Journey:
         halt: Halt | None = None,
         interrupted: bool = False,
         stopped: str = "",
-        end: Any = None,
     ) -> Run:
-        t, states = self.grid[: self.done], np.vstack(self.rows)
-        if stopped and end != t[-1]:
-            t, states = np.append(t, end), np.vstack([states, self.last])
+        t, states = self.grid[: self.done], np.vstack(self.rows)[: self.done]
+        end, state = self.standing
+        if (stopped or interrupted) and self.order * end > self.order * t[-1]:
+            t, states = np.append(t, end), np.vstack([states, state])
         width = states.shape[1]
         crossings = {
             e.name: (

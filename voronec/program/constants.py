@@ -92,7 +92,6 @@ class _Lifting:
     def __init__(self, program: Program) -> None:
         self.names: dict[Any, Any] = {}
         self._still: set[Any] = set(program.parameters)
-        self._value: dict[Any, Any] = {}
         self._memo: dict[Any, Any] = {}
         blocks = (program.derivative, program.extras)
         taken = {*map(str, (*program.state, *program.parameters, program.time))}
@@ -102,10 +101,10 @@ class _Lifting:
     def block(self, block: Block) -> Block:
         """The same assignments without those that are constant."""
         kept = []
+        self._memo = {}  # each block has names of its own, which may be those of another
         for name, expr in block.assignments:
             changed = self.of(expr)
             if changed.free_symbols <= self._still:  # a name for a constant, or for a number
-                self._value[name] = changed
                 self._memo[name] = changed
             else:
                 kept.append((name, changed))

@@ -140,9 +140,10 @@ class _March:
 
     def result(self, halt: Halt | None = None, interrupted: bool = False) -> Run:
         t, states = self.grid[: self.done].copy(), self.states[: self.done].copy()
-        if self.log.stopped and self.log.last[0] != t[-1]:
-            t = np.append(t.astype(states.dtype), np.array([self.log.last[0]], states.dtype))
-            states = np.vstack([states, self.log.last[1]])
+        end = self.log.last if self.log.stopped else (self.last.time, self.last.state)
+        if (self.log.stopped or interrupted) and self.order * end[0] > self.order * t[-1]:
+            t = np.append(t.astype(states.dtype), np.array([end[0]], states.dtype))
+            states = np.vstack([states, end[1]])
         found = self.log.arrays(self.problem.events, states.dtype)
         if halt is not None:
             found = until(found, t[0], halt.time)

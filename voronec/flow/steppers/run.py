@@ -74,7 +74,8 @@ class Halt:
 
 @dataclass(frozen=True)
 class Run:
-    """States at ``t``: the first points of the grid, and the crossing that ended the run.
+    """States at ``t``: the first points of the grid, and the crossing that ended the run, or where
+    it stood when it was stopped by hand.
 
     ``crossings`` maps each event to its times and states; ``stopped`` names the one that ended the
     run; ``inside``, of dense runs, gives states at any times reached; ``switches`` counts changes

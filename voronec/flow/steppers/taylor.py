@@ -114,8 +114,10 @@ class _Drive:
     steps: int = 0
     size: int = field(init=False)
     ahead: int = field(init=False)
+    standing: tuple[float, np.ndarray] = field(init=False)
 
     def __post_init__(self) -> None:
+        self.standing = float(self.grid[0]), self.problem.start.copy()
         self.size, self.ahead = CHUNK, AHEAD
         if self.winding.needed:
             self.size, self.ahead = min(SHORT, CHUNK), FEW
@@ -146,6 +148,7 @@ class _Drive:
             return self.halt(COLLAPSE)
         if outcome == self.hy.taylor_outcome.err_nf_state:
             return self.last_good(before, state, taken)
+        self.standing = float(self.integrator.time), self.winding.whole(self.integrator.state)
         return None
 
     def paced(self, taken: int, points: int) -> None:
@@ -210,10 +213,11 @@ class _Drive:
         return halt
 
     def result(self, halt: Halt | None = None, interrupted: bool = False) -> Run:
-        t, states = self.grid[: self.done], np.vstack(self.rows)
-        if self.log.stopped and self.log.last[0] != t[-1]:
-            t = np.append(t, self.log.last[0])
-            states = np.vstack([states, self.log.last[1]])
+        t, states = self.grid[: self.done], np.vstack(self.rows)[: self.done]
+        time, state = self.log.last if self.log.stopped else self.standing
+        order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
+        if (self.log.stopped or interrupted) and order * time > order * t[-1]:
+            t, states = np.append(t, time), np.vstack([states, state])
         return Run(
             t.copy(), states, self.steps, self.steps,
             self.log.arrays(self.problem.events, float), halt, interrupted, self.log.stopped,
