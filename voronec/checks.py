@@ -88,8 +88,10 @@ def check_symbols(system: System) -> None:
     places = [(place, expr, declared) for place, expr in _places(system)]
     claimed = declared | set(system.invariant_symbols)
     claimed |= set(system.frame.named if system.frame is not None else ())
+    inputs, pushed = set(system.inputs), declared | set(system.accelerations)
+    places += [(p, e, pushed) for p, e in _forces(system)]
     for place, expr, known in (*places, *((p, e, claimed) for p, e in _claims(system))):
-        require_known(f"system '{system.name}': {place}", expr, known)
+        require_known(f"system '{system.name}': {place}", expr, known, inputs)
 
 
 def check_claims(system: System) -> None:
@@ -253,6 +255,11 @@ def _roles(system: System) -> Iterator[tuple[sp.Expr, str]]:
         yield name, "a name in the frame"
     for p in system.parameters:
         yield p.symbol, "a parameter"
+    constants = {p.symbol for p in system.parameters}
+    for u in system.inputs:
+        if u not in constants:
+            yield u, "an input"
+        yield velocity(u), "the rate of an input"
     for g in system.invariant_symbols:
         yield g, "an invariant"
     yield time, "the time"
@@ -263,8 +270,6 @@ def _places(system: System) -> Iterator[tuple[str, sp.Expr]]:
     yield "the Lagrangian", system.lagrangian
     for i, constraint in enumerate(system.constraints):
         yield f"constraint {i + 1}", constraint
-    for q, force in system.forces.items():
-        yield f"the force on '{q}'", force
     if system.frame is not None:
         for v, e in zip(system.frame.velocities, system.frame.expressions, strict=True):
             yield f"the definition of '{v}'", e
@@ -274,6 +279,12 @@ def _places(system: System) -> Iterator[tuple[str, sp.Expr]]:
         yield f"invariant '{key}'", e
     for i, e in enumerate(system.fibration.relations):
         yield f"relation {i + 1}", e
+
+
+def _forces(system: System) -> Iterator[tuple[str, sp.Expr]]:
+    """The forces, which may hold accelerations besides."""
+    for q, force in system.forces.items():
+        yield f"the force on '{q}'", force
 
 
 def _claims(system: System) -> Iterator[tuple[str, sp.Expr]]:

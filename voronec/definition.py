@@ -10,7 +10,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
-from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
+from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, time, velocity
 from voronec.connection import AffineForms, FibreSolution
 from voronec.errors import DefinitionError
 from voronec.group_frame import GroupFrame, read_group
@@ -29,7 +29,8 @@ class Definition:
     """A system inside the door: symengine symbols and expressions, constraints solved.
 
     ``dots`` are the velocities in which Lagrangian and constraints are written: those of the
-    coordinates, or of a group's frame; forces act along them.
+    coordinates, or of a group's frame; forces act along them: Q = ``forces`` + ``added`` qddot,
+    without ``added`` where no force holds an acceleration.
     """
 
     system: System
@@ -51,6 +52,7 @@ class Definition:
     differentiated: AffineForms
     fibre: FibreSolution
     near: dict[str, Any]
+    added: tuple[tuple[Any, ...], ...] = ()
 
     @property
     def base(self) -> int:
@@ -75,6 +77,11 @@ class Definition:
         """Whether the fibre directions are those of a fibration that the brackets know."""
         return self.group is None or self.group.keeps_vertical(self.base)
 
+    @property
+    def inputs(self) -> tuple[Any, ...]:
+        """The functions of the time that are given at run time."""
+        return tuple(self.door.inward_all(self.system.inputs))
+
     def along_fibre(self, function: Any) -> list[Any]:
         """The derivatives of a function of the coordinates along the fibre directions."""
         if self.group is None:
@@ -91,7 +98,9 @@ def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
     the start of the default scene.
     """
     require_system(system)
-    door = Door(s for s in system.known_symbols() if s == time or _is_variable(system, s))
+    pushed = set().union(*map(names_in, system.forces.values())) & {*system.accelerations}
+    known = (*system.known_symbols(), *sorted(pushed, key=str))
+    door = Door((s for s in known if _is_variable(system, s)), system.inputs)
     coordinates = tuple(door.inward(q) for q in system.coordinates)
     coordinate_velocities = tuple(door.inward(velocity(q)) for q in system.coordinates)
     group = _group(system, door)
@@ -111,10 +120,9 @@ def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
     _count(system, len(constraints.matrix), differentiated)
     point = _start(system) if near is None else dict(near)
     fibre = solved(system, constraints, differentiated, relations, point)
-    zero = se.Integer(0)
     named = system.frame.momenta if system.frame is not None else ()
     determinant = system.frame.determinant if system.frame is not None else None
-    forces = {q: enter(e, f"the force on '{plain_name(q)}'") for q, e in system.forces.items()}
+    forces, added = _applied(system, door, enter, dots, frame)
     return Definition(
         system=system,
         door=door,
@@ -128,14 +136,63 @@ def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
         parameters=tuple(door.inward(p.symbol) for p in system.parameters),
         time=door.inward(time),
         lagrangian=enter(system.lagrangian, "the Lagrangian"),
-        forces=tuple(forces.get(q, zero) for q in system.directions),
+        forces=forces,
         constraints=constraints,
         frame=frame,
         relations=relations,
         differentiated=differentiated,
         fibre=fibre,
         near=point,
+        added=added,
     )
+
+
+def _applied(
+    system: System, door: Door, enter: Enter, dots: Sequence[Any], frame: AffineForms | None
+) -> tuple[tuple[Any, ...], tuple[tuple[Any, ...], ...]]:
+    """The forces along all directions, and their coefficients of the accelerations qddot.
+
+    The rate of a quasi-velocity e_a qdot_a + e is e_a qddot_a and its part at fixed velocities.
+    """
+    zero = se.Integer(0)
+    held = {q: enter(e, f"the force on '{plain_name(q)}'") for q, e in system.forces.items()}
+    forces = tuple(held.get(q, zero) for q in system.directions)
+    pushed = [a for a in dict.fromkeys(system.accelerations) if a in door]
+    if not pushed:
+        return forces, ()
+    linear = AffineForms.of(forces, door.inward_all(pushed))
+    if isinstance(linear, int):
+        raise DefinitionError(
+            f"system '{system.name}': the force on '{plain_name(system.directions[linear])}' is "
+            "not linear in the accelerations; solve it for them first"
+        )
+    rates = _rates_of_velocities(system, door, dots, frame)
+    rows, rests = [], list(linear.offset)
+    for k, row in enumerate(linear.matrix):
+        total = [zero] * len(dots)
+        for a, weight in zip(pushed, row, strict=True):
+            slopes, rest = rates[a]
+            total = [x + weight * s for x, s in zip(total, slopes, strict=True)]
+            rests[k] += weight * rest
+        rows.append(tuple(total))
+    return tuple(rests), tuple(rows)
+
+
+def _rates_of_velocities(
+    system: System, door: Door, dots: Sequence[Any], frame: AffineForms | None
+) -> dict[sp.Expr, tuple[Sequence[Any], Any]]:
+    """What an acceleration is: coefficients of qddot, and the part at fixed velocities."""
+    zero, size = se.Integer(0), range(len(dots))
+    found: dict[sp.Expr, tuple[Sequence[Any], Any]] = {}
+    if frame is not None:
+        clock, coordinates = door.inward(time), door.inward_all(system.coordinates)
+        definitions = zip(system.velocities, frame.matrix, frame.expressions(dots), strict=True)
+        for v, row, expr in definitions:
+            terms = (expr.diff(q) * dot for q, dot in zip(coordinates, dots, strict=True))
+            found[velocity(v)] = row, se.Add(expr.diff(clock), *terms)
+    for a, q in enumerate(system.coordinates):
+        found[velocity(velocity(q))] = [se.Integer(int(a == b)) for b in size], zero
+    return found
 
 
 def _group(system: System, door: Door) -> GroupFrame | None:
@@ -176,10 +233,8 @@ def _is_open(value: Any) -> bool:
 
 def _is_variable(system: System, symbol: sp.Expr) -> bool:
     """Whether a known symbol is a plain variable inside; unknown functions of time are not."""
-    functions = [p.symbol for p in system.parameters if not isinstance(p.symbol, sp.Symbol)]
-    return symbol not in functions and (
-        is_symbolic_name(symbol) or isinstance(symbol, sp.Derivative)
-    )
+    driven = {*system.inputs, *map(velocity, system.inputs)}
+    return symbol not in driven and (is_symbolic_name(symbol) or isinstance(symbol, sp.Derivative))
 
 
 def _reader(

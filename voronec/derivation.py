@@ -39,7 +39,8 @@ class FirstOrderForm:
     ``velocity_symbols`` the symbols of qdot, where qdot has any; ``relations`` vanish along the
     motion.  ``stages`` are pairs (name, expression), in order, that rates, mass and force may use;
     ``dependent`` pairs of the other velocities of a group's frame, and named momenta, with what
-    they are; ``positive`` are the parameters that are declared to be positive.
+    they are; ``positive`` are the parameters that are declared to be positive; ``inputs`` functions
+    of the time, which stand here with their derivatives.
     """
 
     coordinates: tuple[Any, ...]
@@ -55,6 +56,7 @@ class FirstOrderForm:
     dependent: tuple[tuple[Any, Any], ...] = ()
     stages: tuple[tuple[Any, Any], ...] = ()
     positive: tuple[Any, ...] = ()
+    inputs: tuple[Any, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -199,13 +201,36 @@ class Derivation:
 
     @cached_property
     def mass(self) -> list[list[Any]]:
-        """d2Lc/dv2."""
+        """d2Lc/dv2, less what forces hold of the accelerations: mass * vdot = force."""
         vs = self.definition.velocities
         n = len(vs)
         upper = [(i, j) for i in range(n) for j in range(i, n)]
-        entries = self.polish([self.quasi_momenta[i].diff(vs[j]) for i, j in upper])
+        own = [self.quasi_momenta[i].diff(vs[j]) for i, j in upper]
+        if self.definition.added:
+            own = [m - self.added[i][j] for (i, j), m in zip(upper, own, strict=True)]
+        entries = self.polish(own)
         table = dict(zip(upper, entries, strict=True))
         return [[table[min(i, j), max(i, j)] for j in range(n)] for i in range(n)]
+
+    @cached_property
+    def pushed(self) -> list[list[Any]]:
+        """h_i^a N_ab for forces Q_a + N_ab qddot_b; no rows where they hold no accelerations."""
+        lift, size = self.connection.lift, range(self.connection.n if self.definition.added else 0)
+        rows = [[e.xreplace(self._on_constraints) for e in row] for row in self.definition.added]
+        return [
+            [se.Add(*[h[i] * e for h, e in zip(lift, column, strict=True)])
+             for column in zip(*rows, strict=True)]
+            for i in size
+        ]  # fmt: skip
+
+    @cached_property
+    def added(self) -> list[list[Any]]:
+        """h_i^a N_ab h_j^b: what forces that hold accelerations take from the mass matrix."""
+        lift, n = self.connection.lift, self.connection.n
+        return [
+            [se.Add(*[e * h[j] for e, h in zip(row, lift, strict=True)]) for j in range(n)]
+            for row in self.pushed
+        ]
 
     @cached_property
     def inertial(self) -> list[Any]:
@@ -214,7 +239,8 @@ class Derivation:
 
     @cached_property
     def right(self) -> list[Any]:
-        """h_i(Lc) - (c_ij^k dLc/dv^k + B_ij^A p_A) v^j + Q_i: all but d/dt dLc/dv.
+        """h_i(Lc) - (c_ij^k dLc/dv^k + B_ij^A p_A) v^j + Q_i: all but d/dt dLc/dv, and but
+        accelerations in Q_i.
 
         The bracket term is p_a [h_i, h_j]^a v^j over all coordinates [Theory, eq. (10)].
         """
@@ -229,6 +255,8 @@ class Derivation:
                 turn = connection.along(i, rate) - connection.flow_derivative(row[i], rates)
                 terms.append(row[i] * force - momentum * turn)
             terms += [-p * t for p, t in zip(self.momenta, self._turned(i), strict=False)]
+            if d.added:  # at vdot = 0 the accelerations are the drift of the rates
+                terms += [e * g for e, g in zip(self.pushed[i], self.dot_drift, strict=True)]
             result.append(se.Add(*terms))
         return result
 
@@ -278,6 +306,7 @@ class Derivation:
             relations=d.relations,
             dependent=self.dependent + self.named_momenta,
             positive=d.positive,
+            inputs=d.inputs,
         )
 
 

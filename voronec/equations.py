@@ -31,7 +31,7 @@ from voronec.definition import Definition, read
 from voronec.derivation import Derivation, FirstOrderForm
 from voronec.distribution import Distribution, grow
 from voronec.errors import EngineLimit
-from voronec.evaluation import acceleration, check_inertia
+from voronec.evaluation import acceleration, check_added, check_inertia
 from voronec.lean import lean_form
 from voronec.presentation import equations_dict, equations_latex
 from voronec.system import System, require_system
@@ -123,7 +123,7 @@ class VoronecEquations:
 
     @cached_property
     def mass(self) -> sp.ImmutableMatrix:
-        """The mass matrix d2Lc/dv2, n x n."""
+        """The mass matrix, n x n: d2Lc/dv2, with what forces linear in accelerations add."""
         return self.door.outward_matrix(self.best.mass)
 
     @cached_property
@@ -197,7 +197,8 @@ class VoronecEquations:
         if all_vanish(flat, ideal):
             return "holonomic"
         d, raw = self.definition, self.raw.fibre
-        exprs = [d.lagrangian, *d.forces, *raw.offset, *(e for row in raw.matrix for e in row)]
+        rows = (*raw.matrix, *d.added)
+        exprs = [d.lagrangian, *d.forces, *raw.offset, *(e for row in rows for e in row)]
         free = d.keeps_vertical and all_vanish(
             [along for e in exprs for along in d.along_fibre(e)], ideal
         )
@@ -278,6 +279,7 @@ def derive(system: System) -> VoronecEquations:
         definition = read(system)
         raw, exact = Derivation(definition, False), Derivation(definition, True)
         _ = raw.connection
+        check_added(raw)
         check_inertia(raw)
         known = VoronecEquations(system, definition, raw, exact)
         # a system is a value that does not change, and so are its equations

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import flint
 import mpmath as mp
+import symengine as se
 import sympy as sp
 
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.tape import Tape, as_ball
+from voronec.algebra.verdicts import all_vanish
 from voronec.definition import read
 from voronec.derivation import Derivation
 from voronec.errors import DefinitionError, EngineLimit
@@ -21,11 +23,14 @@ from voronec.system import System
 if TYPE_CHECKING:
     from voronec.equations import VoronecEquations
 
-__all__ = ["acceleration", "check_inertia", "named_point"]
+__all__ = ["acceleration", "check_added", "check_inertia", "named_point"]
 
 ON_RELATIONS = 1e-9
 """How far a point may lie off the relations between redundant coordinates."""
 
+ORDERS = 4
+"""Inputs may occur with derivatives below this order: the rate of one in a Lagrangian is the least
+that anybody writes, and the equations differentiate twice."""
 MOST_DIGITS = 10_000
 """How many digits may be asked for."""
 
@@ -43,10 +48,11 @@ def named_point(system: System, point: Mapping[Any, Any]) -> dict[str, Any]:
     constants = [p for p in system.parameters if isinstance(p.symbol, sp.Symbol)]
     needed = [*system.coordinates, *system.velocities, *(p.symbol for p in constants)]
     names = [plain_name(s) for s in needed]
+    others = {plain_name(time), *jets(system)}
     given: dict[str, Any] = {}
     for key, value in point.items():
         name = _name(system, key)
-        if name not in names and name != plain_name(time):
+        if name not in names and name not in others:
             raise DefinitionError(
                 f"'{name}' is not a coordinate, velocity or parameter of system '{system.name}'; "
                 f"it has {', '.join(names)}"
@@ -66,6 +72,17 @@ def named_point(system: System, point: Mapping[Any, Any]) -> dict[str, Any]:
             f"'{system.name}'; add it to the point"
         )
     return given
+
+
+def jets(system: System) -> dict[str, Any]:
+    """The inputs and their rates inside the door, by the names under which values are given."""
+    clock, found = se.Symbol(plain_name(time)), {}
+    for u in map(plain_name, system.inputs):
+        function = se.Function(u)(clock)
+        for order in range(ORDERS):
+            found[u + "dot" * order] = function
+            function = function.diff(clock)
+    return found
 
 
 def _name(system: System, key: Any) -> str:
@@ -105,6 +122,7 @@ def acceleration(
             f"{MOST_DIGITS}"
         )
     values = named_point(system, point)
+    values |= {str(f): values[name] for name, f in jets(system).items() if name in values}
     result = _accelerations(eqs.raw, values, digits)
     if result is None:  # a pivot may vanish just here: solve the constraints for this point
         result = _accelerations(Derivation(read(system, values), False), values, digits)
@@ -129,7 +147,9 @@ def _accelerations(raw: Derivation, values: dict[str, Any], digits: int) -> list
     tape = Tape([*mass, *raw.force, *lift, *drifts, *raw.definition.relations])
     unknown = [a for a in tape.atoms if str(a) not in values]
     if unknown:
+        name = next((n for n, f in jets(system).items() if f == unknown[0]), None)
         mend = "add it to the point" if unknown[0].is_Symbol else "put a formula in its place"
+        mend = f"add '{name}' to the point" if name is not None else mend
         raise DefinitionError(
             f"system '{system.name}' cannot be evaluated without a value for '{unknown[0]}'; {mend}"
         )
@@ -183,6 +203,24 @@ def _check_relations(system: System, residuals: list[Any]) -> None:
                 f"the point does not satisfy the relation {relation} = 0 of system "
                 f"'{system.name}' (residual {float(residual.mid()):.3g}); correct the coordinates"
             )
+
+
+def check_added(raw: Derivation) -> None:
+    """Raise ``DefinitionError`` where accelerations in forces make no symmetric mass matrix."""
+    n = raw.connection.n
+    gaps = [
+        raw.added[i][j] - raw.added[j][i] for i in range(n if raw.added else 0) for j in range(i)
+    ]
+    try:
+        symmetric = all_vanish(gaps, raw.definition.relations)
+    except EngineLimit:
+        symmetric = False
+    if not symmetric:
+        raise DefinitionError(
+            f"system '{raw.definition.system.name}': the forces hold accelerations, but not as an "
+            "added mass does: the matrix of their coefficients on the velocities is not symmetric; "
+            "solve the equations for the accelerations, and give forces without them"
+        )
 
 
 def check_inertia(raw: Derivation) -> None:

@@ -267,6 +267,8 @@ def lean_form(raw: Derivation) -> FirstOrderForm:
     d = raw.definition
     if d.group is not None:
         raise EngineLimit("systems on a group have no lean form")
+    if d.added:
+        raise EngineLimit("forces that hold accelerations have no lean form")
     taken = {str(s) for s in (*d.coordinates, *d.velocities, *d.parameters, d.time)}
     prefix = "z"
     while any(name.startswith(prefix) for name in taken):
@@ -289,4 +291,5 @@ def lean_form(raw: Derivation) -> FirstOrderForm:
         relations=d.relations,
         stages=tuple(definitions.items()),
         positive=d.positive,
+        inputs=d.inputs,
     )

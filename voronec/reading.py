@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from types import MappingProxyType
 from typing import Any
 
@@ -116,17 +116,36 @@ def texts_read(things: Mapping[Any, Any], role: str) -> Mapping[Any, Any]:
     }
 
 
-def require_known(place: str, expr: sp.Expr, known: set[sp.Expr]) -> None:
-    """Refuse an expression that is not made of known symbols and of derivatives of these."""
-    names = names_in(expr) - known
-    unknown = sorted(str(n) for n in names if getattr(n, "expr", n) not in known)
-    if unknown:
-        hint = " (a different symbol of that name is declared: use one symbol object)"
-        same = any(unknown[0] in (str(k), plain_name(k)) for k in known)
-        raise DefinitionError(
-            f"{place} contains '{unknown[0]}', which is neither coordinate, velocity nor "
-            f"parameter; declare it in parameters=(...) or the fibration{hint if same else ''}"
+def require_known(
+    place: str, expr: sp.Expr, known: Set[sp.Expr], inputs: Set[sp.Expr] = frozenset()
+) -> None:
+    """Refuse an expression that is not made of known symbols, and of derivatives of ``inputs``."""
+    names = {n for n in names_in(expr) - known if getattr(n, "expr", n) not in inputs}
+    unknown = sorted(names, key=str)
+    if not unknown:
+        return
+    first = unknown[0]
+    if isinstance(first, sp.Derivative) and first.expr in known:
+        raise DefinitionError(f"{place} contains {_lost(first)}")
+    hint = " (a different symbol of that name is declared: use one symbol object)"
+    same = any(str(first) in (str(k), plain_name(k)) for k in known)
+    raise DefinitionError(
+        f"{place} contains '{first}', which is neither coordinate, velocity nor "
+        f"parameter; declare it in parameters=(...) or the fibration{hint if same else ''}"
+    )
+
+
+def _lost(derivative: sp.Derivative) -> str:
+    """What a derivative of something known is called, and what to do about it."""
+    if isinstance(derivative.expr, sp.Symbol):
+        return (
+            f"'{derivative}', the derivative of a plain symbol, which vanishes; write "
+            f"voronec.velocity({derivative.expr})"
         )
+    return (
+        f"'{derivative}', which is no velocity: only forces may hold accelerations, and no higher "
+        "derivative; write it out with the equations of motion, or as part of the Lagrangian"
+    )
 
 
 def _scalar(read: Any, thing: Any, place: str) -> sp.Expr:

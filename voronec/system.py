@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from voronec import checks
-from voronec.algebra.symbols import time, velocity
+from voronec.algebra.symbols import functions_of_time, is_symbolic_name, time, velocity
 from voronec.charts import Chart
 from voronec.claims import Case, Poisson, read_claims, right_of
 from voronec.errors import DefinitionError
@@ -77,11 +77,15 @@ class System:
         titles to pairs (colatitude, longitude) of coordinates, drawn as traces on spheres.
     motion
         ``Quadratures``: the motion in closed form, where there is one.
+    inputs
+        what moves the system from outside: symbols, or functions u(t), whose values are given at
+        run time.  A function of the time that is nothing else is one without being declared.
 
     Expressions may use plain symbols or ``dynamicsymbols``; the Lagrangian, the forces and the
-    constraints may use quasi-velocities too, which stand for their definitions.  One constraint,
-    parameter or reference may stand without a tuple.  A symbol that is none of these raises
-    ``DefinitionError``, as does a name used twice.
+    constraints may use quasi-velocities too, which stand for their definitions.  Forces may be
+    linear in accelerations, ``velocity(velocity(q))``: these become part of the mass matrix.  One
+    constraint, parameter or reference may stand without a tuple.  A symbol that is none of these
+    raises ``DefinitionError``, as does a name used twice.
     """
 
     name: str
@@ -109,6 +113,7 @@ class System:
     description: str = ""
     drawing: Any = None
     motion: Quadratures | None = None
+    inputs: tuple[Any, ...] = ()
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -188,6 +193,21 @@ class System:
                     f"motion is '{shown(self.motion)}'; write Quadratures(variable={{...}}, ...)"
                 )
             store("motion", self.motion.titled(self.drawing))
+        store("inputs", self._all_inputs())
+
+    def _all_inputs(self) -> tuple[sp.Expr, ...]:
+        """Those declared, then parameters that are functions, then undeclared functions of time."""
+        declared = several(self.inputs, "inputs", "symbol")
+        for thing in declared:
+            if not is_symbolic_name(thing):
+                raise DefinitionError(f"the input '{shown(thing)}' is not a symbol, nor u(t)")
+        functions = [p.symbol for p in self.parameters if not isinstance(p.symbol, sp.Symbol)]
+        frame = self.frame
+        held = [self.lagrangian, *self.constraints, *self.forces.values()]
+        held += [*self.fibration.relations, *(frame.expressions if frame is not None else ())]
+        found = set().union(*map(functions_of_time, held))
+        found -= {*self.coordinates, *(frame.ambient if frame is not None else ())}
+        return tuple(dict.fromkeys([*declared, *functions, *sorted(found, key=str)]))
 
     @property
     def coordinates(self) -> tuple[sp.Expr, ...]:
@@ -200,6 +220,14 @@ class System:
         if self.frame is not None:
             return self.frame.velocities
         return tuple(velocity(x) for x in self.fibration.base)
+
+    @property
+    def accelerations(self) -> tuple[sp.Expr, ...]:
+        """What forces may hold linearly: second derivatives of the coordinates, rates of the
+        frame's velocities."""
+        if self.on_group:
+            return ()
+        return tuple(velocity(v) for v in (*map(velocity, self.coordinates), *self.velocities))
 
     @property
     def on_group(self) -> bool:
@@ -236,7 +264,9 @@ class System:
         frame = self.frame.ambient if self.frame is not None else ()
         parameters = tuple(p.symbol for p in self.parameters)
         dots = tuple(velocity(x) for x in self.coordinates)
-        return (*self.coordinates, *dots, *frame, *parameters, time)
+        rates = tuple(velocity(u) for u in self.inputs)
+        known = (*self.coordinates, *dots, *frame, *parameters, *self.inputs, *rates, time)
+        return tuple(dict.fromkeys(known))
 
 
 def _all_of(things: Any, place: str, kind: type, entry: str) -> Mapping[str, Any]:

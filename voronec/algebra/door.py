@@ -8,14 +8,15 @@ Decimal numbers are read as the decimals they were written as: ``9.81`` is ``981
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import isfinite
 from typing import Any
 
 import symengine as se
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from voronec.algebra.symbols import plain_name
-from voronec.algebra.text import sympified
+from voronec.algebra.symbols import plain_name, time, velocity
+from voronec.algebra.text import shown, sympified
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Door"]
@@ -39,15 +40,30 @@ class Door:
     """Translates between a user's SymPy symbols and the plain symbols inside.
 
     ``known`` are the user's coordinates, velocities and parameters, each a symbol, ``x(t)`` or a
-    derivative of it.  Two of one name raise ``DefinitionError``.
+    derivative of it.  Two of one name raise ``DefinitionError``.  ``inputs`` are functions of the
+    time inside, even where they are plain symbols outside.
     """
 
-    def __init__(self, known: Iterable[sp.Expr] = ()) -> None:
+    def __init__(self, known: Iterable[sp.Expr] = (), inputs: Iterable[sp.Expr] = ()) -> None:
         self._inward: dict[sp.Basic, Any] = {}
         self._outward: dict[Any, sp.Basic] = {}
         self._names: dict[str, sp.Basic] = {}
         for thing in known:
             self.admit(thing)
+        for thing in inputs:
+            if isinstance(thing, sp.Symbol):
+                self._drive(thing)
+
+    def _drive(self, thing: sp.Symbol) -> None:
+        """Make a symbol a function of the time, and the symbol of its rate the derivative."""
+        function = se.Function(thing.name)(se.Symbol(time.name))
+        for outside, inside in ((thing, function), (velocity(thing), function.diff(time.name))):
+            self._names[plain_name(outside)] = outside
+            self._inward[outside], self._outward[inside] = inside, outside
+
+    def __contains__(self, thing: sp.Expr) -> bool:
+        """Whether something was made known, or has come in since."""
+        return thing in self._inward
 
     def admit(self, thing: sp.Expr) -> Any:
         """Make ``thing`` known and return its symbol inside."""
@@ -72,6 +88,8 @@ class Door:
             return self._enter(sympified(expr))
         except RecursionError:
             raise DefinitionError("an expression is nested too deeply to be read") from None
+        except (RuntimeError, ZeroDivisionError) as error:  # symengine's word for a bad value
+            raise DefinitionError(f"'{expr}' has no value: {shown(error)}") from None
 
     def inward_all(self, exprs: Iterable[Any]) -> list[Any]:
         """``inward`` for each of several expressions."""
@@ -89,8 +107,9 @@ class Door:
         if isinstance(expr, sp.Rational):
             return se.Integer(int(expr.p)) / se.Integer(int(expr.q))
         if isinstance(expr, sp.Float):
-            decimal = repr(float(expr)) if expr._prec == 53 else str(expr)
-            exact = sp.Rational(decimal)  # the decimal it was written as
+            double = float(expr) if expr._prec == 53 else 0.0
+            fits = double != 0.0 and isfinite(double)
+            exact = sp.Rational(repr(double) if fits else str(expr))  # the decimal as written
             return se.Integer(int(exact.p)) / se.Integer(int(exact.q))
         if expr in _NUMBERS:
             return _NUMBERS[expr]
@@ -108,6 +127,7 @@ class Door:
         if isinstance(expr, sp.Derivative):
             return self._derivative(expr)
         if isinstance(expr, sp.Subs):
+            _refuse_torn(expr)
             return self._substitution(expr.expr, expr.variables, expr.point)
         if isinstance(expr, sp.Abs):  # as a root it is differentiated and reduced
             return se.sqrt(self._enter(expr.args[0]) ** 2)
@@ -120,6 +140,19 @@ class Door:
         )
 
     def _derivative(self, expr: sp.Derivative) -> Any:
+        """A derivative that is a symbol here, or one of an unknown function; any other is carried
+        out by SymPy, or refused: symbols inside know nothing of the time."""
+        own = self._inward.get(expr.expr, expr.expr)
+        if time in expr.variables and isinstance(own, sp.Symbol | se.Symbol):
+            raise DefinitionError(f"the derivative '{expr}' {_mend(expr)}")
+        meant = expr.doit()
+        if meant != expr:
+            return self._enter(meant)
+        if not isinstance(expr.expr, AppliedUndef):
+            raise DefinitionError(
+                f"the derivative '{expr}' is not carried out; write it out, or use an unknown "
+                "function"
+            )
         by = [v for v in expr.variables if not isinstance(self._enter(v), se.Symbol)]
         if by:  # f'(g(x)), written as the derivative by g(x)
             return self._substitution(expr, by, by)
@@ -169,6 +202,9 @@ class Door:
         if isinstance(expr, se.Pow):
             return sp.Pow(*args)
         if isinstance(expr, se.Derivative):
+            rates = len(args) - 1
+            if isinstance(args[0], sp.Symbol):  # of an input
+                return sp.Symbol(args[0].name + "dot" * rates)
             return sp.Derivative(*args)
         if isinstance(expr, se.FunctionSymbol):
             return sp.Function(expr.get_name())(*args)
@@ -176,6 +212,24 @@ class Door:
 
     def _user_atoms(self) -> dict[sp.Basic, sp.Basic]:
         return {sp.Symbol(name): thing for name, thing in self._names.items()}
+
+
+def _mend(derivative: sp.Derivative) -> str:
+    """Why the derivative of a symbol is refused, and what to write."""
+    if isinstance(derivative.expr, sp.Symbol):
+        return f"of a plain symbol is no velocity; write voronec.velocity({derivative.expr})"
+    return "stands for nothing here (accelerations stand in forces only); write it out"
+
+
+def _refuse_torn(expr: sp.Subs) -> None:
+    """A function of the time cannot be replaced where its derivatives stay behind."""
+    replaced = [v for v in expr.variables if not isinstance(v, sp.Symbol)]
+    for inner in expr.expr.atoms(sp.Derivative):
+        if any(inner.expr.has(v) and v not in inner.variables for v in replaced):
+            raise DefinitionError(
+                f"'{expr}' replaces a function under its derivative '{inner}'; carry the "
+                "substitution out"
+            )
 
 
 def _taken_at(derivative: Any, at: dict[Any, Any]) -> Any:

@@ -9,7 +9,9 @@ from sympy.core.function import AppliedUndef
 
 from voronec.errors import DefinitionError
 
-__all__ = ["is_symbolic_name", "names_in", "plain_name", "time", "velocity"]
+__all__ = [
+    "functions_of_time", "is_symbolic_name", "names_in", "plain_name", "time", "velocity",
+]  # fmt: skip
 
 time = sp.Symbol("t")
 """The time ``t``; also the argument of ``sympy.physics.mechanics.dynamicsymbols``."""
@@ -46,6 +48,11 @@ def velocity(coordinate: sp.Expr) -> sp.Expr:
     if isinstance(coordinate, (AppliedUndef, sp.Derivative)):
         return coordinate.diff(time)
     return sp.Symbol(plain_name(coordinate) + "dot")
+
+
+def functions_of_time(expr: Any) -> set[sp.Expr]:
+    """The undefined functions x(t) in an expression, those under derivatives among them."""
+    return {f for f in expr.atoms(AppliedUndef) if f.args == (time,)}
 
 
 def names_in(expr: Any) -> set[sp.Expr]:

@@ -65,6 +65,8 @@ class Multipliers:
         conditions = _conditions(d)
         momenta = [d.lagrangian.diff(w) for w in d.dots]
         mass = [p.diff(w) for p in momenta for w in d.dots]
+        if d.added:  # accelerations in forces
+            mass = [m - e for m, e in zip(mass, (e for row in d.added for e in row), strict=True)]
         rows = [entry for form in conditions for entry in form[:-1]]
         drifts = []
         for form in conditions:

@@ -14,14 +14,15 @@ d/dq_a, and the principle reads
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.door import Door
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.errors import DefinitionError
+from voronec.multipliers.names import Names
 from voronec.multipliers.sequence import Sequenced
 from voronec.system import System
 
@@ -69,18 +70,18 @@ class Plan:
     followers: Sequenced | None
 
     @property
-    def needs_time(self) -> bool:
-        """Whether the time occurs anywhere."""
+    def held(self) -> set[str]:
+        """The names of everything that occurs anywhere."""
         parts = (self.relations, self.kinematics, self.dynamics, self.bends)
-        return any(plain_name(time) in part.names for part in parts)
+        return {name for part in parts for name in part.names}
 
 
 @dataclass(frozen=True)
 class _Entered:
-    """A system's symbols inside the door."""
+    """A system's symbols as the referee names them."""
 
     system: System
-    door: Door
+    names: Names
     q: tuple[Any, ...]
     v: tuple[Any, ...]
     qdot: tuple[Any, ...]
@@ -89,12 +90,24 @@ class _Entered:
 
     def enter(self, expr: sp.Expr) -> Any:
         """An expression inside, its quasi-velocities written with coordinate velocities."""
-        return self.door.inward(expr).xreplace(self.definitions)
+        return self.names.read(expr).xreplace(self.definitions)
 
     def drift(self, expr: Any) -> Any:
-        """The time derivative at fixed velocities."""
-        terms = (expr.diff(q) * v for q, v in zip(self.q, self.qdot, strict=True))
+        """The time derivative at fixed velocities; inputs go with their rates."""
+        terms = [expr.diff(q) * v for q, v in zip(self.q, self.qdot, strict=True)]
+        for jet in self.names.inputs:
+            terms += [expr.diff(u) * rate for u, rate in pairwise(jet)]
         return se.Add(expr.diff(self.time), *terms)
+
+    def accelerations(self) -> dict[Any, Any]:
+        """What forces may hold besides: of each its symbol, in terms of those of qdot."""
+        symbols = [self.names.symbol(velocity(velocity(x))) for x in self.system.coordinates]
+        found = {}
+        for v in self.system.velocities if self.system.frame is not None else ():
+            meant = self.definitions[self.names.symbol(v)]
+            parts = (meant.diff(w) * a for w, a in zip(self.v, symbols, strict=True))
+            found[self.names.symbol(velocity(v))] = se.Add(self.drift(meant), *parts)
+        return {a: a for a in symbols} | found
 
 
 def make_plan(system: System) -> Plan:
@@ -128,31 +141,32 @@ def make_plan(system: System) -> Plan:
 
 
 def _entered(system: System) -> _Entered:
-    # A parameter that is a function of the time must keep its derivative: it stays a function.
-    moving = [p.symbol for p in system.parameters if not isinstance(p.symbol, sp.Symbol)]
-    door = Door(s for s in system.known_symbols() if s not in moving)
-    v = tuple(door.inward(velocity(x)) for x in system.coordinates)
-    q, frame = tuple(map(door.inward, system.coordinates)), system.frame
+    names, frame = Names(system), system.frame
+    clock = names.symbol(time)
+    v = tuple(names.symbol(velocity(x)) for x in system.coordinates)
+    q = tuple(map(names.symbol, system.coordinates))
     if frame is not None and frame.is_group:
-        w = tuple(door.inward_all(frame.ambient))
-        rates = tuple(door.inward(frame.rates[x]) for x in system.coordinates)
-        spelled = dict(zip(v, rates, strict=True))
-        return _Entered(system, door, q, w, rates, door.inward(time), spelled)
+        w = tuple(map(names.symbol, frame.ambient))
+        rates = tuple(names.read(frame.rates[x]) for x in system.coordinates)
+        return _Entered(system, names, q, w, rates, clock, dict(zip(v, rates, strict=True)))
     definitions = {}
     if frame is not None:
-        names = door.inward_all(frame.velocities)
-        definitions = dict(zip(names, door.inward_all(frame.expressions), strict=True))
+        symbols = map(names.symbol, frame.velocities)
+        definitions = dict(zip(symbols, map(names.read, frame.expressions), strict=True))
     for name, expr in definitions.items():
         if any(se.has_symbol(expr, other) for other in definitions):
             raise DefinitionError(
                 f"the definition of '{name}' contains a quasi-velocity; "
                 "write it with the velocities of the coordinates"
             )
-    return _Entered(system, door, q, v, v, door.inward(time), definitions)
+    return _Entered(system, names, q, v, v, clock, definitions)
 
 
 def _dynamics(inside: _Entered) -> list[Any]:
-    """The mass matrix row by row, then Q + dL/dq - (d/dt dL/dqdot without accelerations)."""
+    """The mass matrix row by row, then Q + dL/dq - (d/dt dL/dqdot without accelerations).
+
+    What the forces hold of the accelerations counts as mass.
+    """
     lagrangian = _smooth(inside.enter(inside.system.lagrangian))
     change = inside.drift(lagrangian)
     momenta = [lagrangian.diff(v) for v in inside.v]
@@ -162,15 +176,30 @@ def _dynamics(inside: _Entered) -> list[Any]:
             se.Add(*[s * rate.diff(w) for s, rate in zip(slopes, inside.qdot, strict=True)])
             for w in inside.v
         ]
-    zero = sp.Integer(0)
-    applied = [inside.enter(inside.system.forces.get(x, zero)) for x in inside.system.directions]
+    applied, pushed = _applied(inside)
     force = [
         q_force + 2 * slope - change.diff(v) - turn
         for slope, v, q_force, turn in zip(
             slopes, inside.v, applied, _turning(inside, momenta), strict=True
         )
     ]
-    return [*(p.diff(v) for p in momenta for v in inside.v), *force]
+    mass = [p.diff(v) for p in momenta for v in inside.v]
+    return [*(m - x for m, x in zip(mass, pushed, strict=True)), *force]
+
+
+def _applied(inside: _Entered) -> tuple[list[Any], list[Any]]:
+    """The forces without accelerations, and their slopes by each of these, row by row."""
+    system, zero = inside.system, sp.Integer(0)
+    applied = [inside.enter(system.forces.get(x, zero)) for x in system.directions]
+    if system.on_group:
+        return applied, [se.Integer(0)] * len(inside.v) ** 2
+    meant = inside.accelerations()
+    symbols = [a for a, expr in meant.items() if a == expr]
+    spelled = [f.xreplace(meant) for f in applied]
+    slopes = [f.diff(a) for f in spelled for a in symbols]
+    if any(se.has_symbol(slope, a) for slope in slopes for a in symbols):
+        raise DefinitionError("a force is not linear in the accelerations; solve it for them")
+    return [f.xreplace(dict.fromkeys(symbols, se.Integer(0))) for f in spelled], slopes
 
 
 def _turning(inside: _Entered, momenta: list[Any]) -> list[Any]:
@@ -179,9 +208,9 @@ def _turning(inside: _Entered, momenta: list[Any]) -> list[Any]:
     total = dict.fromkeys(inside.v, se.Integer(0))
     momentum = dict(zip(inside.v, momenta, strict=True))
     for pair, parts in ((frame.brackets if frame is not None else None) or {}).items():
-        a, b = map(inside.door.inward, pair)
+        a, b = map(inside.names.symbol, pair)
         weight = se.Add(
-            *[inside.door.inward(x) * momentum[inside.door.inward(c)] for c, x in parts.items()]
+            *[inside.names.read(x) * momentum[inside.names.symbol(c)] for c, x in parts.items()]
         )
         total[a] += b * weight
         total[b] -= a * weight

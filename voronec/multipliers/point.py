@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any, TypeAlias
@@ -15,6 +15,7 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.text import exact_number, sympified
 from voronec.errors import DefinitionError
+from voronec.multipliers.names import rate_names
 from voronec.system import System
 
 __all__ = ["at_precision", "read_point"]
@@ -23,20 +24,21 @@ Exact: TypeAlias = Fraction | mp.mpf | sp.Expr
 """A number without error: a fraction, a binary number of any length, or an exact expression."""
 
 
-def read_point(system: System, point: Mapping[Any, Any], needs_time: bool) -> dict[str, Exact]:
+def read_point(system: System, point: Mapping[Any, Any], held: Set[str]) -> dict[str, Exact]:
     """The point by plain names, completed by the parameters' default values.
 
-    Every coordinate, velocity and parameter must get a value; the time only where it occurs.  A
-    parameter that is a function of the time has no value and is left out.
+    Every coordinate, velocity and parameter must get a value; the time, inputs and their rates only
+    where they occur, by their names, that is among ``held``.
     """
     constants = [p for p in system.parameters if isinstance(p.symbol, sp.Symbol)]
     needed = [*map(plain_name, (*system.coordinates, *system.velocities))]
     needed += [p.name for p in constants]
     clock = plain_name(time)
+    driven = {name: u for u in system.inputs for name in rate_names(u)}
     values: dict[str, Exact] = {}
     for key, number in point.items():
         name = _name(system, key)
-        if name not in needed and name != clock:
+        if name not in needed and name not in (clock, *driven):
             raise DefinitionError(
                 f"system '{system.name}': the point names '{name}', which is not one of its "
                 f"coordinates, velocities and parameters; these are {', '.join(needed)}"
@@ -47,8 +49,13 @@ def read_point(system: System, point: Mapping[Any, Any], needs_time: bool) -> di
     for parameter in constants:
         if parameter.value is not None and parameter.name not in values:
             values[parameter.name] = _exact(parameter.name, parameter.value)
-    if needs_time:
+    if clock in held:
         needed.append(clock)
+    for name in sorted(driven.keys() & held - values.keys()):
+        raise DefinitionError(
+            f"system '{system.name}': the unknown function '{driven[name]}' has no value; add "
+            f"'{name}' to the point"
+        )
     missing = [name for name in needed if name not in values]
     if missing:
         raise DefinitionError(

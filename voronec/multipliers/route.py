@@ -106,7 +106,7 @@ def _confirmed(system: System, point: Mapping[Any, Any], digits: int) -> Solutio
         plan = _plan(system)
     except DefinitionError as error:
         raise DefinitionError(f"system '{system.name}': {error}") from None
-    values = read_point(system, point, plan.needs_time)
+    values = read_point(system, point, plan.held)
     precision = digits + GUARD
     before = _attempt(plan, values, precision)
     for _ in range(DOUBLINGS):
