@@ -11,6 +11,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.flow import many as many_motions
+from voronec.flow.attempts import first_success
 from voronec.flow.steppers import taylor
 from voronec.program import Block, Program, compiled, hoisted
 
@@ -96,3 +97,30 @@ def test_ctrl_c_in_the_set_up_of_an_ensemble_ends_it(monkeypatch: pytest.MonkeyP
     found = vo.ensemble(OSCILLATOR, {"x": [1.0, 2.0, 3.0, 4.0]}, times=[0, 1])
     assert found.interrupted and not found.finished.any() and not found.errors
     assert found["x"].shape == (4, 2) and np.isnan(found["x"]).all()
+
+
+def test_auto_goes_on_with_another_method_where_its_choice_fails() -> None:
+    pytest.importorskip("heyoka")
+    disc = vo.derive(vo.load("falling-disc"))
+    start = {"theta": 1.2, "p": 0.3, "q": 1e-6, "s": 1e-6}
+    wanted: dict[str, Any] = {"initial": start, "times": [0, 1, 2, 3], "outputs": ("theta", "p")}
+    with pytest.raises(vo.IntegrationError):
+        vo.integrate(disc, method="scipy", **wanted)
+    found = vo.integrate(disc, **wanted)
+    assert found.cost.method == "heyoka" and "scipy" in found.cost.reason
+    exact = vo.integrate(disc, method="flint", tol=1e-25, **wanted)
+    for name in ("theta", "p"):
+        assert np.abs(found[name] - exact[name].astype(float)).max() < 1e-6
+
+
+def test_the_error_of_the_attempt_that_came_farthest_is_raised() -> None:
+    errors = [vo.IntegrationError(str(t), t, np.zeros(1)) for t in (1.0, 5.0, 2.0)]
+
+    def failing(error: vo.IntegrationError) -> Any:
+        def way(_: Any) -> Any:
+            raise error
+
+        return way
+
+    with pytest.raises(vo.IntegrationError, match=r"5\.0"):
+        first_success([failing(e) for e in errors], 0.0)

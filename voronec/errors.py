@@ -26,7 +26,8 @@ class EngineLimit(VoronecError):
 
 class IntegrationError(VoronecError):
     """A trajectory could not be continued; ``time`` and ``state`` say how far it came, and
-    ``trajectory`` is the part up to there, where there is one."""
+    ``trajectory`` is the part up to there, where there is one; ``singular`` that the mass matrix is
+    singular there."""
 
     def __init__(
         self,
@@ -34,11 +35,13 @@ class IntegrationError(VoronecError):
         time: Any = None,
         state: Any = None,
         trajectory: Any = None,
+        singular: bool = False,
     ) -> None:
         super().__init__(message)
         self.time = time
         self.state = state
         self.trajectory = trajectory
+        self.singular = singular
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

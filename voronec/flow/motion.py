@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import ceil, log2
 from time import perf_counter, process_time
 from types import MappingProxyType
@@ -17,6 +18,7 @@ from sympy.core.function import AppliedUndef
 from voronec.algebra.text import sympified
 from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.flow.attempts import first_success, other_method
 from voronec.flow.events import Crossings, Event, spelled
 from voronec.flow.given import Given, grid_of, outputs_of, scene_of
 from voronec.flow.modelling import Modelled, modelled, whole
@@ -125,38 +127,83 @@ def integrate(
                 vocabulary, asked, given, outset, grid, tol, dense, progress, began, method
             )
     followed = dense or bool(happenings) or not asked or len(grid) < FEW
+    request = _Request(
+        vocabulary, asked, functions, happenings, outset, grid, tol, dense, progress, followed,
+        method, began,
+    )  # fmt: skip
+    ways = (request.in_smallest, request.otherwise, request.on_coordinates)
+    return first_success(ways, float(grid[0]))
 
-    def moved(made: Modelled, times: np.ndarray = grid) -> Trajectory:
-        report = progress if times is grid else None
-        job = _Job(vocabulary, made, outset, times, tol, happenings, dense, report)
-        return job.trajectory(method, began)
 
-    def smallest(followed: bool) -> Modelled:
+@dataclass(frozen=True)
+class _Request:
+    """What is wanted of one motion, and the ways to it, as ``first_success`` takes them.
+
+    ``followed`` says that angles are integrated from the first, not read off.
+    """
+
+    vocabulary: Vocabulary
+    outputs: tuple[Any, ...]
+    functions: Mapping[str, Any]
+    events: tuple[Event, ...]
+    outset: Outset
+    grid: np.ndarray
+    tol: float
+    dense: bool
+    progress: Callable[[float], Any] | None
+    followed: bool
+    method: str
+    began: float
+
+    def in_smallest(self, _: IntegrationError | None) -> Trajectory:
+        """By the method asked for, in the smallest model."""
+        return self._in_smallest(self.method)
+
+    def otherwise(self, error: IntegrationError | None) -> Trajectory | None:
+        """By another method, where the choice is ours."""
+        other = other_method(error) if error is not None and self.method == "auto" else ""
+        return self._in_smallest(other) if other else None
+
+    def on_coordinates(self, _: IntegrationError | None) -> Trajectory | None:
+        """By the equations on the coordinates, where the model is another: where that is singular
+        they may not be, or may have charts."""
+        charts = bool(self.vocabulary.equations.system.charts) and self.method != "flint"
+        reduced = self.method == "auto" and self.smallest.model is not None
+        if not (charts or reduced):
+            return None
+        return self._moved(whole(self.vocabulary, self.outputs, self.functions), self.method)
+
+    @cached_property
+    def smallest(self) -> Modelled:
+        """The smallest model."""
+        return self._modelled(self.followed)
+
+    def _modelled(self, followed: bool) -> Modelled:
+        outset = self.outset
         return modelled(
-            vocabulary, asked, functions, outset.state, outset.constants, float(grid[0]), followed,
+            self.vocabulary, self.outputs, self.functions, outset.state, outset.constants,
+            float(self.grid[0]), followed,
         )  # fmt: skip
 
-    try:
-        made = smallest(followed)
+    def _in_smallest(self, method: str) -> Trajectory:
+        made, grid = self.smallest, self.grid
         # where a grid is too coarse to tell branches of angles apart, its beginning mostly says so
         for part in (grid[: len(grid) // 50 + 2], grid) if made.watch.branches else (grid,):
-            trajectory = moved(made, part)
+            trajectory = self._moved(made, method, part)
             told = _told_apart(trajectory, made)
             if trajectory.interrupted or (told and part is grid):
                 return trajectory
             if not told:
                 break
-        return moved(smallest(True))
-    except IntegrationError as error:
-        if not equations.system.charts or method == "flint":
-            raise
-        refusal = error
-    # where this model is singular, the equations on the coordinates may have another chart
-    try:
-        return moved(whole(vocabulary, asked, functions))
-    except IntegrationError as error:
-        farther = error.time is not None and abs(error.time - float(grid[0])) > 0
-        raise (error if farther else refusal) from None
+        return self._moved(self._modelled(True), method)
+
+    def _moved(self, made: Modelled, method: str, times: np.ndarray | None = None) -> Trajectory:
+        whole_way = times is None or times is self.grid
+        job = _Job(
+            self.vocabulary, made, self.outset, self.grid if times is None else times, self.tol,
+            self.events, self.dense, self.progress if whole_way else None,
+        )  # fmt: skip
+        return job.trajectory(method, self.began)
 
 
 def _told_apart(trajectory: Trajectory, made: Modelled) -> bool:

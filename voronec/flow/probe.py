@@ -120,6 +120,7 @@ class Probe:
             halt.time,
             halt.state,
             trajectory,
+            singular,
         )
 
     @cached_property
