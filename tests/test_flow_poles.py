@@ -81,3 +81,46 @@ def test_denominators_that_are_sums_of_squares() -> None:
     assert sp.simplify(sp.sympify(with_positive_denominators(1 / (z**2 - 1) ** 2, sphere))) == (
         1 / sp.sympify(x**2 + y**2) ** 2
     )
+
+
+POLAR = ("homogeneous-ball", "zhukovsky-ball", "bobylev-ball", "gyroscopic-ball-on-plane")
+
+
+@pytest.mark.parametrize("name", POLAR)
+def test_whole_turns_past_a_pole_do_not_depend_on_the_grid(name: str) -> None:
+    ball = vo.derive(vo.load(name))
+    spins = tuple(map(str, ball.system.velocities))
+    wanted = ("configuration", *spins)
+    start = {"u": 1e-4, "v": 1.3, **dict(zip(spins, (0.9, 1.4, 0.6), strict=True))}
+    back = vo.integrate(ball, times=[0, -1.5], initial=start, outputs=wanted)
+    begin = {x: back[x][-1] for x in back.outputs}
+
+    def ends(grid: np.ndarray, method: str = "scipy", **more: Any) -> np.ndarray:
+        motion = vo.integrate(
+            ball, times=grid, initial=begin, outputs=wanted, method=method, **more
+        )
+        assert motion.cost.switches == 2
+        return np.array([motion[x][-1] for x in motion.outputs])
+
+    fine = np.unique(np.concatenate([np.linspace(-1.5, 1.5, 301), np.linspace(-1e-2, 1e-2, 4001)]))
+    truth = ends(fine)
+    # on the fine grid no angle moves by more than a right angle between two instants
+    whole = vo.integrate(ball, times=fine, initial=begin, outputs=wanted, method="scipy")
+    assert max(np.abs(np.diff(whole[x])).max() for x in ("u", "v", "theta")) < np.pi / 2
+    for method in ("scipy", "heyoka"):
+        assert ends(np.array([-1.5, 1.5]), method) == pytest.approx(truth, abs=1e-9)
+        assert ends(np.linspace(-1.5, 1.5, 7), method) == pytest.approx(truth, abs=1e-9)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_a_motion_through_a_pole_says_so(method: str) -> None:
+    ball = vo.derive(vo.load("homogeneous-ball"))
+    # about the horizontal axis across v = 0.3, at right angles to the meridian
+    start = {"u": 1, "v": 0.3, "omega1": -np.sin(0.3), "omega2": np.cos(0.3)}
+    for times in ([0, 3], [0, 0.5, 1, 1.5, 3]):
+        motion = vo.integrate(
+            ball, times=times, initial=start, method=method, outputs=("configuration",)
+        )
+        assert motion["u"][-1] == pytest.approx(2)
+        (note,) = motion.notes
+        assert note.startswith("at t = 1 the motion passes through a pole of the coordinates")

@@ -20,7 +20,7 @@ from voronec.program import Program, compiled
 if TYPE_CHECKING:
     from voronec.derivation import FirstOrderForm
 
-__all__ = ["HOME", "LEAVE", "RETURN", "Atlas", "Place"]
+__all__ = ["HOME", "LEAVE", "RETURN", "SIDE", "Atlas", "Place"]
 
 HOME = ""
 """The name of the system's own chart."""
@@ -30,6 +30,8 @@ as much as about a hundred steps of Taylor's method, and these are what a passag
 GOOD = 0.25
 """So far from a singularity a chart that is ready is good enough."""
 LEAVE, RETURN = "the chart becomes singular", "the own chart is regular again"
+SIDE = "quadrant of an angle "
+"""Begins the names of events at which an angle comes from one quadrant into another."""
 
 
 @dataclass
@@ -62,17 +64,6 @@ class Place:
         """The motion from a state on."""
         self.problem.start[:] = state
         return guarded(self.stepper(times), self.problem)
-
-    def scale(self, time: Any, state: np.ndarray) -> float:
-        """A time in which no variable changes by more than its size, or by one unit."""
-        with np.errstate(all="ignore"):
-            rates = self._rates(np.float64(time), list(state), list(self.problem.parameters))
-            fastest = np.max(np.abs(np.array(rates, dtype=float)) / np.maximum(1.0, np.abs(state)))
-        return float(1.0 / fastest) if 0 < fastest < np.inf else np.inf
-
-    @cached_property
-    def _rates(self) -> Callable[..., Any]:
-        return compiled(self.problem.program)[0]
 
 
 @dataclass(frozen=True)
@@ -113,6 +104,13 @@ class Atlas:
         chosen = max(ready or sizes, key=sizes.__getitem__)
         return chosen, images[chosen]
 
+    def distances(self, times: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """How far states of the own chart are from its singularity."""
+        program = quantities(self.form, {HOME: own_singular(self.charts)})
+        with np.errstate(all="ignore"):
+            (found,) = compiled(program)[1](times, list(rows.T), self._values(program))
+        return np.abs(np.broadcast_to(found, times.shape))
+
     def _distance(self, name: str, time: Any, state: np.ndarray) -> float:
         """How far a state in a chart is from its singularity; 0 where that is undefined."""
         size = abs(float(self._distances[name](time, state)[0]))
@@ -141,6 +139,7 @@ class Atlas:
             events=(*given.events, self._end(LEAVE, -1)),
             levels=quantities(self.form, levels),
             progress=self.progress,
+            coarse=frozenset({LEAVE}),
         )
         made = choose(self.method, problem, self.grid)
         return Place(HOME, problem, *made, lambda _, rows: rows)
@@ -150,16 +149,19 @@ class Atlas:
         levels = {event: chart.moved(e) for event, e in self.functions.items()}
         levels[LEAVE] = _beyond(chart.singular, NEAR)
         levels[RETURN] = _beyond(chart.moved(own_singular(self.charts)), CLEAR)
+        sides = {f"{SIDE}{i}": e for i, e in enumerate(chart.sides)}
         program = Program.of(chart.form)
+        ends = (self._end(LEAVE, -1), self._end(RETURN, 1))
         problem = replace(
             given,
             program=program,
             start=given.start.copy(),
             parameters=self._values(program),
-            events=(*given.events, self._end(LEAVE, -1), self._end(RETURN, 1)),
-            levels=quantities(chart.form, levels),
+            events=(*given.events, *ends, *(Event(name, name) for name in sides)),
+            levels=quantities(chart.form, levels | sides),
             suspect=None,
             progress=self.progress,
+            coarse=frozenset({LEAVE, RETURN}),
         )
         made = choose(self.place(HOME).chosen["method"], problem, self.grid)
         return Place(name, problem, *made, self._rows(chart))

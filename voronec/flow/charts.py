@@ -58,6 +58,17 @@ class KeptChart:
         """Variables that are angles, known up to whole turns."""
         return {x for x, e in self.back.items() if holds_angles([Angles().resolved(e)])}
 
+    @cached_property
+    def sides(self) -> tuple[Any, ...]:
+        """Functions in the chart that change sign wherever an angle of the system comes from one
+        quadrant into another: y and x of each atan2(y, x) in ``back``."""
+        found: dict[Any, None] = {}
+        for e in self.back.values():
+            for angle in sorted(Angles().resolved(e).atoms(se.atan2), key=str):
+                # a root is never negative: its angle stays where it is
+                found |= {part: None for part in angle.args if not _is_root(part)}
+        return tuple(found)
+
     def moved(self, function: Any) -> Any:
         """A function of the system's state as one of the state in the chart."""
         door, system = self.equations.door, self.equations.system
@@ -105,6 +116,10 @@ def kept_charts(equations: VoronecEquations, form: FirstOrderForm) -> tuple[Kept
 def own_singular(charts: tuple[KeptChart, ...]) -> Any:
     """What vanishes where the own chart is singular: all factors that charts name, each once."""
     return se.Mul(*dict.fromkeys(f for chart in charts for f in chart.factors))
+
+
+def _is_root(expr: Any) -> bool:
+    return isinstance(expr, se.Pow) and expr.args[1].is_Rational and expr.args[1].q == 2
 
 
 def _factors(product: Any) -> tuple[Any, ...]:

@@ -256,7 +256,7 @@ class _Job:
         else:
             constants = {**outset.constants, **made.constants(values)}
         sight = _Sight(self.vocabulary, made.watch, made.program, constants, cost, bits)
-        trajectory = replace(sight.trajectory(run), notes=outset.notes)
+        trajectory = replace(sight.trajectory(run), notes=outset.notes + run.notes)
         if run.halt is not None:
             raise probe.failure(state, run.halt, trajectory)
         return trajectory

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voronec.equations import VoronecEquations
-from voronec.flow.atlas import HOME, LEAVE, RETURN, Atlas, Place
+from voronec.flow.atlas import HOME, LEAVE, RETURN, SIDE, Atlas, Place
 from voronec.flow.charts import kept_charts
 from voronec.flow.steppers import Halt, Problem, Run, Stepper, choose, guarded
 from voronec.flow.steppers.choice import EXACT
@@ -19,9 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["through_charts"]
 
-SAMPLES, REACH = 8, 32.0
-"""In other charts angles are followed at so many points in a unit of the time scale there; and no
-stretch is longer than so many units."""
+TOUCH = 1e-12
+"""So near to a singularity, doubles do not tell on which side of it a motion passes."""
 
 
 def through_charts(
@@ -87,6 +86,7 @@ class _Journey:
     rows: list[np.ndarray] = field(init=False)
     crossings: dict[str, list[tuple[np.ndarray, np.ndarray]]] = field(default_factory=dict)
     stretches: list[_Stretch] = field(default_factory=list)
+    touched: list[float] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.last = self.atlas.problem.start
@@ -125,8 +125,6 @@ class _Journey:
         """Go on in a chart until it ends, or the grid does."""
         place = self.atlas.place(name)
         times = np.concatenate([[time], self.grid[self.done :]])
-        if name != HOME:
-            times = self.finer(times, place.scale(time, state))
         if self.atlas.progress is not None:
             whole = self.grid[-1] - self.grid[0]
             self.atlas.progress.done = float((time - self.grid[0]) / whole)
@@ -137,22 +135,15 @@ class _Journey:
         self.take(place, part)
         return part
 
-    def finer(self, times: np.ndarray, scale: float) -> np.ndarray:
-        """Times of a stretch in another chart, close enough to follow the angles."""
-        length = min(abs(times[-1] - times[0]), REACH * scale)
-        until = times[0] + self.order * length
-        if length == abs(times[-1] - times[0]):
-            until = times[-1]
-        fine = np.linspace(times[0], until, int(SAMPLES * length / scale) + 2)
-        kept = times[self.order * times <= self.order * until]
-        return np.unique(np.concatenate([kept, fine]))[:: int(self.order)]
-
     def take(self, place: Place, part: Run) -> None:
         """Enter a stretch: points of the grid, crossings, dense output."""
         angles, own = self.atlas.angles, place.name == HOME
         times, rows = part.t, part.states
         if not own:
+            times, rows = self.with_sides(part)
             rows = followed(place.home(times, rows), self.last, angles)
+            rows[0] = self.last
+            self.look(times, rows)
         inside = part.inside
         home = None if inside is None else lambda t: place.home(t, inside(t))
         stretch = _Stretch(times, rows, angles, home)
@@ -168,6 +159,37 @@ class _Journey:
             self.crossings.setdefault(event.name, []).append((t, found))
         if self.atlas.problem.dense:
             self.stretches.append(stretch)
+
+    def with_sides(self, part: Run) -> tuple[np.ndarray, np.ndarray]:
+        """Times and states of a stretch, with all instants at which an angle of the own chart
+        comes from one quadrant into another: between two of them it stays within a right angle."""
+        found = [rows for name, rows in part.crossings.items() if name.startswith(SIDE)]
+        inner = [(t, states) for t, states in found if len(t)]
+        times = np.concatenate([part.t, *(t for t, _ in inner)])
+        states = np.vstack([part.states, *(states for _, states in inner)])
+        order = self.order * times
+        _, first = np.unique(order, return_index=True)
+        kept = first[order[first] <= order[len(part.t) - 1]]
+        return times[kept], states[kept]
+
+    def look(self, times: np.ndarray, rows: np.ndarray) -> None:
+        """Note where a stretch passes through a singularity of the own chart, not where it sets
+        out from one."""
+        there = self.atlas.distances(times, rows) < TOUCH
+        there[0] = False
+        begins = there & ~np.roll(there, 1)
+        self.touched += times[begins].tolist()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is to be said of the run."""
+        if not self.touched:
+            return ()
+        often = f", the first of {len(self.touched)} times" if len(self.touched) > 1 else ""
+        return (
+            f"at t = {self.touched[0]:.12g}{often} the motion passes through a pole of the "
+            "coordinates: angles after it are known up to whole turns",
+        )
 
     def result(
         self,
@@ -190,7 +212,7 @@ class _Journey:
         return Run(
             t.copy(), states, self.steps, self.evaluations, crossings, halt, interrupted, stopped,
             self.inside if self.atlas.problem.dense else None, switches=self.switches,
-            prepared=sum(self.atlas.seconds[self.ready :]),
+            prepared=sum(self.atlas.seconds[self.ready :]), notes=self.notes,
         )  # fmt: skip
 
     def inside(self, times: np.ndarray) -> np.ndarray:

@@ -13,6 +13,8 @@ from voronec.flow.steppers.run import COLLAPSE, SINGULAR, Halt, Log, Problem, Ru
 
 __all__ = ["Halted", "Stride", "Walker", "march"]
 
+TINY = 1e-6
+"""The part of a step over which slopes of functions are taken."""
 WINDOW, CRAWL = 1000, 1e-7
 """So many steps that cover less than this part of the span lead nowhere."""
 SUSPECTS = 64
@@ -25,12 +27,16 @@ class Halted(Exception):
 
 @dataclass(frozen=True)
 class Stride:
-    """One accepted step, with its dense output: times (k,) to states (k, n)."""
+    """One accepted step, with its dense output: times (k,) to states (k, n).
+
+    ``slopes`` are the states and rates at both ends, where they are known at no cost.
+    """
 
     start: Any
     end: Any
     state: np.ndarray
     at: Callable[[np.ndarray], np.ndarray]
+    slopes: tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None
 
 
 class Walker(Protocol):
@@ -104,8 +110,13 @@ class _March:
     def take(self, stride: Stride) -> None:
         """Enter a step: crossings in it, then points of the grid up to the one that stops."""
         end = stride.end
-        if self.problem.events:
-            for time, event in crossings(self.problem.events, self.levels, stride):
+        fine = {
+            i: event
+            for i, event in enumerate(self.problem.events)
+            if event.name not in self.problem.coarse or self.near(stride, i)
+        }
+        if fine:
+            for time, event in crossings(fine, self.levels, stride):
                 state = stride.at(np.array([time], dtype=self.states.dtype))[0]
                 if self.log.enter(event, time, state):
                     end = time
@@ -122,6 +133,24 @@ class _March:
         self.last = Halt(COLLAPSE, stride.end, stride.state)
         if self.problem.suspect is not None:
             self.recent.append((stride.end, stride.state))
+
+    def near(self, stride: Stride, column: int) -> bool:
+        """Whether a coarse event may happen in a step, by its function and the slopes at the ends.
+
+        Between ends with values g0, g1 > 0 it is at least (g0 + g1 - V h)/2, V the fastest fall.
+        """
+        if stride.slopes is None:
+            return True
+        times = np.array([stride.start, stride.start, stride.end, stride.end])
+        shift = TINY * (stride.end - stride.start)
+        (first, before), (last, after) = stride.slopes
+        states = np.stack([first, first + shift * before, last, last + shift * after])
+        g = self.levels(times, states)[:, column]
+        if not (g[0] > 0 and g[2] > 0):
+            return True
+        slopes = np.abs([g[1] - g[0], g[3] - g[2]]) / TINY
+        bend = abs((g[3] - g[2]) - (g[1] - g[0])) / TINY
+        return bool(g[0] + g[2] <= slopes.max() + bend)
 
     def singular(self) -> Halt | None:
         """The last state before one with a singular mass matrix, if there is one."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -26,14 +26,17 @@ GOLDEN = 0.381966
 
 
 def crossings(
-    events: Sequence[Event], levels: Callable[..., np.ndarray], stride: Stride
+    events: Mapping[int, Event], levels: Callable[..., np.ndarray], stride: Stride
 ) -> list[tuple[Any, Event]]:
-    """Times at which events happen within a step, in the order of the motion."""
+    """Times at which events happen within a step, in the order of the motion.
+
+    ``events`` are given by the columns of their ``levels``.
+    """
     start, end = stride.start, stride.end
     times = np.array([start + (end - start) * i / LOOKS for i in range(LOOKS)] + [end])
     values = levels(times, stride.at(times))
     found = []
-    for column, event in enumerate(events):
+    for column, event in events.items():
 
         def level(time: Any, column: int = column) -> Any:
             moment = np.array([time], dtype=times.dtype)

@@ -44,7 +44,8 @@ class Problem:
 
     ``levels`` has the events' functions as extra quantities, in the order of ``events``.
     ``start`` (n,) and ``parameters`` are doubles; ``exact``, given a number of bits, returns both
-    as mpmath's numbers, for the method ``flint``.
+    as mpmath's numbers, for the method ``flint``.  Events that are ``coarse`` are rare: an
+    integrator may look for them only where the ends of a step do not exclude them.
     """
 
     program: Program
@@ -57,6 +58,7 @@ class Problem:
     suspect: Suspect | None = None
     progress: Callable[[float], Any] | None = None
     exact: Callable[[int], tuple[np.ndarray, Sequence[Any]]] | None = None
+    coarse: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,8 @@ class Run:
 
     ``crossings`` maps each event to its times and states; ``stopped`` names the one that ended the
     run; ``inside``, of dense runs, gives states at any times reached; ``switches`` counts changes
-    of chart, and ``prepared`` are the seconds of the run that making integrators for them took.
+    of chart, and ``prepared`` are the seconds of the run that making integrators for them took;
+    ``notes`` are lines for the user.
     """
 
     t: np.ndarray
@@ -93,6 +96,7 @@ class Run:
     inside: Callable[[np.ndarray], np.ndarray] | None = None
     switches: int = 0
     prepared: float = 0.0
+    notes: tuple[str, ...] = ()
 
 
 Stepper = Callable[[np.ndarray], Run]

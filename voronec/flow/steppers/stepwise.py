@@ -117,7 +117,7 @@ class _Solver:
 
     def advance(self) -> Stride:
         solver = self.solver
-        start = solver.t
+        start, begin, slope = solver.t, solver.y, getattr(solver, "f", None)
         solver.step()
         if solver.status == "failed":
             raise Halted(COLLAPSE)
@@ -131,7 +131,8 @@ class _Solver:
                 kept.append(solver.dense_output())
             return np.asarray(kept[0](times).T)
 
-        return Stride(start, solver.t, solver.y.copy(), at)
+        slopes = None if slope is None else ((begin, slope), (solver.y, solver.f))
+        return Stride(start, solver.t, solver.y.copy(), at, slopes)
 
     @property
     def evaluations(self) -> int:
