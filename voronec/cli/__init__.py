@@ -6,10 +6,13 @@ line that names the place and the mend; 130 stopped by Ctrl-C.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from pathlib import Path
+from traceback import extract_tb
 
 from voronec.cli.arguments import command_parser
 from voronec.errors import DefinitionError, VoronecError
@@ -18,29 +21,71 @@ __all__ = ["main"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command line and return its exit status."""
+    """Run one command line and return its exit status; nothing is raised but ``SystemExit``."""
+    _print_any_letter()
+    try:
+        try:
+            return _executed(arguments)
+        finally:
+            sys.stdout.flush()
+    except DefinitionError as error:
+        return _fail(str(error), 2)
+    except VoronecError as error:
+        return _fail(str(error), 1)
+    except BrokenPipeError:
+        _abandon_output()  # the reader (say, head) has what it wanted
+        return 0
+    except KeyboardInterrupt:
+        return _fail("stopped", 130)
+    except OSError as error:
+        where = f"'{error.filename}': " if error.filename else ""
+        if not error.filename:  # the output itself: its end must not complain again
+            _abandon_output()
+        return _fail(f"{where}{error.strerror or error}; mend that, or choose another place", 2)
+    except (RecursionError, MemoryError) as error:
+        return _fail(f"the input is too large: {type(error).__name__} {error}", 1)
+    except Exception as error:
+        return _fail(_own_fault(error), 1)
+
+
+def _executed(arguments: Sequence[str] | None) -> int:
     parser = command_parser()
     chosen = parser.parse_args(arguments)
     if chosen.module is None:
         parser.print_help()
         return 0
-    try:
-        status: int = import_module(chosen.module).execute(chosen)
-        sys.stdout.flush()
-        return status
-    except DefinitionError as error:
-        return _fail(error, 2)
-    except VoronecError as error:
-        return _fail(error, 1)
-    except BrokenPipeError:
-        # The reader (say, head) has what it wanted; closing stdout must not complain again.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    except KeyboardInterrupt:
-        print("voronec: stopped", file=sys.stderr)
-        return 130
-
-
-def _fail(error: VoronecError, status: int) -> int:
-    print(f"voronec: {' '.join(str(error).split())}", file=sys.stderr)
+    status: int = import_module(chosen.module).execute(chosen)
     return status
+
+
+def _print_any_letter() -> None:
+    """A terminal without Greek letters, or a closed output, costs letters, not the run."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed before the start
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w"))
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _abandon_output() -> None:
+    """Standard output leads nowhere from here on."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _fail(message: str, status: int) -> int:
+    text = " ".join(message.split())
+    text = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+    with contextlib.suppress(OSError, ValueError):
+        print(f"voronec: {text}", file=sys.stderr, flush=True)
+    return status
+
+
+def _own_fault(error: Exception) -> str:
+    """An error that nobody foresaw, in one line; ``VORONEC_TRACEBACK=1`` lets it through."""
+    if os.environ.get("VORONEC_TRACEBACK"):
+        raise error
+    last = extract_tb(error.__traceback__)[-1]
+    what = f"{type(error).__name__} in {Path(last.filename).name}, line {last.lineno}: {error}"
+    return f"a fault of voronec: {what}; please report it, with what VORONEC_TRACEBACK=1 prints"

@@ -49,10 +49,10 @@ def execute(arguments: Namespace) -> int:
 
 def _store(eqs: VoronecEquations, path: Path, as_json: bool) -> int:
     """Write the derivation into a file, for ``voronec compare``; an old one is replaced."""
-    from voronec.cli.files import deliver
     from voronec.comparison import Derived
+    from voronec.writing import replace_file
 
-    deliver(path, Derived.of(eqs).text())
+    replace_file(path, Derived.of(eqs).text())
     if as_json:
         print_json({"system": eqs.system.name, "file": str(path)})
     else:

@@ -1,41 +1,40 @@
-"""Writing results so that nothing is ever half-written."""
+"""Where commands write their results: refused before the work, delivered after it, whole."""
 
 from __future__ import annotations
 
 import os
-import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from voronec.errors import DefinitionError
+from voronec.writing import unwritable, workshop
 
-__all__ = ["create", "deliver", "delivery", "refuse_file", "wanted_folder"]
+__all__ = ["create", "delivery", "refuse_file", "wanted_folder"]
 
 
 @contextmanager
-def delivery(folder: Path) -> Iterator[Path]:
+def delivery(folder: Path, products: Iterable[str] = ()) -> Iterator[Path]:
     """A workshop for files, which are moved into ``folder`` when, and only when, all are done.
 
-    Files of the same names are replaced, others in ``folder`` stay.
+    Files of the same names are replaced; of ``products``, what this command may make, those go that
+    an earlier run has left and this one did not make.  Others in ``folder`` stay.
     """
     # A folder that exists may lie in one that must not be written.
-    place = folder if folder.is_dir() else folder.parent
     try:
+        place = folder if folder.is_dir() else folder.parent
         place.mkdir(parents=True, exist_ok=True)
-        workshop = Path(tempfile.mkdtemp(prefix=".voronec-", dir=place))
+        with workshop(place) as drafts:
+            yield drafts
+            folder.mkdir(exist_ok=True)
+            made = sorted(drafts.iterdir())
+            for file in made:
+                os.replace(file, folder / file.name)
+            for name in {*products} - {file.name for file in made}:
+                (folder / name).unlink(missing_ok=True)
     except OSError as error:
-        raise DefinitionError(f"'{folder}' cannot be written: {error.strerror}") from None
-    try:
-        yield workshop
-        folder.mkdir(exist_ok=True)
-        for file in sorted(workshop.iterdir()):
-            os.replace(file, folder / file.name)
-    except OSError as error:
-        raise DefinitionError(f"'{folder}' cannot be written: {error.strerror}") from None
-    finally:
-        shutil.rmtree(workshop, ignore_errors=True)
+        raise unwritable(folder, error) from None
 
 
 def wanted_folder(name: str) -> Path:
@@ -46,20 +45,22 @@ def wanted_folder(name: str) -> Path:
     """
     if not name.strip():
         raise DefinitionError("the folder for --out has no name; write: --out FOLDER")
+    if "\0" in name:
+        raise DefinitionError(f"--out {name!a} is no name of a folder; write: --out FOLDER")
     folder = Path(name)
-    refuse_file(folder)
-    above = folder.absolute()
-    while not above.exists() and above != above.parent:
-        above = above.parent
-    if not above.is_dir():
-        raise DefinitionError(f"'{folder}' cannot be written: '{above}' is no folder")
-    if not os.access(above, os.W_OK | os.X_OK):
-        raise DefinitionError(f"'{folder}' cannot be written: '{above}' allows no new files")
     try:
+        refuse_file(folder)
+        above = folder.absolute()
+        while not above.exists() and above != above.parent:
+            above = above.parent
+        if not above.is_dir():
+            raise DefinitionError(f"'{folder}' cannot be written: '{above}' is no folder")
+        if not os.access(above, os.W_OK | os.X_OK):
+            raise DefinitionError(f"'{folder}' cannot be written: '{above}' allows no new files")
         with tempfile.TemporaryFile(dir=above):
             return folder
     except OSError as error:
-        raise DefinitionError(f"'{folder}' cannot be written: {error.strerror}") from None
+        raise unwritable(folder, error) from None
 
 
 def refuse_file(folder: Path) -> None:
@@ -71,21 +72,12 @@ def refuse_file(folder: Path) -> None:
 def create(path: Path, text: str) -> None:
     """Write a new file; one that is there is never touched."""
     try:
-        with path.open("x", encoding="utf-8") as stream:
-            stream.write(text)
+        with workshop(path.parent) as drafts:
+            (drafts / path.name).write_text(text, encoding="utf-8")
+            if os.path.lexists(path):
+                raise FileExistsError
+            os.rename(drafts / path.name, path)
     except FileExistsError:
         raise DefinitionError(f"'{path}' exists; remove it, or choose another name") from None
     except OSError as error:
-        raise DefinitionError(f"'{path}' cannot be written: {error.strerror}") from None
-
-
-def deliver(path: Path, content: str | bytes) -> None:
-    """Write a file whole or not at all; one that is there is replaced."""
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        draft.write_bytes(content.encode() if isinstance(content, str) else content)
-        draft.replace(path)
-    except OSError as error:
-        raise DefinitionError(f"'{path}' cannot be written: {error.strerror}") from None
-    finally:
-        draft.unlink(missing_ok=True)
+        raise unwritable(path, error) from None

@@ -8,9 +8,9 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from voronec.cli.files import deliver
 from voronec.cli.output import columns, print_json, progress, warn
 from voronec.errors import DefinitionError
+from voronec.writing import replace_file
 
 if TYPE_CHECKING:
     from voronec.checking import Inventory
@@ -41,7 +41,7 @@ def execute(arguments: Namespace) -> int:
     data = _data(graph, known)
     _warn_of_trouble(stock)
     if path is not None:
-        deliver(path, _content(graph, data, path.suffix))
+        replace_file(path, _content(graph, data, path.suffix))
     if arguments.json:
         print_json({"file": str(path)} if path is not None else data)
     elif path is not None:

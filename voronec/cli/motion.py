@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from voronec.cli.files import delivery, refuse_file
+from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import columns, print_json, progress, warn
 from voronec.cli.subject import resolve
 from voronec.cli.values import first_scene, instants, pair, split_values, tolerance
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from voronec.flow import Trajectory
 
 __all__ = ["execute"]
+
+PRODUCTS = ("trajectory.csv", "plot.svg", "path.svg", "drawing.svg")
+"""What a run may write."""
 
 
 def execute(arguments: Namespace) -> int:
@@ -28,14 +31,14 @@ def execute(arguments: Namespace) -> int:
     pairs = [pair(text) for text in arguments.set]
     outputs = outputs_of(arguments.outputs)
     system, _ = resolve(arguments.system)
-    folder = Path(arguments.out or f"{system.name}-run")
-    refuse_file(folder)
+    folder = wanted_folder(arguments.out or f"{system.name}-run")
     parameters, initial = split_values(system, pairs)
     scene = arguments.scene or first_scene(system)
     if arguments.animate:
         from voronec.report.rolling_animation import check_film
 
         check_film(system, Path(arguments.animate))
+        wanted_folder(str(Path(arguments.animate).parent))
     from voronec.flow import integrate
 
     progress(f"{system.name}: integrating ...")
@@ -60,7 +63,7 @@ def execute(arguments: Namespace) -> int:
 def _write(trajectory: Trajectory, folder: Path) -> list[Path]:
     from voronec.report.pictures import pictures, save
 
-    with delivery(folder) as workshop:
+    with delivery(folder, PRODUCTS) as workshop:
         trajectory.save(workshop / "trajectory.csv")
         figures = pictures(trajectory)
         for name, figure in figures.items():
@@ -76,10 +79,12 @@ def _animate(trajectory: Trajectory, target: Path) -> list[Path]:
 
     name = trajectory.system.name
     try:
-        return list(film(
-            rolling_of(trajectory), target,
-            progress=lambda share: progress(f"{name}: {share:.0%} of the film"),
-        ))  # fmt: skip
+        with delivery(target.parent) as workshop:
+            made = film(
+                rolling_of(trajectory), workshop / target.name,
+                progress=lambda share: progress(f"{name}: {share:.0%} of the film"),
+            )  # fmt: skip
+        return [target.parent / file.name for file in made]
     finally:
         progress("")
 

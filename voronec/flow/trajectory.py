@@ -16,6 +16,7 @@ from voronec.errors import DefinitionError
 from voronec.flow.events import Crossings
 from voronec.flow.vocabulary import held_name
 from voronec.system import System
+from voronec.writing import draft
 
 __all__ = ["Cost", "Trajectory"]
 
@@ -135,12 +136,8 @@ class Trajectory:
             raise DefinitionError(f"'{target.name}' must end in .csv or .npz")
         if not target.parent.is_dir():
             raise DefinitionError(f"there is no folder '{target.parent}' to write into")
-        partial = target.with_name(f".{target.stem}.partial{target.suffix}")
-        try:
-            writers[target.suffix](partial)
-            partial.replace(target)
-        finally:
-            partial.unlink(missing_ok=True)
+        with draft(target) as new:
+            writers[target.suffix](new)
         return target
 
     def _write_csv(self, path: Path) -> None:

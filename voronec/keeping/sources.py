@@ -114,9 +114,10 @@ def _absolute(file: Path, module: str) -> Iterator[Path]:
         if folder == file.parent or folder.name == parts[0]:
             top = folder.parent if folder.name == parts[0] else folder
             yield from _at(top.joinpath(*parts))
-    known = getattr(sys.modules.get(module), "__file__", None)
-    if known and not any(library in Path(known).resolve().parents for library in _libraries()):
-        yield Path(known).resolve()
+    known = getattr(sys.modules.get(module), "__file__", None) or ""
+    place = Path(known).resolve()
+    if known.endswith(".py") and not any(library in place.parents for library in _libraries()):
+        yield place
 
 
 def _at(place: Path) -> Iterator[Path]:

@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import sys
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -54,7 +55,8 @@ class Store:
             draft.write_text(json.dumps(value), encoding="utf-8")
             draft.replace(file)
         except OSError:
-            return
+            with suppress(OSError):
+                draft.unlink()
 
     def _make_room(self) -> None:
         """Forget what was made longest ago."""

@@ -11,6 +11,7 @@ from voronec.errors import DefinitionError
 from voronec.report.audit_latex import audit_latex
 from voronec.report.audit_page import Figure, audit_page
 from voronec.report.audit_table import audit_table
+from voronec.writing import replace_file
 
 __all__ = ["Figure", "audit_json", "audit_table", "write_audit"]
 
@@ -35,7 +36,7 @@ def write_audit(audit: Audit, folder: str | Path, figures: Sequence[Figure] = ()
     try:
         target.mkdir(parents=True, exist_ok=True)
         for name, text in texts.items():
-            (target / name).write_text(text, encoding="utf-8")
+            replace_file(target / name, text)
     except OSError as error:
         reason = error.strerror or str(error)
         raise DefinitionError(f"the folder '{folder}' cannot be written: {reason}") from None

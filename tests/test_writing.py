@@ -1,0 +1,148 @@
+"""Files appear whole or not at all; nothing is left behind, and nothing stale stays."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from voronec.cli import main
+from voronec.cli.files import create, delivery, wanted_folder
+from voronec.errors import DefinitionError
+from voronec.writing import draft, replace_file, workshop
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from voronec.writing import workshop
+with workshop(Path(sys.argv[1])) as made:
+    (made / "big").write_bytes(bytes(1000))
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_what_a_killed_process_left_goes_with_the_next_writing(tmp_path):
+    subprocess.run([sys.executable, "-c", KILLED, str(tmp_path)])
+    assert any(tmp_path.iterdir())
+    with workshop(tmp_path), workshop(tmp_path) as other:  # one that lives stays
+        assert other.is_dir() and len(list(tmp_path.iterdir())) == 2
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_file_stays_as_it_was_where_the_disk_is_full(tmp_path):
+    code = (
+        "import resource, signal, sys; from pathlib import Path\n"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))\n"
+        "from voronec.cli.files import create; from voronec.writing import replace_file\n"
+        "from voronec.errors import DefinitionError\n"
+        "for write in (replace_file, create):\n"
+        "    try: write(Path(sys.argv[1]) / write.__name__, 'x' * 1000)\n"
+        "    except DefinitionError as error: print(error)\n"
+    )
+    old = tmp_path / "replace_file"
+    old.write_text("old")
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path)], capture_output=True, text=True
+    )
+    assert done.stdout.count("cannot be written") == 2 and not done.stderr
+    assert old.read_text() == "old" and [*tmp_path.iterdir()] == [old]
+
+
+def test_drafts_that_fail_leave_nothing(tmp_path):
+    target = tmp_path / "x.txt"
+    with pytest.raises(KeyError), draft(target) as new:
+        {}[new.write_text("half")]
+    assert not any(tmp_path.iterdir())
+    for place in (tmp_path / ("a" * 300), tmp_path / "none" / "x", Path("/dev/null/x")):
+        with pytest.raises(DefinitionError, match="cannot be written"):
+            replace_file(place, "x")
+    replace_file(target, "θ")
+    assert target.read_bytes() == "θ".encode()
+    with pytest.raises(DefinitionError, match="exists"):
+        create(target, "new")
+    assert target.read_text(encoding="utf-8") == "θ" and [*tmp_path.iterdir()] == [target]
+
+
+def test_an_old_picture_goes_where_the_new_run_has_none(tmp_path):
+    for names in (("a.csv", "path.svg"), ("a.csv",)):
+        with delivery(tmp_path / "out", ("a.csv", "path.svg", "plot.svg")) as made:
+            for name in names:
+                (made / name).write_text("x")
+        (tmp_path / "out" / "mine.svg").write_text("mine")
+    assert {p.name for p in (tmp_path / "out").iterdir()} == {"a.csv", "mine.svg"}
+
+
+@pytest.mark.parametrize("name", ["a" * 300, "x\0y", "/dev/null/x", " "])
+def test_a_folder_that_cannot_be_is_refused_before_the_work(name):
+    with pytest.raises(DefinitionError):
+        wanted_folder(name)
+
+
+def _shell(line, **env):
+    return subprocess.run(
+        ["bash", "-c", line.replace("voronec", f"{sys.executable} -m voronec")],
+        env={**os.environ, **env}, capture_output=True, text=True,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("line", "status", "word"),
+    [
+        ("voronec cite sleigh >&-", 0, ""),
+        ("voronec cite nobody 2>&-", 2, ""),
+        ("voronec cite sleigh >/dev/full", 2, "No space left"),
+        ("voronec list | true", 0, ""),
+        ("mkdir gone; cd gone; rmdir ../gone; voronec new a-b", 2, "cannot be written"),
+    ],
+)
+def test_output_that_is_closed_or_full_is_no_traceback(line, status, word, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = _shell(line)
+    assert done.returncode == status and word in done.stderr
+    assert "Traceback" not in done.stderr and "ignored" not in done.stderr
+    assert len(done.stderr.splitlines()) <= 1
+
+
+def test_letters_that_a_terminal_lacks_are_written_by_their_number(tmp_path):
+    file = tmp_path / "x.py"
+    file.write_text(
+        "import sympy as sp, voronec as vo\nθ = sp.Symbol('θ')\n"
+        "SYSTEM = vo.System(name='s', fibration=vo.Fibration((θ,)), "
+        "lagrangian=vo.velocity(θ)**2)\n",
+        encoding="utf-8",
+    )
+    done = _shell(f"voronec derive {file}", PYTHONIOENCODING="ascii")
+    assert done.returncode == 0 and r"\u03b8" in done.stdout and not done.stderr
+
+
+def test_what_nobody_foresaw_is_one_line(monkeypatch, capsys):
+    def broken(_):
+        raise KeyError("two\nlines")
+
+    monkeypatch.setattr("voronec.cli.citation.execute", broken)
+    assert main(["cite", "sleigh"]) == 1
+    told = capsys.readouterr().err
+    assert told.startswith("voronec: a fault of voronec: KeyError in") and told.count("\n") == 1
+    monkeypatch.setenv("VORONEC_TRACEBACK", "1")
+    with pytest.raises(KeyError):
+        main(["cite", "sleigh"])
+
+
+def test_a_film_that_is_stopped_leaves_nothing(tmp_path):
+    """Killed while it draws: the next run clears away what is left."""
+    code = [sys.executable, "-c", KILLED.replace("os.kill(os.getpid(), signal.SIGKILL)",
+            "print(1, flush=True); import time; time.sleep(60)"), str(tmp_path)]  # fmt: skip
+    with subprocess.Popen(code, stdout=subprocess.PIPE) as work:
+        assert work.stdout is not None
+        work.stdout.readline()
+        with workshop(tmp_path):
+            assert len(list(tmp_path.iterdir())) == 2  # it lives, so it stays
+        os.kill(work.pid, signal.SIGKILL)
+        work.wait()
+    time.sleep(0.05)
+    with workshop(tmp_path):
+        assert len(list(tmp_path.iterdir())) == 1

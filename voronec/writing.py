@@ -1,0 +1,110 @@
+"""Files that appear whole or not at all, whatever ends the writing.
+
+What is written is a draft in a workshop, a hidden folder beside its place, and is moved there when
+it is done.  A workshop is locked by the process that writes in it, so that one whose process was
+killed is known, and goes when somebody next writes into the same folder.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from voronec.errors import DefinitionError
+
+__all__ = ["draft", "replace_file", "unwritable", "workshop"]
+
+PREFIX = ".voronec-"
+LOCK = "lock"
+FORGOTTEN = 60.0
+"""Seconds after which a workshop that nobody has locked is a leftover: locking takes none."""
+
+
+def unwritable(place: Path, error: OSError) -> DefinitionError:
+    """The error of a place that cannot be written."""
+    return DefinitionError(
+        f"'{place}' cannot be written: {error.strerror or error}; choose another place"
+    )
+
+
+@contextmanager
+def workshop(folder: Path) -> Iterator[Path]:
+    """An empty folder for drafts on the same disk as ``folder``, gone at the end."""
+    _sweep(folder)
+    made = Path(tempfile.mkdtemp(prefix=PREFIX, dir=folder))
+    lock = None
+    try:
+        lock = _locked(made / LOCK, os.O_CREAT)
+        drafts = made / "drafts"
+        drafts.mkdir()
+        yield drafts
+    finally:
+        shutil.rmtree(made, ignore_errors=True)
+        if lock is not None:
+            os.close(lock)
+
+
+@contextmanager
+def draft(path: Path) -> Iterator[Path]:
+    """A file of the same name to write, which takes the place of ``path`` when it is done.
+
+    ``DefinitionError`` where it cannot be written; what is there then stays as it was.
+    """
+    try:
+        with workshop(path.parent) as made:
+            yield made / path.name
+            os.replace(made / path.name, path)
+    except OSError as error:
+        raise unwritable(path, error) from None
+
+
+def replace_file(path: Path, content: str | bytes) -> None:
+    """Write a file; one that is there is replaced."""
+    with draft(path) as new:
+        new.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def _sweep(folder: Path) -> None:
+    """Remove the workshops of processes that were killed."""
+    with contextlib.suppress(OSError):
+        for old in folder.glob(f"{PREFIX}*"):
+            with contextlib.suppress(OSError):
+                if old.is_dir() and not old.is_symlink() and _is_left(old):
+                    shutil.rmtree(old, ignore_errors=True)
+
+
+def _is_left(old: Path) -> bool:
+    try:
+        lock = _locked(old / LOCK)
+    except BlockingIOError:
+        return False
+    except FileNotFoundError:
+        return time.time() - old.stat().st_mtime > FORGOTTEN
+    if lock is None:
+        return False
+    os.close(lock)
+    return True
+
+
+def _locked(path: Path, flags: int = 0) -> int | None:
+    """An open file that is locked until its process ends; None where there are no locks."""
+    try:
+        import fcntl
+    except ImportError:  # not on Windows
+        return None
+    file = os.open(path, os.O_RDWR | flags, 0o600)
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(file)
+        raise
+    except OSError:  # a file system without locks
+        os.close(file)
+        return None
+    return file
