@@ -55,9 +55,13 @@ def chaplygin(attitude: np.ndarray, omega: np.ndarray) -> np.ndarray:
     return np.linalg.solve(inertia - np.outer(normal, normal), known)
 
 
+@pytest.fixture(scope="module")
+def ball() -> vo.VoronecEquations:
+    return vo.derive(vo.load("chaplygin-ball"))
+
+
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])
-def test_angles_on_invariants_near_a_pole(method: str) -> None:
-    ball = vo.derive(vo.load("chaplygin-ball"))
+def test_angles_on_invariants_near_a_pole(ball: vo.VoronecEquations, method: str) -> None:
     start = {"theta": 1e-7, **{f"omega{i}": x for i, x in enumerate(SPIN, 1)}}
     times = np.linspace(0, 3, 31)
     motion = vo.integrate(
@@ -124,3 +128,103 @@ def test_a_motion_through_a_pole_says_so(method: str) -> None:
         assert motion["u"][-1] == pytest.approx(2)
         (note,) = motion.notes
         assert note.startswith("at t = 1 the motion passes through a pole of the coordinates")
+
+
+def matrices(motion: vo.Trajectory) -> np.ndarray:
+    """Attitudes (k, 3, 3) of a motion in Euler angles."""
+    return np.array(
+        [
+            euler(*angles)
+            for angles in zip(*(motion[x] for x in ("phi", "theta", "psi")), strict=True)
+        ]
+    )
+
+
+@pytest.mark.parametrize(
+    ("theta", "method", "end"),
+    [
+        (0.0, "heyoka", 3.0),
+        (0.0, "scipy", -3.0),
+        (1e-12, "scipy", 3.0),
+        (1e-7, "scipy", -3.0),
+        (-1e-5, "heyoka", -3.0),
+        (np.pi, "scipy", 3.0),
+        (1e-4 - np.pi, "scipy", 3.0),
+    ],
+)
+def test_a_ball_that_starts_at_a_pole(
+    ball: vo.VoronecEquations, theta: float, method: str, end: float
+) -> None:
+    start = {"phi": 0.3, "theta": theta, "psi": 0.2}
+    start |= {f"omega{i}": x for i, x in enumerate(SPIN, 1)}
+    times = np.linspace(0, end, 31)
+    truth, spins = turning(chaplygin, euler(0.3, theta, 0.2), SPIN, times)
+    motion = vo.integrate(ball, times=times, outputs=(), initial=start, method=method)
+    assert np.abs(matrices(motion) - truth).max() < 1e-11
+    assert max(np.abs(motion[f"omega{i + 1}"] - spins[:, i]).max() for i in range(3)) < 1e-11
+    assert motion["phi"][0] == 0.3 and motion["theta"][0] == theta and motion["psi"][0] == 0.2
+    # the same turns on two instants, and on many
+    ends = vo.integrate(ball, times=[0, end], outputs=("phi", "psi"), initial=start)
+    fine = vo.integrate(ball, times=np.linspace(0, end, 3001), outputs=(), initial=start)
+    for angle in ("phi", "psi"):
+        assert ends[angle][-1] == pytest.approx(motion[angle][-1], abs=1e-9)
+        assert fine[angle][-1] == pytest.approx(motion[angle][-1], abs=1e-9)
+    # phi and psi leave the pole as they can, but their sum or difference does not jump
+    upright = np.cos(theta) > 0
+    both = fine["phi"] + fine["psi"] if upright else fine["phi"] - fine["psi"]
+    assert np.abs(np.diff(both)).max() < 0.01
+
+
+def test_a_ball_that_comes_near_a_pole_on_its_way(ball: vo.VoronecEquations) -> None:
+    spins = [f"omega{i}" for i in (1, 2, 3)]
+    start = {"theta": 1e-6, **dict(zip(spins, SPIN, strict=True))}
+    back = vo.integrate(ball, times=[0, -2], outputs=(), initial=start)
+    begin = {x: back[x][-1] for x in ("phi", "theta", "psi", *spins)}
+    truth, _ = turning(
+        chaplygin, euler(begin["phi"], begin["theta"], begin["psi"]), [begin[w] for w in spins],
+        np.linspace(-2, 2, 9),
+    )  # fmt: skip
+    for method in ("heyoka", "scipy"):
+        motion = vo.integrate(
+            ball, times=np.linspace(-2, 2, 9), outputs=(), initial=begin, method=method
+        )
+        assert motion.cost.switches == 2
+        assert np.abs(matrices(motion) - truth).max() < 1e-10
+        again = vo.integrate(ball, times=[-2, 2], outputs=("phi",), initial=begin, method=method)
+        assert again["phi"][-1] == pytest.approx(motion["phi"][-1], abs=1e-9)
+
+
+def test_a_body_that_rests_upright_turns_about_its_axis(ball: vo.VoronecEquations) -> None:
+    start = {"theta": 0, "phi": 0.4, "omega1": 0, "omega2": 0, "omega3": 2}
+    motion = vo.integrate(ball, times=[0, 1, 2], initial=start, outputs=("configuration",))
+    assert motion["phi"] + motion["psi"] == pytest.approx([0.4, 2.4, 4.4])
+    assert np.abs(motion["theta"]).max() < 1e-12 and np.abs(motion["x"]).max() < 1e-12
+
+
+def test_a_body_without_a_frame_in_angles_of_another_sequence() -> None:
+    angles = sp.symbols("yaw pitch roll")
+    rotation = vo.kinematics.Rotation.euler("zyx", *angles)
+    moments = (sp.Rational(7, 5), sp.Rational(3, 2), sp.Rational(17, 10))
+    body = vo.System(
+        name="free-body",
+        fibration=vo.Fibration(base=angles),
+        lagrangian=vo.kinematics.kinetic_energy(0, (0, 0, 0), moments, rotation.body_rates),
+    )
+    inertia = np.array(moments, dtype=float)
+
+    def free(_: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        return np.cross(inertia * omega, omega) / inertia
+
+    matrix = sp.lambdify(angles, rotation.matrix)
+    at = (0.3, np.pi / 2 - 1e-5, 0.2)
+    rates = sp.lambdify((*angles, *map(vo.velocity, angles)), rotation.body_rates)
+    dots = (0.4, -0.7, 0.9)
+    spin = np.array(rates(*at, *dots), dtype=float).ravel()
+    times = np.linspace(0, 3, 13)
+    truth, _ = turning(free, np.array(matrix(*at), dtype=float), spin, times)
+    start = dict(zip(map(str, angles), at, strict=True))
+    start |= {str(vo.velocity(q)): x for q, x in zip(angles, dots, strict=True)}
+    motion = vo.integrate(body, times=times, initial=start, method="scipy")
+    found = np.array([matrix(*row) for row in zip(*(motion[str(q)] for q in angles), strict=True)])
+    assert motion.cost.switches >= 1
+    assert np.abs(found.reshape(-1, 3, 3) - truth).max() < 1e-9

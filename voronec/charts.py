@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["CHANGING", "Chart", "system_in"]
 
+_KEPT = "_in_charts"
+"""Where a system keeps itself in its charts."""
 CHANGING = ("lagrangian", "constraints", "forces", "frame")
 """What may read differently in another chart."""
 
@@ -44,6 +46,9 @@ class Chart:
         by default ``state`` itself, a map that is its own inverse.
     singular_there
         the same as ``singular`` for the chart; by default the same function of its coordinates.
+    twin
+        other values of the system's coordinates for the same state, where they cover states twice,
+        as Euler's angles do: {phi: phi + pi, theta: -theta, psi: psi - pi}.
     """
 
     state: Mapping[Any, Any]
@@ -51,12 +56,13 @@ class Chart:
     changes: Mapping[str, Any] = field(default_factory=dict)
     back: Mapping[Any, Any] = field(default_factory=dict)
     singular_there: Any = None
+    twin: Mapping[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         def store(name: str, value: Any) -> None:
             object.__setattr__(self, name, value)
 
-        for part in ("state", "back"):
+        for part in ("state", "back", "twin"):
             given = mapping(getattr(self, part), f"{part} of a chart", "variable: expression")
             read = {plain_name(k): expression(e, f"'{shown(k)}'") for k, e in given.items()}
             store(part, mapping(read, part, "variable: expression"))
@@ -75,9 +81,10 @@ class Chart:
                     f"a chart changes '{shown(name)}'; it may change {', '.join(CHANGING)}"
                 )
 
-    def values(self, system: System, back: bool = False) -> dict[sp.Expr, sp.Expr]:
-        """Every variable of the chart as a function of the system's, or the other way round."""
-        given = self.back if back else self.state
+    def values(self, system: System, part: str = "state") -> dict[sp.Expr, sp.Expr]:
+        """Every variable of the chart as a function of the system's; with ``back`` the other way
+        round, and with ``twin`` from the system's to the system's."""
+        given = getattr(self, part)
         dots = {velocity(q): q for q in system.coordinates}
         found = {}
         for x in (*system.coordinates, *system.velocities):
@@ -92,7 +99,15 @@ class Chart:
 
 
 def system_in(system: System, name: str) -> System:
-    """A system in one of its charts, without its claims and scenes."""
+    """A system in one of its charts, without its claims and scenes; made once, as its equations
+    are."""
+    known: dict[str, System] = system.__dict__.setdefault(_KEPT, {})
+    if name not in known:
+        known[name] = _system_in(system, name)
+    return known[name]
+
+
+def _system_in(system: System, name: str) -> System:
     chart = system.charts[name]
     return replace(
         system,

@@ -171,7 +171,7 @@ def check_charts(system: System) -> None:
         for key in {*chart.state, *chart.back} - {*names}:
             wrong = f"{place} maps '{key}', which is no coordinate or velocity"
             raise DefinitionError(wrong + did_you_mean(key, names))
-        for expr in (*chart.state.values(), *chart.back.values()):
+        for expr in (*chart.state.values(), *chart.back.values(), *chart.twin.values()):
             require_known(place, expr, {*system.known_symbols()} - {time})
         for expr in (chart.singular, chart.singular_there):
             require_known(f"{place}: singular", expr, resting)

@@ -29,9 +29,15 @@ NEAR, CLEAR = se.Rational(1, 50), se.Rational(1, 25)
 as much as about a hundred steps of Taylor's method, and these are what a passage so near takes."""
 GOOD = 0.25
 """So far from a singularity a chart that is ready is good enough."""
+DIFFERENCE = 1e-5
+"""Of coordinates, in slopes of maps between charts."""
 LEAVE, RETURN = "the chart becomes singular", "the own chart is regular again"
 SIDE = "quadrant of an angle "
 """Begins the names of events at which an angle comes from one quadrant into another."""
+
+
+Home = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Times (k,) and states (k, n) to states of the own chart."""
 
 
 @dataclass
@@ -51,14 +57,16 @@ class Place:
     """One chart, ready to be integrated in.
 
     ``stepper`` begins at what ``problem.start`` holds when it is called; ``home`` takes times (k,)
-    and states (k, n) to states of the own chart.
+    and states (k, n) to states of the own chart, and ``twin`` takes these to others that are the
+    same.
     """
 
     name: str
     problem: Problem
     stepper: Stepper
     chosen: Mapping[str, Any]
-    home: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    home: Home
+    twin: Home
 
     def run(self, state: np.ndarray, times: np.ndarray) -> Run:
         """The motion from a state on."""
@@ -116,6 +124,23 @@ class Atlas:
         size = abs(float(self._distances[name](time, state)[0]))
         return size if np.isfinite(size) else 0.0
 
+    def blind(self, name: str, time: Any, state: np.ndarray) -> np.ndarray:
+        """The direction (n,) in which the own coordinates at their singularity may change while a
+        chart sees the same state: the null vector of its map, by differences; largest entry 1."""
+        columns = []
+        for i in range(len(state)):
+            shift = np.eye(len(state))[i] * DIFFERENCE
+            ahead, behind = (self._maps[name](time, state + s * shift) for s in (1, -1))
+            columns.append(self.without_turns(ahead - behind) / (2 * DIFFERENCE))
+        _, _, rows = np.linalg.svd(np.array(columns).T)
+        found = np.where(self.angles, np.round(rows[-1] / np.abs(rows[-1]).max(), 6), 0)
+        return np.asarray(found)
+
+    def without_turns(self, steps: np.ndarray) -> np.ndarray:
+        """Steps (..., n) between states, those of angles without whole turns."""
+        turns = 2 * np.pi * np.rint(steps / (2 * np.pi))
+        return np.where(self.angles, steps - turns, steps)
+
     def place(self, name: str) -> Place:
         """A chart, ready to be integrated in."""
         if name not in self._places:
@@ -142,7 +167,7 @@ class Atlas:
             coarse=frozenset({LEAVE}),
         )
         made = choose(self.method, problem, self.grid)
-        return Place(HOME, problem, *made, lambda _, rows: rows)
+        return Place(HOME, problem, *made, _as_they_are, _as_they_are)
 
     def _other(self, name: str) -> Place:
         chart, given = next(c for c in self.charts if c.name == name), self.problem
@@ -164,16 +189,17 @@ class Atlas:
             coarse=frozenset({LEAVE, RETURN}),
         )
         made = choose(self.place(HOME).chosen["method"], problem, self.grid)
-        return Place(name, problem, *made, self._rows(chart))
+        twin = self._rows(self.form, chart.twin) if chart.doubled else _as_they_are
+        return Place(name, problem, *made, self._rows(chart.form, chart.back), twin)
 
     def _end(self, name: str, direction: int) -> Event:
         """The end of a stretch; the direction is that along the run, which may go backwards."""
         order = 1 if self.grid[-1] >= self.grid[0] else -1
         return Event(name, name, direction * order, stop=True)
 
-    def _rows(self, chart: KeptChart) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-        """The way home from a chart, for many states."""
-        program = quantities(chart.form, {str(x): e for x, e in chart.back.items()})
+    def _rows(self, form: FirstOrderForm, images: Mapping[Any, Any]) -> Home:
+        """A map to the own chart, for many states of a form."""
+        program = quantities(form, {str(x): e for x, e in images.items()})
         values, (_, extras) = self._values(program), compiled(program)
 
         def home(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -215,6 +241,10 @@ class Atlas:
         names = map(str, self.problem.program.parameters)
         given = dict(zip(names, self.problem.parameters, strict=True))
         return [float(given[str(p)]) for p in program.parameters]
+
+
+def _as_they_are(_: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    return rows
 
 
 def _beyond(function: Any, size: Any) -> Any:

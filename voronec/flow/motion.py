@@ -16,6 +16,7 @@ import numpy as np
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.text import sympified
+from voronec.attitudes import with_attitude_charts
 from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.flow.attempts import first_success, other_method
@@ -24,10 +25,11 @@ from voronec.flow.given import Given, grid_of, outputs_of, scene_of
 from voronec.flow.modelling import Modelled, modelled, whole
 from voronec.flow.observing import Watch, followed, observed
 from voronec.flow.outset import Outset
+from voronec.flow.poles import NearPole, PoleGuard
 from voronec.flow.steppers import Problem, Run
 from voronec.flow.steppers.choice import CLOSED
 from voronec.flow.trajectory import Cost, Trajectory
-from voronec.flow.traverse import through_charts
+from voronec.flow.traverse import is_exact, through_charts
 from voronec.flow.vocabulary import Vocabulary
 from voronec.program import Program
 from voronec.program.digits import precision
@@ -131,7 +133,10 @@ def integrate(
         vocabulary, asked, functions, happenings, outset, grid, tol, dense, progress, followed,
         method, began,
     )  # fmt: skip
-    ways = (request.in_smallest, request.otherwise, request.on_coordinates)
+    ways = (
+        request.in_smallest, request.beyond_poles, request.past_poles, request.otherwise,
+        request.on_coordinates,
+    )  # fmt: skip
     return first_success(ways, float(grid[0]))
 
 
@@ -156,8 +161,22 @@ class _Request:
     began: float
 
     def in_smallest(self, _: IntegrationError | None) -> Trajectory:
-        """By the method asked for, in the smallest model."""
-        return self._in_smallest(self.method)
+        """By the method asked for, in the smallest model, as far as no pole of angles is near."""
+        return self._in_smallest(self.method, guarded=True)
+
+    def beyond_poles(self, error: IntegrationError | None) -> Trajectory | None:
+        """In charts that are regular at the poles of Euler's angles, where these can be made."""
+        own = self.vocabulary.equations
+        charted = with_attitude_charts(own) if isinstance(error, NearPole) else None
+        if charted is None:
+            return None
+        there = replace(self, vocabulary=Vocabulary.of(charted))
+        made = whole(there.vocabulary, self.outputs, self.functions)
+        return replace(there._moved(made, self.method), system=own.system)
+
+    def past_poles(self, error: IntegrationError | None) -> Trajectory | None:
+        """In the own coordinates after all, where nothing better is to be had."""
+        return self._in_smallest(self.method) if isinstance(error, NearPole) else None
 
     def otherwise(self, error: IntegrationError | None) -> Trajectory | None:
         """By another method, where the choice is ours."""
@@ -185,23 +204,30 @@ class _Request:
             float(self.grid[0]), followed,
         )  # fmt: skip
 
-    def _in_smallest(self, method: str) -> Trajectory:
+    def _in_smallest(self, method: str, guarded: bool = False) -> Trajectory:
         made, grid = self.smallest, self.grid
         # where a grid is too coarse to tell branches of angles apart, its beginning mostly says so
         for part in (grid[: len(grid) // 50 + 2], grid) if made.watch.branches else (grid,):
-            trajectory = self._moved(made, method, part)
+            trajectory = self._moved(made, method, part, guarded)
             told = _told_apart(trajectory, made)
             if trajectory.interrupted or (told and part is grid):
                 return trajectory
             if not told:
                 break
-        return self._moved(self._modelled(True), method)
+        return self._moved(self._modelled(True), method, guarded=guarded)
 
-    def _moved(self, made: Modelled, method: str, times: np.ndarray | None = None) -> Trajectory:
+    def _moved(
+        self,
+        made: Modelled,
+        method: str,
+        times: np.ndarray | None = None,
+        guarded: bool = False,
+    ) -> Trajectory:
         whole_way = times is None or times is self.grid
         job = _Job(
             self.vocabulary, made, self.outset, self.grid if times is None else times, self.tol,
             self.events, self.dense, self.progress if whole_way else None,
+            guarded and not is_exact(method, self.tol),
         )  # fmt: skip
         return job.trajectory(method, self.began)
 
@@ -228,23 +254,29 @@ class _Job:
     events: tuple[Event, ...]
     dense: bool
     progress: Callable[[float], Any] | None
+    guarded: bool = False
 
     def trajectory(self, method: str, began: float) -> Trajectory:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
         made, outset, time = self.made, self.outset, float(self.grid[0])
         state, values = made.place(outset.state, outset.constants, time)
         probe = made.probe(self.vocabulary.equations.system.name, values, time)
+        guard = self._guard()
+        if guard is not None:
+            guard.check(state, values, time)
         if not (made.model is None and self.vocabulary.equations.system.charts):
             probe.check(state)
         problem = Problem(
             made.program, state, values, self.tol, self.events, made.event_program, self.dense,
             probe.suspect(state), self.progress, self._exact,
         )  # fmt: skip
+        problem = problem if guard is None else guard.watching(problem, self.grid)
         stepper, chosen = through_charts(
             method, problem, self.grid, self.vocabulary.equations, made.event_functions, made.form
         )
         ready, busy = perf_counter(), process_time()
         run = stepper(self.grid)
+        run = run if guard is None else guard.passed(run)
         cost = Cost(
             **chosen, setup=ready - began + run.prepared,
             run=perf_counter() - ready - run.prepared, cpu=process_time() - busy,
@@ -260,6 +292,16 @@ class _Job:
         if run.halt is not None:
             raise probe.failure(state, run.halt, trajectory)
         return trajectory
+
+    def _guard(self) -> PoleGuard | None:
+        """What watches the poles of Euler's angles, where the model is singular there."""
+        if not self.guarded:
+            return None
+        outset = self.outset
+        return PoleGuard.of(
+            self.vocabulary.equations, self.made, outset.state, outset.constants,
+            float(self.grid[0]),
+        )  # fmt: skip
 
     def _bits(self, states: np.ndarray) -> int:
         """The precision of states, at least that of the tolerance: some numbers are short."""

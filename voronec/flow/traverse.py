@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voronec.equations import VoronecEquations
-from voronec.flow.atlas import HOME, LEAVE, RETURN, SIDE, Atlas, Place
+from voronec.flow.atlas import HOME, LEAVE, RETURN, SIDE, Atlas, Home, Place
 from voronec.flow.charts import kept_charts
 from voronec.flow.steppers import Halt, Problem, Run, Stepper, choose, guarded
 from voronec.flow.steppers.choice import EXACT
@@ -17,10 +17,14 @@ from voronec.flow.steppers.choice import EXACT
 if TYPE_CHECKING:
     from voronec.derivation import FirstOrderForm
 
-__all__ = ["through_charts"]
+__all__ = ["is_exact", "through_charts"]
 
 TOUCH = 1e-12
 """So near to a singularity, doubles do not tell on which side of it a motion passes."""
+APART = 1e-9
+"""A start nearer to a singularity is one on it: its angles there are known too badly."""
+SOON = 1e-7
+"""A motion that sets out from a singularity is looked at after this part of its span."""
 
 
 def through_charts(
@@ -40,14 +44,18 @@ def through_charts(
     precision: the maps are made for doubles, and there steps may be as short as they like.
     """
     form = form or equations.form
-    exact = method == "flint" or (method == "auto" and problem.tol < EXACT)
-    charts = () if exact else kept_charts(equations, form)
+    charts = () if is_exact(method, problem.tol) else kept_charts(equations, form)
     if not charts:
         stepper, chosen = choose(method, problem, grid)
         return lambda times: guarded(stepper(times), problem), chosen
     atlas = Atlas(method, problem, grid, form, charts, functions)
     own = atlas.place(HOME)
     return lambda times: _Journey(atlas, times).run(), dict(own.chosen)
+
+
+def is_exact(method: str, tol: float) -> bool:
+    """Whether a run is in high precision."""
+    return method == "flint" or (method == "auto" and tol < EXACT)
 
 
 @dataclass(frozen=True)
@@ -125,6 +133,8 @@ class _Journey:
         """Go on in a chart until it ends, or the grid does."""
         place = self.atlas.place(name)
         times = np.concatenate([[time], self.grid[self.done :]])
+        if name != HOME and self.atlas.distances(times[:1], self.last[None, :])[0] < APART:
+            times = np.insert(times, 1, time + SOON * (self.grid[-1] - self.grid[0]))
         if self.atlas.progress is not None:
             whole = self.grid[-1] - self.grid[0]
             self.atlas.progress.done = float((time - self.grid[0]) / whole)
@@ -139,14 +149,17 @@ class _Journey:
         """Enter a stretch: points of the grid, crossings, dense output."""
         angles, own = self.atlas.angles, place.name == HOME
         times, rows = part.t, part.states
+        home = place.home
         if not own:
             times, rows = self.with_sides(part)
-            rows = followed(place.home(times, rows), self.last, angles)
+            home = self.on_this_side(place, times[0], rows[0])
+            rows = self.beside_pole(place, times, home(times, rows))
             rows[0] = self.last
+            rows = followed(rows, self.last, angles)
             self.look(times, rows)
         inside = part.inside
-        home = None if inside is None else lambda t: place.home(t, inside(t))
-        stretch = _Stretch(times, rows, angles, home)
+        sampled = None if inside is None else lambda t: home(t, inside(t))
+        stretch = _Stretch(times, rows, angles, sampled)
         ahead = self.order * self.grid[self.done :]
         count = int(np.searchsorted(ahead, self.order * times[-1], side="right"))
         self.rows.append(rows[np.searchsorted(self.order * times, ahead[:count])])
@@ -155,10 +168,40 @@ class _Journey:
         self.standing = times[-1], self.last
         for event in self.atlas.problem.events:
             t, states = part.crossings[event.name]
-            found = states if own else stretch.branched(t, place.home(t, states))
+            found = states if own else stretch.branched(t, home(t, states))
             self.crossings.setdefault(event.name, []).append((t, found))
         if self.atlas.problem.dense:
             self.stretches.append(stretch)
+
+    def on_this_side(self, place: Place, time: Any, state: np.ndarray) -> Home:
+        """The way home from a chart; of coordinates that give states twice, on the side on which
+        the run has been."""
+        here, now = np.array([time]), place.home(np.array([time]), state[None, :])
+        off = [
+            np.abs(self.atlas.without_turns(rows[0] - self.last)).max()
+            for rows in (now, place.twin(here, now))
+        ]
+        if self.atlas.distances(here, self.last[None, :])[0] < APART or not off[1] < off[0]:
+            return place.home
+        return lambda t, rows: place.twin(t, place.home(t, rows))
+
+    def beside_pole(self, place: Place, times: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """States at home, where a stretch sets out from a pole, or stays there, as if it had come
+        there as it leaves: there one angle of two is free, and stays as it was."""
+        begin = self.last[None, :]
+        if self.atlas.distances(times[:1], begin)[0] >= APART:
+            return rows
+        free = self.atlas.blind(place.name, times[0], self.last)
+        which = int(np.argmax(np.abs(free)))
+        there = self.atlas.distances(times, rows) < TOUCH
+        there[0] = True
+        gap = (self.last[which] - rows[:, which]) / free[which]
+        rows = np.where(there[:, None], rows + gap[:, None] * free, rows)
+        left = np.flatnonzero(~there)
+        if len(left):
+            ahead = self.atlas.without_turns(rows[left[0]] - self.last)[which] / free[which]
+            self.last = np.where(self.atlas.angles, self.last + ahead * free, self.last)
+        return rows
 
     def with_sides(self, part: Run) -> tuple[np.ndarray, np.ndarray]:
         """Times and states of a stretch, with all instants at which an angle of the own chart
@@ -176,8 +219,8 @@ class _Journey:
         """Note where a stretch passes through a singularity of the own chart, not where it sets
         out from one."""
         there = self.atlas.distances(times, rows) < TOUCH
-        there[0] = False
         begins = there & ~np.roll(there, 1)
+        begins[0] = False
         self.touched += times[begins].tolist()
 
     @property

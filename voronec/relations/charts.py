@@ -79,7 +79,7 @@ def _inverse(motions: Motions, chart: Chart) -> Verdict:
     there = {read[x]: field.read(e) for x, e in chart.values(system).items()}
     angles = Angles(field.relations, _factors(field.read(chart.singular)))
     residuals = []
-    for x, e in chart.values(system, back=True).items():
+    for x, e in chart.values(system, "back").items():
         off = field.read(e).xreplace(there) - read[x]
         label, off = plain_name(x), angles.resolved(off)
         if off.atoms(se.atan2):
