@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -12,6 +14,7 @@ import voronec as vo
 # -- equal to the full model -----------------------------------------------------------------------
 
 CASES = [
+    ("ball-on-paraboloid", ("r", "phi")),
     ("ball-on-sphere", ("u", "v")),
     ("ball-on-sphere", ("v1", "energy")),
     ("ball-on-turntable-in-time", ("x",)),
@@ -78,6 +81,22 @@ def test_the_heading_of_a_sleigh_needs_no_place() -> None:
     assert kinds(model) == {
         "x": "dropped", "y": "dropped", "phi": "quadrature", "v": "integrated", "w": "integrated",
     }  # fmt: skip
+
+
+def test_an_angle_that_large_equations_hold_in_vain_is_not_kept() -> None:
+    ball = vo.load("ball-on-paraboloid")
+    R, c, r, phi, alpha = map(sp.Symbol, "R c r phi alpha".split())
+    slopes = [e.subs(sp.Symbol("s"), 0) for e in ball.constraints]
+    spin = ball.frame.expressions[2]
+    along = [(slopes[0] + sp.sqrt(1 + c**2 * r**2) * vo.velocity(r)) / R,
+             (slopes[1] - r * vo.velocity(phi)) / R]  # fmt: skip
+    frame = vo.Frame.quasi(dict(zip(sp.symbols("o1:4"), (*along, spin), strict=True)))
+    rolling = replace(ball, frame=frame, integrals={}, equations={}, essential=(), scenes={})
+    equations = vo.derive(rolling)
+    held = set().union(*(e.free_symbols for e in equations.raw.form.force))
+    assert str(alpha) in {str(s) for s in held}  # written in the straight-line form, in vain
+    model = vo.explain(equations, outputs=("r", "phi"))
+    assert names(model) == {"r", "phi", "o1", "o2", "o3"}
 
 
 def test_constant_rates_and_a_circle_leave_one_quadrature() -> None:

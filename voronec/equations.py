@@ -13,11 +13,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import flint
 import sympy as sp
 
 from voronec.algebra.door import Door
+from voronec.algebra.points import sample_evaluable
 from voronec.algebra.shape import operations
 from voronec.algebra.symbols import velocity
+from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import all_vanish
 from voronec.curvature import (
     Brackets,
@@ -42,7 +45,10 @@ SHORT = 1500
 """Normal forms that cost no more operations are taken without looking for a shorter form."""
 LARGE = 2000
 """Where there are no invariants to descend to and the raw form costs more operations than this,
-normal forms are not tried for numbers: they would take seconds and come out longer."""
+normal forms are not tried for numbers: they would take seconds and come out longer; unless it
+seems to hold coordinates in vain, which only a normal form proves."""
+BITS = 160
+"""The precision in which it is seen whether a coordinate is held in vain."""
 
 __all__ = ["Brackets", "Curvature", "VoronecEquations", "derive"]
 
@@ -98,7 +104,10 @@ class VoronecEquations:
     @cached_property
     def is_large(self) -> bool:
         """Whether numbers are better computed from the straight-line form."""
-        return not self.system.invariants and _cost(self.raw.form) > LARGE
+        if self.system.invariants or _cost(self.raw.form) <= LARGE:
+            return False
+        short = _holds_in_vain(self.raw.form) and self.in_normal_form
+        return not (short and _cost(self.exact.form) <= SHORT)
 
     @cached_property
     def form(self) -> FirstOrderForm:
@@ -264,6 +273,21 @@ def _cost(form: FirstOrderForm) -> int:
     """The operations of a first-order form, shared subexpressions counted once."""
     rows = [e for row in form.mass for e in row]
     return operations([*(e for _, e in form.stages), *form.rates, *form.force, *rows])
+
+
+def _holds_in_vain(form: FirstOrderForm) -> bool:
+    """Whether mass and force seem not to depend on a coordinate that is written in them: they are
+    the same, to many digits, where it is moved."""
+    if form.relations:
+        return False
+    tape = Tape([*form.force, *(e for row in form.mass for e in row)])
+    for point, values in sample_evaluable(tape, bits=BITS, count=1):
+        for q in form.coordinates:
+            if q in point:
+                moved = tape.arb({**point, q: point[q] + flint.fmpq(1, 7)}, BITS)
+                if all(a.overlaps(b) for a, b in zip(values, moved, strict=True)):
+                    return True
+    return False
 
 
 def derive(system: System) -> VoronecEquations:

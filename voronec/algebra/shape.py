@@ -8,6 +8,7 @@ from typing import Any
 import flint
 import symengine as se
 
+from voronec.algebra.differences import in_differences
 from voronec.algebra.field import Fraction
 from voronec.algebra.ring import Monomial, Ring, sparse_terms
 
@@ -115,6 +116,15 @@ def _sum(ring: Ring, terms: Terms) -> Any:
 
 
 def _best(ring: Ring, poly: Any) -> Any:
+    """The cheapest form in the angles as they are, or in their differences where these suffice."""
+    turned = list(in_differences(ring, poly))
+    forms = [_in_angles(ring, t.poly).xreplace(t.meaning(ring)) for t in turned]
+    if not any(2 * len(t.poly) < len(poly) for t in turned):
+        forms.insert(0, _in_angles(ring, poly))
+    return min(forms, key=_cost)
+
+
+def _in_angles(ring: Ring, poly: Any) -> Any:
     """The cheapest of: expanded, factored, nested; each with c**2 or s**2 eliminated."""
     best = None
     for sine, cosine in ring.angle_indices():

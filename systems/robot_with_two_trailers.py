@@ -1,0 +1,102 @@
+"""A robot with two trailers: three axles in a row, none of which slips sideways.
+
+The robot's axle is at (x, y) and heads along theta0; each trailer is hitched to the middle of the
+axle before it by a bar of length l1, l2, and heads along theta1, theta2.  Every body has its mass
+in the middle of its axle and a moment of inertia about it.  With the robot's speed v and its rate
+of turning w, and alpha = theta0 - theta1, beta = theta1 - theta2,
+
+    w' = 0,    l1 theta1' = v sin(alpha),    l2 theta2' = v cos(alpha) sin(beta),
+
+and v^2 times the mass that is to be moved along,
+
+    m0 + J1 sin(alpha)^2/l1^2 + cos(alpha)^2 (m1 + J2 sin(beta)^2/l2^2 + m2 cos(beta)^2),
+
+is constant: only differences of the headings matter [Laumond1993].
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from voronec import Case, Equation, Fibration, Frame, Parameter, Scene, System, velocity
+
+x, y = sp.symbols("x y")
+headings = theta0, theta1, theta2 = sp.symbols("theta0:3")
+v, w = sp.symbols("v w")
+masses = m0, m1, m2 = sp.symbols("m0:3")
+moments = J0, J1, J2 = sp.symbols("J0:3")
+bars = l1, l2 = sp.symbols("l1:3")
+
+kinetic = sp.Integer(0)
+constraints = []
+pace = [velocity(x), velocity(y)]  # of the middle of an axle, from the first to the last
+for body, heading in enumerate(headings):
+    turning = velocity(heading)
+    if body:
+        pace[0] += bars[body - 1] * turning * sp.sin(heading)
+        pace[1] -= bars[body - 1] * turning * sp.cos(heading)
+    kinetic += (masses[body] * (pace[0] ** 2 + pace[1] ** 2) + moments[body] * turning**2) / 2
+    constraints.append(pace[0] * sp.sin(heading) - pace[1] * sp.cos(heading))
+
+alpha, beta = theta0 - theta1, theta1 - theta2
+moved = m0 + J1 * sp.sin(alpha) ** 2 / l1**2
+moved += sp.cos(alpha) ** 2 * (m1 + J2 * sp.sin(beta) ** 2 / l2**2 + m2 * sp.cos(beta) ** 2)
+
+SYSTEM = System(
+    name="robot-with-two-trailers",
+    title="Robot with two trailers",
+    description="A robot on an axle that does not slip sideways pulls two trailers, each hitched "
+    "to the middle of the axle before it.",
+    fibration=Fibration(base=(x, theta0), fibre=(y, theta1, theta2)),
+    frame=Frame.quasi(
+        {
+            v: velocity(x) * sp.cos(theta0) + velocity(y) * sp.sin(theta0),
+            w: velocity(theta0),
+        }
+    ),
+    lagrangian=kinetic,
+    constraints=tuple(constraints),
+    parameters=(
+        Parameter(m0, 1, positive=True, meaning="mass of the robot"),
+        Parameter(m1, sp.Rational(1, 2), lower=0, meaning="mass of the first trailer"),
+        Parameter(m2, sp.Rational(1, 2), lower=0, meaning="mass of the second trailer"),
+        Parameter(J0, sp.Rational(1, 5), positive=True, meaning="inertia of the robot"),
+        Parameter(J1, sp.Rational(1, 10), lower=0, meaning="inertia of the first trailer"),
+        Parameter(J2, sp.Rational(1, 10), lower=0, meaning="inertia of the second trailer"),
+        Parameter(l1, 1, positive=True, meaning="length of the first bar"),
+        Parameter(l2, 1, positive=True, meaning="length of the second bar"),
+    ),
+    integrals={"energy": kinetic, "turning": w, "way": moved * v**2},
+    equations={
+        "first hitch": Equation(l1 * alpha, l1 * w - v * sp.sin(alpha)),
+        "second hitch": Equation(
+            l1 * l2 * beta, v * (l2 * sp.sin(alpha) - l1 * sp.cos(alpha) * sp.sin(beta))
+        ),
+    },
+    essential=(theta0, theta1, theta2, v, w),
+    cases={
+        "light trailers": Case(
+            parameters={m1: 0, m2: 0, J1: 0, J2: 0},
+            integrals={
+                "speed": v,
+                "centre of the circle, x": x * w - v * sp.sin(theta0),
+                "centre of the circle, y": y * w + v * sp.cos(theta0),
+            },
+            note="The robot goes round as if it were alone.",
+        ),
+    },
+    scenes={
+        "default": Scene(
+            initial={
+                theta1: sp.Rational(-1, 2),
+                theta2: sp.Rational(-3, 2),
+                v: 1,
+                w: sp.Rational(3, 5),
+            },
+            times=(0.0, 20.0),
+            outputs=(x, y, theta0, theta1, theta2, v),
+            caption="The trailers fall in line, and the three of them run round one centre.",
+        ),
+    },
+    references=("Laumond1993", "NeimarkFufaev1972"),
+)

@@ -1,0 +1,83 @@
+"""The roller racer: a seat and a handle on one pair of wheels each, joined by a hinge.
+
+The seat's axle is at (x, y) and heads along theta; the hinge is at the distance ``a`` before it.
+The handle is turned by phi against the seat, and its axle is at the distance b beyond the hinge.
+Neither axle slips sideways; the handle's mass is neglected against its moment of inertia.  With the
+speed v of the seat and its rate of turning w
+
+    b phi' = v sin(phi) - (a cos(phi) + b) w,
+
+and the handle turns, against the ground, by u/b, u = v sin(phi) - a w cos(phi).  With the rider's
+hands off the handle it goes over into a steady run round a circle
+[KrishnaprasadTsakiris2001, Bizyaev2017].  Speed and turning are a frame everywhere; the speed and
+the handle's rate, which is what a rider moves, are none where a cos(phi) + b = 0.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from voronec import Case, Equation, Fibration, Frame, Parameter, Scene, System, velocity
+
+x, y, theta, phi = sp.symbols("x y theta phi")
+v, w = sp.symbols("v w")
+m, I1, I2, a, b = sp.symbols("m I1 I2 a b")
+Dx, Dy, Dtheta, Dphi = map(velocity, (x, y, theta, phi))
+
+handle = Dtheta + Dphi
+# The hinge's velocity.
+hinge = (Dx - a * Dtheta * sp.sin(theta), Dy + a * Dtheta * sp.cos(theta))
+kinetic = (m * (Dx**2 + Dy**2) + I1 * Dtheta**2 + I2 * handle**2) / 2
+u = v * sp.sin(phi) - a * w * sp.cos(phi)
+
+SYSTEM = System(
+    name="roller-racer",
+    title="Roller racer",
+    description="Two bodies on an axle each, which do not slip sideways, are joined by a hinge.",
+    fibration=Fibration(base=(x, theta), fibre=(y, phi)),
+    frame=Frame.quasi({v: Dx * sp.cos(theta) + Dy * sp.sin(theta), w: Dtheta}),
+    lagrangian=kinetic,
+    constraints=(
+        Dx * sp.sin(theta) - Dy * sp.cos(theta),
+        hinge[1] * sp.cos(theta + phi) - hinge[0] * sp.sin(theta + phi) + b * handle,
+    ),
+    parameters=(
+        Parameter(m, 1, positive=True, meaning="mass"),
+        Parameter(I1, 1, positive=True, meaning="inertia of the seat"),
+        Parameter(I2, sp.Rational(1, 5), lower=0, meaning="inertia of the handle"),
+        Parameter(a, 1, meaning="from the seat's axle to the hinge"),
+        Parameter(b, sp.Rational(3, 10), meaning="from the hinge to the handle's axle"),
+    ),
+    invariants={"sine": sp.sin(phi), "cosine": sp.cos(phi)},
+    integrals={"energy": kinetic},
+    equations={
+        "handle": Equation(b * phi, v * sp.sin(phi) - (a * sp.cos(phi) + b) * w),
+    },
+    essential=(phi, v, w),
+    cases={
+        "hinge on the axle": Case(
+            parameters={a: 0},
+            integrals={"turning": w, "way": (m * b**2 + I2 * sp.sin(phi) ** 2) * v**2},
+            note="A robot with one trailer.",
+        ),
+        "light handle": Case(
+            parameters={I2: 0},
+            integrals={
+                "speed": v,
+                "turning": w,
+                "centre of the circle, x": x * w - v * sp.sin(theta),
+                "centre of the circle, y": y * w + v * sp.cos(theta),
+            },
+            note="The seat goes round as if it were alone.",
+        ),
+    },
+    scenes={
+        "default": Scene(
+            initial={phi: sp.Rational(1, 2), v: 1},
+            times=(0.0, 20.0),
+            outputs=(x, y, theta, phi, v, w),
+            caption="The handle folds back, and the racer goes over into a run round a circle.",
+        ),
+    },
+    references=("KrishnaprasadTsakiris2001", "Bizyaev2017"),
+)
