@@ -43,6 +43,14 @@ class Modelled:
         """The variables in which the model stands."""
         return "coordinates" if self.model is None else self.model.level
 
+    @property
+    def relations(self) -> tuple[Any, ...]:
+        """What vanishes along every motion, by the meaning of the model's variables."""
+        if self.model is None:
+            return ()
+        known = {*self.program.state, *self.program.parameters, self.program.time}
+        return tuple(r for r in self.model.cut.relations if r.free_symbols <= known)
+
     @cached_property
     def event_program(self) -> Program | None:
         """Computes the functions of events; None where there are none."""

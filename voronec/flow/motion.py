@@ -26,6 +26,7 @@ from voronec.flow.modelling import Modelled, modelled, whole
 from voronec.flow.observing import Watch, followed, observed
 from voronec.flow.outset import Outset
 from voronec.flow.poles import NearPole, PoleGuard
+from voronec.flow.soundness import Breach, Judge
 from voronec.flow.steppers import Problem, Run
 from voronec.flow.steppers.choice import CLOSED
 from voronec.flow.trajectory import Cost, Trajectory
@@ -288,10 +289,34 @@ class _Job:
         else:
             constants = {**outset.constants, **made.constants(values)}
         sight = _Sight(self.vocabulary, made.watch, made.program, constants, cost, bits)
-        trajectory = replace(sight.trajectory(run), notes=outset.notes + run.notes)
+        told = outset.notes + run.notes
+        trajectory = replace(sight.trajectory(run), notes=told)
+        breach, notes = self.judged(trajectory, run, values)
+        if breach is not None:
+            run = run.until(breach.row, breach.what)
+            trajectory = replace(sight.trajectory(run), notes=told)
         if run.halt is not None:
             raise probe.failure(state, run.halt, trajectory)
-        return trajectory
+        return replace(trajectory, notes=(*told, *notes))
+
+    def judged(
+        self, trajectory: Trajectory, run: Run, values: Sequence[Any]
+    ) -> tuple[Breach | None, tuple[str, ...]]:
+        """What went wrong with a run that came to its end, if anything did, and notes."""
+        made, equations = self.made, self.vocabulary.equations
+        watch = made.watch
+        judge = Judge(
+            equations, made.program, [float(x) for x in values], trajectory.cost.tolerance,
+            run.steps, {n: (key, watch.sizes[n]) for n, key in watch.integrals.items()},
+            watch.relations, made.relations,
+        )  # fmt: skip
+        t, states = run.t.astype(float), run.states.astype(float)
+        breach, notes = judge.breach(t, states)
+        own = [str(x) for x in (*equations.raw.form.coordinates, *equations.raw.form.velocities)]
+        if breach is None and list(trajectory.names) == own:
+            states = trajectory.state.astype(float)
+            breach = judge.original(t, states, self.outset.constants)
+        return breach, notes
 
     def _guard(self) -> PoleGuard | None:
         """What watches the poles of Euler's angles, where the model is singular there."""

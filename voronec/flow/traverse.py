@@ -13,6 +13,7 @@ from voronec.flow.atlas import HOME, LEAVE, RETURN, SIDE, Atlas, Home, Place
 from voronec.flow.charts import kept_charts
 from voronec.flow.steppers import Halt, Problem, Run, Stepper, choose, guarded
 from voronec.flow.steppers.choice import EXACT
+from voronec.flow.steppers.run import DISTANT
 
 if TYPE_CHECKING:
     from voronec.derivation import FirstOrderForm
@@ -89,6 +90,7 @@ class _Journey:
     evaluations: int = 0
     switches: int = 0
     ready: int = 0
+    idle: float = 0.0
     last: np.ndarray = field(init=False)
     standing: tuple[Any, np.ndarray] = field(init=False)
     rows: list[np.ndarray] = field(init=False)
@@ -166,6 +168,9 @@ class _Journey:
         self.done += count
         self.last = rows[-1]
         self.standing = times[-1], self.last
+        left = abs(times[-1] - (self.grid[self.done - 1] if count else times[0]))
+        share = left / abs(times[-1] - times[0]) if len(times) > 1 else 0.0
+        self.idle = (0.0 if count else self.idle) + share * part.steps
         for event in self.atlas.problem.events:
             t, states = part.crossings[event.name]
             found = states if own else stretch.branched(t, home(t, states))
@@ -242,7 +247,8 @@ class _Journey:
     ) -> Run:
         t, states = self.grid[: self.done], np.vstack(self.rows)[: self.done]
         end, state = self.standing
-        if (stopped or interrupted) and self.order * end > self.order * t[-1]:
+        kept = stopped or (interrupted and self.idle >= DISTANT)
+        if kept and self.order * end > self.order * t[-1]:
             t, states = np.append(t, end), np.vstack([states, state])
         width = states.shape[1]
         crossings = {

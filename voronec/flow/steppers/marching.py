@@ -9,7 +9,17 @@ from typing import Any, Protocol
 import numpy as np
 
 from voronec.flow.steppers.roots import crossings
-from voronec.flow.steppers.run import COLLAPSE, SINGULAR, Halt, Log, Problem, Run, Ticker, until
+from voronec.flow.steppers.run import (
+    COLLAPSE,
+    DISTANT,
+    SINGULAR,
+    Halt,
+    Log,
+    Problem,
+    Run,
+    Ticker,
+    until,
+)
 
 __all__ = ["Halted", "Stride", "Walker", "march"]
 
@@ -71,6 +81,7 @@ class _March:
     recent: list[tuple[Any, np.ndarray]] = field(default_factory=list)
     done: int = 1
     steps: int = 0
+    idle: int = 0
     last: Halt = field(init=False)
 
     def __post_init__(self) -> None:
@@ -122,7 +133,9 @@ class _March:
                     end = time
                     break
         reached = int(np.searchsorted(self.forward, float(self.order * end), side="right"))
+        self.idle += 1
         if reached > self.done:
+            self.idle = 0
             new = slice(self.done, reached)
             self.states[new] = stride.at(self.grid[new])
             if self.problem.suspect is not None:
@@ -170,7 +183,8 @@ class _March:
     def result(self, halt: Halt | None = None, interrupted: bool = False) -> Run:
         t, states = self.grid[: self.done].copy(), self.states[: self.done].copy()
         end = self.log.last if self.log.stopped else (self.last.time, self.last.state)
-        if (self.log.stopped or interrupted) and self.order * end[0] > self.order * t[-1]:
+        kept = self.log.stopped or (interrupted and self.idle >= DISTANT)
+        if kept and self.order * end[0] > self.order * t[-1]:
             t = np.append(t.astype(states.dtype), np.array([end[0]], states.dtype))
             states = np.vstack([states, end[1]])
         found = self.log.arrays(self.problem.events, states.dtype)

@@ -14,6 +14,7 @@ from voronec.program import Program
 
 __all__ = [
     "COLLAPSE",
+    "DISTANT",
     "INFINITE",
     "SINGULAR",
     "Halt",
@@ -30,6 +31,9 @@ INFINITE = "the state is no longer finite"
 SINGULAR = "the motion cannot be continued"
 AT_START = 1e-12
 """A crossing nearer to the start than this, in units of the span, is the start itself."""
+DISTANT = 20
+"""A run that is stopped by hand so many steps after the last point of its grid keeps where it stood
+besides: what took so long is not thrown away."""
 EVERY = 0.1
 """Seconds between two reports of progress."""
 
@@ -77,7 +81,7 @@ class Halt:
 @dataclass(frozen=True)
 class Run:
     """States at ``t``: the first points of the grid, and the crossing that ended the run, or where
-    it stood when it was stopped by hand.
+    it stood when it was stopped by hand, far from the last of these points.
 
     ``crossings`` maps each event to its times and states; ``stopped`` names the one that ended the
     run; ``inside``, of dense runs, gives states at any times reached; ``switches`` counts changes
@@ -97,6 +101,13 @@ class Run:
     switches: int = 0
     prepared: float = 0.0
     notes: tuple[str, ...] = ()
+
+    def until(self, row: int, reason: str) -> Run:
+        """The run up to a row of its grid, after which it went wrong."""
+        halt = Halt(reason, self.t[row], self.states[row])
+        kept = until(self.crossings, self.t[0], halt.time)
+        t, states = self.t[: row + 1], self.states[: row + 1]
+        return replace(self, t=t, states=states, crossings=kept, halt=halt, stopped="")
 
 
 Stepper = Callable[[np.ndarray], Run]

@@ -8,7 +8,17 @@ from typing import Any
 import numpy as np
 
 from voronec.flow.events import Event
-from voronec.flow.steppers.run import COLLAPSE, INFINITE, Halt, Log, Problem, Run, Stepper, Ticker
+from voronec.flow.steppers.run import (
+    COLLAPSE,
+    DISTANT,
+    INFINITE,
+    Halt,
+    Log,
+    Problem,
+    Run,
+    Stepper,
+    Ticker,
+)
 from voronec.flow.steppers.winding import Winding
 from voronec.program import hoisted, taylor_extras, taylor_system
 
@@ -112,6 +122,7 @@ class _Drive:
     stretches: list[Any] = field(default_factory=list)
     done: int = 1
     steps: int = 0
+    idle: int = 0
     size: int = field(init=False)
     ahead: int = field(init=False)
     standing: tuple[float, np.ndarray] = field(init=False)
@@ -140,6 +151,7 @@ class _Drive:
         size = self.size
         outcome, taken, new = self.advance()
         self.steps += taken
+        self.idle = 0 if len(new) else self.idle + taken
         self.rows.append(self.winding.whole(new))
         self.paced(taken, len(new))
         self.done += len(new)
@@ -216,7 +228,8 @@ class _Drive:
         t, states = self.grid[: self.done], np.vstack(self.rows)[: self.done]
         time, state = self.log.last if self.log.stopped else self.standing
         order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
-        if (self.log.stopped or interrupted) and order * time > order * t[-1]:
+        kept = self.log.stopped or (interrupted and self.idle >= DISTANT)
+        if kept and order * time > order * t[-1]:
             t, states = np.append(t, time), np.vstack([states, state])
         return Run(
             t.copy(), states, self.steps, self.steps,

@@ -1,0 +1,251 @@
+"""No run ends well that did not go well: what must stay along a motion, and whether it is one.
+
+Integrals that are proved and relations between redundant coordinates must stay as far as the
+tolerance allows, after as many steps; states must obey the equations that were integrated, and
+coordinates those that were derived first, in another form and by other code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import symengine as se
+
+from voronec.algebra.verdicts import all_vanish
+from voronec.claims import right_of
+from voronec.equations import VoronecEquations
+from voronec.errors import VoronecError
+from voronec.flow.defects import WIDTH, Rates, Windows, again
+from voronec.flow.observing import evaluated
+from voronec.program import Program, compiled
+from voronec.vector_field import Motions
+
+__all__ = ["Breach", "Judge"]
+
+LOOSE = 1000.0
+"""An integral may change by so many tolerances in a step, in units of what its terms, or its slopes
+times the state, are: integrators hold their tolerance only roughly."""
+FREE = 10
+"""So many steps are allowed to everybody."""
+ROWS = 200
+"""Instants that are looked at."""
+UNIT = 2.0**-52
+"""The relative spacing of doubles."""
+MOST, FEW = 128, 12
+"""Windows in which the equations that were integrated are looked at, and the original ones."""
+WORST = 3
+"""Windows in doubt that are integrated again."""
+SLOPE = 6e-6
+"""The step of difference quotients: the cube root of the rounding."""
+
+
+@dataclass(frozen=True)
+class Breach:
+    """What went wrong, in words, and the last row of the grid before it was seen."""
+
+    what: str
+    row: int
+
+
+@dataclass(frozen=True)
+class Judge:
+    """What is known of a run: its program at ``values`` of the parameters, with a tolerance.
+
+    ``integrals`` and ``relations`` name extra quantities of the program, and those that give the
+    size of the terms; ``vanishing`` are further relations, expressions in the program's symbols.
+    """
+
+    equations: VoronecEquations
+    program: Program
+    values: Sequence[float]
+    tol: float
+    steps: int
+    integrals: Mapping[str, tuple[str, str]]
+    relations: Mapping[str, str]
+    vanishing: Sequence[Any] = ()
+
+    def breach(self, t: np.ndarray, states: np.ndarray) -> tuple[Breach | None, tuple[str, ...]]:
+        """What went wrong first, if anything did, and what is to be said of mere claims."""
+        found, notes = self._lost(t, states)
+        rates = program_rates(self.program, self.values)
+        found += disobedient(t, states, rates, self.tol, MOST)
+        return min(found, key=lambda b: b.row, default=None), notes
+
+    def original(
+        self, t: np.ndarray, states: np.ndarray, constants: Mapping[str, Any]
+    ) -> Breach | None:
+        """The same of coordinates and velocities (k, n), by the equations derived first."""
+        rates = original_rates(self.equations, constants) if len(t) >= WIDTH else None
+        if rates is None:
+            return None
+        found = disobedient(t, states, rates, self.tol, FEW)
+        return min(found, key=lambda b: b.row, default=None)
+
+    def _lost(self, t: np.ndarray, states: np.ndarray) -> tuple[list[Breach], tuple[str, ...]]:
+        rows = np.unique(np.linspace(0, len(t) - 1, ROWS).astype(int))
+        relations = {name: (key, "") for name, key in self.relations.items()}
+        relations |= {f"{e} = 0": (f"vanishing {e}", "") for e in self.vanishing}
+        conserved = Conserved({**self.integrals, **relations}, self._extras())
+        breaches, notes = [], []
+        lost = conserved.lost(t[rows], states[rows], self.tol, self.steps)
+        for name, (i, change, allowed) in lost.items():
+            amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
+            if name in relations:
+                breaches.append(Breach(f"the relation {name} is lost {amount}", int(rows[i - 1])))
+            elif proved(self.equations, self.equations.system.integrals[name]):
+                breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
+            else:
+                notes.append(
+                    f"the integral '{name}' is only claimed, and drifts {amount}, up to "
+                    f"t = {t[rows[i]]:.6g}"
+                )
+        return breaches, tuple(notes)
+
+    def _extras(self) -> Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]:
+        program = self.program
+        inputs = [program.time, *program.state, *program.parameters]
+        further = se.Lambdify(inputs, list(self.vanishing)) if self.vanishing else None
+
+        def extras(t: np.ndarray, states: np.ndarray) -> Mapping[str, np.ndarray]:
+            found = evaluated(program, t, states, self.values)
+            if further is not None:
+                given = np.broadcast_to(np.array(self.values, float), (len(t), len(self.values)))
+                columns = further(np.column_stack([t, states, given])).reshape(len(t), -1).T
+                names = (f"vanishing {e}" for e in self.vanishing)
+                found |= zip(names, columns, strict=True)
+            return found
+
+        return extras
+
+
+def disobedient(
+    t: np.ndarray, states: np.ndarray, rates: Rates, tol: float, most: int
+) -> list[Breach]:
+    """Windows of the grid, among so many, whose states do not obey the equations; what seems not to
+    is integrated again."""
+    windows = Windows.spread(len(t), most)
+    found = []
+    for i in windows.doubtful(t, states, rates)[:WORST]:
+        rows = windows.rows[i]
+        off = again(rates, t[rows], states[rows], tol)
+        if off is not None and off.max() > 1:
+            found.append(Breach("the states do not obey the equations", int(rows[0])))
+    return found
+
+
+@dataclass(frozen=True)
+class Conserved:
+    """Quantities that must stay: ``names`` of extra quantities of a program, and of those which
+    give the size of their terms (empty where these are not known).
+
+    ``extras(t, states)`` gives all quantities of the program at times (k,) and states (k, n).
+    """
+
+    names: Mapping[str, tuple[str, str]]
+    extras: Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]
+
+    def lost(
+        self, t: np.ndarray, states: np.ndarray, tol: float, steps: int
+    ) -> dict[str, tuple[int, float, float]]:
+        """Of those that did not stay: the row where that is seen first, the change and what is
+        allowed there."""
+        if len(t) < 2:
+            return {}
+        values = self.extras(t, states)
+        off = [abs(values[key][0]) for key, size in self.names.values() if not size]
+        share = np.abs(t - t[0]) / abs(t[-1] - t[0])
+        per_unit = LOOSE * max(tol, UNIT) * (FREE + steps * share) + LOOSE * max(off, default=0.0)
+        found = {}
+        for name, (key, size) in self.names.items():
+            change = np.abs(values[key] - values[key][0])
+            allowed = per_unit * (_scale(values[size]) if size else 1.0)
+            if not (change > allowed).any():
+                continue
+            allowed = np.maximum(allowed, per_unit * _scale(self._slopes(key, t, states)))
+            bad = np.flatnonzero(change > allowed)
+            if len(bad):
+                found[name] = int(bad[0]), float(change[bad[0]]), float(allowed[bad[0]])
+        return found
+
+    def _slopes(self, key: str, t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """By how much a quantity changes, to first order, with each variable by its size, at least
+        one unit, or by that of the largest: what tolerances are relative to."""
+        largest = np.maximum(1.0, np.abs(states).max(axis=1, initial=0.0))
+        total = np.zeros(len(t))
+        for j in range(states.shape[1]):
+            step = SLOPE * np.maximum(np.abs(states[:, j]), 1e-3)
+            ends = []
+            for sign in (1, -1):
+                moved = states.copy()
+                moved[:, j] += sign * step
+                ends.append(self.extras(t, moved)[key])
+            with np.errstate(all="ignore"):
+                total += np.abs(ends[0] - ends[1]) / (2 * step)
+        return total * largest
+
+
+def _scale(sizes: np.ndarray) -> np.ndarray:
+    """Sizes at the instants compared: here, at the start, and along the way, where a single large
+    one counts for nothing."""
+    usual = np.nanmedian(sizes) if np.isfinite(sizes).any() else 0.0
+    return np.maximum(np.nan_to_num(sizes, nan=np.inf), max(float(sizes[0]), float(usual)))
+
+
+def proved(equations: VoronecEquations, integral: Any) -> bool:
+    """Whether a claimed integral is proved to be one; where that exceeds the budget, it is not."""
+    function = right_of(integral)
+    try:
+        field = Motions.of(equations).deciding([function])
+        rate = field.derivative(field.read_named(function))
+        return bool(all_vanish([rate], field.relations))
+    except VoronecError:
+        return False
+
+
+def program_rates(program: Program, values: Sequence[float]) -> Rates:
+    """The right-hand side that was integrated."""
+    rhs, given = compiled(program)[0], [np.float64(x) for x in values]
+
+    def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        with np.errstate(all="ignore"):
+            found = rhs(t, list(states.T), given)
+        return np.stack([np.broadcast_to(np.asarray(r, float), t.shape) for r in found], axis=-1)
+
+    return rates
+
+
+def original_rates(equations: VoronecEquations, constants: Mapping[str, Any]) -> Rates | None:
+    """The equations on the coordinates as they were derived first, evaluated by symengine, the
+    mass matrix inverted in numbers; None where symengine knows a function of them not."""
+    form = equations.raw.form
+    n = len(form.velocities)
+    inputs = [form.time, *form.coordinates, *form.velocities]
+    known = {se.Symbol(name): float(x) for name, x in constants.items() if x == x}
+    flat = [*form.rates, *(e for row in form.mass for e in row), *form.force]
+    stages = dict(form.stages)
+    if stages:
+        return None  # a large system: its straight-line form is what was integrated
+    try:
+        evaluate = se.Lambdify(inputs, [se.sympify(e).xreplace(known) for e in flat], cse=True)
+    except (RuntimeError, TypeError, ValueError, NotImplementedError):
+        return None
+    width = len(form.rates)
+
+    def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        rows = np.asarray(evaluate(np.column_stack([t, states])), dtype=float)
+        mass = rows[:, width : width + n * n].reshape(-1, n, n)
+        force = rows[:, width + n * n :]
+        result = np.full(states.shape, np.nan)
+        result[:, :width] = rows[:, :width]
+        sound = np.isfinite(rows).all(axis=1)
+        with np.errstate(all="ignore"):
+            sound[sound] = np.linalg.cond(mass[sound]) < 1e12 if n else True
+        if n:
+            result[sound, width:] = np.linalg.solve(mass[sound], force[sound][:, :, None])[:, :, 0]
+        result[~sound] = np.nan
+        return result
+
+    return rates
