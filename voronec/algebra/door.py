@@ -15,6 +15,7 @@ import symengine as se
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from voronec.algebra.pieces import written_with_signs
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.text import shown, sympified
 from voronec.errors import DefinitionError, EngineLimit
@@ -25,7 +26,7 @@ _FUNCTIONS = {
     name: getattr(se, name)
     for name in (
         "sin cos tan cot sec csc asin acos atan acot sinh cosh tanh coth asinh acosh atanh "
-        "log sign atan2"
+        "log sign floor atan2"
     ).split()
 }
 _NUMBERS = {
@@ -134,6 +135,9 @@ class Door:
         name = type(expr).__name__
         if name in _FUNCTIONS:
             return _FUNCTIONS[name](*[self._enter(a) for a in expr.args])
+        pieces = written_with_signs(expr)
+        if pieces is not None:
+            return self._enter(pieces)
         raise DefinitionError(
             f"'{expr}' is of kind {name}, which the engine does not differentiate; "
             "write it with elementary functions or an unknown function"

@@ -39,6 +39,7 @@ _UNARY: dict[type, Callable[[Any], Any]] = {
     se.atanh: lambda a: a.atanh(),
     se.log: lambda a: a.log(),
     se.sign: lambda a: a.sgn(),
+    se.floor: lambda a: a.floor(),
 }
 _CONSTANTS: dict[Any, Callable[[], Any]] = {
     se.pi: flint.arb.pi,
@@ -47,10 +48,10 @@ _CONSTANTS: dict[Any, Callable[[], Any]] = {
 
 
 def is_flat(expr: Any) -> bool:
-    """Whether an expression is a derivative of a sign, which is zero where it exists."""
+    """Whether an expression is a derivative of a sign or a floor, zero where it exists."""
     if isinstance(expr, se.Subs):
         return is_flat(expr.expr)
-    return isinstance(expr, se.Derivative) and isinstance(expr.args[0], se.sign)
+    return isinstance(expr, se.Derivative) and isinstance(expr.args[0], (se.sign, se.floor))
 
 
 def is_atom(expr: Any) -> bool:

@@ -51,6 +51,11 @@ class Modelled:
         known = {*self.program.state, *self.program.parameters, self.program.time}
         return tuple(r for r in self.model.cut.relations if r.free_symbols <= known)
 
+    @property
+    def moving(self) -> Any:
+        """The form that the program is made of."""
+        return self.form if self.model is None else self.model.form
+
     @cached_property
     def event_program(self) -> Program | None:
         """Computes the functions of events; None where there are none."""

@@ -27,8 +27,9 @@ from voronec.flow.observing import Watch, followed, observed
 from voronec.flow.outset import Outset
 from voronec.flow.poles import NearPole, PoleGuard
 from voronec.flow.soundness import Breach, Judge
-from voronec.flow.steppers import Problem, Run
+from voronec.flow.steppers import Problem, Run, Stepper
 from voronec.flow.steppers.choice import CLOSED
+from voronec.flow.switching import through_walls
 from voronec.flow.trajectory import Cost, Trajectory
 from voronec.flow.traverse import is_exact, through_charts
 from voronec.flow.vocabulary import Vocabulary
@@ -261,20 +262,25 @@ class _Job:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
         made, outset, time = self.made, self.outset, float(self.grid[0])
         state, values = made.place(outset.state, outset.constants, time)
-        probe = made.probe(self.vocabulary.equations.system.name, values, time)
+        equations = self.vocabulary.equations
+        probe = made.probe(equations.system.name, values, time)
         guard = self._guard()
         if guard is not None:
             guard.check(state, values, time)
-        if not (made.model is None and self.vocabulary.equations.system.charts):
-            probe.check(state)
         problem = Problem(
             made.program, state, values, self.tol, self.events, made.event_program, self.dense,
             probe.suspect(state), self.progress, self._exact,
         )  # fmt: skip
-        problem = problem if guard is None else guard.watching(problem, self.grid)
-        stepper, chosen = through_charts(
-            method, problem, self.grid, self.vocabulary.equations, made.event_functions, made.form
-        )
+        switched = through_walls(method, problem, self.grid, made.moving, made.event_functions)
+        if switched is not None and switched.corner is not None:
+            corner = switched.corner
+            probe = replace(probe, form=corner.form, program=corner.program, values=switched.values)
+        if switched is not None or not (made.model is None and equations.system.charts):
+            probe.check(state)
+        if switched is not None:
+            guard, stepper, chosen = None, switched.stepper, switched.chosen
+        else:
+            stepper, chosen = self._smooth(method, problem, guard)
         ready, busy = perf_counter(), process_time()
         run = stepper(self.grid)
         run = run if guard is None else guard.passed(run)
@@ -291,7 +297,7 @@ class _Job:
         sight = _Sight(self.vocabulary, made.watch, made.program, constants, cost, bits)
         told = outset.notes + run.notes
         trajectory = replace(sight.trajectory(run), notes=told)
-        breach, notes = self.judged(trajectory, run, values)
+        breach, notes = self.judged(trajectory, run, values, switched is None)
         if breach is not None:
             run = run.until(breach.row, breach.what)
             trajectory = replace(sight.trajectory(run), notes=told)
@@ -300,23 +306,42 @@ class _Job:
         return replace(trajectory, notes=(*told, *notes))
 
     def judged(
-        self, trajectory: Trajectory, run: Run, values: Sequence[Any]
+        self, trajectory: Trajectory, run: Run, values: Sequence[Any], smooth: bool
     ) -> tuple[Breach | None, tuple[str, ...]]:
-        """What went wrong with a run that came to its end, if anything did, and notes."""
+        """What went wrong with a run that came to its end, if anything did, and notes.
+
+        Where the right side is not smooth, only what does not jump with it is looked at.
+        """
         made, equations = self.made, self.vocabulary.equations
         watch = made.watch
+        followed = {
+            name: (key, watch.sizes[name])
+            for name, key in watch.integrals.items()
+            if smooth or not watch.expressions[key].atoms(se.sign, se.floor)
+        }
         judge = Judge(
             equations, made.program, [float(x) for x in values], trajectory.cost.tolerance,
-            run.steps, {n: (key, watch.sizes[n]) for n, key in watch.integrals.items()},
-            watch.relations, made.relations,
+            run.steps, followed, watch.relations, made.relations,
         )  # fmt: skip
         t, states = run.t.astype(float), run.states.astype(float)
-        breach, notes = judge.breach(t, states)
+        breach, notes = judge.breach(t, states) if smooth else judge.kept(t, states)
+        if not smooth:
+            return breach, notes
         own = [str(x) for x in (*equations.raw.form.coordinates, *equations.raw.form.velocities)]
         if breach is None and list(trajectory.names) == own:
             states = trajectory.state.astype(float)
             breach = judge.original(t, states, self.outset.constants)
         return breach, notes
+
+    def _smooth(
+        self, method: str, problem: Problem, guard: PoleGuard | None
+    ) -> tuple[Stepper, dict[str, Any]]:
+        """The integrator of a problem that is smooth, and what ``Cost`` says of it."""
+        made, equations = self.made, self.vocabulary.equations
+        problem = problem if guard is None else guard.watching(problem, self.grid)
+        return through_charts(
+            method, problem, self.grid, equations, made.event_functions, made.form
+        )
 
     def _guard(self) -> PoleGuard | None:
         """What watches the poles of Euler's angles, where the model is singular there."""

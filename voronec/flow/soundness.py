@@ -74,6 +74,11 @@ class Judge:
         found += disobedient(t, states, rates, self.tol, MOST)
         return min(found, key=lambda b: b.row, default=None), notes
 
+    def kept(self, t: np.ndarray, states: np.ndarray) -> tuple[Breach | None, tuple[str, ...]]:
+        """The same of integrals and relations alone."""
+        found, notes = self._lost(t, states)
+        return min(found, key=lambda b: b.row, default=None), notes
+
     def original(
         self, t: np.ndarray, states: np.ndarray, constants: Mapping[str, Any]
     ) -> Breach | None:

@@ -35,9 +35,12 @@ def without_parameters(level: Level, zero: Mapping[Any, Any]) -> Level:
 def at_zero(level: Level, zeros: set[Any]) -> list[Any]:
     """The largest set of variables, all zero at the start, that stay at zero for ever.
 
-    On it every rate vanishes identically: an invariant subspace, proved.
+    On it every rate vanishes identically: an invariant subspace, proved.  What a sign or a floor
+    depends on is none of them: where it is zero the rate is not that of the motions nearby.
     """
     chosen = [x for x in level.variables if x in zeros]
+    steps = _steps(level, chosen)
+    chosen = [x for x in chosen if x not in steps]
     while chosen:
         plane = level.substituted(dict.fromkeys(chosen, se.Integer(0)))
         if not _finite(plane):
@@ -47,6 +50,21 @@ def at_zero(level: Level, zeros: set[Any]) -> list[Any]:
             return chosen
         chosen = stay
     return []
+
+
+def _steps(level: Level, among: list[Any]) -> set[Any]:
+    """What signs and floors in the rates depend on."""
+    seen: set[Any] = set()
+    found: set[Any] = set()
+    stack = [e for _, e in level.stages] + [*level.rates, *level.force] if among else []
+    while stack:
+        node = se.sympify(stack.pop())
+        if node not in seen:
+            seen.add(node)
+            if isinstance(node, se.sign | se.floor):
+                found |= node.free_symbols
+            stack.extend(node.args)
+    return found
 
 
 def _rests(level: Level, x: Any, chosen: list[Any]) -> bool:

@@ -25,7 +25,8 @@ __all__ = [
 ]
 
 FUNCTIONS = (
-    "sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp log sqrt Abs sign power"
+    "sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp log sqrt Abs sign "
+    "floor power"
 ).split()
 """What every dialect has a word for; the rest is rewritten in terms of these."""
 

@@ -16,6 +16,7 @@ from voronec.errors import DefinitionError
 from voronec.program.factoring import nested
 from voronec.program.low_rank import Elimination, eliminations
 from voronec.program.triangular import coupled_rows
+from voronec.program.walls import is_rough, plain_roots, with_plain_roots
 from voronec.program.weight import evaluation_weight, taylor_weight
 
 if TYPE_CHECKING:
@@ -47,6 +48,11 @@ class Block:
     def weight(self, constants: Iterable[Any]) -> float:
         """What it costs Taylor's method, in products of moving quantities."""
         return taylor_weight(self.assignments, self.results, constants)
+
+    def is_rough(self, still: Iterable[Any], velocities: Iterable[Any] = ()) -> bool:
+        """Whether something in it may not be smooth, roots of ``velocities`` among it; ``still``
+        are symbols that do not move."""
+        return is_rough(self.assignments, self.results, still, velocities)
 
     @property
     def symbols(self) -> set[Any]:
@@ -94,14 +100,23 @@ class Program:
         _check("the equations of motion", moving, [*known, *names])
         for name, expr in zip(wanted, observed, strict=True):
             _check(f"'{name}'", [expr], [*known, *names])
+        derivative = _derivative(form, tuple(known))
+        extra = _shared(observed, _fresh(known), form.stages)
+        if derivative.is_rough(form.parameters):
+            form = with_plain_roots(form)
+            derivative = _derivative(form, tuple(known))
+        if extra.is_rough(form.parameters):
+            form, still = with_plain_roots(form), frozenset(form.parameters)
+            plain = [plain_roots(e, still) for e in observed]
+            extra = _shared(plain, _fresh(known), form.stages)
         return cls(
             time=form.time,
             coordinates=tuple(form.coordinates),
             velocities=tuple(form.velocities),
             parameters=tuple(form.parameters),
-            derivative=_derivative(form, tuple(known)),
+            derivative=derivative,
             names=tuple(wanted),
-            extras=_shared(observed, _fresh(known), form.stages),
+            extras=extra,
         )
 
     @property

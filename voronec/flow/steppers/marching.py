@@ -86,7 +86,7 @@ class _March:
 
     def __post_init__(self) -> None:
         grid, start = self.grid, self.problem.start
-        self.log = Log(grid[0], float(np.ptp(grid)), len(start))
+        self.log = Log(grid[0], float(np.ptp(grid)), len(start), walls=self.problem.walls)
         self.states = np.empty((len(grid), len(start)), dtype=start.dtype)
         self.states[0] = start
         self.order = 1 if grid[-1] >= grid[0] else -1

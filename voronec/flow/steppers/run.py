@@ -49,7 +49,8 @@ class Problem:
     ``levels`` has the events' functions as extra quantities, in the order of ``events``.
     ``start`` (n,) and ``parameters`` are doubles; ``exact``, given a number of bits, returns both
     as mpmath's numbers, for the method ``flint``.  Events that are ``coarse`` are rare: an
-    integrator may look for them only where the ends of a step do not exclude them.
+    integrator may look for them only where the ends of a step do not exclude them.  ``walls`` are
+    those at which the right side ceases to hold: they count however near to the start.
     """
 
     program: Program
@@ -63,6 +64,7 @@ class Problem:
     progress: Callable[[float], Any] | None = None
     exact: Callable[[int], tuple[np.ndarray, Sequence[Any]]] | None = None
     coarse: frozenset[str] = frozenset()
+    walls: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -123,10 +125,12 @@ class Log:
     rows: dict[str, list[tuple[Any, np.ndarray]]] = field(default_factory=dict)
     stopped: str = ""
     silent: bool = False
+    walls: frozenset[str] = frozenset()
 
     def enter(self, event: Event, time: Any, state: np.ndarray) -> bool:
         """Keep a crossing; whether it ends the run."""
-        if self.silent or abs(time - self.start) <= AT_START * self.span:
+        near = event.name not in self.walls and abs(time - self.start) <= AT_START * self.span
+        if self.silent or near:
             return False
         self.rows.setdefault(event.name, []).append((time, state))
         if event.stop:

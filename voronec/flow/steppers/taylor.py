@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import symengine as se
 
 from voronec.flow.events import Event
 from voronec.flow.steppers.run import (
@@ -20,7 +22,7 @@ from voronec.flow.steppers.run import (
     Ticker,
 )
 from voronec.flow.steppers.winding import Winding
-from voronec.program import hoisted, taylor_extras, taylor_system
+from voronec.program import Program, hoisted, taylor_extras, taylor_system
 
 __all__ = ["taylor"]
 
@@ -35,6 +37,12 @@ FEW = 1_000
 """Points that are handed over where chunks are short."""
 CRAWL = 1e-9
 """A chunk of steps that covers less than this part of the span leads nowhere."""
+SPECK = 1e-300
+"""What functions of events are raised by: where one is zero at the start of a step, heyoka takes
+that for its zero in the step, and sees no other."""
+GRAIN = 1e-26
+"""The same of walls: a motion may leave one with a rate that is zero to rounding, and fall first,
+by less than the square of that."""
 COMPACT = 60.0
 """Above this weight heyoka compiles in its compact mode: seconds sooner, then half as fast."""
 
@@ -43,13 +51,14 @@ def taylor(problem: Problem) -> Stepper:
     """The integrator, compiled; ``EngineLimit`` for a function that heyoka does not know."""
     import heyoka as hy
 
-    log = Log(0.0, 0.0, len(problem.start))
+    log = Log(0.0, 0.0, len(problem.start), walls=problem.walls)
     winding = Winding.of(problem.program, problem.levels)
-    integrator = _integrator(problem, log, winding, hy)
+    integrator, constants = _integrator(problem, log, winding, hy)
 
     def run(grid: np.ndarray) -> Run:
-        # a stepper may run again, from what the start of its problem is then
+        # a stepper may run again, from what start and parameters of its problem are then
         integrator.time, integrator.state[:] = float(grid[0]), problem.start
+        integrator.pars[:] = constants()
         if integrator.with_events:
             integrator.reset_cooldowns()
         winding.reset()
@@ -61,30 +70,52 @@ def taylor(problem: Problem) -> Stepper:
     return run
 
 
-def _integrator(problem: Problem, log: Log, winding: Winding, hy: Any) -> Any:
+def _integrator(
+    problem: Problem, log: Log, winding: Winding, hy: Any
+) -> tuple[Any, Callable[[], list[float]]]:
+    """heyoka's integrator, and what gives the constants in it."""
     raised, levels = hoisted(problem.program), problem.levels
     program = raised.program
     functions = taylor_extras(levels) if levels is not None else {}
-    # heyoka wants no more parameters than the expressions contain
-    blocks = [program.derivative, *([levels.extras] if levels is not None else [])]
-    held = set().union(*(b.symbols for b in blocks))
-    used = [i for i, p in enumerate(program.parameters) if p in held]
-    values = raised.values(list(map(float, problem.parameters)))
+    moving = _moving(levels) if levels is not None else set()
+    watched: list[Any] = []
     kinds: dict[str, list[Any]] = {"nt_events": [], "t_events": []}
     for event in problem.events:
-        expr = functions[event.name]
+        if event.name not in moving:
+            continue  # a constant passes through nothing, and heyoka takes none
+        expr = functions[event.name] + (GRAIN if event.name in problem.walls else SPECK)
+        watched.append(expr)
         if event.stop:
             kinds["t_events"].append(_terminal(event, expr, log, winding, hy))
         else:
             kinds["nt_events"].append(_passing(event, expr, log, winding, hy))
-    return hy.taylor_adaptive(
-        taylor_system(program),
+    system = taylor_system(program)
+    # heyoka wants no more parameters than the expressions contain
+    held = hy.get_params([e for _, e in system] + watched)
+    count = max((int(str(p)[1:]) for p in held), default=-1) + 1
+
+    def constants() -> list[float]:
+        return raised.values(list(map(float, problem.parameters)))[:count]
+
+    integrator = hy.taylor_adaptive(
+        system,
         problem.start.tolist(),
-        pars=values[: max(used, default=-1) + 1],
+        pars=constants(),
         tol=problem.tol,
         compact_mode=program.weight > COMPACT,
         **{kind: found for kind, found in kinds.items() if found},
     )
+    return integrator, constants
+
+
+def _moving(levels: Program) -> set[str]:
+    """Which of the extra quantities of a program move."""
+    moving = {*levels.state, levels.time}
+    for name, expr in levels.extras.assignments:
+        if expr.free_symbols & moving:
+            moving.add(name)
+    pairs = zip(levels.names, levels.extras.results, strict=True)
+    return {name for name, expr in pairs if se.sympify(expr).free_symbols & moving}
 
 
 def _direction(event: Event, hy: Any) -> Any:
