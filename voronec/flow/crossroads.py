@@ -37,7 +37,7 @@ MOST = 4
 """So many walls may meet at an instant."""
 FREE = "the motion is not determined: it may leave {} on either side"
 PAST = "the past is not determined: the motion may have come along {}, or from either side"
-STUCK = "no motion goes on from {}: the field leads back to it from every side"
+STUCK = "all fields lead back to {}, and switches would follow one another ever faster"
 RIM = 1e-11
 """A radicand of velocities that falls below this part of its value at the start has vanished."""
 GRAZE = 1e-9
@@ -249,16 +249,23 @@ class Crossroads:
             return mpmath.mpf(time), state
         return self._followed(place.program, time, state, place.sides, way * self.order)
 
-    def on_surface(
-        self, time: Any, state: np.ndarray, surface: Surface, sides: Mapping[Wall, int]
+    def on_surfaces(
+        self, time: Any, state: np.ndarray, surfaces: Sequence[Surface], sides: Mapping[Wall, int]
     ) -> np.ndarray:
-        """The state moved onto a surface that it has reached, to rounding."""
-        g, _, *slopes = self._measured(surface.wall, time, state, sides)
-        size = sum(a * a for a in slopes)
-        if size == 0:
+        """The state moved onto surfaces that it has reached, to rounding: the nearest there."""
+        measured = [self._measured(s.wall, time, state, sides) for s in surfaces]
+        pairs = [(g - s.level, row) for s, (g, _, *row) in zip(surfaces, measured, strict=True)]
+        pairs = [(g, row) for g, row in pairs if any(row)]
+        if not pairs:
             return state
-        row = np.array(slopes, dtype=object)
-        return state - row * ((g - surface.level) / size)
+        rows = mpmath.matrix([row for _, row in pairs])
+        try:
+            found = rows.T * mpmath.lu_solve(rows * rows.T, mpmath.matrix([g for g, _ in pairs]))
+        except ZeroDivisionError:
+            return state
+        moved = state - np.array(list(found), dtype=object)
+        tiny = mpmath.mpf(2) ** (-self.bits - GUARD // 2)
+        return np.where(abs(moved) <= tiny * abs(state), mpmath.mpf(0), moved)
 
     def _along(
         self, time: Any, state: np.ndarray, met: Sequence[Surface], along: tuple[Surface, ...],

@@ -211,14 +211,33 @@ def held(corners: Sequence[Corner], surfaces: Sequence[Surface]) -> tuple[Progra
         f + se.Add(*[share * half[m] for share, half in zip(shares, halves, strict=True)])
         for m, f in enumerate(above)
     ]
-    for surface, row in zip(surfaces, slopes, strict=True):
-        only = [m for m, g in enumerate(row) if g != 0]
-        if len(only) == 1 and row[only[0]].is_Number:  # this one moves as the wall does, exactly
-            rates[only[0]] = -surface.function.diff(program.time) / row[only[0]]
+    if all(g.is_Number for row in slopes for g in row):
+        _hold(rates, slopes, [-s.function.diff(program.time) for s in surfaces])
     weights = tuple(1 + share for share in shares)
     returns = tuple(pushes[i][i] for i in range(len(surfaces)))
     made = replace(program, derivative=Block(tuple(lines), tuple(rates)))
     return made, Block(tuple(lines), (*weights, *returns))
+
+
+def _hold(rates: list[Any], slopes: list[list[Any]], wanted: list[Any]) -> None:
+    """Let rates satisfy slopes * rates = wanted exactly, not to rounding: some follow from others.
+
+    The slopes are numbers.
+    """
+    rows = [[*row, w] for row, w in zip(slopes, wanted, strict=True)]
+    pivots: list[int] = []
+    for i, row in enumerate(rows):
+        pivot = next((m for m, g in enumerate(row[:-1]) if g != 0), None)
+        if pivot is None:
+            return
+        rows[i] = row = [g / row[pivot] for g in row]
+        for k, other in enumerate(rows):
+            if k != i and other[pivot] != 0:
+                rows[k] = [a - other[pivot] * b for a, b in zip(other, row, strict=True)]
+        pivots.append(pivot)
+    for pivot, row in zip(pivots, rows, strict=True):
+        rest = [g * rates[m] for m, g in enumerate(row[:-1]) if m not in pivots]
+        rates[pivot] = row[-1] - se.Add(*rest)
 
 
 def _relabelled(block: Block, k: int, lines: list[tuple[Any, Any]]) -> list[Any]:

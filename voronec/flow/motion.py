@@ -13,6 +13,7 @@ from typing import Any
 
 import mpmath
 import numpy as np
+import symengine as se
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.text import sympified

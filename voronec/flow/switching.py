@@ -28,9 +28,7 @@ WINDOW, CRAWL = 200, 1e-8
 """So many switches that cover less than this part of the span lead nowhere."""
 COINCIDENT = 1e-9
 """An event that is closer to zero than this at a switch, in units of its terms, may pass there."""
-RIM = (
-    "the motion comes to rest, or nearly, where a root of velocities in its equations has no slope"
-)
+RIM = "the motion comes to rest where a root of velocities in its equations has no slope"
 ZENO = "switches follow one another ever faster"
 
 
@@ -70,8 +68,8 @@ def through_walls(
         return None
     exact = method == "flint" or (method == "auto" and problem.tol < EXACT)
     bits = ceil(-log2(problem.tol)) + GUARD if exact else DOUBLE
-    roads = Crossroads(method, problem, grid, modes, bits)
-    with mpmath.workprec(roads.working):
+    with mpmath.workprec(2 * bits + GUARD):
+        roads = Crossroads(method, problem, grid, modes, bits)
         first = roads.settled(grid[0], roads.start, {}, ())
     if isinstance(first, str):
         words = {"method": method, "reason": "nothing moves", "tolerance": problem.tol}
@@ -128,6 +126,11 @@ class _Passage:
 
     def run(self) -> Run:
         """Stretch after stretch, up to the end of the grid."""
+        with mpmath.workprec(self.roads.working):
+            return self.passed()
+
+    def passed(self) -> Run:
+        """The same, in numbers that are long enough."""
         try:
             while self.done < len(self.grid):
                 part = self.stretch()
@@ -137,8 +140,7 @@ class _Passage:
                     return self.result(stopped=part.stopped)
                 if not part.stopped:
                     break
-                with mpmath.workprec(self.roads.working):
-                    end = self.switched(self.place.watch[part.stopped], part)
+                end = self.switched(self.place.watch[part.stopped])
                 if end is not None:
                     return end
         except KeyboardInterrupt:
@@ -182,9 +184,7 @@ class _Passage:
         """A stretch up to where it touches a wall along which it may have come."""
         for name, surface in self.place.turns.items():
             for time, state in zip(*part.crossings[name], strict=True):
-                with mpmath.workprec(self.roads.working):
-                    touched = self.roads.touches(time, state, surface, self.place.sides)
-                if touched:
+                if self.roads.touches(time, state, surface, self.place.sides):
                     kept = [self.order * (t - time) <= 0 for t in part.t]
                     return replace(
                         part, t=part.t[kept], states=part.states[kept], stopped="",
@@ -193,7 +193,7 @@ class _Passage:
                     )  # fmt: skip
         return part
 
-    def switched(self, hit: tuple[Surface, ...], part: Run) -> Run | None:
+    def switched(self, hit: tuple[Surface, ...]) -> Run | None:
         """Change the mode where one ended; the run, where that ends it."""
         roads, before = self.roads, self.place
         if not hit:
@@ -201,7 +201,7 @@ class _Passage:
         if roads.order < 0 and roads.touches(self.time, self.state, hit[0], before.sides):
             return self.result(Halt(PAST.format(hit[0]), self.time, self.number(self.state)))
         if not before.along:
-            self.state = roads.on_surface(self.time, self.state, hit[0], before.sides)
+            self.state = roads.on_surfaces(self.time, self.state, hit, before.sides)
         self.switches += 1
         self.recent.append(self.time)
         if len(self.recent) > WINDOW:
@@ -213,6 +213,8 @@ class _Passage:
         if isinstance(found, str):
             return self.result(Halt(found, self.time, self.number(self.state)))
         self.place = found
+        if found.along:
+            self.state = roads.on_surfaces(self.time, self.state, found.along, found.sides)
         for event in roads.problem.events:
             if self.passes(event, before, found):
                 state = self.number(self.state)

@@ -28,7 +28,7 @@ class Cost:
     ``method`` was chosen for ``reason``; ``tolerance`` is the one in force.  ``setup`` (deriving
     and compiling) and ``run`` are seconds.  ``evaluations`` counts those of the right-hand side;
     a Taylor method expands it once a step, and then both numbers agree.  ``switches`` counts
-    changes of chart; ``level`` says in which variables the equations stood; ``cpu`` are the seconds
+    changes of chart, or of the side of a wall; ``level`` says in which variables the equations stood; ``cpu`` are the seconds
     of the processor that the run took.
     """
 
@@ -53,7 +53,7 @@ class Cost:
             f"{self.method} ({self.reason}), in {self.level}, tol {self.tolerance:.1e}: "
             f"set-up {self.setup:.2f} s, "
             f"run {self.run:.3g} s, {self.steps} steps, {self.evaluations} evaluations"
-            + (f", {self.switches} changes of chart" if self.switches else "")
+            + (f", {self.switches} changes of chart or of side" if self.switches else "")
         )
 
 

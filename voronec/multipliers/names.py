@@ -17,6 +17,8 @@ import mpmath as mp
 import symengine as se
 import sympy as sp
 from sympy.core.function import AppliedUndef
+from sympy.functions.elementary.piecewise import ExprCondPair
+from sympy.logic.boolalg import Boolean
 
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.errors import DefinitionError
@@ -31,8 +33,10 @@ _NUMBERS = (sp.Rational, type(sp.pi), type(sp.E))
 _OPERATIONS = (
     sp.Add, sp.Mul, sp.Pow, sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc,
     sp.asin, sp.acos, sp.atan, sp.acot, sp.atan2, sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.asinh,
-    sp.acosh, sp.atanh, sp.sign, sp.Abs,
+    sp.acosh, sp.atanh, sp.sign, sp.Abs, sp.floor, sp.Piecewise, ExprCondPair, Boolean,
 )  # fmt: skip
+_CASES = (sp.Heaviside, sp.Max, sp.Min)
+"""What SymPy writes out in cases."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +70,7 @@ class Names:
         exact = expr.xreplace({x: _decimal(x) for x in expr.atoms(sp.Float)})
         named = self._carried_out(exact).xreplace(self.letters)
         _refuse_rest(named)
-        return se.sympify(named)
+        return se.sympify(_in_cases(named))
 
     def symbol(self, thing: sp.Basic) -> Any:
         """The symbol of something that has a name."""
@@ -86,6 +90,22 @@ class Names:
 def rate_names(thing: sp.Expr) -> list[str]:
     """The names of an input and of its rates."""
     return [plain_name(thing) + "dot" * order for order in range(ORDERS)]
+
+
+def _in_cases(expr: sp.Expr) -> sp.Expr:
+    """The expression with cases and floors for steps, limits and remainders."""
+    expr = expr.replace(lambda e: isinstance(e, sp.Mod), lambda e: _remainder(*e.args))
+    expr = expr.replace(lambda e: isinstance(e, (sp.frac, sp.ceiling)), _floored)
+    return expr.replace(lambda e: isinstance(e, _CASES), lambda e: e.rewrite(sp.Piecewise))
+
+
+def _remainder(a: sp.Expr, b: sp.Expr) -> sp.Expr:
+    return a - b * sp.floor(a / b)
+
+
+def _floored(expr: sp.Expr) -> sp.Expr:
+    (a,) = expr.args
+    return a - sp.floor(a) if isinstance(expr, sp.frac) else -sp.floor(-a)
 
 
 def _rate(thing: sp.Expr, order: int) -> sp.Basic:
@@ -108,7 +128,8 @@ def _refuse_rest(expr: sp.Expr) -> None:
                 f"the unknown function '{node}' has no value; numeric evaluation needs a formula "
                 "for it"
             )
-        if not isinstance(node, (sp.Symbol, *_NUMBERS, *_OPERATIONS)):
+        known = (sp.Symbol, *_NUMBERS, *_OPERATIONS, *_CASES, sp.Mod, sp.frac, sp.ceiling)
+        if not isinstance(node, known):
             raise DefinitionError(
                 f"'{node}' of kind {type(node).__name__} has no real value; write it with "
                 "elementary functions"

@@ -16,9 +16,20 @@ Operation = Callable[..., Any]
 
 _NAMES = (
     "sin cos tan cot sec csc asin acos atan acot atan2 "
-    "sinh cosh tanh coth asinh acosh atanh log sign"
+    "sinh cosh tanh coth asinh acosh atanh log sign floor"
 ).split()
 _FUNCTIONS: dict[str, Operation] = {name: getattr(mp, name) for name in _NAMES} | {"Abs": mp.fabs}
+_CONDITIONS: dict[str, Operation] = {
+    "LessThan": lambda a, b: a <= b,
+    "StrictLessThan": lambda a, b: a < b,
+    "Equality": lambda a, b: a == b,
+    "Unequality": lambda a, b: a != b,
+    "And": lambda *given: all(given),
+    "Or": lambda *given: any(given),
+    "Not": lambda given: not given,
+    "BooleanTrue": lambda: True,
+    "BooleanFalse": lambda: False,
+}
 _CONSTANTS: dict[Any, Operation] = {se.pi: lambda: +mp.pi, se.E: lambda: +mp.e}
 
 
@@ -77,6 +88,12 @@ def _step(expr: Any) -> tuple[Operation, Sequence[Any]]:
     """The operation at the root of an expression, and its operands."""
     if expr in _CONSTANTS:
         return _CONSTANTS[expr], ()
+    if type(expr).__name__ in _CONDITIONS:
+        return _CONDITIONS[type(expr).__name__], expr.args
+    if isinstance(expr, se.Piecewise):
+        return _first_case, expr.args
+    if _is_level(expr):
+        return (lambda: mp.mpf(0)), ()
     if isinstance(expr, se.Rational):  # an Integer is a Rational
         p, q = int(expr.p), int(expr.q)
         return (lambda: mp.mpf(p) / q), ()
@@ -94,6 +111,18 @@ def _step(expr: Any) -> tuple[Operation, Sequence[Any]]:
             f"the unknown function '{expr}' has no value; numeric evaluation needs a formula for it"
         )
     raise DefinitionError(f"'{expr}' has no real value; write it with elementary functions")
+
+
+def _first_case(*pairs: Any) -> Any:
+    """Of values and conditions by turns, the value whose condition is the first that holds."""
+    held = (value for value, holds in zip(pairs[::2], pairs[1::2], strict=True) if holds)
+    return next(held, mp.nan)
+
+
+def _is_level(expr: Any) -> bool:
+    """Whether an expression is a derivative of a sign or a floor, which do not slope."""
+    inner = expr.expr if isinstance(expr, se.Subs) else expr
+    return isinstance(inner, se.Derivative) and isinstance(inner.args[0], (se.sign, se.floor))
 
 
 def _sum(*terms: Any) -> Any:

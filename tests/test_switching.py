@@ -1,0 +1,275 @@
+"""Right sides that are not smooth: friction, steps, switches, motions held on walls."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec.algebra.door import Door
+from voronec.errors import IntegrationError
+from voronec.program import Program
+
+x, y, t = sp.Symbol("x"), sp.Symbol("y"), vo.time
+Dx, Dy = vo.velocity(x), vo.velocity(y)
+METHODS = ("heyoka", "scipy", "lsoda", "flint", "auto")
+PRECISION = {"flint": 1e-30}
+ERROR = {"flint": 1e-26, "lsoda": 1e-9}
+
+
+def mass_point(force=0, potential=0):
+    return vo.derive(
+        vo.System(
+            name="mass point",
+            fibration=vo.Fibration(base=(x,)),
+            lagrangian=Dx**2 / 2 - potential,
+            forces={x: force},
+        )
+    )
+
+
+def motion(equations, start, end, method="auto", points=2, **options):
+    return vo.integrate(
+        equations, initial=dict(zip((x, Dx), start, strict=True)),
+        times=np.linspace(0, float(end), points), method=method,
+        tol=PRECISION.get(method, 1e-13), **options,
+    )  # fmt: skip
+
+
+def error(method):
+    return ERROR.get(method, 1e-11)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("points", "dense"), [(2, False), (31, False), (2, True)])
+def test_coulomb_friction_stops_a_block_and_holds_it(method, points, dense):
+    found = motion(mass_point(-sp.sign(Dx)), (0, 1), 3, method, points, dense=dense)
+    assert abs(found["x"][-1] - 0.5) < error(method) and found["xdot"][-1] == 0
+    assert found.cost.switches == 1
+    if points > 2:
+        s = found.t.astype(float)
+        truth = np.where(s < 1, s - s**2 / 2, 0.5)
+        assert np.abs(found["x"].astype(float) - truth).max() < max(error(method), 1e-15)
+    if dense:
+        assert abs(found.at([0.5])["x"][0] - 0.375) < 1e-8 and found.at([2.5])["xdot"][0] == 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_spring_against_absolute_values_has_its_period(method):
+    with mp.workdps(40):
+        quarter = mp.quad(lambda s: 1 / mp.sqrt(mp.mpf(2) / 3 * (1 - s**3)), [0, 1])
+    found = motion(mass_point(-sp.Abs(x) * x), (1, 0), 12 * quarter, method)
+    assert abs(found["x"][-1] - 1) < error(method) and found.cost.switches == 6
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_springs_of_two_stiffnesses_have_half_periods(method):
+    force = sp.Piecewise((-x, x < 0), (-4 * x, True))
+    found = motion(mass_point(force), (0, 1), 3 * np.pi, method)
+    with mp.workdps(40):
+        late = found.t[-1] - 3 * mp.pi
+        assert abs(found["x"][-1] - late) < error(method) and abs(late) < 1e-15
+    assert abs(found["xdot"][-1] - 1) < error(method)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_quadratic_drag_far_and_into_the_past(method):
+    drag = mass_point(-sp.Abs(Dx) * Dx)
+    assert abs(motion(drag, (0, 1), 2000, method)["x"][-1] - mp.log(2001)) < 1e-9
+    assert abs(motion(drag, (0, 1), -0.5, method)["xdot"][-1] - 2) < 1e-10
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_limited_control_swings_to_the_other_side(method):
+    with mp.workdps(40):
+        end = 2 * mp.sqrt(2) + mp.acos(-1 / mp.sqrt(3)) - mp.atan(mp.sqrt(2))
+    found = motion(mass_point(-sp.Min(1, sp.Max(-1, x))), (2, 0), end, method)
+    assert abs(found["x"][-1] + 2) < error(method)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_body_on_a_belt_sticks_and_slips(method):
+    """It sticks up to x = 1, and then x = 1 + sin(t - 1), which touches the speed of the belt."""
+    found = motion(mass_point(-x - sp.sign(Dx - 1)), (0, 1), 12, method, 25)
+    s = found.t.astype(float)
+    truth = np.where(s < 1, s, 1 + np.sin(s - 1))
+    assert np.abs(found["x"].astype(float) - truth).max() < 1e-6
+
+
+def test_weaker_friction_of_faster_slip_makes_a_cycle():
+    belt = mass_point(-x - sp.sign(Dx - 1) * (1 + sp.exp(-sp.Abs(Dx - 1))))
+    ends = [motion(belt, (0, 0), 30, m)["x"][-1] for m in ("heyoka", "scipy", "flint")]
+    assert max(abs(e - ends[-1]) for e in ends) < 1e-11
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_steps_of_the_time(method):
+    saw = motion(mass_point(sp.Mod(t, 1)), (0, 0), 3, method)
+    assert abs(saw["x"][-1] - 2) < error(method)
+    wave = motion(mass_point(sp.sign(sp.sin(t))), (0, 0), 4, method)
+    assert abs(wave["xdot"][-1] - (2 * np.pi - 4)) < max(error(method), 1e-14)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "flint"])
+def test_a_kink_of_the_potential_is_passed(method):
+    found = motion(mass_point(0, sp.Abs(x)), (0, 1), 4, method)
+    assert abs(found["x"][-1]) < error(method) and abs(found["xdot"][-1] - 1) < error(method)
+    assert motion(mass_point(0, sp.Abs(x)), (0, 0), 4, method)["x"][-1] == 0
+
+
+def test_a_start_on_a_wall_goes_the_way_that_the_fields_lead():
+    assert abs(motion(mass_point(2 - sp.sign(Dx)), (0, 0), 3)["x"][-1] - 4.5) < 1e-12
+    assert motion(mass_point(sp.Rational(1, 2) - sp.sign(Dx)), (0, 0), 3)["x"][-1] == 0
+    falls = motion(mass_point(-1 - sp.sign(x) / 3), (0, 0), 2)
+    assert abs(falls["x"][-1] + sp.Rational(4, 3)) < 1e-12
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_what_is_not_determined_is_said(method):
+    with pytest.raises(IntegrationError, match="may leave xdot = 0 on either side"):
+        motion(mass_point(sp.sign(Dx)), (0, 0), 1, method)
+    with pytest.raises(IntegrationError, match="the past is not determined") as caught:
+        motion(mass_point(-sp.sign(Dx)), (0, 0), -1, method)
+    assert "\n" not in str(caught.value)
+    with pytest.raises(IntegrationError, match="past is not determined"):
+        motion(mass_point(-x - sp.sign(Dx - 1)), (2, 0), -10, method)
+
+
+def test_switches_that_accumulate_are_named():
+    """A ball that falls on a plate which takes speed: bounces made of steep springs."""
+    with pytest.raises(IntegrationError, match=r"switches .* ever faster") as caught:
+        motion(mass_point(-2 * sp.sign(x) - sp.sign(Dx)), (1, 0), 40, "scipy")
+    assert caught.value.time < 10 and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "flint"])
+def test_friction_in_the_plane_ends_where_the_direction_of_slip_does(method):
+    speed = sp.sqrt(Dx**2 + Dy**2)
+    plane = vo.derive(
+        vo.System(
+            name="puck",
+            fibration=vo.Fibration(base=(x, y)),
+            lagrangian=(Dx**2 + Dy**2) / 2,
+            forces={x: -Dx / speed, y: -Dy / speed},
+        )
+    )
+    with pytest.raises(IntegrationError, match="comes to rest where a root of velocities") as got:
+        vo.integrate(plane, initial={Dx: 3, Dy: 4}, times=[0, 8], method=method,
+                     tol=PRECISION.get(method, 1e-13))  # fmt: skip
+    assert abs(got.value.time - 5) < 1e-4
+    line = vo.integrate(plane, initial={Dx: 1}, times=[0, 8], method=method)
+    assert abs(line["x"][-1] - 0.5) < 1e-12 and line["xdot"][-1] == 0
+
+
+def test_two_bodies_with_friction_between_them_stop_together_and_apart():
+    """Two blocks, one on the other: both slide, stick to each other, and stop."""
+    system = vo.System(
+        name="blocks",
+        fibration=vo.Fibration(base=(x, y)),
+        lagrangian=(Dx**2 + Dy**2) / 2,
+        forces={x: -sp.sign(Dx - Dy), y: sp.sign(Dx - Dy) - sp.sign(Dy) / 2},
+    )
+    for method in ("heyoka", "scipy", "flint"):
+        found = vo.integrate(system, initial={Dx: 3}, times=[0, 20], method=method)
+        # together at t = 2 with speed 1, then slower by 1/4 in a unit of time
+        assert abs(found["x"][-1] - 6) < 1e-11 and abs(found["y"][-1] - 3) < 1e-11
+        assert found["xdot"][-1] == 0 == found["ydot"][-1]
+
+
+def test_a_sleigh_with_friction_against_its_turning():
+    base = vo.load("sleigh")
+    c = sp.Rational(1, 3)
+    phi = next(q for q in base.coordinates if str(q) == "phi")
+    system = vo.System(
+        name="braked sleigh",
+        fibration=base.fibration,
+        frame=base.frame,
+        lagrangian=base.lagrangian,
+        constraints=base.constraints,
+        parameters=base.parameters,
+        forces={phi: -c * sp.sign(vo.velocity(phi))},
+    )
+    equations = vo.derive(system)
+    numbers = {p.symbol: sp.nsimplify(p.value) for p in base.parameters}
+    rates = list((equations.mass.inv() * equations.force).subs(numbers))
+    v, w = equations.velocities
+    moving = sp.lambdify((v, w), [r.subs(sp.sign(w), 1) for r in rates], "mpmath")
+    with mp.workdps(30):
+        path = mp.odefun(lambda _s, z: moving(*z), 0, [mp.mpf(1), mp.mpf(1)], tol=mp.mpf("1e-20"))
+        stop = mp.findroot(lambda s: path(s)[1], (mp.mpf("0.5"), mp.mpf(1)), tol=1e-18)
+        speed = path(stop)[0]
+    for method in ("heyoka", "scipy", "flint", "auto"):
+        found = vo.integrate(
+            equations, initial={v: 1, w: 1}, times=[0, 6], outputs=(v, w), method=method
+        )
+        assert found[w][-1] == 0 and abs(found[v][-1] - speed) < 1e-11
+
+
+def test_events_at_a_switch_and_between_are_seen():
+    rest, half = vo.Event(Dx, name="rest"), vo.Event(x - sp.Rational(3, 8), name="half")
+    for method in ("heyoka", "scipy", "flint"):
+        found = motion(mass_point(-sp.sign(Dx)), (0, 1), 3, method, events=(rest, half))
+        assert len(found.events["rest"]) == 1 and len(found.events["half"]) == 1
+        assert abs(found.events["rest"].t[0] - 1) < 1e-11
+        assert abs(found.events["half"].t[0] - 0.5) < 1e-9
+    end = motion(mass_point(-sp.sign(Dx)), (0, 1), 3, events=(vo.Event(Dx, "rest", stop=True),))
+    assert end.stopped == "rest" and abs(end.t[-1] - 1) < 1e-12
+    size = vo.Event(sp.Abs(x) - sp.Rational(1, 2), name="size")
+    swing = motion(mass_point(-x), (1, 0), 2 * np.pi, "heyoka", events=(size,))
+    assert np.allclose(swing.events["size"].t, np.pi * np.array([1, 2, 4, 5]) / 3, atol=1e-12)
+
+
+CASES = [
+    sp.Heaviside(x), sp.Heaviside(x, 1), sp.Max(x, y, 1), sp.Min(x, y), sp.floor(x), sp.frac(x),
+    sp.ceiling(x), sp.Mod(x, sp.Rational(3, 2)), sp.Piecewise((x**2, x < 1), (y, x > 1), (7, True)),
+    sp.Piecewise((1, (x > 0) & (y <= 1) | sp.Eq(x, -1)), (x, ~(x < 0)), (y, True)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("expr", CASES, ids=str)
+def test_functions_in_pieces_keep_their_values_on_the_walls_too(expr):
+    door = Door()
+    back = door.outward(door.inward(expr))
+    places = [sp.Rational(n, 2) for n in range(-4, 5)]
+    for a in places:
+        for b in (0, 1, sp.Rational(5, 2)):
+            at = {x: a, y: b}
+            assert back.subs(at).doit() == expr.subs(at).doit()
+
+
+REFEREED = [
+    (-2 * sp.Max(Dx, x, 0) + sp.Min(x, 1), 0),
+    (sp.Heaviside(x - Dx), -(sp.Max(x, y) ** 2)),
+    (sp.Piecewise((x, x < Dx), (Dx**2, (x > 2) | (Dx < -1)), (3, True)), -sp.Abs(x * y)),
+    (sp.Mod(x, 2) + sp.floor(3 * Dx) - sp.ceiling(y) + sp.frac(t), sp.sqrt((x - y) ** 2)),
+    (sp.sign(Dx) * sp.Abs(Dx) ** sp.Rational(3, 2), -sp.Piecewise((x**2, x < 0), (2 * x**2, True))),
+]
+
+
+@pytest.mark.parametrize(("force", "term"), REFEREED, ids=str)
+def test_the_referee_agrees_off_the_walls(force, term):
+    system = vo.System(
+        name="pieces",
+        fibration=vo.Fibration(base=(x, y)),
+        lagrangian=(Dx**2 + Dy**2 * (1 + x**2)) / 2 + term,
+        forces={x: force},
+    )
+    equations = vo.derive(system)
+    for numbers in ((1.3, -0.4, 0.7, 0.2), (-1.3, 0.4, -1.7, 1.2), (2.6, 3.4, -0.7, 0.2)):
+        point = {**dict(zip((x, y, Dx, Dy), numbers, strict=True)), t: 0.25}
+        own, other = equations.acceleration(point), vo.multiplier_acceleration(system, point)
+        assert max(abs(own[q] - other[q]) for q in (x, y)) < 1e-25
+
+
+def test_generated_python_is_defined_on_the_walls():
+    source = mass_point(-sp.sign(Dx) - sp.floor(x), sp.Abs(x) + x**2).python()
+    space = {}
+    exec(source, space)
+    assert [float(r) for r in space["rhs"](0.0, [0.0, 0.0], [])] == [0, 0]
+    assert [float(r) for r in space["rhs"](0.0, [1.5, -2.0], [])] == [-2, -4]
+
+
+@pytest.mark.parametrize("name", ["sleigh", "chaplygin-ball", "falling-disc", "rattleback"])
+def test_what_is_smooth_has_no_walls(name):
+    form = vo.derive(vo.load(name)).form
+    assert not Program.of(form).derivative.is_rough(form.parameters, form.velocities)
