@@ -28,8 +28,8 @@ class Cost:
     ``method`` was chosen for ``reason``; ``tolerance`` is the one in force.  ``setup`` (deriving
     and compiling) and ``run`` are seconds.  ``evaluations`` counts those of the right-hand side;
     a Taylor method expands it once a step, and then both numbers agree.  ``switches`` counts
-    changes of chart, or of the side of a wall; ``level`` says in which variables the equations stood; ``cpu`` are the seconds
-    of the processor that the run took.
+    changes of chart, or of the side of a wall; ``level`` says in which variables the equations
+    stood; ``cpu`` are the seconds of the processor that the run took.
     """
 
     method: str
