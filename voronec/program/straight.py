@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import count
 from typing import TYPE_CHECKING, Any
@@ -65,7 +65,8 @@ class Program:
     """The right-hand side of a system, and what else is computed from a state.
 
     The state is ``coordinates`` then ``velocities``; ``derivative`` computes its time derivative,
-    ``extras`` the quantities called ``names``.  All symbols are symengine's.
+    ``extras`` the quantities called ``names``; ``inputs`` stand for functions of the time and their
+    rates, which whoever calls it must give.  All symbols are symengine's.
     """
 
     time: Any
@@ -75,6 +76,7 @@ class Program:
     derivative: Block
     names: tuple[str, ...]
     extras: Block
+    inputs: tuple[Any, ...] = ()
 
     @classmethod
     def of(
@@ -88,8 +90,8 @@ class Program:
         velocities of all coordinates, for which the rates are put in.  Raises ``DefinitionError``
         for an unknown function or symbol, and for a matrix without a pivot.
         """
-        wanted = dict(extras or {})
-        known = [form.time, *form.coordinates, *form.velocities, *form.parameters]
+        form, wanted, inputs = _driven(form, dict(extras or {}))
+        known = [form.time, *form.coordinates, *form.velocities, *form.parameters, *inputs]
         dots = form.velocity_symbols
         rates = dict(zip(dots, form.rates, strict=bool(dots))) | dict(form.dependent)
         observed = [se.sympify(e).xreplace(rates) for e in wanted.values()]
@@ -117,6 +119,7 @@ class Program:
             derivative=derivative,
             names=tuple(wanted),
             extras=extra,
+            inputs=inputs,
         )
 
     @property
@@ -138,6 +141,45 @@ class Program:
     def evaluation_weight(self) -> int:
         """What one evaluation costs, in additions; functions and quotients count for several."""
         return evaluation_weight(self.derivative.expressions)
+
+
+def _driven(
+    form: FirstOrderForm, extras: dict[str, Any]
+) -> tuple[FirstOrderForm, dict[str, Any], tuple[Any, ...]]:
+    """The same with plain symbols, also returned, for functions of the time and their rates."""
+    if not form.inputs:
+        return form, extras, ()
+    rows = (*form.mass, form.rates, form.force, form.definitions, (*extras.values(),))
+    held = [e for row in rows for e in row] + [e for _, e in (*form.stages, *form.dependent)]
+    found = set().union(*(se.sympify(e).atoms(se.FunctionSymbol, se.Derivative) for e in held))
+    symbols: dict[Any, Any] = {}
+    for function in form.inputs:
+        name = function.get_name()
+        rates = [d for d in found if isinstance(d, se.Derivative) and d.args[0] == function]
+        for node in (function, *sorted(rates, key=lambda d: len(d.args))):
+            if node in found:
+                symbols[node] = se.Symbol(name + "dot" * (len(node.args) - 1))
+
+    def on(exprs: Iterable[Any]) -> tuple[Any, ...]:
+        # derivatives first: in them, too, the function stands
+        rates = {node: s for node, s in symbols.items() if isinstance(node, se.Derivative)}
+        return tuple(se.sympify(e).xreplace(rates).xreplace(symbols) for e in exprs)
+
+    changed = replace(
+        form,
+        parameters=tuple(p for p in form.parameters if p not in form.inputs),
+        mass=tuple(map(on, form.mass)),
+        rates=on(form.rates),
+        force=on(form.force),
+        definitions=on(form.definitions),
+        stages=tuple(zip((n for n, _ in form.stages), on(e for _, e in form.stages), strict=True)),
+        dependent=tuple(
+            zip((n for n, _ in form.dependent), on(e for _, e in form.dependent), strict=True)
+        ),
+        inputs=(),
+    )
+    spelled = dict(zip(extras, on(extras.values()), strict=True))
+    return changed, spelled, tuple(symbols.values())
 
 
 @lru_cache(maxsize=32)  # a form is weighed first, and written with its extra quantities then

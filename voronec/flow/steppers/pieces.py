@@ -1,0 +1,116 @@
+"""Runs whose parameters change at known instants: each piece begins where the last one ended.
+
+No step goes over a change, so every method keeps its order, and a jump is met exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from voronec.flow.steppers.run import Problem, Run, Stepper
+
+__all__ = ["in_pieces"]
+
+
+def in_pieces(make: Callable[[Problem], Stepper], problem: Problem, exact: bool) -> Stepper:
+    """The stepper of a problem with ``changing`` parameters; an ``exact`` one is made for each
+    piece anew, others once."""
+    changing, names = problem.changing, [str(p) for p in problem.program.parameters]
+    assert changing is not None
+    own = replace(
+        problem, start=problem.start.copy(), parameters=list(problem.parameters), progress=None
+    )
+    once = None if exact else make(own)
+
+    def on_piece(state: np.ndarray, times: np.ndarray) -> Run:
+        values = changing.on(float(times[0]), float(times[-1]))
+        if once is not None:
+            own.start[:] = state
+            own.parameters[:] = [
+                float(values.get(n, x)) for n, x in zip(names, own.parameters, strict=True)
+            ]
+            return once(times)
+
+        def start(bits: int) -> tuple[np.ndarray, Sequence[Any]]:
+            first, given = problem.exact(bits) if problem.exact else (state, problem.parameters)
+            with mpmath.workprec(bits):
+                numbers = [_number(values.get(n, x)) for n, x in zip(names, given, strict=True)]
+            return (first if state is problem.start else state), numbers
+
+        return make(replace(own, exact=start))(times)
+
+    def run(grid: np.ndarray) -> Run:
+        parts: list[Run] = []
+        state, time = problem.start, grid[0]
+        order = 1.0 if grid[-1] >= grid[0] else -1.0
+        for end in [*changing.knots(float(grid[0]), float(grid[-1])), float(grid[-1])]:
+            inside = grid[(order * grid > order * time) & (order * grid < order * end)]
+            parts.append(on_piece(state, np.array([time, *inside, end][: None if time != end else 1])))
+            last = parts[-1]
+            if last.halt is not None or last.interrupted or last.stopped:
+                break
+            time, state = end, last.states[-1]
+            if problem.progress is not None:
+                problem.progress(float((end - grid[0]) / ((grid[-1] - grid[0]) or 1.0)))
+        return _joined(parts, grid, problem)
+
+    return run
+
+
+def _number(value: Any) -> Any:
+    """An mpmath number at the precision in force."""
+    if isinstance(value, Fraction):
+        return mpmath.mpf(value.numerator) / value.denominator
+    return mpmath.mpf(value)
+
+
+def _joined(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
+    """One run of several; the instants between them are left out where nobody asked for them."""
+    last, times, rows = parts[-1], [], []
+    for i, part in enumerate(parts):
+        asked = np.isin(part.t.astype(float), grid)
+        asked[0] = i == 0
+        if part is last and (last.stopped or last.interrupted):
+            asked[-1] = asked[-1] or i == 0 or len(part.t) > 1
+        times.append(part.t[asked])
+        rows.append(part.states[asked])
+    crossings = {
+        name: tuple(np.concatenate([part.crossings[name][k] for part in parts]) for k in (0, 1))
+        for name in last.crossings
+    }
+    return replace(
+        last,
+        t=np.concatenate(times),
+        states=np.vstack(rows),
+        steps=sum(part.steps for part in parts),
+        evaluations=sum(part.evaluations for part in parts),
+        crossings=crossings,
+        inside=_inside(parts) if problem.dense else None,
+    )
+
+
+def _inside(parts: Sequence[Run]) -> Callable[[np.ndarray], np.ndarray] | None:
+    """States at any times reached, from the dense output of each part."""
+    functions = [part.inside for part in parts]
+    if any(f is None for f in functions):
+        return None
+    ends = np.array([float(part.t[-1]) for part in parts])
+    order = 1.0 if ends[-1] >= float(parts[0].t[0]) else -1.0
+
+    def inside(times: np.ndarray) -> np.ndarray:
+        which = np.searchsorted(order * ends, order * times.astype(float), side="left")
+        which = np.minimum(which, len(parts) - 1)
+        found = np.empty((len(times), parts[0].states.shape[1]), dtype=parts[0].states.dtype)
+        for k in np.unique(which):
+            function = functions[k]
+            assert function is not None
+            found[which == k] = function(times[which == k])
+        return found
+
+    return inside
