@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import Any
 
 import flint
+import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
@@ -221,6 +222,17 @@ class VoronecEquations:
             self.definition,
             self._exact_or_raw(lambda d: d.coordinate_connection if free else d.connection),
         )
+
+    @cached_property
+    def orders(self) -> dict[str, int]:
+        """The highest derivative of each input, by name, that the equations hold."""
+        form = self.raw.form
+        exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]
+        found = set().union(*(se.sympify(e).atoms(se.Derivative) for e in exprs))
+        functions = [f for f in self.definition.inputs if any(d.args[0] == f for d in found)]
+        return {
+            f.get_name(): max(len(d.args) - 1 for d in found if d.args[0] == f) for f in functions
+        }
 
     @property
     def growth(self) -> tuple[int, ...]:

@@ -70,8 +70,8 @@ class Scene:
 
     ``initial`` gives coordinates and velocities (quasi-velocities of the frame, or velocities of
     coordinates, which must agree with the constraints) by symbol or name; what is not named starts
-    at zero.  ``parameters`` overrides defaults.  ``times`` is ``(start, end)``; the end may come
-    first.
+    at zero.  ``parameters`` overrides defaults; ``inputs`` gives the values of inputs, as
+    ``integrate`` takes them.  ``times`` is ``(start, end)``; the end may come first.
 
     ``outputs`` are what is wanted, and nothing else need be computed: coordinates, velocities,
     invariants, integrals by name, expressions in the first three, ``configuration`` (all
@@ -85,8 +85,10 @@ class Scene:
     parameters: Mapping[Any, Any] = field(default_factory=dict)
     outputs: tuple[Any, ...] = ()
     caption: str = ""
+    inputs: Mapping[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        mapping(self.inputs, "inputs", "input: value")
         initial = mapping(self.initial, "initial", "coordinate or velocity: value")
         constants = mapping(self.parameters, "parameters", "parameter: value")
         if texts_read(initial, "initial value") is not initial:

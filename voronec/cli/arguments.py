@@ -285,6 +285,14 @@ def _setting(parser: argparse.ArgumentParser) -> None:
         help="another value of a parameter, or of a coordinate or velocity at the start; "
         "may be given several times",
     )
+    parser.add_argument(
+        "--input",
+        metavar="NAME=VALUE",
+        action="append",
+        default=[],
+        help="an input: a formula of t and of the state, or a file of times and values, "
+        "FILE.csv[:held|:linear|:cubic]",
+    )
 
 
 def _outputs(parser: argparse.ArgumentParser) -> None:

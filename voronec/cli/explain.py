@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import print_json, progress
 from voronec.cli.subject import resolve
-from voronec.cli.values import first_scene, pair, split_values
+from voronec.cli.values import first_scene, input_values, pair, split_values
 from voronec.cli.wanted import outputs_of
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ PICTURES = (".svg", ".png")
 def execute(arguments: Namespace) -> int:
     """Explain in words, as data, or in a folder of both with the dependence drawn."""
     outputs = outputs_of(arguments.outputs)
-    pairs = [pair(text) for text in arguments.set]
+    pairs, inputs = [pair(text) for text in arguments.set], input_values(arguments.input)
     folder = None if arguments.out is None else wanted_folder(arguments.out)
     system, _ = resolve(arguments.system)
     parameters, initial = split_values(system, pairs)
@@ -34,7 +34,12 @@ def execute(arguments: Namespace) -> int:
     progress(f"{system.name}: weighing the levels of the equations ...")
     try:
         model = explain(
-            system, scene=scene, outputs=outputs, parameters=parameters, initial=initial or None
+            system,
+            scene=scene,
+            outputs=outputs,
+            parameters=parameters,
+            initial=initial or None,
+            inputs=inputs,
         )
         text = model_text(model)
         files = [] if folder is None else _write(model, text, folder)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import columns, print_json, progress, warn
 from voronec.cli.subject import resolve
-from voronec.cli.values import first_scene, instants, pair, split_values, tolerance
+from voronec.cli.values import first_scene, input_values, instants, pair, split_values, tolerance
 from voronec.cli.wanted import outputs_of
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def execute(arguments: Namespace) -> int:
     """
     tol = tolerance(arguments.tol)
     times = instants(arguments.times)
-    pairs = [pair(text) for text in arguments.set]
+    pairs, inputs = [pair(text) for text in arguments.set], input_values(arguments.input)
     outputs = outputs_of(arguments.outputs)
     system, _ = resolve(arguments.system)
     folder = wanted_folder(arguments.out or f"{system.name}-run")
@@ -45,7 +45,7 @@ def execute(arguments: Namespace) -> int:
     try:
         trajectory = integrate(
             system, scene=scene, times=times, outputs=outputs, parameters=parameters,
-            initial=initial, method=arguments.method, tol=tol,
+            initial=initial, method=arguments.method, tol=tol, inputs=inputs,
             progress=lambda share: progress(f"{system.name}: {share:.0%} of the motion"),
         )  # fmt: skip
     finally:

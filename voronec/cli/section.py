@@ -12,7 +12,7 @@ from voronec.algebra.text import formula
 from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import columns, print_json, progress, warn
 from voronec.cli.subject import resolve
-from voronec.cli.values import finite, first_scene, pair, split_values, tolerance
+from voronec.cli.values import finite, first_scene, input_values, pair, split_values, tolerance
 from voronec.cli.wanted import BETWEEN
 from voronec.errors import DefinitionError
 
@@ -34,20 +34,22 @@ def execute(arguments: Namespace) -> int:
     """
     tol = tolerance(arguments.tol)
     until = None if arguments.until is None else finite(arguments.until, "--until")
-    pairs = [pair(text) for text in arguments.set]
+    pairs, inputs = [pair(text) for text in arguments.set], input_values(arguments.input)
     _refuse_none(arguments)
     plane = None if arguments.plane is None else _plane(arguments.plane)
     outputs = [] if arguments.outputs is None else _outputs(arguments.outputs)
     system, _ = resolve(arguments.system)
     folder = wanted_folder(arguments.out or f"{system.name}-section")
     parameters, initial = split_values(system, pairs)
-    from voronec.equations import derive
+    from voronec.flow.inputs import drive
     from voronec.flow.sections import section
 
     progress(f"{system.name}: deriving ...")
     try:
-        equations = derive(system)
         scene = arguments.scene or first_scene(system)
+        chosen = system.scenes.get(scene) if scene else None
+        driven = drive(system, inputs, chosen, steady="a section")
+        equations, parameters = driven.equations, {**parameters, **driven.constants}
         given: dict[str, Any] = {"scene": scene, "initial": initial, "parameters": parameters}
         plane, value, outputs = _completed(equations, plane, outputs, given)
         found = section(

@@ -10,7 +10,9 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.system import System
 
-__all__ = ["finite", "first_scene", "instants", "pair", "split_values", "tolerance"]
+__all__ = [
+    "finite", "first_scene", "input_values", "instants", "pair", "split_values", "tolerance",
+]  # fmt: skip
 
 INSTANTS = 1001
 MOST_INSTANTS = 10_000_000
@@ -75,11 +77,16 @@ def split_values(
     from voronec.algebra.symbols import plain_name
     from voronec.catalogue import unknown
 
-    constants = {p.name for p in system.parameters}
-    movers = {plain_name(s) for s in system.known_symbols()} - constants - {"t"}
+    driven = {plain_name(u) + rate for u in system.inputs for rate in ("", "dot")}
+    constants = {p.name for p in system.parameters} - driven
+    movers = {plain_name(s) for s in system.known_symbols()} - constants - driven - {"t"}
     parameters: dict[str, Any] = {}
     initial: dict[str, Any] = {}
     for name, value in pairs:
+        if name in driven:
+            raise DefinitionError(
+                f"--set {name}: it is an input of system '{system.name}'; give --input {name}=VALUE"
+            )
         if name not in constants | movers:
             kind = "parameter, coordinate or velocity"
             raise DefinitionError(
@@ -87,3 +94,47 @@ def split_values(
             )
         (parameters if name in constants else initial)[name] = value
     return parameters, initial
+
+
+def input_values(texts: Iterable[str]) -> dict[str, Any]:
+    """The values of inputs in NAME=VALUE: formulas, as text, and tables out of files."""
+    found: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or not name or not value:
+            raise DefinitionError(f"--input {text}: give NAME=VALUE, such as u=sin(t) or u=u.csv")
+        if name in found:
+            raise DefinitionError(f"--input {text}: '{name}' is given twice; give it once")
+        path, colon, kind = value.rpartition(":")
+        path, kind = (path, kind) if colon and path.endswith(".csv") else (value, "linear")
+        found[name] = _table(path, kind, f"--input {name}") if path.endswith(".csv") else value
+    return found
+
+
+def _table(path: str, kind: str, place: str) -> Any:
+    """A table of two columns, times and values; a first line in words is passed over."""
+    import csv
+
+    from voronec.flow.tables import Table
+
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            lines = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        reason = getattr(error, "strerror", None) or "it is no text of commas and lines"
+        raise DefinitionError(f"{place}: '{path}' cannot be read: {reason}") from None
+    if lines and not any(c.isdigit() for cell in lines[0] for c in cell):
+        lines = lines[1:]
+    for number, row in enumerate(lines, start=1):
+        if len(row) != 2:
+            raise DefinitionError(
+                f"{place}: row {number} of '{path}' has {len(row)} columns; give a time and a value"
+            )
+    columns = [
+        [finite(row[k].strip(), f"{place}: row {i} of '{path}'") for i, row in enumerate(lines, 1)]
+        for k in (0, 1)
+    ]
+    try:
+        return Table(columns[0], columns[1], kind)
+    except DefinitionError as error:
+        raise DefinitionError(f"{place}: {error}") from None

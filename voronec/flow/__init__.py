@@ -4,6 +4,7 @@ from voronec.flow.ensembles import Ensemble, ensemble
 from voronec.flow.events import Crossings, Event
 from voronec.flow.motion import integrate
 from voronec.flow.sections import Section, section
+from voronec.flow.tables import Table
 from voronec.flow.trajectory import Cost, Trajectory
 
 __all__ = [
@@ -12,6 +13,7 @@ __all__ = [
     "Ensemble",
     "Event",
     "Section",
+    "Table",
     "Trajectory",
     "ensemble",
     "integrate",

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.equations import VoronecEquations, derive
+from voronec.equations import VoronecEquations
 from voronec.errors import IntegrationError, VoronecError
 from voronec.flow.batches import FINEST, Lanes, Stopped, along, along_scipy, chosen
 from voronec.flow.given import (
@@ -24,10 +24,11 @@ from voronec.flow.given import (
     scene_of,
     spread_starts,
 )  # fmt: skip
+from voronec.flow.inputs import drive
 from voronec.flow.many import Many, at_each, drifts, many
 from voronec.flow.trajectory import Cost
 from voronec.flow.vocabulary import Vocabulary, held_name
-from voronec.system import System
+from voronec.system import System, require_system
 
 __all__ = ["Ensemble", "ensemble"]
 
@@ -80,6 +81,7 @@ def ensemble(
     tol: float = 1e-13,
     jobs: int = 1,
     progress: Callable[[float], Any] | None = None,
+    inputs: Mapping[Any, Any] | None = None,
 ) -> Ensemble:
     """The motions of one system from many starts, or with many values of its parameters.
 
@@ -99,17 +101,21 @@ def ensemble(
         threads, each with an integrator of its own; scipy gains nothing by them and takes one.
     progress
         is called with the finished fraction.
+    inputs
+        values of the system's inputs, numbers or expressions, as for ``integrate``.
 
     A start or a parameter from which no motion goes, and a motion that breaks down, is noted in
     ``errors``, and the others go on; where every start is wrong, the first error is raised.
     Ctrl-C ends the run and keeps the motions that are done; none is while it is being set up.
     """
     began = perf_counter()
-    equations = system if isinstance(system, VoronecEquations) else derive(system)
-    chosen_scene = scene_of(equations.system, scene, starts is None, "starts")
+    declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
+    chosen_scene = scene_of(declared, scene, starts is None, "starts")
     single, columns = spread_starts(starts, parameters or {})
-    grid = grid_of(equations.system, chosen_scene, times)
-    vocabulary = Vocabulary.of(equations)
+    grid = grid_of(declared, chosen_scene, times)
+    driven = drive(system, inputs, chosen_scene, steady="an ensemble")
+    equations, columns = driven.equations, {**columns, **driven.constants}
+    vocabulary = Vocabulary.of(equations, driven.meaning)
     keys, own = outputs_of(chosen_scene, outputs), equations.system
     wanted = dict(quantity(vocabulary, k) for k in keys or (*own.coordinates, *own.velocities))
     try:

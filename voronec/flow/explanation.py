@@ -8,9 +8,10 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
-from voronec.equations import VoronecEquations, derive
+from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError
 from voronec.flow.given import Given, outputs_of, scene_of
+from voronec.flow.inputs import drive
 from voronec.flow.modelling import numbers_at
 from voronec.flow.outset import rates_at
 from voronec.flow.reactions import Multipliers
@@ -18,7 +19,7 @@ from voronec.flow.start import parameter_values, start_of
 from voronec.flow.vocabulary import Vocabulary, number
 from voronec.model import Model, smallest_model
 from voronec.scene import Scene
-from voronec.system import System
+from voronec.system import System, require_system
 from voronec.vector_field import Motions
 
 __all__ = ["explain"]
@@ -30,13 +31,14 @@ def explain(
     outputs: Sequence[Any] = (),
     parameters: Mapping[Any, Any] | None = None,
     initial: Mapping[Any, Any] | None = None,
+    inputs: Mapping[Any, Any] | None = None,
 ) -> Model:
     """The smallest model in which the outputs of a scene can be computed, and why it is that one.
 
-    Arguments are those of ``integrate``: outputs are names, symbols or expressions, those of the
-    scene unless told, else all coordinates and velocities.  Where there is no scene ``default`` and
-    none is named, and nothing is said of the start, the model holds for all starts; else what is
-    zero in that one motion is frozen.
+    Arguments are those of ``integrate``, but an input need not have a value: outputs are names,
+    symbols or expressions, those of the scene unless told, else all coordinates and velocities.
+    Where there is no scene ``default`` and none is named, and nothing is said of the start, the
+    model holds for all starts; else what is zero in that one motion is frozen.
 
     ``model.roles`` says of each variable whether it is integrated, a quadrature, a constant, given
     by a first integral, read off or dropped, and why; ``model.candidates`` which levels of the
@@ -44,14 +46,18 @@ def explain(
     ``model.graph`` is a networkx graph of which rate holds which variable.  Raises
     ``DefinitionError`` for input that makes no sense.
     """
-    equations = system if isinstance(system, VoronecEquations) else derive(system)
-    vocabulary = Vocabulary.of(equations)
+    declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
+    driven = drive(system, inputs, scene_of(declared, scene, False), unknown=True)
+    equations = driven.equations
+    vocabulary = Vocabulary.of(equations, driven.meaning)
     usual = initial is None and "default" in equations.system.scenes
     chosen = scene_of(equations.system, scene, usual)
     wanted = _wanted(vocabulary, outputs_of(chosen, outputs))
     start = None
     if chosen is not None or initial is not None:
-        start = _start(vocabulary, chosen, Given.of(vocabulary, chosen, parameters, initial))
+        start = _start(
+            vocabulary, chosen, Given.of(vocabulary, chosen, parameters, initial), driven.constants
+        )
     elif parameters:
         raise DefinitionError(
             f"system '{equations.system.name}': parameters without a start; name a scene, or give "
@@ -76,10 +82,12 @@ def _wanted(vocabulary: Vocabulary, outputs: Sequence[Any]) -> dict[str, sp.Expr
     return found
 
 
-def _start(vocabulary: Vocabulary, scene: Scene | None, given: Given) -> dict[Any, float]:
+def _start(
+    vocabulary: Vocabulary, scene: Scene | None, given: Given, inputs: Mapping[str, Any]
+) -> dict[Any, float]:
     """Numbers of coordinates, velocities, parameters, time; what has no value is left out."""
     equations = vocabulary.equations
-    constants = parameter_values(vocabulary, given.parameters, set())
+    constants = parameter_values(vocabulary, {**given.parameters, **inputs}, set())
     time = number(scene.times[0], "the span's start") if scene else 0.0
     form = equations.raw.form
     rates = rates_at(equations, form, constants, time)

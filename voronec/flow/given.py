@@ -61,12 +61,12 @@ def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[st
     symbols.  ``DefinitionError`` for a name that the system does not know.
     """
     system = vocabulary.equations.system
-    invariants = dict(zip(system.invariants, system.invariant_symbols, strict=True))
-    known = {**vocabulary.claims, **invariants, **vocabulary.symbols}
+    known = vocabulary.known
     if isinstance(key, str):
         name = vocabulary.name(key, known, role)
         return name, sympified(known[name])
-    expr = sympified(key)
+    given = sympified(key)
+    expr = given.xreplace(vocabulary.inputs)
     meaning = {}
     for symbol in sorted(expr.free_symbols, key=str):
         if str(symbol) not in known:
@@ -75,7 +75,7 @@ def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[st
                 f"{did_you_mean(str(symbol), known)}"
             )
         meaning[symbol] = known[str(symbol)]
-    name = plain_name(expr) if is_symbolic_name(expr) else label(expr)
+    name = plain_name(given) if is_symbolic_name(given) else label(given)
     return name, expr.xreplace(meaning)
 
 

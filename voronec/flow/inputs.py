@@ -11,12 +11,11 @@ knots, of a function of Python's they are its values at the instant s = t itself
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import factorial
 from typing import Any
 
-import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import names_in, plain_name, time, velocity
@@ -73,11 +72,13 @@ def drive(
     inputs: Mapping[Any, Any] | None = None,
     scene: Any = None,
     steady: str = "",
+    unknown: bool = False,
 ) -> Drive:
     """The system with values for its inputs; ``DefinitionError`` names one that has none.
 
     ``steady`` says who asks, where inputs that change with the time otherwise than by a formula
-    are refused.
+    are refused; with ``unknown`` an input without a value is carried along as a parameter without
+    one, with as many rates as the equations hold.
     """
     original = system.system if isinstance(system, VoronecEquations) else system
     if not original.inputs and not inputs:
@@ -88,6 +89,8 @@ def drive(
     signals, symbols, shapes = [], [], []
     for u in original.inputs:
         name = plain_name(u)
+        if name not in values and unknown:
+            values[name] = Signal(name, derive(original).orders.get(name, 0), "an unknown input")
         if name not in values:
             raise DefinitionError(
                 f"system '{original.name}': no value for the input '{name}'; give "
@@ -114,8 +117,8 @@ def drive(
             f"system '{original.name}': {steady} takes numbers and expressions of t for inputs, "
             f"not what '{signals[0].name}' is given; integrate the motions one by one"
         )
-    changing = Changing(tuple(signals)) if signals else None
-    driven = _driven(original, meaning, symbols, tuple(shapes), changing)
+    changing = Changing(tuple(signals)) if signals and not unknown else None
+    driven = _driven(original, meaning, symbols, tuple(shapes), bool(signals))
     return Drive(original, derive(driven), meaning, constants, changing)
 
 
@@ -137,6 +140,8 @@ def _read(system: System, u: sp.Expr, values: Mapping[str, Any]) -> sp.Expr | Si
     """The value of an input: an expression, or a signal that has yet to be named."""
     name = plain_name(u)
     value, place = values[name], f"system '{system.name}': the input '{name}'"
+    if isinstance(value, Signal):
+        return value
     if isinstance(value, str):
         known = {plain_name(s): s for s in system.known_symbols()}
         value = formula(value, place, known)
@@ -150,7 +155,7 @@ def _read(system: System, u: sp.Expr, values: Mapping[str, Any]) -> sp.Expr | Si
             return value.signal(name)
         return expression(value, place)
     if not all(map(callable, rates)) or (f"{name}dotdot" in values and len(rates) < 2):
-        raise DefinitionError(f"{place}: its rates are functions of t too, each order after another")
+        raise DefinitionError(f"{place}: its rates are functions of t too, none left out")
     return Signal.called(name, (value, *rates))
 
 
@@ -232,7 +237,7 @@ def _driven(
     meaning: Mapping[sp.Expr, sp.Expr],
     symbols: Sequence[sp.Symbol],
     shape: Any,
-    changing: Changing | None,
+    moving: bool,
 ) -> System:
     """The system with expressions in the place of its inputs, made once for each shape of them.
 
@@ -242,14 +247,11 @@ def _driven(
     kept: dict[Any, System] = original.__dict__.setdefault(_KEPT, {})
     if shape in kept:
         return kept[shape]
-    order = sorted(meaning, key=lambda x: -x.count_ops())  # rates before what they are rates of
 
     def on(expr: Any) -> Any:
-        for thing in order:
-            expr = expr.xreplace({thing: meaning[thing]})
-        return expr
+        return expr.xreplace(meaning)
 
-    moving = {*meaning} if changing is not None else set()
+    jumping = {*meaning} if moving else set()
     integrals = {name: right_of(e) for name, e in original.integrals.items()}
     frame = original.frame
     if frame is not None:
@@ -265,7 +267,7 @@ def _driven(
         ),
         frame=frame,
         parameters=(*constants, *map(Parameter, symbols)),
-        integrals={n: on(e) for n, e in integrals.items() if not names_in(e) & moving},
+        integrals={n: on(e) for n, e in integrals.items() if not names_in(e) & jumping},
         invariants={n: on(e) for n, e in original.invariants.items()},
         inputs=(), measure=None, multiplier=None, poisson=None, essential=(), integrable="",
         cases={}, equations={}, undecided={}, charts={}, motion=None,

@@ -18,17 +18,19 @@ from sympy.core.function import AppliedUndef
 
 from voronec.algebra.text import sympified
 from voronec.attitudes import with_attitude_charts
-from voronec.equations import VoronecEquations, derive
+from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.flow.attempts import first_success, other_method
 from voronec.flow.events import Crossings, Event, spelled
 from voronec.flow.given import Given, grid_of, outputs_of, scene_of
+from voronec.flow.inputs import drive
 from voronec.flow.modelling import Modelled, modelled, whole
 from voronec.flow.observing import Watch, followed, observed
 from voronec.flow.outset import Outset
 from voronec.flow.poles import NearPole, PoleGuard
 from voronec.flow.soundness import Breach, Judge
 from voronec.flow.steppers import Problem, Run, Stepper
+from voronec.flow.steppers.changing import Changing, in_kind
 from voronec.flow.steppers.choice import CLOSED
 from voronec.flow.switching import through_walls
 from voronec.flow.trajectory import Cost, Trajectory
@@ -37,7 +39,7 @@ from voronec.flow.vocabulary import Vocabulary
 from voronec.program import Program
 from voronec.program.digits import precision
 from voronec.scene import Scene
-from voronec.system import System
+from voronec.system import System, require_system
 
 __all__ = ["integrate"]
 
@@ -64,6 +66,7 @@ def integrate(
     project: bool = False,
     dense: bool = False,
     progress: Callable[[float], Any] | None = None,
+    inputs: Mapping[Any, Any] | None = None,
 ) -> Trajectory:
     """The motion of a system from given initial data, on a grid of times.
 
@@ -103,6 +106,11 @@ def integrate(
         keeps the whole motion, for ``traj.at(times)``.
     progress
         called now and then on long runs, with the fraction that is done.
+    inputs
+        the values of the system's inputs, by symbol or name, over those of the scene: a number; an
+        expression of the time, and, for inputs in forces alone, of the state; a ``Table``, or a
+        pair of times and values; a function of the time (by ``scipy`` only), its rate, where the
+        equations hold that, under the rate's symbol or name.
 
     Ctrl-C during the run ends it: the trajectory then holds what is done, ends where the run stood
     and is marked ``interrupted``.  Raises ``DefinitionError`` for input that makes no sense, and
@@ -110,14 +118,20 @@ def integrate(
     motion cannot be continued.
     """
     began = perf_counter()
-    equations = system if isinstance(system, VoronecEquations) else derive(system)
+    declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
+    chosen = scene_of(declared, scene, initial is None)
+    asked, grid = outputs_of(chosen, outputs), grid_of(declared, chosen, times)
+    driven = drive(system, inputs, chosen)
+    driven.require_span(float(grid[0]), float(grid[-1]))
+    equations = driven.equations
     _refuse_unknown_functions(equations.system)
-    vocabulary = Vocabulary.of(equations)
-    chosen = scene_of(equations.system, scene, initial is None)
-    asked, grid = outputs_of(chosen, outputs), grid_of(equations.system, chosen, times)
+    vocabulary = Vocabulary.of(equations, driven.meaning)
     given = Given.of(vocabulary, chosen, parameters, initial)
+    given = replace(
+        given, parameters={**given.parameters, **driven.parameters(float(grid[0]), float(grid[-1]))}
+    )
     happenings, functions = spelled(vocabulary, events)
-    outset = Outset.of(vocabulary, given, float(grid[0]), project)
+    outset = Outset.of(vocabulary, given, float(grid[0]), project, driven.changing)
     if method == CLOSED and happenings:
         raise DefinitionError(
             "the closed form looks for no events; use another method, or evaluate the motion "
@@ -140,7 +154,7 @@ def integrate(
         request.in_smallest, request.beyond_poles, request.past_poles, request.otherwise,
         request.on_coordinates,
     )  # fmt: skip
-    return first_success(ways, float(grid[0]))
+    return replace(first_success(ways, float(grid[0])), system=declared)
 
 
 @dataclass(frozen=True)
@@ -203,7 +217,7 @@ class _Request:
     def _modelled(self, followed: bool) -> Modelled:
         outset = self.outset
         return modelled(
-            self.vocabulary, self.outputs, self.functions, outset.state, outset.constants,
+            self.vocabulary, self.outputs, self.functions, outset.state, outset.steady,
             float(self.grid[0]), followed,
         )  # fmt: skip
 
@@ -264,13 +278,13 @@ class _Job:
         made, outset, time = self.made, self.outset, float(self.grid[0])
         state, values = made.place(outset.state, outset.constants, time)
         equations = self.vocabulary.equations
-        probe = made.probe(equations.system.name, values, time)
+        probe = made.probe(equations.system.name, values, time, outset.changing)
         guard = self._guard()
         if guard is not None:
             guard.check(state, values, time)
         problem = Problem(
             made.program, state, values, self.tol, self.events, made.event_program, self.dense,
-            probe.suspect(state), self.progress, self._exact,
+            probe.suspect(state), self.progress, self._exact, outset.changing,
         )  # fmt: skip
         switched = through_walls(method, problem, self.grid, made.moving, made.event_functions)
         if switched is not None and switched.corner is not None:
@@ -295,7 +309,9 @@ class _Job:
             constants = outset.exactly.constants(bits) | made.constants(self._exact(bits)[1])
         else:
             constants = {**outset.constants, **made.constants(values)}
-        sight = _Sight(self.vocabulary, made.watch, made.program, constants, cost, bits)
+        sight = _Sight(
+            self.vocabulary, made.watch, made.program, constants, cost, bits, outset.changing
+        )
         told = outset.notes + run.notes
         trajectory = replace(sight.trajectory(run), notes=told)
         breach, notes = self.judged(trajectory, run, values, switched is None)
@@ -322,7 +338,7 @@ class _Job:
         }
         judge = Judge(
             equations, made.program, [float(x) for x in values], trajectory.cost.tolerance,
-            run.steps, followed, watch.relations, made.relations,
+            run.steps, followed, watch.relations, made.relations, self.outset.changing,
         )  # fmt: skip
         t, states = run.t.astype(float), run.states.astype(float)
         breach, notes = judge.breach(t, states) if smooth else judge.kept(t, states)
@@ -378,6 +394,14 @@ class _Sight:
     constants: Mapping[str, Any]
     cost: Cost
     bits: int
+    changing: Changing | None = None
+
+    def at(self, t: np.ndarray) -> Mapping[str, Any]:
+        """The constants, and at times (k,) those that change."""
+        if self.changing is None:
+            return self.constants
+        along = self.changing.along(t)
+        return {**self.constants, **{n: in_kind(x, t.dtype) for n, x in along.items()}}
 
     def trajectory(self, run: Run) -> Trajectory:
         """The motion of a run, its events, and, of a dense run, what lies between."""
@@ -396,13 +420,14 @@ class _Sight:
         """Everything watched at some states."""
         with mpmath.workprec(self.bits):
             return observed(
-                self.vocabulary, self.watch, self.program, t, states, self.constants, self.cost,
+                self.vocabulary, self.watch, self.program, t, states, self.at(t), self.cost,
                 interrupted,
             )  # fmt: skip
 
     def crossings(self, t: np.ndarray, states: np.ndarray) -> Crossings:
         """The same at the passages of an event."""
-        values = [self.constants.get(str(p), np.nan) for p in self.program.parameters]
+        known = self.at(t)
+        values = [known.get(str(p), np.nan) for p in self.program.parameters]
         series = dict.fromkeys(self.watch.outputs, t)
         if len(t):
             with mpmath.workprec(self.bits):
@@ -418,7 +443,8 @@ def _refuse_unknown_functions(system: System) -> None:
     """What holds an unknown function has no motion in numbers."""
     frame = system.frame.expressions if system.frame is not None else ()
     held = (system.lagrangian, *system.constraints, *system.forces.values(), *frame)
-    unknown = {f for e in held for f in sympified(e).atoms(AppliedUndef)} - {*system.coordinates}
+    own = {*system.coordinates, *(system.frame.ambient if system.frame is not None else ())}
+    unknown = {f for e in held for f in sympified(e).atoms(AppliedUndef)} - own
     if unknown:
         raise DefinitionError(
             f"system '{system.name}' holds the unknown function '{min(unknown, key=str)}', so it "

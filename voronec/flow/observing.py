@@ -197,7 +197,8 @@ def observed(
         names, states = tuple(own), np.stack([series[name] for name in own], axis=-1)
     for array in (t, states, *series.values()):
         array.flags.writeable = False
-    known = {p.name for p in system.parameters if not mpmath.isnan(constants.get(p.name, np.nan))}
+    still = {n: x for n, x in constants.items() if np.ndim(x) == 0}  # others are inputs
+    known = {p.name for p in system.parameters if not mpmath.isnan(still.get(p.name, np.nan))}
     drift = {
         name: _drift(series[key], series[watch.sizes[name]])
         for name, key in watch.integrals.items()

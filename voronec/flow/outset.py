@@ -15,6 +15,7 @@ from voronec.flow.given import Given
 from voronec.flow.inertia import require_inertia
 from voronec.flow.probe import Probe, quantities
 from voronec.flow.start import parameter_values, start_of
+from voronec.flow.steppers.changing import Changing
 from voronec.flow.vocabulary import Vocabulary
 from voronec.program import Program
 
@@ -41,15 +42,30 @@ def rates_at(
 @dataclass(frozen=True)
 class Outset:
     """The start on the coordinates: ``state`` (n,), coordinates, then velocities; ``constants`` by
-    name; ``notes``, what was moved on request; and both again ``exactly``, in any precision."""
+    name; ``notes``, what was moved on request; and both again ``exactly``, in any precision.
+    Constants that are ``changing`` are those of the start."""
 
     state: np.ndarray
     constants: Mapping[str, float]
     notes: tuple[str, ...]
     exactly: Exactly
+    changing: Changing | None = None
+
+    @property
+    def steady(self) -> dict[str, float]:
+        """The constants, those that change without a value: no model may rest on it."""
+        changing = self.changing.names if self.changing is not None else ()
+        return {**self.constants, **dict.fromkeys(changing, np.nan)}
 
     @classmethod
-    def of(cls, vocabulary: Vocabulary, given: Given, time: float, project: bool) -> Outset:
+    def of(
+        cls,
+        vocabulary: Vocabulary,
+        given: Given,
+        time: float,
+        project: bool,
+        changing: Changing | None = None,
+    ) -> Outset:
         """Read what is given, and look whether a motion starts there."""
         equations = vocabulary.equations
         constants = parameter_values(vocabulary, given.parameters, set())
@@ -67,4 +83,4 @@ class Outset:
             vocabulary, quantities(form, {}), time, given.parameters, given.scene_initial,
             given.initial, start.state, bool(start.notes),
         )  # fmt: skip
-        return cls(start.state, constants, start.notes, exactly)
+        return cls(start.state, constants, start.notes, exactly, changing)

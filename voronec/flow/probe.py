@@ -11,6 +11,7 @@ import numpy as np
 import symengine as se
 
 from voronec.errors import DefinitionError, IntegrationError
+from voronec.flow.steppers.changing import Changing, in_kind
 from voronec.flow.steppers.run import Halt, Suspect
 from voronec.program import Program, compiled, hoisted
 
@@ -64,6 +65,7 @@ class Probe:
     program: Program
     values: Sequence[float]
     time: float
+    changing: Changing | None = None
 
     def rates(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Velocities of all coordinates (n, k) at one q (n,) and several v (m, k)."""
@@ -141,11 +143,17 @@ class Probe:
         """Mass matrices (k, n, n) at times (k,) and states (k, m)."""
         n = len(self.form.velocities)
         with np.errstate(all="ignore"):
-            flat = self._mass_entries(t, list(states.T), [np.float64(x) for x in self.values])
+            flat = self._mass_entries(t, list(states.T), self._values(t))
         result, pairs = np.empty((len(t), n, n)), ((i, j) for i in range(n) for j in range(i + 1))
         for (i, j), column in zip(pairs, flat, strict=True):
             result[:, i, j] = result[:, j, i] = column
         return result
+
+    def _values(self, t: np.ndarray) -> list[Any]:
+        """The parameters at times (k,)."""
+        along = self.changing.along(t) if self.changing is not None else {}
+        pairs = zip(map(str, self.program.parameters), self.values, strict=True)
+        return [in_kind(along[n], t.dtype) if n in along else np.float64(x) for n, x in pairs]
 
     def _meaningless(self) -> str:
         """The parameters, with their values, of which the equations hold an expression without a

@@ -11,17 +11,18 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.equations import VoronecEquations, derive
+from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError
 from voronec.flow.alike import starts_alike
 from voronec.flow.batches import FINEST, chosen
 from voronec.flow.given import Values, outputs_of, quantity, scene_of, spread_starts
+from voronec.flow.inputs import drive
 from voronec.flow.many import Many, at_each, drifts, many
 from voronec.flow.passing import Passages, pass_lanes, pass_scipy
 from voronec.flow.trajectory import Cost
 from voronec.flow.vocabulary import Vocabulary, held_name, number
 from voronec.program import Program, compiled
-from voronec.system import System
+from voronec.system import System, require_system
 from voronec.vector_field import Motions
 
 __all__ = ["Section", "section"]
@@ -90,6 +91,7 @@ def section(
     method: str = "auto",
     tol: float = 1e-13,
     progress: Callable[[float], Any] | None = None,
+    inputs: Mapping[Any, Any] | None = None,
 ) -> Section:
     """The Poincare section of one or several motions.
 
@@ -108,7 +110,7 @@ def section(
         arrays of initial values by name, or a sequence of mappings, as for ``ensemble``; or a
         number: that many starts around the one of ``scene`` and ``initial``, on which all
         integrals of the system have the same values.
-    scene, parameters, method, tol, progress
+    scene, parameters, method, tol, progress, inputs
         as for ``ensemble``.
 
     Each crossing is found on the Taylor polynomial of its step (with scipy, on the interpolant) and
@@ -116,11 +118,13 @@ def section(
     the surface; what breaks down later is in ``errors``.  Ctrl-C keeps the points that are there.
     """
     began = perf_counter()
-    equations = system if isinstance(system, VoronecEquations) else derive(system)
+    declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
     if direction not in (-1, 0, 1) or crossings < 1:
         raise DefinitionError("direction must be 1, -1 or 0, and crossings at least 1")
-    chosen_scene = scene_of(equations.system, scene, starts is None or isinstance(starts, int))
-    vocabulary = Vocabulary.of(equations)
+    chosen_scene = scene_of(declared, scene, starts is None or isinstance(starts, int))
+    driven = drive(system, inputs, chosen_scene, steady="a section")
+    equations, parameters = driven.equations, {**(parameters or {}), **driven.constants}
+    vocabulary = Vocabulary.of(equations, driven.meaning)
     surface, expr = quantity(vocabulary, plane, "plane")
     on_plane = number(value, "the value of the plane")
     keys = outputs_of(None, outputs) or _whole(equations, expr)

@@ -20,6 +20,7 @@ from voronec.equations import VoronecEquations
 from voronec.errors import VoronecError
 from voronec.flow.defects import WIDTH, Rates, Windows, again
 from voronec.flow.observing import evaluated
+from voronec.flow.steppers.changing import Changing, in_kind
 from voronec.program import Program, compiled
 from voronec.vector_field import Motions
 
@@ -55,7 +56,8 @@ class Judge:
     """What is known of a run: its program at ``values`` of the parameters, with a tolerance.
 
     ``integrals`` and ``relations`` name extra quantities of the program, and those that give the
-    size of the terms; ``vanishing`` are further relations, expressions in the program's symbols.
+    size of the terms; ``vanishing`` are further relations, expressions in the program's symbols;
+    parameters that are ``changing`` are those of the start among the ``values``.
     """
 
     equations: VoronecEquations
@@ -66,11 +68,12 @@ class Judge:
     integrals: Mapping[str, tuple[str, str]]
     relations: Mapping[str, str]
     vanishing: Sequence[Any] = ()
+    changing: Changing | None = None
 
     def breach(self, t: np.ndarray, states: np.ndarray) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong first, if anything did, and what is to be said of mere claims."""
         found, notes = self._lost(t, states)
-        rates = program_rates(self.program, self.values)
+        rates = program_rates(self.program, self.at)
         found += disobedient(t, states, rates, self.tol, MOST)
         return min(found, key=lambda b: b.row, default=None), notes
 
@@ -79,11 +82,19 @@ class Judge:
         found, notes = self._lost(t, states)
         return min(found, key=lambda b: b.row, default=None), notes
 
+    def at(self, t: np.ndarray) -> list[Any]:
+        """The values of the parameters at times (k,): doubles, or arrays of them."""
+        along = {} if self.changing is None else self.changing.along(t)
+        pairs = zip(map(str, self.program.parameters), self.values, strict=True)
+        return [in_kind(along[n], float) if n in along else np.float64(x) for n, x in pairs]
+
     def original(
         self, t: np.ndarray, states: np.ndarray, constants: Mapping[str, Any]
     ) -> Breach | None:
         """The same of coordinates and velocities (k, n), by the equations derived first."""
-        rates = original_rates(self.equations, constants) if len(t) >= WIDTH else None
+        if len(t) < WIDTH:
+            return None
+        rates = original_rates(self.equations, constants, self.changing)
         if rates is None:
             return None
         found = disobedient(t, states, rates, self.tol, FEW)
@@ -115,10 +126,11 @@ class Judge:
         further = se.Lambdify(inputs, list(self.vanishing)) if self.vanishing else None
 
         def extras(t: np.ndarray, states: np.ndarray) -> Mapping[str, np.ndarray]:
-            found = evaluated(program, t, states, self.values)
+            given = self.at(t)
+            found = evaluated(program, t, states, given)
             if further is not None:
-                given = np.broadcast_to(np.array(self.values, float), (len(t), len(self.values)))
-                columns = further(np.column_stack([t, states, given])).reshape(len(t), -1).T
+                wide = [np.broadcast_to(x, t.shape) for x in given]
+                columns = further(np.column_stack([t, states, *wide])).reshape(len(t), -1).T
                 names = (f"vanishing {e}" for e in self.vanishing)
                 found |= zip(names, columns, strict=True)
             return found
@@ -210,25 +222,29 @@ def proved(equations: VoronecEquations, integral: Any) -> bool:
         return False
 
 
-def program_rates(program: Program, values: Sequence[float]) -> Rates:
-    """The right-hand side that was integrated."""
-    rhs, given = compiled(program)[0], [np.float64(x) for x in values]
+def program_rates(program: Program, at: Callable[[np.ndarray], list[Any]]) -> Rates:
+    """The right-hand side that was integrated, ``at`` giving its parameters at times (k,)."""
+    rhs = compiled(program)[0]
 
     def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
         with np.errstate(all="ignore"):
-            found = rhs(t, list(states.T), given)
+            found = rhs(t, list(states.T), at(t))
         return np.stack([np.broadcast_to(np.asarray(r, float), t.shape) for r in found], axis=-1)
 
     return rates
 
 
-def original_rates(equations: VoronecEquations, constants: Mapping[str, Any]) -> Rates | None:
+def original_rates(
+    equations: VoronecEquations, constants: Mapping[str, Any], changing: Changing | None
+) -> Rates | None:
     """The equations on the coordinates as they were derived first, evaluated by symengine, the
     mass matrix inverted in numbers; None where symengine knows a function of them not."""
     form = equations.raw.form
     n = len(form.velocities)
-    inputs = [form.time, *form.coordinates, *form.velocities]
-    known = {se.Symbol(name): float(x) for name, x in constants.items() if x == x}
+    moving = sorted(changing.names) if changing is not None else []
+    inputs = [form.time, *form.coordinates, *form.velocities, *map(se.Symbol, moving)]
+    still = {name: x for name, x in constants.items() if name not in moving}
+    known = {se.Symbol(name): float(x) for name, x in still.items() if x == x}
     flat = [*form.rates, *(e for row in form.mass for e in row), *form.force]
     stages = dict(form.stages)
     if stages:
@@ -240,7 +256,9 @@ def original_rates(equations: VoronecEquations, constants: Mapping[str, Any]) ->
     width = len(form.rates)
 
     def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        rows = np.asarray(evaluate(np.column_stack([t, states])), dtype=float)
+        along = {} if changing is None else changing.along(t)
+        given = [in_kind(along[name], float) for name in moving]
+        rows = np.asarray(evaluate(np.column_stack([t, states, *given])), dtype=float)
         mass = rows[:, width : width + n * n].reshape(-1, n, n)
         force = rows[:, width + n * n :]
         result = np.full(states.shape, np.nan)

@@ -14,11 +14,13 @@ from typing import Any
 import mpmath
 import numpy as np
 
+from voronec.errors import DefinitionError
 from voronec.flow.crossroads import DOUBLE, GUARD, PAST, Crossroads, Place
 from voronec.flow.events import Event
 from voronec.flow.modes import Corner, Modes, Surface
 from voronec.flow.steppers import Halt, Problem, Run, Stepper
 from voronec.flow.steppers.choice import EXACT
+from voronec.flow.steppers.pieces import in_pieces
 from voronec.flow.steppers.run import until
 from voronec.program.digits import compiled_digits
 
@@ -56,8 +58,32 @@ def through_walls(
     """The integrator of a problem that is not smooth; None where it is smooth.
 
     ``form`` are the equations of the problem's program, ``functions`` those of its events by name,
-    inside the door.
+    inside the door.  Where parameters change, each piece has its own modes.
     """
+    changing = problem.changing
+    first = _through_walls(method, replace(problem, changing=None), grid, form, functions)
+    if changing is None or first is None:
+        return first
+    if changing.called is not None:
+        raise DefinitionError(
+            f"the input '{changing.called.name}' is a function of Python's, and the equations are "
+            "not smooth: where they switch cannot be told; give an expression or a table"
+        )
+
+    def make(piece: Problem) -> Stepper:
+        def run(times: np.ndarray) -> Run:
+            switched = _through_walls(method, piece, times, form, functions)
+            assert switched is not None
+            return switched.stepper(times)
+
+        return run
+
+    return replace(first, stepper=in_pieces(make, problem, anew=True))
+
+
+def _through_walls(
+    method: str, problem: Problem, grid: np.ndarray, form: Any, functions: Mapping[str, Any]
+) -> Switched | None:
     program = problem.program
     rough = program.derivative.is_rough(program.parameters, program.velocities)
     levels = problem.levels

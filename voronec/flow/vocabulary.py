@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -93,10 +93,14 @@ class Vocabulary:
     equations: VoronecEquations
     symbols: Mapping[str, sp.Expr]
     claims: Mapping[str, sp.Expr]
+    inputs: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, equations: VoronecEquations) -> Vocabulary:
-        """The vocabulary of a system's equations."""
+    def of(
+        cls, equations: VoronecEquations, inputs: Mapping[sp.Expr, sp.Expr] | None = None
+    ) -> Vocabulary:
+        """The vocabulary of a system's equations; ``inputs`` are what stands for those that the
+        system was declared with, and for their rates."""
         system = equations.system
         dots = [velocity(q) for q in system.coordinates]
         constants = [p.symbol for p in system.parameters]
@@ -106,7 +110,16 @@ class Vocabulary:
         frame = system.frame
         others = (*frame.fibre, *frame.momenta) if frame is not None else ()
         named = {plain_name(x): x for x in others}
-        return cls(equations, symbols, {**system.invariants, **named, **integrals})
+        claims = {**system.invariants, **named, **integrals}
+        return cls(equations, symbols, claims, dict(inputs or {}))
+
+    @property
+    def known(self) -> dict[str, sp.Expr]:
+        """Everything that has a name, but for reactions and groups."""
+        system = self.equations.system
+        invariants = dict(zip(system.invariants, system.invariant_symbols, strict=True))
+        driven = {plain_name(u): e for u, e in self.inputs.items()}
+        return {**self.claims, **invariants, **self.symbols, **driven}
 
     @property
     def reactions(self) -> dict[str, int]:
@@ -134,7 +147,7 @@ class Vocabulary:
         """
         system = self.equations.system
         reactions, groups = self.reactions, self.groups
-        own = {*self.symbols, *self.claims}
+        own = self.known
         keys = tuple(outputs) or (*system.coordinates, *system.velocities)
         spelled: dict[str, sp.Expr | None] = {}
         chosen: dict[str, int] = {}
@@ -170,9 +183,7 @@ class Vocabulary:
 
     def asked(self, key: Any) -> tuple[str, sp.Expr]:
         """The same with the expression in the user's symbols, those of invariants among them."""
-        system = self.equations.system
-        invariants = dict(zip(system.invariants, system.invariant_symbols, strict=True))
-        known = {**self.claims, **invariants, **self.symbols}
+        system, known = self.equations.system, self.known
         if isinstance(key, str):
             name = self.name(key, [*known, *self.reactions, *self.groups], "output")
             if name not in known:
@@ -181,15 +192,18 @@ class Vocabulary:
                     "output of its own"
                 )
             return name, known[name]
-        expr = expression(key, f"system '{system.name}': an output")
+        given = expression(key, f"system '{system.name}': an output")
+        if given in self.inputs:
+            return plain_name(given), self.inputs[given]
+        expr = given.xreplace(self.inputs)
         for symbol in sorted(expr.free_symbols, key=str):
             if str(symbol) not in {*self.symbols, *system.invariants}:
                 raise DefinitionError(
-                    f"system '{system.name}': the output '{expr}' contains '{symbol}'"
+                    f"system '{system.name}': the output '{given}' contains '{symbol}'"
                     f"{did_you_mean(str(symbol), [*self.symbols, *system.invariants])}"
                 )
-        name = label(expr)
-        if expr not in system.invariant_symbols and (name != str(expr) or name in self.symbols):
+        name = label(given)
+        if expr not in system.invariant_symbols and (name != str(given) or name in self.symbols):
             name = self.name(name, self.symbols, "output")
             return name, self.symbols[name]
         return name, expr

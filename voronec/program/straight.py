@@ -278,7 +278,8 @@ def _pruned(assignments: Sequence[tuple[Any, Any]], results: Sequence[Any]) -> B
 
 def _check(place: str, exprs: Iterable[Any], known: Iterable[Any]) -> None:
     """Raise ``DefinitionError`` for what has no value: unknown functions and symbols."""
-    allowed, seen, stack = set(known), set(), [se.sympify(e) for e in exprs]
+    allowed = {k for k in known if isinstance(k, se.Symbol)}
+    seen, stack = set(), [se.sympify(e) for e in exprs]
     while stack:
         node = stack.pop()
         if node in seen or node in allowed:

@@ -6,14 +6,31 @@ from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from math import inf
 from typing import Any
 
+import mpmath
 import numpy as np
 
 from voronec.errors import DefinitionError
 
-__all__ = ["Changing", "Signal"]
+__all__ = ["Changing", "Signal", "in_kind"]
+
+
+def in_kind(numbers: np.ndarray, kind: Any) -> np.ndarray:
+    """Exact numbers (k,) as doubles, or, where ``kind`` says objects, as mpmath's at the precision
+    in force."""
+    if np.dtype(kind).kind == "O":
+        return np.array([exact_mpf(x) for x in numbers], dtype=object)
+    return numbers.astype(float)
+
+
+def exact_mpf(number: Any) -> Any:
+    """An mpmath number at the precision in force."""
+    if isinstance(number, Fraction):
+        return mpmath.mpf(number.numerator) / number.denominator
+    return mpmath.mpf(number)
 
 
 @dataclass(frozen=True)
@@ -67,12 +84,15 @@ class Signal:
             rows = [[*self.at(t).values()] for t in times.tolist()]
         else:
             last = len(self.pieces) - 1
-            starts = np.array(list(map(float, self.instants)))
-            places = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, last)
+            places = np.clip(np.searchsorted(self._starts, times, side="right") - 1, 0, last)
             since = [(t,) if self.degree else () for t in self.instants]
             rows = [[*self.pieces[k], *since[k]] for k in places]
         table = np.array(rows, dtype=object).reshape(len(times), len(self.parameters))
         return dict(zip(self.parameters, table.T, strict=True))
+
+    @cached_property
+    def _starts(self) -> np.ndarray:
+        return np.array(list(map(float, self.instants)))
 
     def _number(self, function: Callable[[float], Any], instant: float) -> float:
         place = f"the input '{self.name}' at t = {instant:.12g}"

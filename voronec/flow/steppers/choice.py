@@ -17,6 +17,7 @@ import numpy as np
 
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.flow.steppers.digits import digits
+from voronec.flow.steppers.pieces import in_pieces
 from voronec.flow.steppers.run import Problem, Stepper
 from voronec.flow.steppers.stepwise import FINEST, dop853, estimated_steps, lsoda
 from voronec.flow.steppers.taylor import taylor
@@ -36,6 +37,8 @@ _MAKERS: dict[str, Callable[[Problem], Stepper]] = {
     "lsoda": lsoda,
     "flint": digits,
 }
+TAYLORS = ("heyoka", "flint")
+"""The methods that differentiate the equations themselves."""
 CLOSED = "closed-form"
 """Evaluates a declared motion; it takes no steps, and is no integrator."""
 METHODS = ("auto", *_MAKERS, CLOSED)
@@ -49,11 +52,19 @@ def choose(method: str, problem: Problem, grid: np.ndarray) -> tuple[Stepper, di
         raise DefinitionError(f"'{CLOSED}' takes no steps; it evaluates one motion at a time")
     if not 0 < problem.tol < 1:
         raise DefinitionError(f"tol = {problem.tol} must lie between 0 and 1, such as 1e-13")
+    called = problem.changing.called if problem.changing is not None else None
+    if called is not None and (method in TAYLORS or problem.tol < EXACT):
+        raise DefinitionError(
+            f"the input '{called.name}' is a function of Python's, known in doubles and without a "
+            "Taylor series; take method='scipy' and tol >= 1e-16, or give an expression or a table"
+        )
     if method == "heyoka" and not problem.program.state:
         return _made("scipy", problem, "nothing moves, and heyoka wants equations")
     if method != "auto":
         return _made(method, problem, "asked for")
     method, reason = _best(problem, grid)
+    if called is not None:
+        method, reason = "scipy", f"the input '{called.name}' is a function of Python's"
     try:
         return _made(method, problem, f"auto: {reason}")
     except EngineLimit as limit:
@@ -86,6 +97,8 @@ def _made(method: str, problem: Problem, reason: str) -> tuple[Stepper, dict[str
     finest = FINEST if method in ("scipy", "lsoda") else 0.0
     chosen = {"method": method, "reason": reason, "tolerance": max(problem.tol, finest)}
     try:
+        if problem.changing is not None:
+            return in_pieces(_MAKERS[method], problem, anew=method == "flint"), chosen
         return _MAKERS[method](problem), chosen
     except ImportError:
         raise DefinitionError(

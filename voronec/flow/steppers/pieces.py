@@ -7,43 +7,43 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from fractions import Fraction
 from typing import Any
 
 import mpmath
 import numpy as np
 
+from voronec.flow.steppers.changing import exact_mpf
 from voronec.flow.steppers.run import Problem, Run, Stepper
 
 __all__ = ["in_pieces"]
 
 
-def in_pieces(make: Callable[[Problem], Stepper], problem: Problem, exact: bool) -> Stepper:
-    """The stepper of a problem with ``changing`` parameters; an ``exact`` one is made for each
-    piece anew, others once."""
+def in_pieces(make: Callable[[Problem], Stepper], problem: Problem, anew: bool) -> Stepper:
+    """The stepper of a problem with ``changing`` parameters: made once, or ``anew`` for each piece,
+    where it asks for its numbers ``exact`` when it is made."""
     changing, names = problem.changing, [str(p) for p in problem.program.parameters]
     assert changing is not None
+    given = list(problem.parameters)
+    left = changing if changing.called is not None else None
     own = replace(
-        problem, start=problem.start.copy(), parameters=list(problem.parameters), progress=None
+        problem, start=problem.start.copy(), parameters=given, progress=None, changing=left
     )
-    once = None if exact else make(own)
+    once = None if anew else make(own)
 
     def on_piece(state: np.ndarray, times: np.ndarray) -> Run:
         values = changing.on(float(times[0]), float(times[-1]))
+        given[:] = [float(values.get(n, x)) for n, x in zip(names, given, strict=True)]
+        own.start[:] = state.astype(float)
         if once is not None:
-            own.start[:] = state
-            own.parameters[:] = [
-                float(values.get(n, x)) for n, x in zip(names, own.parameters, strict=True)
-            ]
             return once(times)
 
-        def start(bits: int) -> tuple[np.ndarray, Sequence[Any]]:
-            first, given = problem.exact(bits) if problem.exact else (state, problem.parameters)
+        def exact(bits: int) -> tuple[np.ndarray, Sequence[Any]]:
+            first, known = problem.exact(bits) if problem.exact else (state, problem.parameters)
             with mpmath.workprec(bits):
-                numbers = [_number(values.get(n, x)) for n, x in zip(names, given, strict=True)]
+                numbers = [exact_mpf(values.get(n, x)) for n, x in zip(names, known, strict=True)]
             return (first if state is problem.start else state), numbers
 
-        return make(replace(own, exact=start))(times)
+        return make(replace(own, exact=exact))(times)
 
     def run(grid: np.ndarray) -> Run:
         parts: list[Run] = []
@@ -51,7 +51,8 @@ def in_pieces(make: Callable[[Problem], Stepper], problem: Problem, exact: bool)
         order = 1.0 if grid[-1] >= grid[0] else -1.0
         for end in [*changing.knots(float(grid[0]), float(grid[-1])), float(grid[-1])]:
             inside = grid[(order * grid > order * time) & (order * grid < order * end)]
-            parts.append(on_piece(state, np.array([time, *inside, end][: None if time != end else 1])))
+            times = [time, *inside, *([end] if end != time else [])]
+            parts.append(on_piece(state, np.array(times)))
             last = parts[-1]
             if last.halt is not None or last.interrupted or last.stopped:
                 break
@@ -61,13 +62,6 @@ def in_pieces(make: Callable[[Problem], Stepper], problem: Problem, exact: bool)
         return _joined(parts, grid, problem)
 
     return run
-
-
-def _number(value: Any) -> Any:
-    """An mpmath number at the precision in force."""
-    if isinstance(value, Fraction):
-        return mpmath.mpf(value.numerator) / value.denominator
-    return mpmath.mpf(value)
 
 
 def _joined(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
@@ -81,7 +75,10 @@ def _joined(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
         times.append(part.t[asked])
         rows.append(part.states[asked])
     crossings = {
-        name: tuple(np.concatenate([part.crossings[name][k] for part in parts]) for k in (0, 1))
+        name: (
+            np.concatenate([part.crossings[name][0] for part in parts]),
+            np.concatenate([part.crossings[name][1] for part in parts]),
+        )
         for name in last.crossings
     }
     return replace(
@@ -91,6 +88,9 @@ def _joined(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
         steps=sum(part.steps for part in parts),
         evaluations=sum(part.evaluations for part in parts),
         crossings=crossings,
+        switches=sum(part.switches for part in parts),
+        prepared=sum(part.prepared for part in parts),
+        notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         inside=_inside(parts) if problem.dense else None,
     )
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from voronec.flow.events import Event
+from voronec.flow.steppers.changing import Changing
 from voronec.program import Program
 
 __all__ = [
@@ -51,6 +52,7 @@ class Problem:
     as mpmath's numbers, for the method ``flint``.  Events that are ``coarse`` are rare: an
     integrator may look for them only where the ends of a step do not exclude them.  ``walls`` are
     those at which the right side ceases to hold: they count however near to the start.
+    Parameters that are ``changing`` are those of the start.
     """
 
     program: Program
@@ -63,8 +65,25 @@ class Problem:
     suspect: Suspect | None = None
     progress: Callable[[float], Any] | None = None
     exact: Callable[[int], tuple[np.ndarray, Sequence[Any]]] | None = None
+    changing: Changing | None = None
     coarse: frozenset[str] = frozenset()
     walls: frozenset[str] = frozenset()
+
+    def parameters_at(self) -> Callable[[float], Sequence[Any]]:
+        """The parameters at any time of a piece: those that Python gives are asked for there."""
+        changing = self.changing
+        if changing is None or changing.called is None:
+            return lambda _: self.parameters
+        places = {str(p): i for i, p in enumerate(self.program.parameters)}
+
+        def at(time: float) -> Sequence[Any]:
+            values = list(self.parameters)
+            for name, value in changing.called_at(time).items():
+                if name in places:
+                    values[places[name]] = value
+            return values
+
+        return at
 
 
 @dataclass(frozen=True)

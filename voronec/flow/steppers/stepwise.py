@@ -10,7 +10,7 @@ import numpy as np
 
 from voronec.flow.steppers.marching import Halted, Levels, Stride, march
 from voronec.flow.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
-from voronec.program import Program, compiled
+from voronec.program import compiled
 
 __all__ = ["FINEST", "dop853", "estimated_steps", "lsoda"]
 
@@ -64,14 +64,14 @@ def estimated_steps(problem: Problem, grid: np.ndarray, limit: int) -> int | Non
 
 def _solver(problem: Problem, method: Callable[..., Any], grid: np.ndarray) -> Any:
     rhs, _ = compiled(problem.program, scalar=True)
-    constants = list(problem.parameters)
+    at = problem.parameters_at()
     finest = max(problem.tol, FINEST)
     without = 0
 
     def derivative(t: float, y: np.ndarray) -> Any:
         nonlocal without
         try:
-            rates = rhs(t, y.tolist(), constants)
+            rates = rhs(t, y.tolist(), at(t))
         except (ZeroDivisionError, ValueError, OverflowError):
             # a trial step left the domain: the method then tries a shorter one
             rates = [np.nan] * len(y)
@@ -80,29 +80,32 @@ def _solver(problem: Problem, method: Callable[..., Any], grid: np.ndarray) -> A
             raise Halted(INFINITE)
         return np.array(rates)
 
-    return method(derivative, grid[0], problem.start, grid[-1], rtol=finest, atol=finest)
+    # the dense output of the first step keeps its start, which a later run overwrites
+    begin = problem.start.copy()
+    return method(derivative, grid[0], begin, grid[-1], rtol=finest, atol=finest)
 
 
 def _stepper(problem: Problem, method: Callable[..., Any]) -> Stepper:
-    levels = level_function(problem.levels, problem.parameters)
-
     def run(grid: np.ndarray) -> Run:
         with np.errstate(all="ignore"):
             solver = _Solver(_solver(problem, method, grid), problem.dense)
+            levels = level_function(problem)
             return march(problem, grid, solver, levels)
 
     return run
 
 
-def level_function(levels: Program | None, parameters: Any) -> Levels:
+def level_function(problem: Problem) -> Levels:
     """The events' functions at times (k,) and states (k, n), as an array (k, m)."""
-    if levels is None:
+    if problem.levels is None:
         return lambda t, _states: np.empty((len(t), 0))
-    _, extras = compiled(levels)
-    constants = list(parameters)
+    _, extras = compiled(problem.levels)
+    asked = problem.changing is not None and problem.changing.called is not None
+    at = problem.parameters_at()
 
     def function(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        results = extras(t, list(states.T), constants)
+        given = np.array([at(x) for x in t]).T if asked else problem.parameters
+        results = extras(t, list(states.T), list(given))
         return np.stack([np.broadcast_to(r, t.shape) for r in results], axis=1)
 
     return function

@@ -1,0 +1,350 @@
+"""Inputs: functions of the time given as numbers, expressions, tables and functions of Python's."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import shutil
+import subprocess
+from itertools import pairwise
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import solve_ivp
+from sympy.physics.mechanics import dynamicsymbols
+
+import voronec as vo
+from voronec import DefinitionError, Fibration, Frame, System, Table, time, velocity
+
+x, tau, m = sp.symbols("x tau m")
+q, r, u, v = dynamicsymbols("q r u v")
+DX, DQ, DR = velocity(x), q.diff(time), r.diff(time)
+SPRING = System(
+    name="driven-spring", fibration=Fibration(x), lagrangian=DX**2 / 2 - x**2 / 2,
+    forces={x: tau}, inputs=(tau,),
+)  # fmt: skip
+TIMES = [0, 0.7, 2.3]
+METHODS = ["scipy", "heyoka", "flint"]
+steppers = pytest.mark.parametrize("method", METHODS)
+
+
+def moved(value, method="auto", times=TIMES, **options):
+    return vo.integrate(
+        SPRING, times=times, initial={x: 1}, inputs={tau: value}, method=method, **options
+    )
+
+
+def by_duhamel(force, knots=()):
+    """x(t) = cos t + int_0^t sin(t - s) u(s) ds, by Gauss's rule between the knots."""
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+
+    def at(t):
+        ends = sorted({0.0, t, *(k for k in knots if 0 < k < t)})
+        total = math.cos(t)
+        for a, b in pairwise(ends):
+            s = (a + b) / 2 + (b - a) / 2 * nodes
+            values = np.array([force(z) for z in s])
+            total += (b - a) / 2 * float(weights @ (np.sin(t - s) * values))
+        return total
+
+    return np.array([at(t) for t in TIMES])
+
+
+JUMPS = lambda t: 1.0 if t < 1 else -1.0 if t < 2 else 3.0  # noqa: E731
+LINES = lambda t: float(np.interp(t, [0, 1, 3], [1, -1, 3]))  # noqa: E731
+VALUES = {
+    "number": (2, lambda t: 2.0, ()),
+    "expression": (sp.sin(2 * time), lambda t: math.sin(2 * t), ()),
+    "text": ("sin(2*t)", lambda t: math.sin(2 * t), ()),
+    "held table": (Table([0, 1, 2], [1, -1, 3], "held"), JUMPS, (1, 2)),
+    "table": (([0, 1, 3], [1, -1, 3]), LINES, (1,)),
+}
+
+
+@steppers
+@pytest.mark.parametrize("case", VALUES.values(), ids=VALUES)
+def test_the_motion_is_that_of_duhamels_integral(case, method):
+    value, force, knots = case
+    run = moved(value, method, outputs=(x, tau))
+    assert np.abs(run["x"].astype(float) - by_duhamel(force, knots)).max() < 2e-12
+    assert run["tau"].astype(float) == pytest.approx([force(t) for t in TIMES], abs=1e-15)
+
+
+def test_a_held_table_is_met_exactly_in_many_digits():
+    """cos t for t <= 1, then two arcs about -1 and 3, glued."""
+    run = moved(Table([0, 1, 2], [0, -1, 3], "held"), times=[0, 2.5], tol=1e-30)
+    c, s = sp.cos(1), sp.sin(1)
+    at, speed = c, -s
+    for centre, span in ((-1, 1), (3, sp.Rational(1, 2))):
+        at, speed = (
+            centre + (at - centre) * sp.cos(span) + speed * sp.sin(span),
+            -(at - centre) * sp.sin(span) + speed * sp.cos(span),
+        )
+    assert abs(sp.Float(mpmath.nstr(run["x"][-1], 38), 40) - at.evalf(40)) < 1e-28
+
+
+def test_a_function_of_pythons_goes_by_scipy():
+    run = moved(lambda t: math.sin(2 * t), outputs=(x, tau))
+    assert run.cost.method == "scipy" and "function of Python's" in run.cost.reason
+    assert np.abs(run["x"] - by_duhamel(lambda t: math.sin(2 * t))).max() < 1e-12
+    assert run["tau"] == pytest.approx(np.sin(2 * np.array(TIMES)))
+    ahead = vo.integrate(
+        SPRING, times=TIMES, initial={x: 1}, inputs={tau: math.sin}, events=(vo.Event(tau - 0.9),)
+    )
+    assert ahead.events["tau - 0.9"].t == pytest.approx([math.asin(0.9), math.pi - math.asin(0.9)])
+
+
+def test_an_input_in_a_force_may_hold_the_state():
+    run = moved("-2*xdot")
+    truth = np.exp(-np.array(TIMES)) * (1 + np.array(TIMES))
+    assert np.abs(run["x"] - truth).max() < 1e-12
+
+
+@steppers
+def test_runs_backwards_and_dense_output_know_every_piece(method):
+    instants = np.linspace(0, 3, 40)
+    table = Table(instants, np.sin(2 * instants), "cubic")
+    there = moved(table, method, times=[0, 3], dense=True)
+    within = np.array([0.01, 0.4, 1.1, 2.95])
+    fine = solve_ivp(
+        lambda t, y: [y[1], float(np.sin(2 * t)) - y[0]], (0, 3), [1, 0], "DOP853",
+        t_eval=within, rtol=1e-12, atol=1e-12,
+    ).y[0]  # fmt: skip
+    found = there.at(within)["x"].astype(float)
+    assert np.abs(found - fine).max() < 1e-6  # as the spline allows
+    end = {x: float(there["x"][-1]), DX: float(there["xdot"][-1])}
+    back = vo.integrate(
+        SPRING, times=[3, *within[::-1], 0], initial=end, inputs={tau: table}, method=method,
+        dense=True,
+    )  # fmt: skip
+    assert abs(float(back["x"][-1]) - 1) < 1e-11
+    assert np.abs(back["x"][1:-1].astype(float)[::-1] - found).max() < 1e-11
+    assert np.abs(back.at(within)["x"].astype(float) - found).max() < 1e-11
+
+
+RHEONOMIC = System(
+    name="rheonomic", fibration=Fibration(q, r), constraints=(DR - u * DQ - sp.sin(q),),
+    lagrangian=(1 + u * sp.sin(r) ** 2) * DQ**2 / 2 + DR**2 / 2, forces={q: u * q},
+)  # fmt: skip
+POINT = {q: "0.3", r: "0.4", DQ: "0.5", u: "0.7", "udot": "0.2"}
+
+
+def test_rates_of_inputs_stand_in_the_equations_and_both_routes_ask_for_them():
+    here = vo.derive(RHEONOMIC).acceleration(POINT, 25)
+    there = vo.multiplier_acceleration(RHEONOMIC, POINT, 25)
+    assert all(abs(here[c] - there[c]) < 1e-22 for c in here)
+    law = sp.Rational(7, 10) + (time - 1) / 5
+    written = System(
+        name="written", fibration=Fibration(q, r),
+        constraints=tuple(c.xreplace({u: law}) for c in RHEONOMIC.constraints),
+        lagrangian=RHEONOMIC.lagrangian.xreplace({u: law}), forces={q: law * q},
+    )  # fmt: skip
+    at = {k: value for k, value in POINT.items() if k not in (u, "udot")} | {time: 1}
+    assert all(abs(here[c] - a) < 1e-22 for c, a in vo.multiplier_acceleration(written, at).items())
+    less = {k: value for k, value in POINT.items() if k != "udot"}
+    with pytest.raises(DefinitionError, match="'udot' to the point"):
+        vo.derive(RHEONOMIC).acceleration(less)
+    with pytest.raises(DefinitionError, match="'udot' to the point"):
+        vo.multiplier_acceleration(RHEONOMIC, less)
+
+
+def test_the_rate_of_an_input_is_exact_given_or_refused():
+    start = {q: 0.3, r: 0.4, DQ: 0.5}
+
+    def run(inputs, **options):
+        return vo.integrate(
+            RHEONOMIC, times=[0, 0.5, 1], initial=start, inputs=inputs,
+            outputs=(q, r, "reaction 1"), **options,
+        )  # fmt: skip
+
+    exact = run({u: sp.sin(time)})
+    called = run({u: math.sin, u.diff(time): math.cos})
+    grid = np.linspace(0, 1, 200)
+    spline = run({"u": Table(grid, np.sin(grid), "cubic")})
+    for name in ("q", "r", "reaction 1"):
+        assert np.abs(exact[name] - called[name]).max() < 1e-10
+        assert np.abs(exact[name] - spline[name]).max() < 1e-8
+    with pytest.raises(DefinitionError, match=r"'udot', a derivative .* function of Python's"):
+        run({u: math.sin})
+    with pytest.raises(DefinitionError, match=r"'udot', a derivative .* held table"):
+        run({u: Table([0], [1], "held")})
+    with pytest.raises(DefinitionError, match="function of the time alone"):
+        run({u: sp.sin(q)})
+
+
+BAD = {
+    "missing": ({}, {}, r"no value for the input 'tau'; give inputs=\{'tau': ...\}"),
+    "unknown": ({"sigma": 1}, {}, "no input 'sigma'"),
+    "short": ({tau: ([0, 1], [0, 1])}, {}, "from t = 0 to 1, the motion from 0 to 2.3"),
+    "heyoka": ({tau: math.sin}, {"method": "heyoka"}, "method='scipy'"),
+    "flint": ({tau: math.sin}, {"tol": 1e-30}, "known in doubles"),
+    "foreign": ({tau: "y + 1"}, {}, "contains 'y'"),
+    "code": ({tau: "__import__('os').getcwd()"}, {}, "tau"),
+    "no number": ({tau: lambda t: "a"}, {}, r"'tau' at t = .*ValueError"),
+    "not finite": ({tau: lambda t: math.inf}, {}, "not finite"),
+}
+
+
+@pytest.mark.parametrize("case", BAD.values(), ids=BAD)
+def test_bad_inputs_are_refused_in_one_line(case):
+    inputs, options, message = case
+    with pytest.raises(DefinitionError, match=message) as caught:
+        vo.integrate(SPRING, times=TIMES, initial={x: 1}, inputs=inputs, **options)
+    assert "\n" not in str(caught.value)
+
+
+TABLES = {
+    "kind": (([0, 1], [0, 1], "steps"), "kinds are held, linear, cubic"),
+    "shape": (([0, 1], [0]), "2 times and 1 values"),
+    "order": (([1, 0], [0, 1]), "must grow"),
+    "nan": (([0, 1], [0, math.nan]), "not finite"),
+    "few": (([0], [1]), "at least 2 instants"),
+}
+
+
+@pytest.mark.parametrize("case", TABLES.values(), ids=TABLES)
+def test_bad_tables_are_refused(case):
+    arguments, message = case
+    with pytest.raises(DefinitionError, match=message):
+        Table(*arguments)
+
+
+def test_ensembles_and_sections_take_numbers_and_expressions():
+    found = vo.ensemble(SPRING, starts={x: [1, 2]}, times=TIMES, inputs={tau: sp.sin(2 * time)})
+    assert np.abs(found["x"][0] - by_duhamel(lambda t: math.sin(2 * t))).max() < 1e-11
+    points = vo.section(SPRING, "x", starts={x: 2}, value=1, crossings=3, inputs={tau: 1})
+    assert points.t == pytest.approx(np.pi * np.array([3, 7, 11]) / 2)  # x = 1 + cos t
+    with pytest.raises(DefinitionError, match="an ensemble takes numbers and expressions"):
+        vo.ensemble(SPRING, starts={x: [1, 2]}, times=TIMES, inputs={tau: ([0, 3], [0, 1])})
+
+
+def test_an_integral_that_holds_only_without_the_input_is_not_built_on():
+    """The energy less u x is constant while u is; a table's u is not."""
+    energy = DX**2 / 2 + x**2 / 2 - tau * x
+    system = System(
+        name="claims", fibration=Fibration(x), lagrangian=SPRING.lagrangian, forces={x: tau},
+        inputs=(tau,), integrals={"energy": energy},
+    )  # fmt: skip
+    steady = vo.integrate(system, times=TIMES, initial={x: 1}, inputs={tau: 2})
+    assert steady.drift["energy"] < 1e-12
+    table = vo.integrate(system, times=TIMES, initial={x: 1}, inputs={tau: ([0, 1, 3], [1, -1, 3])})
+    assert "energy" not in table.drift
+    assert np.abs(table["x"] - by_duhamel(LINES, (1,))).max() < 2e-12
+
+
+def test_an_input_that_starts_at_zero_is_not_frozen():
+    run = moved(([0, 1, 3], [0, 1, 0]), outputs=(x,))
+    ramp = lambda t: float(np.interp(t, [0, 1, 3], [0, 1, 0]))  # noqa: E731
+    assert np.abs(run["x"] - by_duhamel(ramp, (1,))).max() < 2e-12
+    assert run.system is SPRING and "tau" not in run.parameters
+
+
+def test_generated_programs_take_inputs_as_an_argument(tmp_path):
+    eqs = vo.derive(RHEONOMIC)
+    space: dict = {}
+    exec(eqs.python(), space)
+    state = [0.3, 0.4, 0.5]
+    truth = [float(a) for a in eqs.acceleration(POINT).values()]
+    rates = space["rhs"](0.0, state, [], [0.7, 0.2])
+    assert rates[2] == pytest.approx(truth[0], rel=1e-13)
+    assert "inputs     = [u, udot]" in eqs.python() and "inputs[1]: udot" in eqs.c()
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    (tmp_path / "rhs.c").write_text(eqs.c(), encoding="utf-8")
+    library = tmp_path / "rhs.so"
+    command = [compiler, "-shared", "-fPIC", "-o", library, tmp_path / "rhs.c", "-lm"]
+    subprocess.run(command, check=True)
+    numbers = ctypes.c_double * 3
+    result = numbers()
+    ctypes.CDLL(str(library)).rhs(
+        ctypes.c_double(0.0), numbers(*state), numbers(), numbers(0.7, 0.2, 0), result
+    )
+    assert result[2] == pytest.approx(truth[0], rel=1e-13)
+
+
+def test_explain_carries_an_unknown_input_along():
+    model = vo.explain(SPRING, outputs=(x,))
+    assert {role.variable for role in model.roles} >= {"x", "xdot"}
+    parameter = System(
+        name="old", fibration=Fibration(q), lagrangian=DQ**2 / 2, forces={q: u}, parameters=(u,)
+    )
+    assert "u" in vo.derive(parameter).c() and vo.explain(parameter).states
+
+
+@steppers
+def test_a_quasi_velocity_that_is_a_function_of_time_is_integrated(method):
+    damped = System(
+        name="damped", fibration=Fibration(q), lagrangian=m * DQ**2 / 2, forces={q: -v},
+        frame=Frame.quasi({v: DQ}), parameters=(m,), integrals={"drag": m * v + q},
+    )  # fmt: skip
+    run = vo.integrate(
+        damped, times=[0, 1], initial={v: 1}, parameters={m: 1}, method=method,
+        outputs=(q, v, v**2), events=(vo.Event(v - sp.Rational(1, 2), name="half"),),
+    )  # fmt: skip
+    assert abs(float(run["v"][-1]) - math.exp(-1)) < 1e-12
+    assert abs(float(run["v(t)**2"][-1]) - math.exp(-2)) < 1e-12
+    assert abs(float(run.events["half"].t[0]) - math.log(2)) < 1e-11
+    assert run.drift["drag"] < 1e-12
+    assert all(claim.verdict.proved for claim in vo.check_claims(damped))
+    assert vo.ensemble(damped, {v: [1, 2]}, {m: 1}, [0, 1])["v"][1][-1] == pytest.approx(2 / math.e)
+
+
+def test_the_command_line_gives_formulas_and_files(tmp_path, capsys, monkeypatch):
+    from voronec.cli import main
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "driven.py").write_text(
+        "import sympy as sp\nimport voronec as vo\n"
+        "x, u = sp.symbols('x u')\n"
+        "SYSTEM = vo.System(name='driven', fibration=vo.Fibration(x), inputs=(u,),\n"
+        "    lagrangian=vo.velocity(x)**2/2 - x**2/2, forces={x: u},\n"
+        "    scenes={'default': vo.Scene({x: 1}, (0, 2.3))})\n",
+        encoding="utf-8",
+    )
+    (tmp_path / "u.csv").write_text("t,u\n0,1\n1,-1\n3,3\n", encoding="utf-8")
+    base = ["run", "driven.py", "--times", "0:2.3:3", "--out", "out", "--input"]
+    for value, force, knots in (("u=u.csv", LINES, (1,)), ("u=sin(2*t)", None, ())):
+        assert main([*base, value]) == 0
+        last = (tmp_path / "out" / "trajectory.csv").read_text().splitlines()[-1].split(",")
+        truth = by_duhamel(force or (lambda t: math.sin(2 * t)), knots)[-1]
+        assert float(last[1]) == pytest.approx(truth, abs=1e-11)
+    capsys.readouterr()
+    wrong = ("u", "u=nowhere.csv", "u=u.csv:curved", "w=1", "u=__import__('os')")
+    for value in wrong:
+        assert main([*base, value]) == 2
+        assert len(capsys.readouterr().err.strip().splitlines()) == 1
+    assert main(["run", "driven.py", "--set", "u=1"]) == 2
+    assert "--input u=VALUE" in capsys.readouterr().err
+    for option in ("--c", "--python"):
+        assert main(["derive", "driven.py", option]) == 0
+        assert "inputs" in capsys.readouterr().out
+    assert main(["explain", "driven.py"]) == 0
+
+
+BLOCK = System(
+    name="pushed-block", fibration=Fibration(x), lagrangian=DX**2 / 2,
+    forces={x: tau - sp.sign(DX)}, inputs=(tau,),
+)  # fmt: skip
+PUSHES = {
+    "table": Table([0, 1], [2, 0], "held"),
+    "formula": sp.Piecewise((2, time < 1), (0, True)),
+}
+
+
+@steppers
+@pytest.mark.parametrize("push", PUSHES.values(), ids=PUSHES)
+def test_a_push_on_a_block_with_dry_friction(method, push):
+    """Pushed with 2 against friction 1 for one unit, it slides as long again, 1 in all."""
+    run = vo.integrate(
+        BLOCK, times=[0, 0.5, 1.5, 4], initial={x: 0, DX: 1e-9}, inputs={tau: push}, method=method
+    )
+    assert run["x"].astype(float) == pytest.approx([0, 0.125, 0.875, 1], abs=1e-8)
+    assert run["xdot"][-1] == 0
+
+
+def test_a_function_of_pythons_and_switches_are_refused():
+    with pytest.raises(DefinitionError, match="not smooth"):
+        vo.integrate(BLOCK, times=[0, 1], initial={DX: 1}, inputs={tau: math.sin})
