@@ -15,6 +15,7 @@ import numpy as np
 
 from voronec.equations import VoronecEquations
 from voronec.errors import IntegrationError, VoronecError
+from voronec.flow.apart import Apart
 from voronec.flow.batches import FINEST, Lanes, Stopped, along, along_scipy, chosen
 from voronec.flow.given import (
     Values,
@@ -122,14 +123,19 @@ def ensemble(
         motions = many(equations, chosen_scene, single, columns, wanted, float(grid[0]))
         if len(motions.wrong) == len(motions):
             raise motions.wrong[0]
-        lanes, reason = chosen(method, motions.program, tol, len(motions.sound))
+        apart = Apart.of(motions, method, tol, grid)
+        lanes, reason = (
+            chosen(method, motions.program, tol, len(motions.sound))
+            if apart is None
+            else (None, apart.reason)
+        )
     except KeyboardInterrupt:
         return _nothing_done(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
     ready = perf_counter()
-    filled = _Filled.empty(motions, tuple(wanted), grid)
+    filled = _Filled.empty(motions, tuple(wanted), grid, apart)
     interrupted = _run(filled, lanes, tol, jobs, progress)
     cost = Cost(
-        method="scipy" if lanes is None else "heyoka", reason=reason,
+        method=apart.method if apart else "scipy" if lanes is None else "heyoka", reason=reason,
         tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
         run=perf_counter() - ready, steps=sum(filled.steps), evaluations=sum(filled.steps),
     )  # fmt: skip
@@ -160,11 +166,14 @@ class _Filled:
     changes: dict[str, np.ndarray]
     first: dict[str, np.ndarray]
     finished: np.ndarray
+    apart: Apart | None = None
     errors: dict[int, VoronecError] = field(default_factory=dict)
     steps: list[int] = field(default_factory=list)
 
     @classmethod
-    def empty(cls, motions: Many, outputs: tuple[str, ...], grid: np.ndarray) -> _Filled:
+    def empty(
+        cls, motions: Many, outputs: tuple[str, ...], grid: np.ndarray, apart: Apart | None
+    ) -> _Filled:
         def nothing(*shape: int) -> np.ndarray:
             return np.full(shape, np.nan)
 
@@ -176,6 +185,7 @@ class _Filled:
             changes={name: nothing(count) for name in integrals},
             first={name: nothing(count) for name in integrals},
             finished=np.zeros(count, dtype=bool),
+            apart=apart,
             errors=dict(motions.wrong),
         )
 
@@ -271,7 +281,10 @@ def _block(
         where = block[i : i + width]
         states, values = motions.states[where], motions.values[where]
         try:
-            if lanes is None:
+            if filled.apart is not None:
+                rows, error, steps = filled.apart.along(int(where[0]), filled.grid, halt.is_set)
+                rows, failed = rows[None], {} if error is None else {0: error}
+            elif lanes is None:
                 rows, error, steps = along_scipy(
                     motions.program, states[0], values[0], filled.grid, tol, halt.is_set
                 )

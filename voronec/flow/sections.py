@@ -14,6 +14,7 @@ import sympy as sp
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError
 from voronec.flow.alike import starts_alike
+from voronec.flow.apart import Apart
 from voronec.flow.batches import FINEST, chosen
 from voronec.flow.given import Values, outputs_of, quantity, scene_of, spread_starts
 from voronec.flow.inputs import drive
@@ -136,15 +137,22 @@ def section(
     if len(motions.wrong) == len(motions):
         raise motions.wrong[0]
     watch = _watch(motions, f"plane {surface}", on_plane)
-    lanes, reason = chosen(method, motions.program, tol, len(motions.sound))
+    apart = Apart.of(motions, method, tol, np.array([0.0, 1.0]))
+    lanes, reason = (
+        chosen(method, motions.program, tol, len(motions.sound))
+        if apart is None
+        else (None, apart.reason)
+    )
     ready = perf_counter()
     passages = Passages.empty(len(motions), crossings, direction, until, progress)
-    if lanes is None:
+    if apart is not None:
+        apart.passages(watch, passages, f"plane {surface}", on_plane)
+    elif lanes is None:
         pass_scipy(motions, watch, passages, tol)
     else:
         pass_lanes(motions, watch, passages, lanes)
     cost = Cost(
-        method="scipy" if lanes is None else "heyoka", reason=reason,
+        method=apart.method if apart else "scipy" if lanes is None else "heyoka", reason=reason,
         tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
         run=perf_counter() - ready, steps=passages.steps[0], evaluations=passages.steps[0],
     )  # fmt: skip
