@@ -14,7 +14,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, EngineLimit
 from voronec.flow.crossroads import DOUBLE, GUARD, PAST, Crossroads, Place
 from voronec.flow.events import Event
 from voronec.flow.modes import Corner, Modes, Surface
@@ -114,6 +114,12 @@ def _through_walls(
     if modes is None:
         return None
     exact = method == "flint" or (method == "auto" and problem.tol < EXACT)
+    if modes.cusps and (exact or method == "heyoka"):
+        raise EngineLimit(
+            f"the root of {min(map(str, modes.cusps))} in the equations has no Taylor series where "
+            "it vanishes; use method='scipy', with a tolerance for doubles"
+        )
+    method = "scipy" if modes.cusps and method == "auto" else method
     bits = ceil(-log2(problem.tol)) + GUARD if exact else DOUBLE
     with mpmath.workprec(2 * bits + GUARD):
         roads = Crossroads(method, problem, grid, modes, bits)
