@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,12 @@ FREE = 10
 """So many steps are allowed to everybody."""
 ROWS = 200
 """Instants that are looked at."""
+LONG = 100_000
+"""Operations, shared ones counted every time, above which the equations derived first are let be:
+to make them ready would take longer than a run."""
+REGULAR = 1e12
+"""The condition number of a mass matrix below which accelerations mean something."""
+_KEPT = "_original_rates"
 UNIT = 2.0**-52
 """The relative spacing of doubles."""
 MOST, FEW = 128, 12
@@ -122,8 +129,8 @@ class Judge:
 
     def _extras(self) -> Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]:
         program = self.program
-        inputs = [program.time, *program.state, *program.parameters]
-        further = se.Lambdify(inputs, list(self.vanishing)) if self.vanishing else None
+        inputs = (program.time, *program.state, *program.parameters)
+        further = _function(inputs, tuple(self.vanishing)) if self.vanishing else None
 
         def extras(t: np.ndarray, states: np.ndarray) -> Mapping[str, np.ndarray]:
             given = self.at(t)
@@ -211,6 +218,11 @@ def _scale(sizes: np.ndarray) -> np.ndarray:
     return np.maximum(np.nan_to_num(sizes, nan=np.inf), max(float(sizes[0]), float(usual)))
 
 
+@lru_cache(maxsize=32)  # runs of one system have the same relations
+def _function(inputs: tuple[Any, ...], exprs: tuple[Any, ...]) -> Any:
+    return se.Lambdify(list(inputs), list(exprs))
+
+
 def proved(equations: VoronecEquations, integral: Any) -> bool:
     """Whether a claimed integral is proved to be one; where that exceeds the budget, it is not."""
     function = right_of(integral)
@@ -238,37 +250,47 @@ def original_rates(
     equations: VoronecEquations, constants: Mapping[str, Any], changing: Changing | None
 ) -> Rates | None:
     """The equations on the coordinates as they were derived first, evaluated by symengine, the
-    mass matrix inverted in numbers; None where symengine knows a function of them not."""
+    mass matrix inverted in numbers.
+
+    None where they are too long, or hold a function that symengine does not know; what symengine
+    makes of them stays with the equations.
+    """
     form = equations.raw.form
-    n = len(form.velocities)
-    moving = sorted(changing.names) if changing is not None else []
-    inputs = [form.time, *form.coordinates, *form.velocities, *map(se.Symbol, moving)]
-    still = {name: x for name, x in constants.items() if name not in moving}
-    known = {se.Symbol(name): float(x) for name, x in still.items() if x == x}
-    flat = [*form.rates, *(e for row in form.mass for e in row), *form.force]
-    stages = dict(form.stages)
-    if stages:
-        return None  # a large system: its straight-line form is what was integrated
-    try:
-        evaluate = se.Lambdify(inputs, [se.sympify(e).xreplace(known) for e in flat], cse=True)
-    except (RuntimeError, TypeError, ValueError, NotImplementedError):
+    if _KEPT not in equations.__dict__:
+        equations.__dict__[_KEPT] = _evaluator(form)
+    evaluate = equations.__dict__[_KEPT]
+    if evaluate is None:
         return None
-    width = len(form.rates)
+    width, n = len(form.rates), len(form.velocities)
+    names = [str(p) for p in form.parameters]
+    still = {name: float(constants.get(name, np.nan)) for name in names}
 
     def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        along = {} if changing is None else changing.along(t)
-        given = [in_kind(along[name], float) for name in moving]
-        rows = np.asarray(evaluate(np.column_stack([t, states, *given])), dtype=float)
-        mass = rows[:, width : width + n * n].reshape(-1, n, n)
-        force = rows[:, width + n * n :]
+        given = still if changing is None else still | changing.along(t)
+        wide = [np.broadcast_to(np.asarray(given[name], float), t.shape) for name in names]
+        rows = np.asarray(evaluate(np.column_stack([t, states, *wide])), dtype=float)
+        rows = rows.reshape(len(t), -1)
         result = np.full(states.shape, np.nan)
         result[:, :width] = rows[:, :width]
         sound = np.isfinite(rows).all(axis=1)
-        with np.errstate(all="ignore"):
-            sound[sound] = np.linalg.cond(mass[sound]) < 1e12 if n else True
         if n:
-            result[sound, width:] = np.linalg.solve(mass[sound], force[sound][:, :, None])[:, :, 0]
+            mass = rows[:, width : width + n * n].reshape(-1, n, n)
+            sound[sound] = np.linalg.cond(mass[sound]) < REGULAR
+            force = rows[sound, width + n * n :, None]
+            result[sound, width:] = np.linalg.solve(mass[sound], force)[:, :, 0]
         result[~sound] = np.nan
         return result
 
     return rates
+
+
+def _evaluator(form: Any) -> Any:
+    """Rates, mass matrix and force of a form as a function of arrays; None where there is none."""
+    flat = [*form.rates, *(e for row in form.mass for e in row), *form.force]
+    if form.stages or not flat or se.count_ops(*flat) > LONG:
+        return None  # the form of a large system is the one that was integrated
+    inputs = [form.time, *form.coordinates, *form.velocities, *form.parameters]
+    try:
+        return se.Lambdify(inputs, flat, cse=True)
+    except (RuntimeError, TypeError, ValueError, NotImplementedError):
+        return None
