@@ -7,8 +7,8 @@ coordinates those that were derived first, in another form and by other code.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
@@ -25,7 +25,7 @@ from voronec.flow.steppers.changing import Changing, in_kind
 from voronec.program import Program, compiled
 from voronec.vector_field import Motions
 
-__all__ = ["Breach", "Judge"]
+__all__ = ["Breach", "Judge", "JudgeOfMany"]
 
 LOOSE = 1000.0
 """An integral may change by so many tolerances in a step, in units of what its terms, or its slopes
@@ -42,8 +42,10 @@ REGULAR = 1e12
 _KEPT = "_original_rates"
 UNIT = 2.0**-52
 """The relative spacing of doubles."""
-MOST, FEW = 128, 12
-"""Windows in which the equations that were integrated are looked at, and the original ones."""
+MOST, FEW, EACH = 128, 12, 4
+"""Windows in which the equations that were integrated are looked at, and the original ones, and
+those of each of many motions."""
+DISOBEDIENT = "the states do not obey the equations"
 WORST = 3
 """Windows in doubt that are integrated again."""
 SLOPE = 6e-6
@@ -156,7 +158,7 @@ def disobedient(
         rows = windows.rows[i]
         off = again(rates, t[rows], states[rows], tol)
         if off is not None and off.max() > 1:
-            found.append(Breach("the states do not obey the equations", int(rows[0])))
+            found.append(Breach(DISOBEDIENT, int(rows[0])))
     return found
 
 
@@ -185,7 +187,7 @@ class Conserved:
         found = {}
         for name, (key, size) in self.names.items():
             change = np.abs(values[key] - values[key][0])
-            allowed = per_unit * (_scale(values[size]) if size else 1.0)
+            allowed = per_unit * (_scale(np.abs(values[size])) if size else 1.0)
             if not (change > allowed).any():
                 continue
             allowed = np.maximum(allowed, per_unit * _scale(self._slopes(key, t, states)))
@@ -294,3 +296,110 @@ def _evaluator(form: Any) -> Any:
         return se.Lambdify(inputs, flat, cse=True)
     except (RuntimeError, TypeError, ValueError, NotImplementedError):
         return None
+
+
+@dataclass(frozen=True)
+class JudgeOfMany:
+    """The same of motions of one program, each with values of its own.
+
+    ``integrals`` maps names of integrals to those of extra quantities of the program.
+    """
+
+    equations: VoronecEquations
+    program: Program
+    tol: float
+    integrals: Mapping[str, str]
+    _proofs: dict[str, bool] = field(default_factory=dict)
+
+    def breaches(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
+    ) -> dict[int, Breach]:
+        """What went wrong with which motion: states (m, k, n) at ``t`` (k,), parameters (m, p);
+        each took so many steps."""
+        found = self._disobedient(t, states, values)
+        for i, breach in self.lost(np.broadcast_to(t, states.shape[:2]), states, values, steps):
+            if i not in found or breach.row < found[i].row:
+                found[i] = breach
+        return found
+
+    def lost(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
+    ) -> Iterator[tuple[int, Breach]]:
+        """The motions that lost an integral, with times (m, k) of their own."""
+        each = np.broadcast_to(values[:, None, :], (*t.shape, values.shape[-1]))
+        series = _at(self.program, t, states, each)
+        for name, key in self.integrals.items():
+            change, size = np.abs(series[key] - series[key][:, :1]), np.abs(series[key][:, :1])
+            allowed = LOOSE * max(self.tol, UNIT) * FREE * size
+            for i in np.flatnonzero((change > allowed).any(axis=1)):
+                whole = np.isfinite(states[i]).all(axis=1)
+                breach = self._judged(name, key, t[i][whole], states[i][whole], values[i], steps)
+                if breach is not None:
+                    yield int(i), breach
+
+    def _judged(
+        self,
+        name: str,
+        key: str,
+        t: np.ndarray,
+        states: np.ndarray,
+        values: np.ndarray,
+        steps: float,
+    ) -> Breach | None:
+        def extras(times: np.ndarray, rows: np.ndarray) -> Mapping[str, np.ndarray]:
+            return _at(self.program, times, rows, np.broadcast_to(values, (len(rows), len(values))))
+
+        lost = Conserved({name: (key, key)}, extras).lost(t, states, self.tol, int(steps))
+        if name not in lost or not self._is_proved(name):
+            return None
+        row, change, allowed = lost[name]
+        amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
+        return Breach(f"the integral '{name}' drifts {amount}", row - 1)
+
+    def _is_proved(self, name: str) -> bool:
+        if name not in self._proofs:
+            own = self.equations
+            self._proofs[name] = proved(own, own.system.integrals[name])
+        return self._proofs[name]
+
+    def _disobedient(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray
+    ) -> dict[int, Breach]:
+        """Motions whose states do not obey the equations, in a few windows of each; to the windows
+        they are one long motion, and the parameters variables at rest."""
+        count, size, n = states.shape
+        single = Windows.spread(size, EACH).rows
+        windows = Windows((size * np.arange(count)[:, None, None] + single).reshape(-1, WIDTH))
+        each = np.broadcast_to(values[:, None, :], (count, size, values.shape[-1]))
+        joined = np.concatenate([states, each], axis=-1).reshape(count * size, -1)
+        rhs = compiled(self.program)[0]
+
+        def rates(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
+            with np.errstate(all="ignore"):
+                slopes = rhs(times, list(rows.T[:n]), list(rows.T[n:]))
+            result = np.zeros(rows.shape)
+            for j, slope in enumerate(slopes):
+                result[:, j] = slope
+            return result
+
+        times, found = np.tile(t, count), {}
+        for w in windows.doubtful(times, joined, rates)[:WORST]:
+            rows = windows.rows[w]
+            off = again(rates, times[rows], joined[rows], self.tol)
+            if off is not None and off.max() > 1:
+                found[int(rows[0] // size)] = Breach(DISOBEDIENT, int(rows[0] % size))
+        return found
+
+
+def _at(
+    program: Program, t: np.ndarray, states: np.ndarray, values: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Extra quantities at times (...), states (..., n) and parameters (..., p)."""
+    with np.errstate(all="ignore"):
+        found = compiled(program)[1](
+            t, list(np.moveaxis(states, -1, 0)), list(np.moveaxis(values, -1, 0))
+        )
+    return {
+        name: np.broadcast_to(np.asarray(x, dtype=float), t.shape)
+        for name, x in zip(program.names, found, strict=True)
+    }
