@@ -85,7 +85,7 @@ class Windows:
 def _inverse_bases(nodes: np.ndarray) -> np.ndarray:
     """From values at nodes (windows, WIDTH) to shares of Legendre polynomials: matrices, one for
     all windows where all have the same nodes."""
-    if np.ptp(nodes, axis=0).max() < SAME:
+    if np.abs(nodes - nodes[0]).max() < SAME:
         nodes = nodes[:1]
     basis = np.polynomial.legendre.legvander(nodes, WIDTH - 1)
     found = np.full_like(basis, np.inf)
