@@ -18,7 +18,7 @@ from voronec.reading import expression, mapping, shown
 if TYPE_CHECKING:
     from voronec.system import System
 
-__all__ = ["CHANGING", "Chart", "system_in"]
+__all__ = ["CHANGING", "Chart", "bare", "system_in"]
 
 _KEPT = "_in_charts"
 """Where a system keeps itself in its charts."""
@@ -108,23 +108,17 @@ def system_in(system: System, name: str) -> System:
 
 
 def _system_in(system: System, name: str) -> System:
-    chart = system.charts[name]
-    return replace(
-        system,
-        **chart.changes,
-        name=f"{system.name}, {name}",
-        integrals={},
-        equations={},
-        measure=None,
-        multiplier=None,
-        poisson=None,
-        essential=(),
-        integrable="",
-        invariants={},
-        cases={},
-        undecided={},
-        scenes={},
-        charts={},
-        drawing=None,
-        motion=None,
-    )
+    return bare(system, f"{system.name}, {name}", **system.charts[name].changes)
+
+
+def bare(system: System, name: str, **changes: Any) -> System:
+    """A system by another name, with changes, without its claims, charts and scenes."""
+    empty: dict[str, Any] = {
+        **{x: {} for x in ("integrals", "equations", "invariants", "cases", "undecided")},
+        "scenes": {},
+        "charts": {},
+        **dict.fromkeys(("measure", "multiplier", "poisson", "drawing", "motion"), None),
+        "essential": (),
+        "integrable": "",
+    }
+    return replace(system, name=name, **{**empty, **changes})

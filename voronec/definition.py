@@ -53,6 +53,7 @@ class Definition:
     fibre: FibreSolution
     near: dict[str, Any]
     added: tuple[tuple[Any, ...], ...] = ()
+    share: float = 0.0
 
     @property
     def base(self) -> int:
@@ -91,11 +92,12 @@ class Definition:
         return [se.Add(*[row[a] * function.diff(q) for q, row in pairs]) for a in size]
 
 
-def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
+def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0.0) -> Definition:
     """Translate and check a system; raises ``DefinitionError`` where it makes no sense.
 
     ``near`` is a point, by names, at which the solved constraints should be defined; by default
-    the start of the default scene.
+    the start of the default scene.  With a ``share`` they are well conditioned there: no pivot is
+    smaller than this part of its row.
     """
     require_system(system)
     pushed = set().union(*map(names_in, system.forces.values())) & {*system.accelerations}
@@ -119,7 +121,7 @@ def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
     constraints = _constraints(system, enter, dots)
     _count(system, len(constraints.matrix), differentiated)
     point = _start(system) if near is None else dict(near)
-    fibre = solved(system, constraints, differentiated, relations, point)
+    fibre = solved(system, constraints, differentiated, relations, point, share)
     named = system.frame.momenta if system.frame is not None else ()
     determinant = system.frame.determinant if system.frame is not None else None
     forces, added = _applied(system, door, enter, dots, frame)
@@ -144,6 +146,7 @@ def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
         fibre=fibre,
         near=point,
         added=added,
+        share=share,
     )
 
 

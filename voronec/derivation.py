@@ -122,7 +122,9 @@ class Derivation:
         d = self.definition
         assert d.frame is not None
         try:
-            lift = framed_lift(d.constraints, d.frame, d.differentiated, d.relations, d.near)
+            lift = framed_lift(
+                d.constraints, d.frame, d.differentiated, d.relations, d.near, d.share
+            )
         except Undetermined as error:
             raise _frame_error(d, error) from None
         flat = self.tidy([e for row in lift for e in row])

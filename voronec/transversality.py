@@ -22,11 +22,12 @@ def solved(
     differentiated: AffineForms,
     ideal: Sequence[Any],
     near: Mapping[str, Any],
+    share: float = 0.0,
 ) -> FibreSolution:
     """The fibre velocities in terms of the others; ``DefinitionError``, with a split that works,
     where the constraints do not determine them."""
     base = system.base_directions
-    fibre, solution = solve_fibre(constraints, differentiated, base, ideal, near)
+    fibre, solution = solve_fibre(constraints, differentiated, base, ideal, near, share)
     if solution is None:
         return fibre
     k = len(constraints.matrix)

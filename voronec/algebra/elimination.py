@@ -54,18 +54,20 @@ def solve_linear(
     relations: Sequence[Any] = (),
     prefer: int = 0,
     near: Mapping[str, Any] | None = None,
+    share: float = 0.0,
 ) -> Solution:
     """Solve rows * x = right exactly, for any number of right sides; rows may be redundant.
 
     The first ``prefer`` rows are used before the others, so that what reduces to zero is, where
     possible, one of the others.  Pivots that do not vanish at the point ``near`` (numbers by name)
-    are preferred, so that the solution is defined there too.
+    are preferred, so that the solution is defined there too; with a ``share``, those that are there
+    no smaller than this part of their row, so that it is well conditioned.
     """
     unknowns = len(rows[0]) if rows else 0
     work = _shadowed(rows, right, relations, near)
     done: list[tuple[int, _Row]] = []
     while True:
-        choice = _pivot(work, prefer)
+        choice = _pivot(work, prefer, share)
         if choice is None:
             break
         row, column = choice
@@ -119,7 +121,7 @@ def _shadowed(
     ]
 
 
-def _pivot(work: list[_Row], prefer: int) -> tuple[_Row, int] | None:
+def _pivot(work: list[_Row], prefer: int, share: float) -> tuple[_Row, int] | None:
     """The provably nonzero entry with the least fill-in (Markowitz), the simplest of those."""
     counts: dict[int, int] = {}
     for row in work:
@@ -127,15 +129,22 @@ def _pivot(work: list[_Row], prefer: int) -> tuple[_Row, int] | None:
             counts[j] = counts.get(j, 0) + 1
     best, best_cost = None, None
     for row in work:
+        largest = max((_size(row.near_left[j]) for j in row.left), default=0.0) if share else 0.0
         for j, entry in row.left.items():
             if row.shadow_left[j].contains(0):
                 continue
             fill = (len(row.left) - 1) * (counts[j] - 1)
             lost = row.near_left[j].contains(0)  # true also where the value is not finite
+            lost = lost or _size(row.near_left[j]) < share * largest
             cost = (row.label >= prefer, lost, fill, not entry.is_Number, len(entry.args))
             if best_cost is None or cost < best_cost:
                 best, best_cost = (row, j), cost
     return best
+
+
+def _size(ball: Any) -> float:
+    """About how large the number in a ball is; zero where it has no finite value."""
+    return abs(float(ball.mid())) if ball.is_finite() else 0.0
 
 
 def _subtract(target: _Row, pivot: _Row, column: int, relations: Sequence[Any]) -> None:

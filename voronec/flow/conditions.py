@@ -10,12 +10,17 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.errors import DefinitionError
 from voronec.flow.vocabulary import Vocabulary
 
-__all__ = ["CONSISTENT", "Rates", "changes", "met"]
+__all__ = ["CONSISTENT", "NoFrame", "Rates", "changes", "met"]
 
 CONSISTENT = 1e-9
 """How far initial data may lie off the constraints, relative to their size."""
 ROUNDING = 1e-13
 """A smaller relative change is none."""
+
+
+class NoFrame(DefinitionError):
+    """The velocities v of the equations determine nothing at the initial point."""
+
 
 Rates = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Coordinates (n,) and velocities (m, k) to the velocities of all coordinates (n, k)."""
@@ -79,7 +84,7 @@ def _posed(
     values = rates(q, np.hstack([np.zeros((n, 1)), np.eye(n)]))
     linear, offset = values[:, 1:] - values[:, :1], values[:, 0]
     if not np.isfinite(values).all():
-        raise DefinitionError(
+        raise NoFrame(
             f"system '{system.name}': the velocities are not defined at the initial point"
         )
     posed = [np.eye(n)[own.index(k)] if k in own else linear[dots.index(k)] for k in order]

@@ -20,14 +20,18 @@ from voronec.algebra.text import sympified
 from voronec.attitudes import with_attitude_charts
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
-from voronec.flow.attempts import first_success, other_method
+from voronec.flow.attempts import Way, first_success, other_method
+from voronec.flow.changes import Changes, NearDivisor, guarding, unguarded
+from voronec.flow.divisors import Divisor
 from voronec.flow.events import Crossings, Event, spelled
 from voronec.flow.given import Given, grid_of, outputs_of, scene_of
 from voronec.flow.inputs import drive
 from voronec.flow.modelling import Modelled, modelled, whole
 from voronec.flow.observing import Watch, followed, observed
 from voronec.flow.outset import Outset
-from voronec.flow.poles import NearPole, PoleGuard
+from voronec.flow.places import NEAR, Ground
+from voronec.flow.poles import POLE, NearPole, PoleGuard
+from voronec.flow.probe import quantities
 from voronec.flow.soundness import Breach, Judge
 from voronec.flow.steppers import Problem, Run, Stepper
 from voronec.flow.steppers.changing import Changing, in_kind
@@ -36,6 +40,7 @@ from voronec.flow.switching import through_walls
 from voronec.flow.trajectory import Cost, Trajectory
 from voronec.flow.traverse import is_exact, through_charts
 from voronec.flow.vocabulary import Vocabulary
+from voronec.flow.wide_start import WideStart
 from voronec.program import Program
 from voronec.program.digits import precision
 from voronec.scene import Scene
@@ -148,13 +153,14 @@ def integrate(
     followed = dense or bool(happenings) or not asked or len(grid) < FEW
     request = _Request(
         vocabulary, asked, functions, happenings, outset, grid, tol, dense, progress, followed,
-        method, began,
+        method, began, given, project,
     )  # fmt: skip
     ways = (
         request.in_smallest, request.beyond_poles, request.past_poles, request.otherwise,
         request.on_coordinates,
     )  # fmt: skip
-    return replace(first_success(ways, float(grid[0])), system=declared)
+    tries = (request.in_any_split(way) for way in ways)
+    return replace(first_success(tries, float(grid[0])), system=declared)
 
 
 @dataclass(frozen=True)
@@ -176,6 +182,35 @@ class _Request:
     followed: bool
     method: str
     began: float
+    given: Given
+    project: bool
+
+    def in_any_split(self, way: Way) -> Way:
+        """A way that goes on in other splits of the velocities where a divisor is near zero."""
+
+        def tried(error: IntegrationError | None) -> Trajectory | None:
+            try:
+                if not self.outset.framed:
+                    raise NearDivisor(self.vocabulary)
+                return way(error)
+            except NearDivisor as near:
+                return replace(self, vocabulary=near.vocabulary).through_splits()
+
+        return tried
+
+    def through_splits(self) -> Trajectory:
+        """On the coordinates, in one split of the velocities after another."""
+        own = self.vocabulary.equations
+        charted = None if is_exact(self.method, self.tol) else with_attitude_charts(own)
+        vocabulary = self.vocabulary if charted is None else Vocabulary.of(charted)
+        made = whole(vocabulary, self.outputs, self.functions)
+        ground = Ground(vocabulary.equations, self.outset.constants, float(self.grid[0]))
+        return Changes(
+            vocabulary, ground, made.watch, made.event_functions,
+            WideStart.of(vocabulary, ground, self.given, self.project).start, self.grid,
+            self.method, self.tol, self.events, self.dense, self.progress, self.outset.notes,
+            ceil(-log2(self.tol)) + 2 * MARGIN, self.began,
+        ).trajectory()  # fmt: skip
 
     def in_smallest(self, _: IntegrationError | None) -> Trajectory:
         """By the method asked for, in the smallest model, as far as no pole of angles is near."""
@@ -290,14 +325,15 @@ class _Job:
         if switched is not None and switched.corner is not None:
             corner = switched.corner
             probe = replace(probe, form=corner.form, program=corner.program, values=switched.values)
+        watched = self._watched(state, values) if switched is None else ()
         if switched is not None or not (made.model is None and equations.system.charts):
             probe.check(state)
         if switched is not None:
             guard, stepper, chosen = None, switched.stepper, switched.chosen
         else:
-            stepper, chosen = self._smooth(method, problem, guard)
+            stepper, chosen = self._smooth(method, problem, guard, watched)
         ready, busy = perf_counter(), process_time()
-        run = stepper(self.grid)
+        run = unguarded(stepper(self.grid), watched, self.vocabulary)
         run = run if guard is None else guard.passed(run)
         cost = Cost(
             **chosen, setup=ready - began + run.prepared,
@@ -342,22 +378,44 @@ class _Job:
         )  # fmt: skip
         t, states = run.t.astype(float), run.states.astype(float)
         breach, notes = judge.breach(t, states) if smooth else judge.kept(t, states)
-        form = equations.raw.form
-        own = [str(x) for x in (*form.coordinates, *form.velocities)]
-        if smooth and breach is None and {*own} <= {*trajectory.series, *trajectory.names}:
-            states = np.stack([trajectory[name].astype(float) for name in own], axis=-1)
+        if not smooth:
+            return breach, notes
+        own = [str(x) for x in (*equations.raw.form.coordinates, *equations.raw.form.velocities)]
+        if breach is None and list(trajectory.names) == own:
+            states = trajectory.state.astype(float)
             breach = judge.original(t, states, self.outset.constants)
         return breach, notes
 
     def _smooth(
-        self, method: str, problem: Problem, guard: PoleGuard | None
+        self, method: str, problem: Problem, guard: PoleGuard | None, watched: Sequence[Divisor]
     ) -> tuple[Stepper, dict[str, Any]]:
         """The integrator of a problem that is smooth, and what ``Cost`` says of it."""
         made, equations = self.made, self.vocabulary.equations
         problem = problem if guard is None else guard.watching(problem, self.grid)
-        return through_charts(
-            method, problem, self.grid, equations, made.event_functions, made.form
-        )
+        events, functions = guarding(watched)
+        if watched:
+            poles = {} if guard is None else {POLE: guard.level}
+            levels = {**made.event_functions, **poles, **functions}
+            problem = replace(
+                problem,
+                events=(*problem.events, *events),
+                levels=quantities(made.form, levels),
+                coarse=problem.coarse | functions.keys(),
+            )
+        functions = {**made.event_functions, **functions}
+        return through_charts(method, problem, self.grid, equations, functions, made.form)
+
+    def _watched(self, state: np.ndarray, values: Sequence[Any]) -> tuple[Divisor, ...]:
+        """The divisors to watch; ``NearDivisor`` where one is near zero at the start."""
+        made, outset = self.made, self.outset
+        if outset.changing is not None:
+            return ()
+        form = made.form if made.model is None else made.model.form
+        ground = Ground(self.vocabulary.equations, outset.constants, float(self.grid[0]))
+        found = ground.watched(form, made.below, outset.state)
+        if ground.smallest(form, found, state, values) < NEAR:
+            raise NearDivisor(self.vocabulary)
+        return tuple(found)
 
     def _guard(self) -> PoleGuard | None:
         """What watches the poles of Euler's angles, where the model is singular there."""

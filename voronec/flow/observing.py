@@ -18,7 +18,7 @@ from voronec.flow.vocabulary import Vocabulary, Wanted
 from voronec.program import Program, compiled
 from voronec.program.digits import compiled_digits, precision
 
-__all__ = ["Branch", "Watch", "evaluated", "followed", "observed", "watched"]
+__all__ = ["Branch", "Watch", "assembled", "evaluated", "followed", "observed", "watched"]
 
 CANCELLED = 1e-6
 """An integral less than this part of its terms counts as starting at zero."""
@@ -187,10 +187,25 @@ def observed(
     interrupted: bool,
 ) -> Trajectory:
     """The trajectory of states on a grid."""
-    system = vocabulary.equations.system
     values = [constants.get(str(p), np.nan) for p in program.parameters]
     series = followed(watch, program, t, states, values)
     names = tuple(map(str, program.state))
+    return assembled(vocabulary, watch, t, names, states, series, constants, cost, interrupted)
+
+
+def assembled(
+    vocabulary: Vocabulary,
+    watch: Watch,
+    t: np.ndarray,
+    names: tuple[str, ...],
+    states: np.ndarray,
+    series: Mapping[str, np.ndarray],
+    constants: Mapping[str, float],
+    cost: Cost,
+    interrupted: bool = False,
+) -> Trajectory:
+    """The trajectory of states (k, n) called ``names`` and of everything watched along them."""
+    system = vocabulary.equations.system
     own = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
     if own != list(names) and set(own) <= set(watch.outputs):
         # what was integrated is another set of variables; these are what the user knows

@@ -9,14 +9,23 @@ from typing import Any
 import numpy as np
 
 from voronec.equations import VoronecEquations
-from voronec.flow.conditions import Rates
+from voronec.errors import DefinitionError, IntegrationError
+from voronec.flow.conditions import NoFrame, Rates
 from voronec.flow.exactly import Exactly
 from voronec.flow.given import Given
 from voronec.flow.inertia import require_inertia
+from voronec.flow.places import NEAR, Ground
 from voronec.flow.probe import Probe, quantities
-from voronec.flow.start import parameter_values, start_of
+from voronec.flow.start import (
+    Start,
+    coordinates_of,
+    numbers_of,
+    parameter_values,
+    start_of,
+)
 from voronec.flow.steppers.changing import Changing
 from voronec.flow.vocabulary import Vocabulary
+from voronec.flow.wide_start import WideStart
 from voronec.program import Program
 
 __all__ = ["Outset", "rates_at"]
@@ -39,17 +48,35 @@ def rates_at(
     return rates
 
 
+def _is_frame(vocabulary: Vocabulary, ground: Ground, given: Given) -> bool:
+    """Whether the velocities of the equations are a frame at the start, as well as it matters."""
+    values = [
+        numbers_of(vocabulary, part, ground.constants)
+        for part in (given.scene_initial, given.initial)
+    ]
+    q, _ = coordinates_of(
+        vocabulary, {**values[0], **values[1]}, ground.constants, ground.time, project=True
+    )
+    wide = np.concatenate([q, np.zeros(len(ground.home.definition.dots))])
+    try:
+        return ground.geometry(ground.time, wide).quality > NEAR
+    except np.linalg.LinAlgError:
+        return True
+
+
 @dataclass(frozen=True)
 class Outset:
     """The start on the coordinates: ``state`` (n,), coordinates, then velocities; ``constants`` by
     name; ``notes``, what was moved on request; and both again ``exactly``, in any precision.
-    Constants that are ``changing`` are those of the start."""
+    Constants that are ``changing`` are those of the start; ``framed`` says whether the velocities
+    of the equations are a frame there."""
 
     state: np.ndarray
     constants: Mapping[str, float]
     notes: tuple[str, ...]
     exactly: Exactly
     changing: Changing | None = None
+    framed: bool = True
 
     @property
     def steady(self) -> dict[str, float]:
@@ -75,12 +102,19 @@ class Outset:
             needed = {str(s) for s in Program.of(form).derivative.symbols}
             constants = parameter_values(vocabulary, given.parameters, needed)
         rates = rates_at(equations, form, constants, time)
-        start = start_of(
-            vocabulary, given.scene_initial, given.initial, constants, rates, time, project
-        )
-        require_inertia(equations, constants, start.state, time)
+        framed = True
+        try:
+            start = start_of(
+                vocabulary, given.scene_initial, given.initial, constants, rates, time, project
+            )
+            require_inertia(equations, constants, start.state, time)
+        except (DefinitionError, IntegrationError) as error:
+            ground = Ground(equations, constants, time)
+            if not isinstance(error, NoFrame) and _is_frame(vocabulary, ground, given):
+                raise
+            start, framed = Start(WideStart.of(vocabulary, ground, given, project).home), False
         exactly = Exactly(
             vocabulary, quantities(form, {}), time, given.parameters, given.scene_initial,
             given.initial, start.state, bool(start.notes),
         )  # fmt: skip
-        return cls(start.state, constants, start.notes, exactly, changing)
+        return cls(start.state, constants, start.notes, exactly, changing, framed)

@@ -20,7 +20,7 @@ from voronec.flow.probe import quantities, quiet
 from voronec.flow.steppers import Problem, Run
 from voronec.program import Program, compiled
 
-__all__ = ["NearPole", "PoleGuard"]
+__all__ = ["POLE", "NearPole", "PoleGuard"]
 
 POLE = "a pole of the angles is near"
 """The name of the event."""

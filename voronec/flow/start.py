@@ -20,7 +20,7 @@ from voronec.flow.manifold import Relations
 from voronec.flow.vocabulary import Vocabulary, number
 from voronec.reading import mapping, shown, texts_read
 
-__all__ = ["Start", "named", "parameter_values", "start_of"]
+__all__ = ["Start", "coordinates_of", "named", "numbers_of", "parameter_values", "start_of"]
 
 
 def named(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[str, Any]:
@@ -102,9 +102,8 @@ def start_of(
     """
     system = vocabulary.equations.system
     coordinates = [plain_name(q) for q in system.coordinates]
-    old, new = (_numbers(vocabulary, part, parameters) for part in (scene, given))
-    q = np.array([{**old, **new}.get(name, 0.0) for name in coordinates])
-    q, notes = _on_relations(vocabulary, q, parameters, time, project)
+    old, new = (numbers_of(vocabulary, part, parameters) for part in (scene, given))
+    q, notes = coordinates_of(vocabulary, {**old, **new}, parameters, time, project)
     v = np.zeros(len(system.velocities))
     for values in (old, new):
         conditions = {k: x for k, x in values.items() if k not in coordinates}
@@ -113,15 +112,16 @@ def start_of(
     return Start(np.concatenate([q, v]), tuple(notes))
 
 
-def _on_relations(
+def coordinates_of(
     vocabulary: Vocabulary,
-    q: np.ndarray,
+    values: Mapping[str, float],
     parameters: Mapping[str, float],
     time: float,
     project: bool,
 ) -> tuple[np.ndarray, list[str]]:
     """The coordinates, checked; or the nearest on the relations, and how far they were moved."""
     system = vocabulary.equations.system
+    q = np.array([values.get(plain_name(x), 0.0) for x in system.coordinates])
     if not system.fibration.relations:
         return q, []
     relations = Relations.of(vocabulary.equations.form, parameters, time)
@@ -147,7 +147,7 @@ def _on_relations(
     ]
 
 
-def _numbers(
+def numbers_of(
     vocabulary: Vocabulary, values: Mapping[str, Any], parameters: Mapping[str, float]
 ) -> dict[str, float]:
     """Initial values as numbers; they may be expressions in the parameters."""

@@ -103,6 +103,17 @@ def _power(expr: Any, args: list[Any], hy: Any) -> Any:
         p, q = rational(exponent)
         if q == 2:
             root = hy.sqrt(args[0])
-            return root if p == 1 else root ** float(p)
-        return args[0] ** (p / q)
+            return root if p == 1 else _whole(root, p)
+        return _whole(args[0], p) if q == 1 else args[0] ** (p / q)
     return args[0] ** args[1]
+
+
+def _whole(base: Any, exponent: int) -> Any:
+    """A power with a whole exponent; by squares and products where it is above two.
+
+    heyoka's recurrence for powers divides by the base, which may be zero, or close to it.
+    """
+    if exponent < 3:
+        return base ** float(exponent)
+    half = _whole(base, exponent // 2) if exponent > 3 else base
+    return half**2.0 * base if exponent % 2 else half**2.0

@@ -28,6 +28,8 @@ WIDEST = 4096
 """More guard bits than these are not asked for."""
 ORDER = 0.6
 """The order of the method, in units of log(1/tol)."""
+SPARSE = 1.0
+"""A step longer than the other coefficients allow, by so many powers of two, is not trusted."""
 SMALLEST = 1e-13
 """A step below this part of the span leads nowhere."""
 
@@ -166,13 +168,18 @@ class _Walker:
     def room(self, rows: list[list[int]]) -> float:
         """The longest step that the tolerance leaves, in units of this one."""
         sizes = [max(1 << self.bits, abs(row[0])) for row in rows]
-        found = inf
-        for k in (self.order - 1, self.order):
+        radii = {}
+        for k in range(self.order // 2, self.order + 1):
             pairs = zip(rows, sizes, strict=True)
             worst = max((_log(abs(row[k])) - _log(size) for row, size in pairs), default=-inf)
             if worst > -inf:
-                found = min(found, 2.0 ** min((log2(self.problem.tol) - worst) / k, 1023.0))
-        return found
+                radii[k] = -worst / k
+        depth = log2(self.problem.tol)
+        last = [radii[k] + depth / k for k in (self.order - 1, self.order) if k in radii]
+        # where the last coefficients vanish at once, others tell
+        others = min(radii.values(), default=inf) + depth / self.order
+        found = min(last, default=inf)
+        return float(2.0 ** min(found if found <= others + SPARSE else others, 1023.0))
 
 
 def _log(number: int) -> float:

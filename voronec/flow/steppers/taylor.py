@@ -35,6 +35,8 @@ AHEAD = 100_000
 """Points of the grid that are handed over at a time, at most."""
 FEW = 1_000
 """Points that are handed over where chunks are short."""
+SPARSE = 2.0
+"""A step so many times longer than the other coefficients allow is not to be trusted."""
 CRAWL = 1e-9
 """A chunk of steps that covers less than this part of the span leads nowhere."""
 SPECK = 1e-300
@@ -138,6 +140,15 @@ def _terminal(event: Event, expr: Any, log: Log, winding: Winding, hy: Any) -> A
     return hy.t_event(expr, callback=seen, direction=_direction(event, hy))
 
 
+def steady_length(sizes: np.ndarray, tol: float) -> float:
+    """The step that Taylor coefficients of the orders 0, 1, ... allow, by the latter half of them:
+    the radius of convergence that each suggests, times tol^(1/order)."""
+    order = len(sizes) - 1
+    later = [(k, sizes[k]) for k in range(order // 2, order + 1) if sizes[k] > 0]
+    radius = min((size ** (-1.0 / k) for k, size in later), default=np.inf)
+    return float(radius * tol ** (1.0 / order))
+
+
 @dataclass
 class _Drive:
     """One run, chunk by chunk."""
@@ -161,8 +172,26 @@ class _Drive:
     def __post_init__(self) -> None:
         self.standing = float(self.grid[0]), self.problem.start.copy()
         self.size, self.ahead = CHUNK, AHEAD
+        self.opening = self.first_step()
         if self.winding.needed:
             self.size, self.ahead = min(SHORT, CHUNK), FEW
+
+    def first_step(self) -> float:
+        """The length of the first step where heyoka's own would be too long, else infinite.
+
+        It comes from the last two Taylor coefficients, which vanish at once where the start is
+        special: x'' = 1 - x^2 from rest at 0 has those of t^2, t^6, t^10, ... alone.
+        """
+        ta, self.log.silent = self.integrator, True
+        time, state = ta.time, ta.state.copy()
+        span = float(self.grid[-1] - self.grid[0])
+        taken = abs(ta.step(max_delta_t=span, write_tc=True)[1]) if span else 0.0
+        sizes = np.abs(ta.tc).max(axis=0) / max(1.0, np.abs(state).max(initial=0.0))
+        ta.time, ta.state[:], self.log.silent = time, state, False
+        if ta.with_events:
+            ta.reset_cooldowns()
+        length = steady_length(sizes, self.problem.tol)
+        return length if taken > SPARSE * length else np.inf
 
     def run(self) -> Run:
         self.rows.append(self.problem.start[None, :])
@@ -179,8 +208,9 @@ class _Drive:
     def chunk(self) -> Halt | None:
         self.winding.take(self.integrator.state)
         before, state = self.integrator.time, self.integrator.state.copy()
-        size = self.size
-        outcome, taken, new = self.advance()
+        size = self.size if self.opening == np.inf else 1
+        outcome, taken, new = self.advance(size)
+        self.opening = np.inf
         self.steps += taken
         self.idle = 0 if len(new) else self.idle + taken
         self.rows.append(self.winding.whole(new))
@@ -211,23 +241,22 @@ class _Drive:
         """Where the integrator stands, as the end of the run."""
         return Halt(reason, self.integrator.time, self.winding.whole(self.integrator.state))
 
-    def advance(self) -> tuple[Any, int, np.ndarray]:
-        """One chunk towards, or along, the rest of the grid; new rows of it."""
+    def advance(self, size: int) -> tuple[Any, int, np.ndarray]:
+        """One chunk of steps towards, or along, the rest of the grid; new rows of it."""
+        limits = {"max_steps": size, "max_delta_t": self.opening}
         standing, done = self.integrator.time, self.done
         if self.problem.dense:
             outcome, _, _, steps, stretch, _ = self.integrator.propagate_until(
-                self.grid[-1], max_steps=self.size, c_output=True
+                self.grid[-1], c_output=True, **limits
             )
             return outcome, steps, self.sampled(stretch)
         # the integrator wants its grid to begin where it stands
         first = done - 1 if standing == self.grid[done - 1] else done
         if standing != self.grid[first]:
-            outcome, _, _, steps, *_ = self.integrator.propagate_until(
-                self.grid[first], max_steps=self.size
-            )
+            outcome, _, _, steps, *_ = self.integrator.propagate_until(self.grid[first], **limits)
             return outcome, steps, np.empty((0, len(self.problem.start)))
         outcome, _, _, steps, _, rows = self.integrator.propagate_grid(
-            self.grid[first : done + self.ahead], max_steps=self.size
+            self.grid[first : done + self.ahead], **limits
         )
         return outcome, steps, rows[done - first :]
 

@@ -1,0 +1,285 @@
+"""Runs through places where the declared velocities are no frame, or the split is singular there.
+
+The truth comes from the equations with multipliers, differentiated once and integrated in all
+velocities: M q'' - A^T lambda = Q - h, A q'' = -b.  They know neither frame nor split.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import solve_ivp
+
+import voronec as vo
+from voronec import velocity
+from voronec.flow.divisors import divisors
+
+
+def multiplier_motion(system: vo.System, start: Mapping[str, float], times: np.ndarray) -> Any:
+    """Coordinates (N, k) at times (k,), from coordinates and all their velocities by name."""
+    q, dots = system.coordinates, [velocity(x) for x in system.coordinates]
+    frame = system.frame
+    meaning = {} if frame is None else dict(zip(frame.velocities, frame.expressions, strict=True))
+    meaning |= {p.symbol: sp.Float(p.value) for p in system.parameters}
+
+    def spelled(expr: Any) -> sp.Expr:
+        return sp.sympify(expr).xreplace(meaning).xreplace(meaning)
+
+    energy = spelled(system.lagrangian)
+    slips = [spelled(c) for c in system.constraints]
+    slips += [
+        sum(sp.diff(r, x) * v for x, v in zip(q, dots, strict=True))
+        for r in map(spelled, system.fibration.relations)
+    ]
+    momenta = [sp.diff(energy, v) for v in dots]
+
+    def drift(expr: Any) -> sp.Expr:
+        return sp.Add(*(sp.diff(expr, x) * v for x, v in zip(q, dots, strict=True)))
+
+    parts = [
+        sp.Matrix(momenta).jacobian(dots),
+        sp.Matrix([drift(p) - sp.diff(energy, x) for p, x in zip(momenta, q, strict=True)]),
+        sp.Matrix(slips).jacobian(dots),
+        sp.Matrix([drift(c) for c in slips]),
+    ]
+    names = sp.symbols(f"z0:{2 * len(q)}")
+    plain = dict(zip((*dots, *q), (*names[len(q) :], *names[: len(q)]), strict=True))
+    function = sp.lambdify([names], [part.xreplace(plain) for part in parts], cse=True)
+
+    def rhs(_time: float, state: np.ndarray) -> np.ndarray:
+        mass, force, rows, rest = (np.array(x, dtype=float) for x in function(state))
+        whole = np.block([[mass, rows.T], [rows, np.zeros((len(rows), len(rows)))]])
+        found = np.linalg.solve(whole, -np.vstack([force, rest]))[:, 0]
+        return np.concatenate([state[len(q) :], found[: len(q)]])
+
+    first = [start.get(str(x), 0.0) for x in q] + [start[f"{x}dot"] for x in q]
+    found = solve_ivp(rhs, (times[0], times[-1]), first, "DOP853", times, rtol=2.3e-14, atol=1e-14)
+    return found.y[: len(q)]
+
+
+def all_velocities(system: vo.System, start: Mapping[str, float]) -> dict[str, float]:
+    """The start with the velocities of all coordinates, by linear algebra on the declarations."""
+    dots = [velocity(x) for x in system.coordinates]
+    frame = system.frame
+    given = {p.symbol: sp.Float(p.value) for p in system.parameters}
+    given |= {x: sp.Float(start.get(str(x), 0)) for x in system.coordinates}
+    rows = list(system.constraints)
+    rows += [
+        sp.Add(*(sp.diff(r, x) * velocity(x) for x in system.coordinates))
+        for r in system.fibration.relations
+    ]
+    if frame is not None:
+        pairs = zip(frame.velocities, frame.expressions, strict=True)
+        rows += [e - sp.Float(start[str(v)]) for v, e in pairs]
+    else:
+        rows += [velocity(x) - sp.Float(start[f"{x}dot"]) for x in system.fibration.base]
+    plain = sp.Matrix([sp.sympify(r).xreplace(given) for r in rows])
+    matrix = np.array(plain.jacobian(dots), dtype=float)
+    right = -np.array(plain.xreplace(dict.fromkeys(dots, sp.Integer(0))), dtype=float)[:, 0]
+    found = np.linalg.lstsq(matrix, right, rcond=None)[0]
+    return {**start, **{f"{x}dot": v for x, v in zip(system.coordinates, found, strict=True)}}
+
+
+def worst(run: vo.Trajectory, truth: np.ndarray) -> float:
+    """The largest error of a coordinate."""
+    names = [str(x) for x in run.system.coordinates]
+    found = np.array([run[name].astype(float) for name in names])
+    return float(np.abs(found - truth).max())
+
+
+x, y, phi, psi, theta = sp.symbols("x y phi psi theta")
+m, inertia, J, R, a, b = (vo.Parameter(s, v, positive=True) for s, v in zip(
+    sp.symbols("m I J R a b"), (1.0, 0.5, 0.25, 0.75, 0.625, 0.375), strict=True))  # fmt: skip
+
+
+def unicycle() -> vo.System:
+    """On an inclined plane; split by x', which says nothing where it heads along y."""
+    slip = velocity(x) * sp.sin(phi) - velocity(y) * sp.cos(phi)
+    roll = velocity(x) * sp.cos(phi) + velocity(y) * sp.sin(phi) - R.symbol * velocity(psi)
+    energy = m.symbol * (velocity(x) ** 2 + velocity(y) ** 2) + inertia.symbol * velocity(phi) ** 2
+    return vo.System(
+        name="unicycle",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y, psi)),
+        lagrangian=(energy + J.symbol * velocity(psi) ** 2) / 2 - m.symbol * y / 5,
+        constraints=(slip, roll),
+        parameters=(m, inertia, J, R),
+    )
+
+
+def trailer() -> vo.System:
+    """A car with a trailer, split by x' as well."""
+    behind = (x - a.symbol * sp.cos(psi), y - a.symbol * sp.sin(psi))
+    u, v = (sp.diff(z, x) * velocity(x) + sp.diff(z, y) * velocity(y)
+            + sp.diff(z, psi) * velocity(psi) for z in behind)  # fmt: skip
+    energy = m.symbol * (velocity(x) ** 2 + velocity(y) ** 2) + inertia.symbol * velocity(phi) ** 2
+    return vo.System(
+        name="trailer",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y, psi)),
+        lagrangian=(energy + (u**2 + v**2) / 2 + J.symbol * velocity(psi) ** 2) / 2,
+        constraints=(
+            velocity(x) * sp.sin(phi) - velocity(y) * sp.cos(phi),
+            u * sp.sin(psi) - v * sp.cos(psi),
+        ),
+        parameters=(m, inertia, J, a),
+    )
+
+
+def roller_racer() -> vo.System:
+    """Two bodies with an axle each; (v, w) are no frame where the axles meet in one point."""
+    v, w = sp.symbols("v w")
+    ahead = theta + phi
+    behind = [
+        x - a.symbol * sp.cos(theta) - b.symbol * sp.cos(ahead),
+        y - a.symbol * sp.sin(theta) - b.symbol * sp.sin(ahead),
+    ]
+    q = (x, y, theta, phi)
+    slide = [sp.Add(*(sp.diff(z, s) * velocity(s) for s in q)) for z in behind]
+    turning = (
+        inertia.symbol * velocity(theta) ** 2 + J.symbol * (velocity(theta) + velocity(phi)) ** 2
+    )
+    return vo.System(
+        name="roller-racer",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y, theta)),
+        frame=vo.Frame.quasi(
+            {v: velocity(x) * sp.cos(theta) + velocity(y) * sp.sin(theta), w: velocity(phi)}
+        ),
+        lagrangian=m.symbol * (velocity(x) ** 2 + velocity(y) ** 2) / 2 + turning / 2,
+        constraints=(
+            velocity(x) * sp.sin(theta) - velocity(y) * sp.cos(theta),
+            slide[0] * sp.sin(ahead) - slide[1] * sp.cos(ahead),
+        ),
+        parameters=(m, inertia, J, a, b),
+    )
+
+
+MADE = {
+    "unicycle": (unicycle, {"phi": 0.25, "xdot": 0.5, "phidot": 0.875}),
+    "trailer": (trailer, {"phi": 0.25, "psi": 0.125, "xdot": 0.5, "phidot": 0.75}),
+    "roller racer": (roller_racer, {"theta": 0.25, "phi": 0.5, "v": 0.5, "w": 1.125}),
+}
+KNOWN = {
+    "rubber-ball-on-plane": {"u": 1.25, "v": 0.75, "omega1": 0.25, "omega2": 0.5},
+    "gyroscopic-rubber-ball-on-plane": {"u": 1.25, "v": 0.75, "omega1": 0.25, "omega2": 0.5},
+    "displaced-rubber-ball": {"u": 1.25, "v": 0.75, "omega1": 0.25, "omega2": 0.5},
+    "veselova": {"theta": 1.25, "psi": 0.75, "omega1": 0.5, "omega2": 0.25},
+    "veselova-in-new-time": {
+        "gamma1": 0.6, "gamma2": 0.64, "gamma3": 0.48, "Omega1": 0.5, "Omega2": 0.75,
+    },
+}  # fmt: skip
+METHODS = (("scipy", 1e-13), ("heyoka", 1e-16), ("flint", 1e-20))
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_a_run_passes_where_its_split_is_singular(name: str) -> None:
+    make, start = MADE[name]
+    system = make()
+    whole = all_velocities(system, start)
+    for end, points in ((8.0, 2), (-8.0, 41)):
+        times = np.linspace(0.0, end, points)
+        truth = multiplier_motion(system, whole, times)
+        for method, tol in METHODS if points == 2 else METHODS[:1]:
+            run = vo.integrate(system, times=times, initial=start, method=method, tol=tol)
+            assert worst(run, truth) < 1e-10, (method, tol)
+            assert run.cost.switches > 0
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_rolling_without_twist_passes_the_equator(name: str) -> None:
+    equations, start = vo.derive(vo.load(name)), KNOWN[name]
+    whole = all_velocities(equations.system, start)
+    times = np.linspace(0.0, -9.0, 4)
+    truth = multiplier_motion(equations.system, whole, times)
+    for method, tol in METHODS[:2]:
+        run = vo.integrate(equations, times=times, initial=start, method=method, tol=tol)
+        assert worst(run, truth) < 2e-10, (method, tol)
+        assert max(run.drift.values()) < 1e-10
+
+
+def test_everything_wanted_comes_out_on_the_way() -> None:
+    system, start = roller_racer(), MADE["roller racer"][1]
+    times = np.linspace(0.0, 6.0, 61)
+    wanted = ("x", "v", "xdot", "reaction 1", "theta")
+    across = vo.Event(phi - 2, name="folded")
+    run = vo.integrate(
+        system, times=times, initial=start, outputs=wanted, events=(across,), dense=True,
+        method="scipy",
+    )  # fmt: skip
+    assert run.outputs == wanted and run.names == ("x", "phi", "y", "theta", "v", "w")
+    assert np.abs(run["xdot"] - run["v"] * np.cos(run["theta"])).max() < 1e-12
+    assert np.isfinite(run["reaction 1"]).all()
+    crossings = run.events["folded"]
+    assert len(crossings) and abs(float(crossings["phi"][0]) - 2) < 1e-12
+    assert np.abs(run.at(crossings.t)["x"] - crossings["x"]).max() < 1e-11
+    shuffled = run.at([5.5, 0.5, 3.0])
+    assert np.abs(shuffled["theta"] - run["theta"][[55, 5, 30]]).max() < 1e-11
+
+
+def test_a_start_where_the_velocities_are_no_frame() -> None:
+    ball = vo.derive(vo.load("rubber-ball-on-plane"))
+    equator = {"u": sp.pi / 2, "v": 0.5}
+    start = {"udot": 0.5, "vdot": 0.25}
+    times = np.linspace(0.0, 5.0, 3)
+    run = vo.integrate(ball, times=times, initial={**equator, **start}, method="scipy")
+    assert run.drift["energy"] < 1e-12
+    exact = vo.integrate(ball, times=times, initial={**equator, **start}, tol=1e-25)
+    assert np.abs(exact["u"].astype(float) - run["u"]).max() < 1e-11
+    with pytest.raises(vo.DefinitionError, match="no frame at the initial point"):
+        vo.integrate(ball, times=times, initial={**equator, "omega1": 0.5})
+
+
+def test_a_refusal_says_that_the_constraints_are_dependent() -> None:
+    """x' y - y' x = 0 is no constraint at the origin, which the motion reaches."""
+    slip = velocity(x) * y - velocity(y) * x
+    system = vo.System(
+        name="through-the-origin",
+        fibration=vo.Fibration(base=(x,), fibre=(y,)),
+        lagrangian=(velocity(x) ** 2 + velocity(y) ** 2) / 2 + x,
+        constraints=(slip,),
+    )
+    start = {"x": -1.0, "y": -0.5, "xdot": 1.0}
+    with pytest.raises(vo.IntegrationError, match="dependent"):
+        vo.integrate(system, times=[0.0, 4.0], initial=start)
+
+
+def test_harmless_divisors_are_not_watched() -> None:
+    """A pole of coordinates is the business of charts: its runs are as before."""
+    disc = vo.derive(vo.load("falling-disc"))
+    assert divisors(disc.form)
+    run = vo.integrate(disc, method="scipy", times=np.linspace(0, 1, 5))
+    assert run.cost.switches == 0 and run.cost.evaluations <= 12 * run.cost.steps + 60
+
+
+def test_whole_powers_of_zero_have_taylor_coefficients() -> None:
+    """heyoka's recurrence for x^3 divides by x."""
+    system = vo.System(
+        name="cubic",
+        fibration=vo.Fibration(base=(x,)),
+        lagrangian=velocity(x) ** 2 / 2 + x - x**4 / 4,
+    )
+    times = np.linspace(0.0, 2.0, 3)
+    run = vo.integrate(system, times=times, initial={}, method="heyoka", outputs=("x", "xdot"))
+    energy = run["xdot"] ** 2 / 2 - run["x"] + run["x"] ** 4 / 4
+    assert np.abs(energy).max() < 1e-14
+    truth = vo.integrate(system, times=times, initial={}, method="flint", tol=1e-25)
+    assert np.abs(run["x"] - truth["x"].astype(float)).max() < 1e-13
+
+
+@pytest.mark.parametrize("method", ["heyoka", "flint"])
+def test_a_start_whose_last_coefficients_vanish(method: str) -> None:
+    """x'' = 1 - x^k from rest at 0 has every (k + 1)-th coefficient or so, and the last two not."""
+    for k in (2, 3, 4):
+        system = vo.System(
+            name="sparse",
+            fibration=vo.Fibration(base=(x,)),
+            lagrangian=velocity(x) ** 2 / 2 + x - x ** (k + 1) / (k + 1),
+        )
+        run = vo.integrate(
+            system, times=[0.0, 2.0, 4.0], initial={}, method=method,
+            tol=1e-13 if method == "heyoka" else 1e-20, outputs=("x", "xdot"),
+        )  # fmt: skip
+        place, speed = (run[name].astype(float) for name in ("x", "xdot"))
+        assert np.abs(speed**2 / 2 - place + place ** (k + 1) / (k + 1)).max() < 1e-14

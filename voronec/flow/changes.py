@@ -1,0 +1,364 @@
+"""A run that changes its split of the velocities where a divisor comes near zero.
+
+Stretch after stretch is integrated, each in one split, on the coordinates and through the charts of
+the system; at a change all velocities are carried over by exact linear formulas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from math import log2
+from time import perf_counter, process_time
+from types import MappingProxyType
+from typing import Any
+
+import mpmath
+import numpy as np
+import symengine as se
+
+from voronec.algebra.symbols import plain_name
+from voronec.errors import IntegrationError
+from voronec.flow.divisors import Divisor
+from voronec.flow.events import Crossings, Event
+from voronec.flow.observing import Watch, assembled, followed
+from voronec.flow.places import CLEAR, NEAR, Ground, Place, tried
+from voronec.flow.probe import Probe, quantities
+from voronec.flow.steppers import Halt, Problem, Run
+from voronec.flow.steppers.choice import EXACT
+from voronec.flow.trajectory import Cost, Trajectory
+from voronec.flow.traverse import through_charts
+from voronec.flow.vocabulary import Vocabulary
+
+__all__ = ["Changes", "NearDivisor", "Start", "guarding", "unguarded"]
+
+DEPENDENT = "the constraints become dependent"
+LEAST = 1e-6
+"""Constraints that are less independent than this, in units of what they usually are, are taken
+for dependent: they lose more digits than they leave."""
+GAIN = 4.0
+"""A split is left for another only where that is so many times better."""
+
+
+def guarding(guards: Sequence[Divisor]) -> tuple[tuple[Event, ...], dict[str, Any]]:
+    """Events that end a run where a divisor comes near zero, and their functions by name."""
+    names = [f"divisor {i}" for i in range(len(guards))]
+    functions = {
+        name: g.function**2 - se.Integer(2) ** (2 * round(log2(NEAR * g.scale)))
+        for name, g in zip(names, guards, strict=True)
+    }
+    return tuple(Event(name, name, stop=True) for name in names), functions
+
+
+class NearDivisor(Exception):
+    """A model divides by what comes near zero: the splits of its system, that of ``vocabulary``,
+    have to be used."""
+
+    def __init__(self, vocabulary: Vocabulary) -> None:
+        super().__init__("a divisor comes near zero")
+        self.vocabulary = vocabulary
+
+
+def unguarded(run: Run, guards: Sequence[Divisor], vocabulary: Vocabulary) -> Run:
+    """A run as if nobody had watched; raises ``NearDivisor`` where a divisor came near zero."""
+    names = {event.name for event in guarding(guards)[0]}
+    if run.stopped in names:
+        raise NearDivisor(vocabulary)
+    kept = {name: rows for name, rows in run.crossings.items() if name not in names}
+    return replace(run, crossings=kept)
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a run starts: its wide state in doubles, and exactly, with the parameters by name,
+    for a number of bits."""
+
+    wide: np.ndarray
+    exact: Callable[[int], tuple[np.ndarray, Mapping[str, Any]]]
+
+
+@dataclass(frozen=True, eq=False)
+class _Stretch:
+    """A part of a run in one split; ``rows`` (k, n) are those on the grid."""
+
+    place: Place
+    times: np.ndarray
+    rows: np.ndarray
+    run: Run
+
+
+@dataclass(eq=False)
+class Changes:
+    """One run through the splits of a system.
+
+    ``watch`` and ``functions`` are what is wanted, for the home split; ``began`` and ``busy`` when
+    the whole began, in seconds of the clock.
+    """
+
+    vocabulary: Vocabulary
+    ground: Ground
+    watch: Watch
+    functions: Mapping[str, Any]
+    start: Start
+    grid: np.ndarray
+    method: str
+    tol: float
+    events: tuple[Event, ...]
+    dense: bool
+    progress: Callable[[float], Any] | None
+    notes: tuple[str, ...]
+    bits: int
+    began: float
+    places: list[Place] = field(default_factory=list)
+    stretches: list[_Stretch] = field(default_factory=list)
+    chosen: dict[str, Any] = field(default_factory=dict)
+    prepared: float = 0.0
+
+    def trajectory(self) -> Trajectory:
+        """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
+        busy = process_time()
+        time, wide, done = self.grid[0], self.start.wide, 1
+        place = self.place(time, wide, None)
+        while True:
+            part = self.stretch(place, time, wide, self.grid[done:])
+            done += self.take(place, part, done)
+            ended = part.stopped not in ("", *self._guards(place))
+            if part.interrupted or ended or (part.halt is None and done >= len(self.grid)):
+                return self.result(part, busy)
+            time, state = (
+                (part.t[-1], part.states[-1]) if part.halt is None
+                else (part.halt.time, part.halt.state)
+            )  # fmt: skip
+            wide = self.widened(place, time, state)
+            best = self.place(time, wide, place)
+            if part.halt is not None and best is place:
+                raise self.failure(place, part.halt, busy)
+            if best is place:
+                best = self.alone(place, time, state, wide, busy)
+            place = best
+
+    # -- splits -----------------------------------------------------------------------------
+
+    def place(self, time: Any, wide: np.ndarray, last: Place | None) -> Place:
+        """The split to go on in: one that is ready and good enough, else the first of those that
+        can be made that is, else the best; not the last one, unless no other is much better."""
+        plain = wide.astype(float)
+        sizes = {id(p): p.quality(time, plain) for p in self.places}
+        ready = max(self.places, key=lambda p: sizes[id(p)], default=None)
+        if ready is not None and ready is not last and sizes[id(ready)] > CLEAR:
+            return ready
+        began = perf_counter()
+        with suppress(np.linalg.LinAlgError):
+            for equations, form in tried(self.ground, float(time), plain):
+                if any(p.form is form for p in self.places):
+                    continue
+                made = Place.of(
+                    replace(self.ground, time=float(time)), equations, form, self.watch,
+                    self.functions, plain,
+                )  # fmt: skip
+                self.places.append(made)
+                sizes[id(made)] = made.quality(time, plain)
+                if sizes[id(made)] > CLEAR:
+                    break
+        self.prepared += perf_counter() - began
+        best = max(self.places, key=lambda p: sizes[id(p)], default=None)
+        if best is None or (last is None and not sizes[id(best)] > 0):
+            raise IntegrationError(
+                f"system '{self.ground.home.system.name}': no velocities determine the motion at "
+                f"the initial point ({self._shown(plain)}): the constraints are dependent or the "
+                "coordinates singular; start elsewhere",
+                time,
+                plain,
+            )
+        if last is not None and sizes[id(best)] < GAIN * sizes[id(last)]:
+            return last
+        return best
+
+    def alone(
+        self, place: Place, time: Any, state: np.ndarray, wide: np.ndarray, busy: float
+    ) -> Place:
+        """The same split with other guards, where no other is better.
+
+        What is small then belongs to the motion itself, and is not watched any more; or the
+        constraints come near to being dependent.
+        """
+        strength = self.ground.strength(float(time), wide.astype(float))
+        if not strength > LEAST:
+            raise self.failure(place, Halt(DEPENDENT, time, state), busy)
+        self.places.remove(place)
+        self.places.append(place.lowered(float(time), wide, NEAR if strength < NEAR else 0.0))
+        return self.places[-1]
+
+    def _shown(self, wide: np.ndarray) -> str:
+        pairs = zip(self.ground.home.definition.coordinates, wide, strict=False)
+        return ", ".join(f"{name} = {float(x):.6g}" for name, x in pairs)
+
+    def _guards(self, place: Place) -> tuple[str, ...]:
+        return tuple(event.name for event in guarding(place.guards)[0])
+
+    # -- stretches --------------------------------------------------------------------------
+
+    def stretch(self, place: Place, time: Any, wide: np.ndarray, ahead: np.ndarray) -> Run:
+        """Go on in a split until a divisor is small, or the grid ends."""
+        began = perf_counter()
+        guards, levels = guarding(place.guards)
+        functions = {**place.functions, **levels}
+        state = place.narrow(float(time), wide.astype(float))
+        values = self.ground.values(place.program)
+        probe = Probe(self.ground.home.system.name, place.form, place.program, values, float(time))
+        if not place.equations.system.charts:
+            probe.check(state)
+        problem = Problem(
+            place.program, state, values, self.tol, (*self.events, *guards),
+            quantities(place.form, functions) if functions else None, self.dense,
+            probe.suspect(state), None, self._exact(place, time, wide), None, frozenset(levels),
+        )  # fmt: skip
+        if wide.dtype == object or self.exact:
+            times = np.array([mpmath.mpf(time), *map(mpmath.mpf, ahead)], dtype=object)
+        else:
+            times = np.concatenate([[float(time)], ahead])
+        stepper, chosen = through_charts(
+            self.method, problem, times, place.equations, functions, place.form
+        )
+        self.chosen = self.chosen or chosen
+        self.prepared += perf_counter() - began
+        return stepper(times)
+
+    def _exact(self, place: Place, time: Any, wide: np.ndarray) -> Callable[[int], Any]:
+        def exact(bits: int) -> tuple[np.ndarray, list[Any]]:
+            with mpmath.workprec(bits):
+                first, constants = self.start.exact(bits)
+                given = wide if wide.dtype == object else first
+                state = place.narrow(mpmath.mpf(time), given, constants)
+                return state, self.ground.values(place.program, constants)
+
+        return exact
+
+    @property
+    def exact(self) -> bool:
+        """Whether the run is in high precision."""
+        return self.method == "flint" or (self.method == "auto" and self.tol < EXACT)
+
+    def widened(self, place: Place, time: Any, state: np.ndarray) -> np.ndarray:
+        """The wide state of a state of a split."""
+        with mpmath.workprec(self.bits):
+            return place.widened(time, state, self._constants(state))
+
+    def _constants(self, states: np.ndarray) -> Mapping[str, Any]:
+        if states.dtype != object:
+            return self.ground.constants
+        return self.start.exact(self.bits)[1]
+
+    def take(self, place: Place, part: Run, done: int) -> int:
+        """Enter a stretch; how many points of the grid it has passed."""
+        order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
+        ahead, times = order * self.grid[done:], order * part.t.astype(float)
+        count = int(np.searchsorted(ahead, times[-1], side="right"))
+        rows = part.states[np.searchsorted(times, ahead[:count])]
+        kept = self.grid[done : done + count]
+        if not self.stretches:  # the first point of the grid is the start
+            rows, kept = np.vstack([part.states[:1], rows]), np.append(self.grid[0], kept)
+        last = part.stopped and part.stopped not in self._guards(place)
+        if last and (not count or times[-1] != ahead[count - 1]):
+            rows, kept = np.vstack([rows, part.states[-1:]]), np.append(kept, part.t[-1])
+        self.stretches.append(_Stretch(place, kept, rows, part))
+        if self.progress is not None:
+            self.progress(float(abs(times[-1] - order * self.grid[0]) / np.ptp(self.grid)))
+        return count
+
+    # -- what is seen -----------------------------------------------------------------------
+
+    def result(self, last: Run, busy: float) -> Trajectory:
+        """The trajectory of all stretches."""
+        runs = [s.run for s in self.stretches]
+        changes = sum(
+            a.place is not b.place for a, b in zip(self.stretches, self.stretches[1:], strict=False)
+        )
+        whole = perf_counter() - self.began
+        cost = Cost(
+            **self.chosen, setup=self.prepared, run=max(whole - self.prepared, 0.0),
+            cpu=process_time() - busy, steps=sum(r.steps for r in runs),
+            evaluations=sum(r.evaluations for r in runs),
+            switches=changes + sum(r.switches for r in runs),
+        )  # fmt: skip
+        seen = self._assembled([(s.place, s.times, s.rows) for s in self.stretches], cost)
+        own = {e.name for e in self.events}
+        return replace(
+            seen,
+            events=MappingProxyType({name: self._crossings(name) for name in own}),
+            stopped=last.stopped if last.stopped in own else "",
+            halted=last.halt.reason if last.halt is not None else "",
+            interrupted=last.interrupted,
+            within=(lambda times: self._inside(times, cost)) if self.dense else None,
+            notes=self.notes,
+        )
+
+    def failure(self, place: Place, halt: Halt, busy: float) -> IntegrationError:
+        """The error for a run that cannot go on in any split."""
+        last = replace(self.stretches[-1].run, halt=halt)
+        values = self.ground.values(place.program)
+        probe = Probe(
+            self.ground.home.system.name, place.form, place.program, values, float(self.grid[0])
+        )
+        start = self.stretches[-1].run.states[0]
+        return probe.failure(start, halt, self.result(last, busy))
+
+    def _series(self, parts: list[tuple[Place, np.ndarray, np.ndarray]]) -> dict[str, np.ndarray]:
+        """Everything watched at states of several splits, one after the other."""
+        found = []
+        for place, times, rows in parts:
+            if len(times):
+                values = self.ground.values(place.program, self._constants(rows))
+                with mpmath.workprec(self.bits):
+                    found.append(followed(place.watch, place.program, times, rows, values))
+        names = found[0] if found else {}
+        return {
+            name: np.concatenate([np.asarray(s[name]) for s in found])
+            for name in names
+            if all(name in s for s in found)
+        }
+
+    def _assembled(
+        self, parts: list[tuple[Place, np.ndarray, np.ndarray]], cost: Cost,
+        order: np.ndarray | None = None,
+    ) -> Trajectory:  # fmt: skip
+        times, series = np.concatenate([t for _, t, _ in parts]), self._series(parts)
+        if order is not None:
+            times, series = times[order], {n: x[order] for n, x in series.items()}
+        names, constants = self._names, self._constants(parts[0][2])
+        states = np.stack([series[f"home {n}"] for n in names], axis=-1)
+        with mpmath.workprec(self.bits):
+            return assembled(
+                self.vocabulary, self.watch, times, names, states, series, constants, cost
+            )
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        system = self.ground.home.system
+        return tuple(map(plain_name, (*system.coordinates, *system.velocities)))
+
+    def _crossings(self, name: str) -> Crossings:
+        parts = [(s.place, *s.run.crossings[name]) for s in self.stretches]
+        series = self._series(parts)
+        times = np.concatenate([t for _, t, _ in parts])
+        none = np.empty(0)
+        states = np.stack([series.get(f"home {n}", none) for n in self._names], axis=-1)
+        shown = {n: series.get(n, none) for n in self.watch.outputs}
+        for array in (times, states, *shown.values()):
+            array.flags.writeable = False
+        return Crossings(times, states, self._names, MappingProxyType(shown))
+
+    def _inside(self, times: np.ndarray, cost: Cost) -> Trajectory:
+        """The motion at any times reached."""
+        order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
+        ends = np.array([order * float(s.run.t[-1]) for s in self.stretches])
+        which = np.searchsorted(ends, order * times.astype(float), side="left")
+        which = np.minimum(which, len(ends) - 1)
+        parts, places = [], []
+        for i in np.unique(which):
+            here, stretch = np.flatnonzero(which == i), self.stretches[i]
+            assert stretch.run.inside is not None
+            parts.append((stretch.place, times[here], stretch.run.inside(times[here])))
+            places.append(here)
+        return self._assembled(parts, cost, np.argsort(np.concatenate(places)))

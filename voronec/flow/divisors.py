@@ -1,0 +1,123 @@
+"""What equations divide by, and where that vanishes though the motion goes on.
+
+Velocities that are no frame at some place, or a constraint solved for the wrong unknown, leave a
+divisor that changes its sign there: 1/gamma3, 1/cos(u), 1/sin(alpha - phi).  The motion passes the
+place, the equations do not, and Taylor's method may step over it without a sign.  Where coordinates
+fail, at the pole of a sphere, the metric
+
+    g = d2L/dw2 + A^T A                                     w: velocities, A w + a = 0: constraints
+
+is singular as well; those divisors are the business of charts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import symengine as se
+
+from voronec.algebra.tape import is_atom
+
+__all__ = ["Divisor", "Field", "around", "bases", "crossed", "divisors"]
+
+SAMPLES = 64
+"""So many random places tell whether a function changes its sign, and how large it is."""
+REACH = np.pi
+"""Places are taken so far around the start, in units of one or of the coordinate's size."""
+HALVINGS = 40
+POLE = 1e-5
+"""Where the metric is nearer to being singular than this part of the usual, coordinates fail."""
+TRUE = 1e-3
+"""A function that is found to be larger where its sign changes has a pole there."""
+
+Field = Callable[[np.ndarray], np.ndarray]
+"""States (n, k), a column each, to values (m, k)."""
+
+
+@dataclass(frozen=True)
+class Divisor:
+    """A function that vanishes somewhere, and how large it usually is."""
+
+    function: Any
+    scale: float
+
+
+def divisors(form: Any) -> tuple[Any, ...]:
+    """What rates, mass and force are divided by, as far as it moves; each once."""
+    moving = {*form.coordinates, *form.velocities, form.time, *(name for name, _ in form.stages)}
+    found: dict[Any, None] = {}
+    exprs = [*form.rates, *(e for row in form.mass for e in row), *form.force]
+    for base in bases([*exprs, *(e for _, e in form.stages)]):
+        if base.free_symbols & moving:
+            found[base] = None
+    return tuple(found)
+
+
+def bases(exprs: Iterable[Any]) -> Iterable[Any]:
+    """The bases of negative powers, and what tangents divide by."""
+    seen, stack = set(), [se.sympify(e) for e in exprs]
+    while stack:
+        node = stack.pop()
+        if node in seen or is_atom(node):
+            continue
+        seen.add(node)
+        if isinstance(node, se.Pow):
+            base, exponent = node.args
+            if exponent.is_Number and exponent.is_negative:
+                yield base
+        elif isinstance(node, se.tan):
+            yield se.cos(node.args[0])
+        elif isinstance(node, se.cot):
+            yield se.sin(node.args[0])
+        stack.extend(node.args)
+
+
+def around(start: np.ndarray) -> np.ndarray:
+    """Places (n, k) at random around a start (n,)."""
+    ways = np.random.default_rng(0).uniform(-REACH, REACH, (len(start), SAMPLES))
+    found: np.ndarray = start[:, None] + ways * np.maximum(1.0, np.abs(start))[:, None]
+    return found
+
+
+def crossed(
+    functions: Sequence[Any], places: np.ndarray, values: Field, soundness: Field, onto: Field
+) -> list[Divisor]:
+    """Those functions that change their sign at a place where the coordinates are good.
+
+    ``places`` (n, k) are states of the coordinates and the velocities; ``values`` gives all
+    functions there, and ``soundness`` how far the metric g is from being singular; ``onto`` moves
+    places onto the relations between redundant coordinates.
+    """
+    sizes, usual = values(places), -1.0
+    found = []
+    for i, (function, row) in enumerate(zip(functions, sizes, strict=True)):
+        below, above = places[:, row < 0], places[:, row > 0]
+        count = min(below.shape[1], above.shape[1])
+        if count == 0:
+            continue
+        zeros = onto(_between(values, i, below[:, :count], above[:, :count]))
+        scale = _median(np.abs(row))
+        # a change of sign through infinity is no zero, nor is one off the relations
+        true = np.abs(values(zeros)[i]) < TRUE * scale
+        usual = _median(soundness(places)) if usual < 0 else usual
+        if (true & (soundness(zeros) > POLE * usual)).any():
+            found.append(Divisor(function, scale))
+    return found
+
+
+def _between(values: Field, i: int, below: np.ndarray, above: np.ndarray) -> np.ndarray:
+    """Where the i-th of some functions changes its sign on the ways between places."""
+    for _ in range(HALVINGS):
+        middle = (below + above) / 2
+        under = values(middle)[i] < 0
+        below, above = np.where(under, middle, below), np.where(under, above, middle)
+    found: np.ndarray = (below + above) / 2
+    return found
+
+
+def _median(sizes: np.ndarray) -> float:
+    finite = sizes[np.isfinite(sizes)]
+    return float(np.median(finite)) if len(finite) else 0.0
