@@ -22,6 +22,7 @@ from importlib.machinery import ModuleSpec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from voronec.arguments import TEXT, accepts
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.execution import failure, run_file
 
@@ -159,6 +160,7 @@ def names() -> list[str]:
     return [entry.name for entry in entries()[0]]
 
 
+@accepts(name=TEXT)
 def load(name: str) -> System:
     """The system of that name; ``DefinitionError`` with the nearest names where there is none."""
     return entry_of(name).load()

@@ -31,6 +31,10 @@ __all__ = [
 ]
 
 
+LONGEST_NAME = 100
+"""How long a name may be."""
+
+
 def check_possible(system: System) -> None:
     """Conditions on the parameters are relations among them, and of nothing else."""
     symbols = {p.symbol for p in system.parameters}
@@ -74,12 +78,35 @@ def check_names(system: System) -> None:
     names: dict[str, str] = {}
     for thing, role in _roles(system):
         name = plain_name(thing)
+        _require_name(system, name, role)
         if name in names:
             raise DefinitionError(
                 f"system '{system.name}': the name '{name}' is used twice "
                 f"({names[name]} and {role}); rename one of them"
             )
         names[name] = role
+    _require_name(system, system.name, "the system")
+    for title in ("integrals", "invariants", "equations", "cases", "scenes", "charts", "possible"):
+        for words in getattr(system, title):
+            if not isinstance(words, str) or not words.strip() or not words.isprintable():
+                raise DefinitionError(
+                    f"system '{shown(system.name)}': '{shown(words)}' among its {title} is no "
+                    "name; give words of printable letters"
+                )
+    for title in ("title", "description"):
+        if not isinstance(getattr(system, title), str):
+            raise DefinitionError(
+                f"system '{system.name}': {title} = {shown(getattr(system, title))} is no text"
+            )
+
+
+def _require_name(system: System, name: str, role: str) -> None:
+    """Names are quoted in tables, file names and source: they are words."""
+    if not name.strip() or not name.isprintable() or len(name) > LONGEST_NAME:
+        raise DefinitionError(
+            f"system '{shown(system.name)}': the name '{shown(name)}' ({role}) is no word; give "
+            f"one of printable letters, {LONGEST_NAME} at most"
+        )
 
 
 def check_symbols(system: System) -> None:

@@ -9,11 +9,25 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-__all__ = ["DefinitionError", "EngineLimit", "IntegrationError", "VoronecError", "did_you_mean"]
+__all__ = [
+    "DefinitionError",
+    "EngineLimit",
+    "IntegrationError",
+    "VoronecError",
+    "did_you_mean",
+    "printable",
+    "shown",
+]
+
+LONGEST = 60
+"""How much of an object a message quotes."""
 
 
 class VoronecError(Exception):
-    """Base of every error this package raises on purpose; the message is one line."""
+    """Base of every error this package raises on purpose; the message is one printable line."""
+
+    def __init__(self, message: object = "") -> None:
+        super().__init__(printable(str(message)))
 
 
 class DefinitionError(VoronecError):
@@ -42,6 +56,22 @@ class IntegrationError(VoronecError):
         self.state = state
         self.trajectory = trajectory
         self.singular = singular
+
+
+def shown(thing: Any) -> str:
+    """An object as a message quotes it: on one line, printable, and not too long."""
+    try:
+        text = str(thing)
+    except Exception:  # somebody's own class, or a number too long for Python to print
+        text = f"an object of kind {type(thing).__name__}"
+    text = printable(text[: 20 * LONGEST])
+    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
+
+
+def printable(text: str) -> str:
+    """A text on one line, letters that cannot be printed by their numbers."""
+    line = " ".join(text.split())
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -82,8 +82,12 @@ class Frame:
                 "one for each velocity, or none"
             )
         if self.determinant is not None:
-            (name,) = _names(self.determinant, "determinant of the frame")
-            object.__setattr__(self, "determinant", name)
+            several_names = _names(self.determinant, "determinant of the frame")
+            if len(several_names) != 1:
+                raise DefinitionError(
+                    f"the determinant of the frame is '{shown(self.determinant)}'; give one symbol"
+                )
+            object.__setattr__(self, "determinant", several_names[0])
         if self.brackets is not None:
             self._read_group()
 

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Set
+from contextlib import suppress
 from types import MappingProxyType
 from typing import Any
 
 import sympy as sp
 
 from voronec.algebra.symbols import names_in, plain_name
-from voronec.algebra.text import exact_number, formula, shown, sympified
-from voronec.errors import DefinitionError
+from voronec.algebra.text import exact_number, formula, in_doubles, sympified
+from voronec.errors import DefinitionError, shown
 
 __all__ = [
     "expression",
     "mapping",
+    "quoted",
     "real_number",
     "real_text",
     "require_known",
@@ -33,6 +35,11 @@ def expression(thing: Any, place: str) -> sp.Expr:
     Numbers are accepted, and text as ``algebra.text.formula`` reads it.
     """
     expr = _scalar(sympified(thing, place), thing, place)
+    try:
+        in_doubles(expr)
+    except OverflowError:
+        # printing an expression evaluates its numbers, so this one is not quoted
+        raise DefinitionError(f"{place} holds a number beyond doubles; use another unit") from None
     for number in _NOT_REAL:
         if expr.has(number):
             mend = (
@@ -63,12 +70,22 @@ def real_number(value: Any, place: str) -> sp.Expr:
         return real_text(value, place)
     try:
         number = sympified(value)
+        in_doubles(number)  # what overflows them could be too long to be computed
     except DefinitionError:
         number = None
+    except OverflowError:
+        raise DefinitionError(
+            f"{place} = {quoted(value)} is not a real number that a double holds"
+        ) from None
     fit = isinstance(number, sp.Expr) and number.is_number
     if not fit or number is sp.nan or number.is_real is False or number.is_finite is False:
         raise DefinitionError(f"{place} = {shown(value)} is not a real number; give a finite one")
     return number
+
+
+def quoted(value: Any) -> str:
+    """A number beyond doubles as a message quotes it: SymPy would evaluate it to print it."""
+    return "a formula" if isinstance(value, sp.Basic) and value.args else shown(value)
 
 
 def real_text(text: str, place: str) -> sp.Expr:
@@ -93,7 +110,8 @@ def several(
     if (isinstance(things, (str, sp.Basic)) and not many) or isinstance(things, kind):
         return (things,)
     if isinstance(things, Iterable) and not isinstance(things, (Mapping, set, frozenset)):
-        return tuple(things)
+        with suppress(TypeError):  # an array of no dimension
+            return tuple(things)
     raise DefinitionError(f"{place} = {shown(things)} is not a tuple; write {place}=({entry}, ...)")
 
 

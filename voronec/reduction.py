@@ -23,6 +23,7 @@ from voronec.algebra.shape import expression
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import sympified
 from voronec.algebra.typeset import plain_text
+from voronec.arguments import TEXT, VALUES, accepts, require
 from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.system import System
@@ -72,6 +73,7 @@ class Reduction:
         }
 
 
+@accepts(invariants=VALUES)
 def descend(
     system: System | VoronecEquations, invariants: Mapping[str, Any] | None = None
 ) -> Reduction:
@@ -80,7 +82,7 @@ def descend(
     Raises ``DefinitionError`` where an equation provably does not descend (a direction that keeps
     every invariant changes it), ``EngineLimit`` where no expression was found.
     """
-    eqs = derive(system) if isinstance(system, System) else system
+    eqs = system if isinstance(system, VoronecEquations) else derive(system)
     chosen = _chosen(eqs, invariants)
     derivation = eqs.exact
     inside = [eqs.door.inward(g) for g in chosen.values()]
@@ -137,7 +139,9 @@ def _chosen(eqs: VoronecEquations, invariants: Mapping[str, Any] | None) -> dict
     if not chosen:
         raise DefinitionError(f"system '{eqs.system.name}' declares no invariants; give some")
     names = {str(s) for s in eqs.system.known_symbols()}
-    for name in chosen:
+    for name, meaning in chosen.items():
+        require("descend", "the name of an invariant", name, TEXT)
+        chosen[name] = sympified(meaning, f"the invariant '{name}'")
         if name in names:
             raise DefinitionError(f"the invariant '{name}' has the name of another symbol")
     return chosen

@@ -10,6 +10,7 @@ import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name
 from voronec.algebra.text import sympified
+from voronec.arguments import FLAG, TEXT, require
 from voronec.errors import DefinitionError
 from voronec.reading import mapping, real_number, real_text, several, shown, texts_read
 
@@ -40,6 +41,8 @@ class Parameter:
         for bound in ("lower", "upper"):
             if getattr(self, bound) is not None:
                 real_number(getattr(self, bound), f"parameter '{self.name}': {bound}")
+        require("parameter", "positive", self.positive, FLAG)
+        require("parameter", "meaning", self.meaning, TEXT)
         for field_name in ("value", "lower", "upper"):
             if isinstance(getattr(self, field_name), str):
                 place = f"parameter '{self.name}'" + f": {field_name}" * (field_name != "value")
@@ -95,6 +98,7 @@ class Scene:
             object.__setattr__(self, "initial", texts_read(initial, "initial value"))
         if texts_read(constants, "parameter") is not constants:
             object.__setattr__(self, "parameters", texts_read(constants, "parameter"))
+        require("scene", "caption", self.caption, TEXT)
         object.__setattr__(self, "times", _span(self.times))
         object.__setattr__(self, "outputs", several(self.outputs, "outputs", "name"))
 

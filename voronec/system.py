@@ -284,5 +284,6 @@ def require_system(thing: Any) -> System:
     """``thing`` itself where it is a ``System``; else ``DefinitionError``, which says the mend."""
     if isinstance(thing, System):
         return thing
-    mend = f"voronec.load('{thing}') may give it" if isinstance(thing, str) else "give a System"
+    text = isinstance(thing, str)
+    mend = f"voronec.load('{shown(thing)}') may give it" if text else "give a System"
     raise DefinitionError(f"'{shown(thing)}' is not a voronec.System; {mend}")

@@ -209,7 +209,7 @@ class Motions:
     @classmethod
     def of(cls, system: System | VoronecEquations) -> Motions:
         """Derive the equations; what is made here is kept with them."""
-        equations = derive(system) if isinstance(system, System) else system
+        equations = system if isinstance(system, VoronecEquations) else derive(system)
         known: Motions | None = equations.__dict__.get(_KEPT)
         if known is None:
             known = equations.__dict__[_KEPT] = cls(equations)

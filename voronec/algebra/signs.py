@@ -22,7 +22,8 @@ from voronec.algebra.ring import Ring
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import PROOF_LIMIT, Verdict
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.arguments import SEVERAL, TEXT, accepts
+from voronec.errors import DefinitionError, EngineLimit, shown
 
 __all__ = ["RELATIONS", "prove_inequality"]
 
@@ -30,6 +31,7 @@ _MEANT = {"<": ((-1,), True), ">": ((1,), True), "<=": ((-1, 0), False), ">=": (
 _DEPTH = 8
 
 
+@accepts(relation=TEXT, positive=SEVERAL, real=SEVERAL)
 def prove_inequality(
     a: Any, relation: str, b: Any = 0, positive: Sequence[Any] = (), real: Sequence[Any] = ()
 ) -> Verdict:
@@ -42,9 +44,11 @@ def prove_inequality(
     real.  Proved: the method says by which certificate.  Refuted: the witness is a point, rational
     in every symbol.
     """
+    positive, real = (_symbols(given) for given in (positive, real))
     if relation not in RELATIONS:
         raise DefinitionError(
-            f"'{relation}' is no inequality; use one of {', '.join(dict.fromkeys(RELATIONS))}"
+            f"'{shown(relation)}' is no inequality; use one of "
+            f"{', '.join(dict.fromkeys(RELATIONS))}"
         )
     both = [s for s in real if s in positive]
     if both:
@@ -75,6 +79,12 @@ def prove_inequality(
         return Verdict("proved", f"the difference of the sides is {found.in_words}: {found.reason}")
     roots = signs.vanishing(difference.num)
     return question.searched(roots, "no certificate of a sign was found")
+
+
+def _symbols(given: Any) -> tuple[Any, ...]:
+    """One or several symbols, given by name or themselves."""
+    single = isinstance(given, str) or not isinstance(given, Iterable)
+    return tuple(sympified(s, "a symbol") for s in ((given,) if single else given))
 
 
 # -- certificates -------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple, NoReturn
 
 import sympy as sp
 
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, shown
 
 __all__ = [
     "FUNCTION_NAMES",
@@ -30,12 +30,9 @@ __all__ = [
     "formula",
     "in_doubles",
     "printed",
-    "shown",
     "sympified",
 ]
 
-LONGEST = 60
-"""How much of an object a message quotes."""
 CHARACTERS = 20_000
 """How long a formula may be: the longest in print fill a page or two."""
 DEPTH = 100
@@ -143,17 +140,6 @@ def sympified(thing: Any, place: str = "an expression") -> Any:
         pass
     kind = type(thing).__name__
     raise DefinitionError(f"{place} is '{shown(thing)}' of kind {kind}; write a sympy expression")
-
-
-def shown(thing: Any) -> str:
-    """An object as a message quotes it: on one line, printable, and not too long."""
-    try:
-        text = str(thing)
-    except Exception:  # somebody's own class, or a number too long for Python to print
-        text = f"an object of kind {type(thing).__name__}"
-    text = " ".join(text[: 20 * LONGEST].split())
-    text = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
-    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
 @dataclass
@@ -391,28 +377,35 @@ def _negative(value: _Value) -> _Value:
 def in_doubles(expr: Any) -> float | None:
     """About how large a number is, ``None`` where it holds symbols or other functions.
 
-    ``OverflowError`` where it, or a part of it, is beyond doubles: exact algebra and long
-    precision would write such a part out.
+    ``OverflowError`` where it, or a number in it, is beyond doubles: exact algebra and long
+    precision would write such a number out.
     """
-    values: list[float] = []
-    for node in sp.postorder_traversal(expr):
-        parts = values[len(values) - len(node.args) :] if node.args else []
-        del values[len(values) - len(parts) :]
-        found = _double_of(node, parts)
-        if found is None:
-            return None
-        values.append(found)
-    return values[-1]
+    values: dict[Any, float | None] = {}
+    stack = [expr]
+    while stack:
+        node = stack[-1]
+        waiting = [part for part in node.args if part not in values]
+        if waiting and node not in values:
+            stack += waiting
+        else:
+            stack.pop()
+            values[node] = _double_of(node, [values[part] for part in node.args])
+    return values[expr]
 
 
-def _double_of(node: Any, parts: list[float]) -> float | None:
-    if not node.args:
-        return float(node) if node.is_number and node.is_real else None
-    function = _OPERATIONS.get(type(node).__name__)
-    try:
-        return None if function is None else function(*parts)
-    except (ValueError, ZeroDivisionError):
-        return math.nan
+def _double_of(node: Any, parts: list[Any]) -> float | None:
+    if not parts:
+        known = getattr(node, "is_number", False) and node.is_real
+        found = float(node) if known else None
+    else:
+        function = _OPERATIONS.get(type(node).__name__)
+        try:
+            found = None if function is None or None in parts else function(*parts)
+        except (ValueError, ZeroDivisionError):
+            return math.nan
+    if found is not None and math.isinf(found):
+        raise OverflowError
+    return found
 
 
 def _bits(number: Any) -> int:

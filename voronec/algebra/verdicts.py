@@ -15,6 +15,7 @@ from voronec.algebra.points import sample_evaluable
 from voronec.algebra.ring import Ring
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import sympified
+from voronec.arguments import SEVERAL, accepts
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Verdict", "Witness", "all_vanish", "decide_equal", "decide_zero", "prove_equal"]
@@ -69,6 +70,7 @@ class Verdict:
         raise TypeError("a verdict has three values; ask .proved, .refuted or .undecided")
 
 
+@accepts(relations=SEVERAL)
 def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
     """Decide whether two SymPy expressions are equal wherever both are defined.
 

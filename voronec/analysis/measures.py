@@ -21,12 +21,15 @@ from voronec.algebra.generic import generic_rank
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.rank import independent_rows
+from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.analysis.closure import foreign_rate
 from voronec.analysis.decision import Decision, all_zero, zero_everywhere
+from voronec.arguments import POINT, accepts
 from voronec.claims import Measure
 from voronec.errors import DefinitionError, EngineLimit
+from voronec.reading import expression, shown
 from voronec.vector_field import Motions, VectorField
 
 __all__ = ["decide_measure", "defect", "divergence", "measured_field"]
@@ -34,12 +37,18 @@ __all__ = ["decide_measure", "defect", "divergence", "measured_field"]
 BITS = 192
 
 
+@accepts(flow=POINT)
 def divergence(density: Any, flow: Mapping[Any, Any]) -> sp.Expr:
     """div(density * flow), where ``flow`` gives the rate of each variable.
 
     It vanishes where the density is that of an invariant measure.
     """
-    return sp.Add(*[sp.diff(density * rate, x) for x, rate in flow.items()])
+    own = expression(density, "the density")
+    rates = {x: expression(rate, f"the rate of '{shown(x)}'") for x, rate in flow.items()}
+    for x in rates:
+        plain_name(x)  # refuses what is no variable
+    named = {x: sp.Symbol(x) if isinstance(x, str) else x for x in rates}
+    return sp.Add(*[sp.diff(own * rate, named[x]) for x, rate in rates.items()])
 
 
 def decide_measure(motions: Motions, measure: Measure) -> Decision:

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from voronec.arguments import SEVERAL, TEXT, accepts, require
 from voronec.catalogue import Entry, entries, entry_of, file_entry, members, registered
 from voronec.errors import DefinitionError, did_you_mean
+from voronec.reading import several
 from voronec.relations import Relation, Square
 from voronec.system import System
 
@@ -206,12 +208,16 @@ def _repeats(entry: Entry, found: Mapping[str, Entry]) -> str:
     return f"the name is that of the system in {found[entry.name].place}; choose another"
 
 
+@accepts(names=SEVERAL)
 def graph(names: Iterable[str] = ()) -> Any:
     """The systems of the catalogue and their relations, as a networkx ``MultiDiGraph``.
 
     An edge is keyed by the label of its relation, which is its attribute ``relation``.  ``names``
     keeps these systems and what stands in a relation with one of them.
     """
+    names = several(names, "names", "name")
+    for name in names:
+        require("graph", "a name", name, TEXT)
     stock = Inventory.of()
     chosen = {stock.entry(name).name for name in names}
     return around(stock.graph, chosen) if chosen else stock.graph

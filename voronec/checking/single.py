@@ -7,8 +7,10 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from voronec.catalogue import load
+from voronec.errors import DefinitionError, shown
+from voronec.reading import several
 from voronec.relations import Relation
-from voronec.system import System
+from voronec.system import System, require_system
 from voronec.vector_field import Motions
 
 if TYPE_CHECKING:
@@ -27,7 +29,9 @@ def check_relation(relation: Relation, systems: Iterable[System] = ()) -> Checke
     """
     from voronec.relations.checking import check_relation as decide
 
-    own = {s.name: s for s in systems}
+    if not isinstance(relation, Relation):
+        raise DefinitionError(f"'{shown(relation)}' is not a voronec.Relation; give one")
+    own = {s.name: s for s in map(require_system, several(systems, "systems", "system", System))}
 
     @cache
     def motions(name: str) -> Motions:

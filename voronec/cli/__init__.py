@@ -15,7 +15,7 @@ from pathlib import Path
 from traceback import extract_tb
 
 from voronec.cli.arguments import command_parser
-from voronec.errors import DefinitionError, VoronecError
+from voronec.errors import DefinitionError, VoronecError, printable
 
 __all__ = ["main"]
 
@@ -75,8 +75,7 @@ def _abandon_output() -> None:
 
 
 def _fail(message: str, status: int) -> int:
-    text = " ".join(message.split())
-    text = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+    text = printable(message)
     with contextlib.suppress(OSError, ValueError):
         print(f"voronec: {text}", file=sys.stderr, flush=True)
     return status

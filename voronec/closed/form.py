@@ -13,10 +13,12 @@ import sympy as sp
 
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import sympified
+from voronec.arguments import COUNT, require
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.balls import enclosed, polynomials
 from voronec.closed.clock import Clock
 from voronec.closed.doubles import sampled
+from voronec.closed.given import exact_instant
 from voronec.closed.prepared import ascending
 from voronec.closed.problem import Problem
 from voronec.closed.reading import reading
@@ -26,6 +28,7 @@ from voronec.closed.turns import Turn, turns_of
 from voronec.closed.wheel import velocities
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.quadratures import Quadratures
+from voronec.reading import several
 from voronec.system import System
 
 if TYPE_CHECKING:
@@ -192,11 +195,14 @@ class ClosedForm:
         Angles are continuous where the constant vector in space is upright, else in (-pi, pi].
         Raises ``EngineLimit`` where so many digits cannot be had.
         """
-        return enclosed(self, t, digits)
+        require("enclose", "digits", digits, COUNT)
+        return enclosed(self, exact_instant(t), digits)
 
     def _names(self, names: Sequence[Any]) -> tuple[str, ...]:
         known = [plain_name(q) for q in (*self.system.coordinates, *self.system.velocities)]
-        asked = [n if isinstance(n, str) else plain_name(n) for n in names] or known
+        given = several(names, "names", "name")
+        asked = [n if isinstance(n, str) else plain_name(n) for n in given]
+        asked = asked or known
         for name in asked:
             if name not in known:
                 raise DefinitionError(

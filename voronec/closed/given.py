@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 from typing import Any
 
 import sympy as sp
+from flint import arb
 
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import sympified
-from voronec.closed.arithmetic import exact
+from voronec.closed.arithmetic import compiled, exact
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.quadratures import Quadratures
-from voronec.reading import expression, mapping, shown
+from voronec.reading import expression, mapping, real_number, shown
 from voronec.system import System
 
 __all__ = ["known_parameters", "named", "number", "quadratures_of"]
@@ -27,6 +29,17 @@ def quadratures_of(system: System) -> Quadratures:
             f"system '{system.name}' declares no quadratures; give it motion=vo.Quadratures(...)"
         )
     return system.motion
+
+
+def exact_instant(t: Any) -> Any:
+    """A time as what it is: a ball, or an exact number."""
+    if isinstance(t, arb):
+        return t
+    found = exact(real_number(t, "t"))
+    if found.is_Rational:
+        return Fraction(int(found.p), int(found.q))
+    function = compiled([found], ())
+    return lambda _: function([])[0]
 
 
 def named(system: System, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:

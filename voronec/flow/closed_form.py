@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
+from voronec.arguments import VALUES, accepts
 from voronec.checks import require_possible
 from voronec.closed import ClosedForm, Problem, prepared
 from voronec.closed.arithmetic import exact
@@ -17,7 +18,7 @@ from voronec.errors import DefinitionError
 from voronec.flow.given import Given, Values, scene_of
 from voronec.flow.vocabulary import Vocabulary, number
 from voronec.scene import Scene
-from voronec.system import System
+from voronec.system import System, require_system
 
 if TYPE_CHECKING:
     from voronec.equations import VoronecEquations
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["closed_form", "closed_from"]
 
 
+@accepts(parameters=VALUES, initial=VALUES)
 def closed_form(
     system: System | VoronecEquations,
     scene: str | Scene | None = None,
@@ -40,7 +42,7 @@ def closed_form(
     """
     from voronec.equations import VoronecEquations
 
-    own = system.system if isinstance(system, VoronecEquations) else system
+    own = system.system if isinstance(system, VoronecEquations) else require_system(system)
     motion_of(own)
     chosen = scene_of(own, scene, initial is None)
     told = _plainly(own, chosen, parameters, initial)

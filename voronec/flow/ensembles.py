@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from voronec.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
 from voronec.equations import VoronecEquations
 from voronec.errors import IntegrationError, VoronecError
 from voronec.flow.batches import FINEST, Lanes, Stopped, along, along_scipy, chosen
@@ -70,6 +71,7 @@ class Ensemble:
         return len(self.finished)
 
 
+@accepts(outputs=SEVERAL, parameters=VALUES, method=TEXT, tol=REAL, jobs=COUNT, progress=CALLABLE)
 def ensemble(
     system: System | VoronecEquations,
     starts: Mapping[Any, Any] | Sequence[Values] | None = None,

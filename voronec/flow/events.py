@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.errors import DefinitionError
+from voronec.arguments import COUNT, FLAG, SEVERAL, TEXT, require
+from voronec.errors import DefinitionError, shown
 from voronec.flow.vocabulary import Vocabulary, held_name
 
 __all__ = ["Crossings", "Event", "spelled"]
@@ -32,10 +33,12 @@ class Event:
     stop: bool = False
 
     def __post_init__(self) -> None:
-        if self.direction not in (-1, 0, 1):
+        require("event", "name", self.name, TEXT)
+        require("event", "stop", self.stop, FLAG)
+        if not COUNT.holds(self.direction) or self.direction not in (-1, 0, 1):
             raise DefinitionError(
-                f"event '{self.name or self.function}': direction = {self.direction} must be 1 "
-                "(upwards), -1 (downwards) or 0 (both)"
+                f"event '{shown(self.name or self.function)}': direction = "
+                f"{shown(self.direction)} must be 1 (upwards), -1 (downwards) or 0 (both)"
             )
 
 
@@ -65,6 +68,8 @@ class Crossings:
 def spelled(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Event, ...], dict[str, Any]]:
     """Events with their names filled in, and their functions in the user's symbols by name."""
     single = isinstance(events, str | sp.Basic | Event)
+    if not SEVERAL.holds(events) and not isinstance(events, Event):
+        raise DefinitionError(f"events = {shown(events)} are no events; give voronec.Event(...)")
     given: Sequence[Any] = (events,) if single else tuple(events)
     named, inside = [], {}
     for item in given:

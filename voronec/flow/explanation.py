@@ -8,6 +8,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
+from voronec.arguments import SEVERAL, VALUES, accepts
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError
 from voronec.flow.given import Given, outputs_of, scene_of
@@ -25,6 +26,7 @@ from voronec.vector_field import Motions
 __all__ = ["explain"]
 
 
+@accepts(outputs=SEVERAL, parameters=VALUES, initial=VALUES)
 def explain(
     system: System | VoronecEquations,
     scene: str | Scene | None = None,

@@ -11,10 +11,11 @@ import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name
 from voronec.algebra.text import sympified
+from voronec.arguments import SEQUENCE
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.flow.start import named
 from voronec.flow.vocabulary import Vocabulary, label, number
-from voronec.reading import shown
+from voronec.reading import several, shown
 from voronec.scene import Scene
 from voronec.system import System
 
@@ -88,6 +89,11 @@ def scene_of(
     """
     if isinstance(scene, Scene):
         return scene
+    if scene is not None and not isinstance(scene, str):
+        raise DefinitionError(
+            f"system '{system.name}': scene = {shown(scene)} is no scene; give its name, or a "
+            "voronec.Scene"
+        )
     if scene is None:
         if not needed:
             return None
@@ -106,7 +112,7 @@ def scene_of(
 
 def outputs_of(scene: Scene | None, outputs: Any) -> tuple[Any, ...]:
     """The outputs asked for, one alone among them; by default those of the scene."""
-    asked = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
+    asked = several(outputs, "outputs", "name")
     return asked or (scene.outputs if scene else ())
 
 
@@ -120,7 +126,7 @@ def spread_starts(
     long = _columns(given, "start")
     lengths |= {f"start '{k}'": x for k, x in long.items()}
     if starts is not None and not isinstance(starts, Mapping):
-        if not all(isinstance(s, Mapping) for s in starts):
+        if not SEQUENCE.holds(starts) or not all(isinstance(s, Mapping) for s in starts):
             raise DefinitionError(
                 "starts: give arrays by name, {'x': [0, 1]}, or a list of mappings, [{'x': 0}]"
             )

@@ -11,7 +11,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.equations import VoronecEquations
-from voronec.errors import IntegrationError, VoronecError
+from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.flow.inertia import require_inertia
 from voronec.flow.probe import quiet, rates_along
 from voronec.flow.start import named, parameter_values, start_of
@@ -199,6 +199,8 @@ def _placed(
     found = at_each(extras, below.names, time, full, values)
     columns = [x for n, x in found.items() if n.startswith("start ")]
     frozen = {n.removeprefix("frozen "): x for n, x in found.items() if n.startswith("frozen ")}
+    if not columns:
+        raise DefinitionError("the outputs hold nothing that moves; ask for one that does")
     return np.stack(columns, axis=-1), frozen
 
 

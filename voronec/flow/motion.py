@@ -17,6 +17,7 @@ import symengine as se
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.text import sympified
+from voronec.arguments import CALLABLE, FLAG, REAL, SEVERAL, TEXT, VALUES, accepts
 from voronec.attitudes import with_attitude_charts
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
@@ -58,6 +59,16 @@ PER_STEP = 4
 """So many points of the grid in a step, at least, tell the branches of angles apart."""
 
 
+@accepts(
+    outputs=SEVERAL,
+    parameters=VALUES,
+    initial=VALUES,
+    method=TEXT,
+    tol=REAL,
+    project=FLAG,
+    dense=FLAG,
+    progress=CALLABLE,
+)
 def integrate(
     system: System | VoronecEquations,
     scene: str | Scene | None = None,

@@ -10,6 +10,7 @@ import numpy as np
 
 from voronec.errors import IntegrationError, VoronecError
 from voronec.flow.batches import COLLAPSE, INFINITE, Lanes, strides
+from voronec.flow.vocabulary import number
 from voronec.flow.zeros import Paths, Zeros, zeros
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ class Passages:
         return cls(
             wanted=wanted,
             direction=direction,
-            until=FOREVER if until is None else float(until),
+            until=FOREVER if until is None else number(until, "until"),
             progress=progress,
             count=np.zeros(starts, dtype=int),
             idle=np.zeros(starts, dtype=int),

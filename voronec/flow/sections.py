@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from voronec.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError
 from voronec.flow.alike import starts_alike
@@ -76,6 +77,16 @@ class Section:
         return len(self.t)
 
 
+@accepts(
+    outputs=SEVERAL,
+    parameters=VALUES,
+    initial=VALUES,
+    method=TEXT,
+    tol=REAL,
+    crossings=COUNT,
+    direction=COUNT,
+    progress=CALLABLE,
+)
 def section(
     system: System | VoronecEquations,
     plane: Any,

@@ -12,6 +12,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
+from voronec.arguments import PATH, require
 from voronec.errors import DefinitionError
 from voronec.flow.events import Crossings
 from voronec.flow.vocabulary import held_name
@@ -103,9 +104,15 @@ class Trajectory:
         if self.within is None:
             raise DefinitionError("the trajectory knows its own instants only; integrate with "
                                   "dense=True")  # fmt: skip
-        wanted = np.atleast_1d(np.array(times))
         ends = sorted((self.t[0], self.t[-1]))
-        if wanted.ndim != 1 or not all(ends[0] <= time <= ends[1] for time in wanted):
+        try:
+            wanted = np.atleast_1d(np.array(times))
+            if wanted.dtype == object and not all(isinstance(t, mpmath.mpf) for t in wanted.flat):
+                wanted = wanted.astype(float)
+            sound = wanted.ndim == 1 and all(ends[0] <= time <= ends[1] for time in wanted)
+        except (TypeError, ValueError, OverflowError, IndexError):
+            sound = False
+        if not sound or not len(wanted):
             raise DefinitionError(
                 f"the trajectory reaches from t = {float(ends[0]):.12g} to {float(ends[1]):.12g}; "
                 "give times within"
@@ -130,6 +137,7 @@ class Trajectory:
         The CSV has a header line and full precision; the NPZ also holds ``state``, ``names`` and
         the parameters.  The file appears whole or not at all.
         """
+        require("save", "path", path, PATH)
         target = Path(path)
         writers = {".csv": self._write_csv, ".npz": self._write_npz}
         if target.suffix not in writers:

@@ -13,7 +13,7 @@ from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
 from voronec.algebra.text import in_doubles, sympified
 from voronec.claims import right_of
 from voronec.errors import DefinitionError, did_you_mean
-from voronec.reading import expression, real_text, shown
+from voronec.reading import expression, quoted, real_text, shown
 
 if TYPE_CHECKING:
     from voronec.equations import VoronecEquations
@@ -32,7 +32,7 @@ def number(value: Any, place: str) -> float:
         found = math.nan
     except OverflowError:
         raise DefinitionError(
-            f"{place} = {shown(value)} is not a real number that a double holds"
+            f"{place} = {quoted(value)} is not a real number that a double holds"
         ) from None
     if math.isfinite(found):
         return found
@@ -42,7 +42,12 @@ def number(value: Any, place: str) -> float:
 
 
 def _double(value: Any, place: str) -> float:
-    read = real_text(value, place) if isinstance(value, str) else sympified(value, place)
+    try:
+        read = real_text(value, place) if isinstance(value, str) else sympified(value, place)
+    except DefinitionError:
+        if isinstance(value, str):
+            raise
+        return math.nan
     in_doubles(read)  # refuses what could not be computed
     exact = read.evalf(25)
     # what is not zero must not pass for it: zeros may be frozen
@@ -60,11 +65,11 @@ def held_name(key: Any, held: Iterable[str], holder: str) -> str:
 
     ``DefinitionError`` where it is not there; ``holder`` begins the message: "the section holds".
     """
-    name = key if isinstance(key, str) else label(sympified(key))
+    name = key if isinstance(key, str) else label(sympified(key, "what is asked for"))
     known = list(held)
     if name not in known:
         raise DefinitionError(
-            f"{holder} no '{name}', ask for it in outputs=(...){did_you_mean(name, known)}"
+            f"{holder} no '{shown(name)}', ask for it in outputs=(...){did_you_mean(name, known)}"
         )
     return name
 
@@ -168,7 +173,7 @@ class Vocabulary:
         allowed = list(among)
         if name not in allowed:
             raise DefinitionError(
-                f"system '{self.equations.system.name}' has no {role} '{name}'"
+                f"system '{self.equations.system.name}' has no {role} '{shown(name)}'"
                 f"{did_you_mean(name, allowed)}"
             )
         return name
@@ -216,9 +221,9 @@ class Vocabulary:
 
     def _plain(self, key: Any, role: str) -> str:
         try:
-            return plain_name(sympified(key))
+            return plain_name(sympified(key, f"the {role}"))
         except DefinitionError:
             raise DefinitionError(
-                f"system '{self.equations.system.name}': '{key}' names no {role}; give a symbol "
-                "or its name"
+                f"system '{self.equations.system.name}': '{shown(key)}' names no {role}; give a "
+                "symbol or its name"
             ) from None

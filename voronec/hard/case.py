@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from voronec.errors import DefinitionError
+from voronec.arguments import COUNT, SEQUENCE, TEXT, require
+from voronec.errors import DefinitionError, shown
 from voronec.scene import Scene
 
 __all__ = ["ARITHMETICS", "METHODS", "HardCase"]
@@ -58,12 +59,18 @@ class HardCase:
     chaotic: bool = False
 
     def __post_init__(self) -> None:
+        for name in ("name", "system", "level", "period", "arithmetic"):
+            require("hard case", name, getattr(self, name), TEXT)
+        require(f"hard case '{self.name}'", "points", self.points, COUNT)
+        require(f"hard case '{self.name}'", "methods", self.methods, SEQUENCE)
+        if not isinstance(self.scene, Scene):
+            raise self._wrong(f"scene = {shown(self.scene)}", "a voronec.Scene")
         if self.level not in ("coordinates", "invariants", ""):
             raise self._wrong(f"level = '{self.level}'", "coordinates, invariants or ''")
         if self.arithmetic not in ARITHMETICS:
             raise self._wrong(f"arithmetic = '{self.arithmetic}'", " or ".join(ARITHMETICS))
-        if unknown := set(self.methods) - {*METHODS}:
-            raise self._wrong(f"method '{min(unknown)}'", ", ".join(METHODS))
+        if unknown := [m for m in self.methods if m not in METHODS]:
+            raise self._wrong(f"method '{shown(unknown[0])}'", ", ".join(METHODS))
         if self.points < 2:
             raise self._wrong(f"points = {self.points}", "2 or more")
         if not self.scene.outputs:

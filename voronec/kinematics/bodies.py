@@ -7,9 +7,9 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError
 from voronec.kinematics.vectors import Vector, cross, dot, three
+from voronec.reading import expression
 
 __all__ = ["axial_rotor", "kinetic_energy", "point_velocity", "uniform_field_energy"]
 
@@ -26,7 +26,7 @@ def kinetic_energy(
     w, spin = three(velocity, "the velocity of a body"), three(omega, "an angular velocity")
     tensor = _tensor(inertia)
     rotation = sp.Add(*[tensor[i, j] * spin[i] * spin[j] for i in range(3) for j in range(3)])
-    return sympified(mass) * dot(w, w) / 2 + rotation / 2
+    return expression(mass, "a mass") * dot(w, w) / 2 + rotation / 2
 
 
 def point_velocity(velocity: Sequence[Any], omega: Sequence[Any], arm: Sequence[Any]) -> Vector:
@@ -50,7 +50,7 @@ def axial_rotor(momentum: Any, axis: Sequence[Any], omega: Sequence[Any]) -> sp.
     to the body, its axial moment C does not.  ``axis`` and ``omega`` are given along the same axes.
     """
     direction = three(axis, "the axis of a rotor")
-    return sympified(momentum) * dot(direction, three(omega, "an angular velocity"))
+    return expression(momentum, "a momentum") * dot(direction, three(omega, "an angular velocity"))
 
 
 def uniform_field_energy(
@@ -62,7 +62,7 @@ def uniform_field_energy(
     gravity with z upward, and then it is m g z.
     """
     g = three(acceleration, "the acceleration of a field")
-    return -sympified(mass) * dot(g, three(position, "a position"))
+    return -expression(mass, "a mass") * dot(g, three(position, "a position"))
 
 
 def _tensor(inertia: Any) -> sp.ImmutableMatrix:
@@ -70,8 +70,12 @@ def _tensor(inertia: Any) -> sp.ImmutableMatrix:
     if not isinstance(inertia, sp.MatrixBase):
         rows = list(inertia) if isinstance(inertia, Iterable) else []
         square = all(isinstance(row, (list, tuple)) for row in rows)
+        place = "an entry of the inertia"
         try:
-            inertia = sp.Matrix(rows) if square else sp.diag(*rows)
+            if square:
+                inertia = sp.Matrix([[expression(e, place) for e in row] for row in rows])
+            else:
+                inertia = sp.diag(*[expression(entry, place) for entry in rows])
         except ValueError:
             raise DefinitionError("the rows of the inertia matrix differ in length") from None
     if inertia.shape != (3, 3):

@@ -11,6 +11,7 @@ import sympy as sp
 
 from voronec.algebra.symbols import velocity
 from voronec.algebra.text import sympified
+from voronec.arguments import SEQUENCE, require
 from voronec.errors import DefinitionError
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
@@ -49,6 +50,7 @@ class SurfaceForms:
 
     def __post_init__(self) -> None:
         store = object.__setattr__
+        require("the surface", "coordinates", self.coordinates, SEQUENCE)
         store(self, "coordinates", distinct_names(tuple(self.coordinates), 2, "the surface"))
         store(self, "first", _two(self.first, "E and G"))
         store(self, "second", _two(self.second, "D and D''"))

@@ -21,7 +21,9 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.text import sympified
-from voronec.errors import DefinitionError
+from voronec.arguments import COUNT, MATRIX, SEQUENCE, accepts, require
+from voronec.errors import DefinitionError, shown
+from voronec.reading import expression
 
 __all__ = [
     "BodyVelocity",
@@ -47,6 +49,7 @@ class BodyVelocity:
     dimension: int
 
     def __post_init__(self) -> None:
+        require("a body in R^n", "dimension", self.dimension, COUNT)
         if self.dimension not in DIMENSIONS:
             raise DefinitionError(
                 f"a body in R^n with n = {self.dimension}; names of entries such as Omega12 allow "
@@ -153,30 +156,49 @@ class BodyVelocity:
         return found
 
 
+def _counted(entries: Sequence[Any], dimension: int) -> list[sp.Expr]:
+    """As many expressions as there are pairs of axes."""
+    found = [expression(entry, "an entry") for entry in entries]
+    if dimension not in DIMENSIONS or len(found) != dimension * (dimension - 1) // 2:
+        raise DefinitionError(
+            f"{len(found)} entries for {shown(dimension)} dimensions; give n (n - 1) / 2 of them, "
+            f"with n from {DIMENSIONS[0]} to {DIMENSIONS[-1]}"
+        )
+    return found
+
+
+@accepts(entries=SEQUENCE, dimension=COUNT)
 def skew(entries: Sequence[Any], dimension: int) -> sp.ImmutableMatrix:
     """The skew matrix with these entries above the diagonal, row by row."""
     table = sp.zeros(dimension, dimension)
-    for (i, j), entry in zip(combinations(range(dimension), 2), entries, strict=True):
+    pairs = combinations(range(dimension), 2)
+    for (i, j), entry in zip(pairs, _counted(entries, dimension), strict=True):
         table[i, j], table[j, i] = entry, -entry
     return sp.ImmutableMatrix(table)
 
 
+@accepts(moments=SEQUENCE, dimension=COUNT)
 def product_moments(moments: Sequence[Any], dimension: int) -> dict[Pair, sp.Expr]:
     """J_ij = a_i a_j: the other moments in terms of J_12, ..., J_1n and J_23."""
-    given = dict(zip(combinations(range(1, dimension + 1), 2), moments, strict=True))
+    pairs = combinations(range(1, dimension + 1), 2)
+    given = dict(zip(pairs, _counted(moments, dimension), strict=True))
     scale = given[2, 3] / (given[1, 2] * given[1, 3])
     others = [pair for pair in given if pair[0] > 1 and pair != (2, 3)]
     return {(i, j): scale * given[1, i] * given[1, j] for i, j in others}
 
 
+@accepts(moments=SEQUENCE, vector=SEQUENCE)
 def product_form(moments: Sequence[Any], vector: Sequence[Any]) -> sp.Expr:
     """a_1 sum a_i gamma_i^2 for moments J_ij = a_i a_j."""
+    vector = [expression(entry, "an entry of a vector") for entry in vector]
     size = len(vector)
-    given = dict(zip(combinations(range(1, size + 1), 2), moments, strict=True))
+    pairs = combinations(range(1, size + 1), 2)
+    given = dict(zip(pairs, _counted(moments, size), strict=True))
     form = given[1, 2] * given[1, 3] / given[2, 3] * vector[0] ** 2
     return sympified(form + sum(given[1, j] * vector[j - 1] ** 2 for j in range(2, size + 1)))
 
 
+@accepts(matrix=MATRIX)
 def wedge_square(matrix: sp.MatrixBase) -> sp.ImmutableMatrix:
     """The bivector of a skew matrix times itself: a number for n = 4, for n = 5 a vector, which
     turns with the axes as the matrix does; nothing for n = 3.
@@ -193,6 +215,7 @@ def wedge_square(matrix: sp.MatrixBase) -> sp.ImmutableMatrix:
     return sp.ImmutableMatrix(len(entries), 1, entries[::-1])
 
 
+@accepts(matrix=MATRIX)
 def skew_entries(matrix: sp.MatrixBase) -> tuple[sp.Expr, ...]:
     """The entries above the diagonal, row by row."""
     return tuple(matrix[i, j] for i, j in combinations(range(matrix.rows), 2))

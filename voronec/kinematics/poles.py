@@ -20,6 +20,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.arguments import POINT, instance, require
 from voronec.charts import Chart
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rolling import RollingContact
@@ -40,6 +41,8 @@ def turned_poles(
     ``Chart`` has them; the axes of the fixed surface occur in none.  ``along`` are the two
     velocities of the equations, if there are such, that are components along (e_u, e_v).
     """
+    require("turned_poles", "contact", contact, instance(RollingContact))
+    require("turned_poles", "changes", changes, POINT)
     ball, theta = _Pole(*contact.body.coordinates), contact.theta
     turned = {**ball.state, **ball.components(along)}
     if not _is_sphere(contact.fixed):

@@ -19,6 +19,7 @@ import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import sympified
+from voronec.arguments import instance, require
 from voronec.errors import DefinitionError
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rotations import distinct_names
@@ -46,6 +47,9 @@ class RollingContact:
     theta: sp.Expr
 
     def __post_init__(self) -> None:
+        for role in ("body", "fixed"):
+            kind = instance(Surface, SurfaceForms)
+            require("the rolling contact", role, getattr(self, role), kind)
         distinct_names(self.coordinates, 5, "the rolling contact")
         for surface, role in ((self.body, "body"), (self.fixed, "fixed")):
             for name in set(self.coordinates) - set(surface.coordinates):

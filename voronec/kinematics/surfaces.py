@@ -14,9 +14,11 @@ from voronec.algebra.normal import shortest
 from voronec.algebra.symbols import time, velocity
 from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import decide_equal
+from voronec.arguments import SEQUENCE, require
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.vectors import Vector, cross, dot, three
+from voronec.reading import expression, several
 
 __all__ = ["Surface"]
 
@@ -48,15 +50,17 @@ class Surface:
 
     def __post_init__(self) -> None:
         store = object.__setattr__
+        require("the surface", "coordinates", self.coordinates, SEQUENCE)
         store(self, "coordinates", distinct_names(tuple(self.coordinates), 2, "the surface"))
         store(self, "position", three(self.position, "the position on a surface"))
         if self.lengths is not None:
-            lengths = tuple(sympified(length) for length in self.lengths)
+            given = several(self.lengths, "lengths", "expression")
+            lengths = tuple(expression(length, "a length of a surface") for length in given)
             if len(lengths) != 2:
                 raise DefinitionError("lengths of a surface: two are needed, |r_u| and |r_v|")
             store(self, "lengths", lengths)
         if self.area is not None:
-            store(self, "area", sympified(self.area))
+            store(self, "area", expression(self.area, "the area of a surface"))
         _ = self._shape  # every error shows itself here, not at first use
 
     @classmethod

@@ -8,7 +8,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.text import sympified
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, shown
 
 __all__ = ["Vector", "column", "cross", "dot", "three"]
 
@@ -36,7 +36,7 @@ def three(things: Any, what: str) -> Vector:
     except (TypeError, DefinitionError):
         entries = ()
     if len(entries) != 3 or not all(isinstance(e, sp.Expr) for e in entries):
-        raise DefinitionError(f"{what} must be three expressions, got '{things}'")
+        raise DefinitionError(f"{what} must be three expressions, got '{shown(things)}'")
     return entries[0], entries[1], entries[2]
 
 

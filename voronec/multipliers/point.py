@@ -104,6 +104,8 @@ def _read(number: Any) -> Exact | None:
     if isinstance(number, (mp.mpf, sp.Float)):
         raw = mp.mp.make_mpf(number._mpf_)
         return raw if mp.isfinite(raw) else None
+    if isinstance(number, sp.Lambda):
+        return None
     if hasattr(number, "__index__") and not isinstance(number, sp.Basic):
         return Fraction(operator.index(number))
     value = sympified(number)

@@ -11,12 +11,13 @@ from typing import Any
 import mpmath as mp
 import sympy as sp
 
+from voronec.arguments import COUNT, POINT, accepts
 from voronec.errors import DefinitionError
 from voronec.multipliers.linear import Vector
 from voronec.multipliers.plan import Plan, make_plan
 from voronec.multipliers.point import Exact, read_point
 from voronec.multipliers.solve import Solution, solve
-from voronec.system import System
+from voronec.system import System, require_system
 
 __all__ = ["Reactions", "multiplier_acceleration", "reaction_forces"]
 
@@ -50,6 +51,7 @@ class Reactions:
     generalized: Mapping[sp.Expr, sp.Float]
 
 
+@accepts(point=POINT, digits=COUNT)
 def multiplier_acceleration(
     system: System, point: Mapping[Any, Any], digits: int = 30
 ) -> dict[sp.Expr, sp.Float]:
@@ -72,14 +74,15 @@ def multiplier_acceleration(
     relations; for constraints that are not affine or contradict each other; where an admissible
     velocity has no inertia; for an unknown function; where the equations are not defined.
     """
-    solution = _confirmed(system, point, digits)
+    solution = _confirmed(require_system(system), point, digits)
     things = (*system.coordinates, *(system.directions if system.on_group else ()))
     return _labelled(things, solution.accelerations, digits)
 
 
+@accepts(point=POINT, digits=COUNT)
 def reaction_forces(system: System, point: Mapping[Any, Any], digits: int = 30) -> Reactions:
     """The multipliers and reaction forces at a point; see ``multiplier_acceleration``."""
-    solution = _confirmed(system, point, digits)
+    solution = _confirmed(require_system(system), point, digits)
     count = len(system.constraints)
 
     def unique(part: slice) -> tuple[sp.Float, ...] | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -102,4 +101,5 @@ def _function(
 
 def _plain(comment: str) -> str:
     """Text that cannot end or open a comment."""
-    return re.sub(r"\*/|/\*", "", comment).replace("\n", " ")
+    printable = "".join(c if c.isprintable() and c not in "\\?" else " " for c in comment)
+    return printable.replace("*/", "* /").replace("/*", "/ *")

@@ -9,7 +9,7 @@ from typing import Any
 
 import symengine as se
 
-from voronec.errors import EngineLimit
+from voronec.errors import EngineLimit, shown
 from voronec.program.straight import Block
 
 __all__ = [
@@ -182,7 +182,10 @@ def _powered(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> tuple[str
 
 def decimal(p: int, q: int = 1) -> str:
     """A number that doubles cannot hold exactly as a fraction, as the nearest double."""
-    return repr(p / q)
+    try:
+        return repr(p / q)
+    except OverflowError:
+        raise EngineLimit(f"the number {shown(p)}/{shown(q)} is beyond doubles") from None
 
 
 def fits(*numbers: int) -> bool:

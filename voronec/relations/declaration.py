@@ -16,6 +16,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.arguments import TEXT, require
 from voronec.errors import DefinitionError
 from voronec.reading import expression, mapping, several, shown
 
@@ -77,6 +78,8 @@ class Relation:
     def __post_init__(self) -> None:
         place = f"relation '{self.label}'"
         object.__setattr__(self, "clock", expression(self.clock, f"{place}: the clock"))
+        for name in ("name", "note"):
+            require(place, name, getattr(self, name), TEXT)
         for part, entry in (("state", "variable: expression"), ("parameters", "parameter: value")):
             given = getattr(self, part)
             if given is not None:

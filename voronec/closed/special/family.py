@@ -18,6 +18,7 @@ import sympy as sp
 from voronec.algebra.symbols import velocity
 from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import Verdict
+from voronec.arguments import VALUES, accepts
 from voronec.closed.given import known_parameters, named, number, quadratures_of
 from voronec.closed.special.elimination import Branch, branches_of, linear_in, short, solved
 from voronec.closed.special.ends import End, ends_of
@@ -175,6 +176,7 @@ class Precessions:
         return at_rest(self)
 
 
+@accepts(parameters=VALUES)
 def precessions(system: System, parameters: Mapping[Any, Any] | None = None) -> Precessions:
     """The regular precessions of a system that declares quadratures.
 

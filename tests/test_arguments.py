@@ -1,0 +1,130 @@
+"""Arguments of the wrong kind are refused in one line that names them, by every public function."""
+
+import math
+from decimal import Decimal
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec.algebra.text import in_doubles
+from voronec.arguments import COUNT, REAL, accepts
+from voronec.errors import DefinitionError, EngineLimit, VoronecError
+
+x, m = sp.symbols("x m")
+HUGE = sp.exp(sp.exp(sp.Integer(700000000)))
+
+
+class Untold:
+    def __str__(self):
+        raise RuntimeError
+
+    __repr__ = __str__
+
+
+def system(**changes):
+    own = {
+        "name": "s",
+        "fibration": vo.Fibration((x,)),
+        "lagrangian": m * vo.velocity(x) ** 2 / 2 - x**2,
+        "parameters": (vo.Parameter(m, 1),),
+        "scenes": {"default": vo.Scene({x: 1}, (0, 1))},
+    }
+    return vo.System(**(own | changes))
+
+
+DOORS = {
+    "times": lambda: vo.Scene({}, 20.0),
+    "times = (0, 0)": lambda: vo.Scene({}, (0, 0)),
+    "times = inf": lambda: vo.Scene({}, (0, math.inf)),
+    "scene = 3": lambda: vo.integrate(system(), scene=3),
+    "tol": lambda: vo.integrate(system(), tol=Decimal("0.1")),
+    "method": lambda: vo.integrate(system(), method=["heyoka"]),
+    "progress": lambda: vo.integrate(system(), progress=1),
+    "dense": lambda: vo.integrate(system(), dense=np.array([1, 2])),
+    "events": lambda: vo.integrate(system(), events=3.5),
+    "is not a real number": lambda: vo.integrate(system(), initial={"x": Untold()}),
+    "that a double holds": lambda: vo.integrate(system(), initial={"x": 10**400}),
+    "a double holds": lambda: vo.integrate(system(), parameters={"m": HUGE}),
+    "beyond doubles": lambda: vo.integrate(system(), outputs=(x + HUGE,)),
+    "outputs hold nothing": lambda: vo.ensemble(
+        system(), {"x": [0, 1]}, times=[0, 1], outputs=(1,)
+    ),
+    "start 'x'": lambda: vo.ensemble(system(), {"x": [[0], [1, 2]]}, times=[0, 1]),
+    "crossings": lambda: vo.section(system(), "x", crossings=2.5),
+    "is not a voronec.System": lambda: vo.multiplier_acceleration("sleigh", {}),
+    "not a voronec.System": lambda: vo.check_claims(3),
+    "not a voronec.Relation": lambda: vo.check_relation("a -> b"),
+    "relation = [1]": lambda: vo.prove_inequality(x, [1]),
+    "flow": lambda: vo.divergence(x, [x]),
+    "the name of an invariant": lambda: vo.descend(system(), {None: x}),
+    "matrix = 3": lambda: vo.kinematics.wedge_square(3),
+    "body = 1": lambda: vo.kinematics.RollingContact(1, 2, x),
+    "digits": lambda: vo.closed_form(vo.load("demchenko")).enclose(1, digits="many"),
+    "the name '' (a parameter)": lambda: system(parameters=(m, sp.Symbol(""))),
+    "is no word": lambda: system(parameters=(m, sp.Symbol("a\nimport os"))),
+    "at most": lambda: system(parameters=(m, sp.Symbol("a" * 300))),
+    "among its integrals": lambda: system(integrals={"a\nb": x}),
+    "a whole number": lambda: vo.HardCase(
+        "n", "sleigh", vo.Scene({x: 1}, outputs=(x,)), points="x"
+    ),
+}
+
+
+@pytest.mark.parametrize("word", DOORS)
+def test_a_wrong_kind_is_refused_in_one_line(word):
+    with pytest.raises(VoronecError) as caught:
+        DOORS[word]()
+    message = str(caught.value)
+    assert word in message and message.isprintable() and isinstance(caught.value, DefinitionError)
+
+
+def test_messages_are_one_printable_line():
+    assert str(EngineLimit("two\nlines\x1b[31m")) == r"two lines\x1b[31m"
+
+
+def test_a_function_names_itself_and_its_argument():
+    @accepts(count=COUNT, size=REAL)
+    def grow(count: int, size: float = 1.0) -> float:
+        return count * size
+
+    assert grow(2, size=3.5) == 7 and grow(sp.Integer(2)) == 2.0
+    for bad in (True, 2.0, "2", None, 2**70):
+        with pytest.raises(DefinitionError, match=r"grow: count = .* is not a whole number"):
+            grow(bad)
+    with pytest.raises(TypeError):
+        grow(1, 2, 3)
+
+
+def test_numbers_are_followed_in_doubles_without_being_written_out():
+    expr = sp.sqrt(2) * sp.sin(3) + sp.Rational(1, 3) ** 5 - sp.atan2(1, -2)
+    assert in_doubles(expr) == pytest.approx(float(expr), rel=1e-14)
+    assert in_doubles(x + 1) is None and in_doubles(sp.gamma(3 + sp.pi)) is None
+    deep = x
+    for _ in range(200):  # a graph whose tree has 2^200 leaves
+        deep = sp.Add(deep, sp.sin(deep, evaluate=False), evaluate=False)
+    assert in_doubles(deep) is None
+    for huge in (HUGE, x * HUGE, sp.Integer(10) ** 400, x + sp.Float("1e400")):
+        with pytest.raises(OverflowError):
+            in_doubles(huge)
+
+
+def test_names_are_quoted_in_source_and_never_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run = "__import__('os').mkdir('run')"
+    for name in (f'"""+{run}+"""', f"*/ {run} /*", f"a # {run}", "\\", f"');{run};('"):
+        odd = sp.Symbol(name)
+        own = system(
+            lagrangian=m * vo.velocity(x) ** 2 / 2 - odd * x**2,
+            parameters=(vo.Parameter(m, 1), vo.Parameter(odd, 2)),
+            integrals={name: m * vo.velocity(x) ** 2 / 2 + odd * x**2},
+        )
+        eqs = vo.derive(own)
+        space: dict[str, object] = {}
+        exec(compile(eqs.python(), "generated", "exec"), space)
+        assert eqs.c().count("/*") == eqs.c().count("*/")
+        for method, tol in (("scipy", 1e-9), ("flint", 1e-20)):
+            done = vo.integrate(own, times=[0, 1], outputs=(x, name), method=method, tol=tol)
+            assert float(done["x"][-1]) == pytest.approx(math.cos(2), rel=1e-6)
+    assert not any(tmp_path.iterdir())

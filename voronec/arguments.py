@@ -1,0 +1,117 @@
+"""Arguments of public functions, of the right kind before anything is done with them."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import numbers
+import os
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import wraps
+from typing import Any, TypeVar, cast
+
+from voronec.errors import DefinitionError, shown
+
+__all__ = [
+    "CALLABLE",
+    "COUNT",
+    "FLAG",
+    "MATRIX",
+    "PATH",
+    "POINT",
+    "REAL",
+    "SEQUENCE",
+    "SEVERAL",
+    "TEXT",
+    "VALUES",
+    "Kind",
+    "accepts",
+    "instance",
+    "require",
+]
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of argument in words, and whether something is of it; ``None`` is where it may be."""
+
+    words: str
+    fits: Callable[[Any], bool]
+    optional: bool = False
+
+    def holds(self, value: Any) -> bool:
+        """Whether a value is of this kind; somebody's own class may fail to say so."""
+        try:
+            return (value is None and self.optional) or bool(self.fits(value))
+        except Exception:
+            return False
+
+
+def _is_count(value: Any) -> bool:
+    # SymPy's integers are registered as such
+    return (
+        not isinstance(value, bool)
+        and isinstance(value, numbers.Integral)
+        and abs(int(value)) < 2**63
+    )
+
+
+def _is_real(value: Any) -> bool:
+    # integrators take no numbers of other libraries
+    own = isinstance(value, int | float) or type(value).__module__ == "numpy"
+    return own and not isinstance(value, bool) and math.isfinite(float(value))
+
+
+TEXT = Kind("a text", lambda x: isinstance(x, str))
+FLAG = Kind("True or False", lambda x: type(x).__name__ in ("bool", "bool_"))
+COUNT = Kind("a whole number", _is_count)
+REAL = Kind("a finite real number", _is_real)
+CALLABLE = Kind("a function", callable, optional=True)
+VALUES = Kind("a mapping of values by name", lambda x: isinstance(x, Mapping), optional=True)
+POINT = Kind("a mapping of values by name", lambda x: isinstance(x, Mapping))
+SEVERAL = Kind(
+    "a tuple",
+    lambda x: (
+        hasattr(type(x), "free_symbols")
+        or (isinstance(x, Iterable) and not isinstance(x, Mapping | bytes | bytearray))
+    ),
+)
+SEQUENCE = Kind(
+    "a sequence",
+    lambda x: not isinstance(x, Mapping | str | bytes | bytearray) and iter(x) is not None,
+)
+MATRIX = Kind("a square SymPy matrix", lambda x: len({*x.shape}) == 1 and bool(type(x).rows))
+PATH = Kind("the name of a file", lambda x: isinstance(x, str | os.PathLike) and "\0" not in str(x))
+
+
+def instance(*classes: type) -> Kind:
+    """Values of some classes."""
+    words = " or ".join(f"a {cls.__name__}" for cls in classes)
+    return Kind(words, lambda x: isinstance(x, classes))
+
+
+def require(place: str, name: str, value: Any, kind: Kind) -> None:
+    """Refuse a value that is not of a kind; ``place`` is the function or the object."""
+    if not kind.holds(value):
+        raise DefinitionError(f"{place}: {name} = {shown(value)} is not {kind.words}; give one")
+
+
+def accepts(**kinds: Kind) -> Callable[[Function], Function]:
+    """Let a function begin only where these arguments of it are of these kinds."""
+
+    def guarded(function: Function) -> Function:
+        signature = inspect.signature(function)
+
+        @wraps(function)
+        def checked(*args: Any, **options: Any) -> Any:
+            for name, value in signature.bind(*args, **options).arguments.items():
+                if name in kinds:
+                    require(function.__name__, name, value, kinds[name])
+            return function(*args, **options)
+
+        return cast(Function, checked)
+
+    return guarded
