@@ -99,6 +99,26 @@ def test_an_angle_that_large_equations_hold_in_vain_is_not_kept() -> None:
     assert names(model) == {"r", "phi", "o1", "o2", "o3"}
 
 
+def test_normal_forms_far_longer_than_the_raw_form_are_not_integrated(monkeypatch) -> None:
+    monkeypatch.setattr("voronec.equations.SHORT", 300)
+    monkeypatch.setattr("voronec.equations.LONG", 3)
+    x, y, s = sp.symbols("x y s")
+    dx, dy, ds = map(vo.velocity, (x, y, s))
+    inertia = (3 + sp.sin(s - x) ** 2, 3 + sp.cos(x * y) ** 2, 2 + s**2 + sp.sin(y) * x)
+    kinetic = sum(i * d**2 for i, d in zip(inertia, (dx, dy, ds), strict=True)) / 2
+    rolling = ds * (2 + sp.sin(s)) + dx * sp.atan(2 * y) + dy / (2 + sp.cos(y))
+    made = vo.System("made", vo.Fibration((x, y), (s,)), kinetic, (rolling,))
+    equations = vo.derive(made)
+    assert equations.in_normal_form and equations.is_large
+    start = {"x": 0.5, "y": -0.3, "s": 0.2, "xdot": 1.0, "ydot": 0.4}
+    motion = vo.integrate(equations, times=[0, 1e-4, 2e-4], initial=start, method="scipy")
+    second = (motion["xdot"][2] - motion["xdot"][0]) / 2e-4
+    point = {"x": motion["x"][1], "y": motion["y"][1], "s": motion["s"][1],
+             "xdot": motion["xdot"][1], "ydot": motion["ydot"][1]}  # fmt: skip
+    truth = vo.multiplier_acceleration(made, point)[x]
+    assert second == pytest.approx(float(truth), abs=1e-6)
+
+
 def test_constant_rates_and_a_circle_leave_one_quadrature() -> None:
     model = vo.explain(vo.load("vertical-disc"), outputs=("x",))
     assert names(model) == {"phi"}

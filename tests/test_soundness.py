@@ -223,3 +223,31 @@ def test_nothing_is_said_of_a_run_that_went_well(name: str) -> None:
     equations = vo.derive(vo.load(name))
     for scene in equations.system.scenes:
         assert vo.integrate(equations, scene, method="scipy").notes == ()
+
+
+def test_a_motion_of_an_ensemble_that_goes_wrong_is_marked(monkeypatch: pytest.MonkeyPatch) -> None:
+    dot = vo.velocity(x)
+    system = dataclasses.replace(OSCILLATOR, integrals={"energy": dot**2 / 2 + x**2 / 2})
+    for own in (system, dataclasses.replace(OSCILLATOR, forces={x: sp.Rational(1, 10)})):
+        with monkeypatch.context() as patch:
+            # the first motion jumps, where its windows see it: near the start
+            corrupted(patch, 0.05, np.array([0.0, 1e-3]))
+            found = vo.ensemble(own, {"x": [1.0, 2.0]}, times=GRID, method="scipy")
+        assert set(found.errors) == {0} and found.finished.tolist() == [False, True]
+        assert found.errors[0].time < 0.2 and np.isnan(found["x"][0, -1])
+        again = vo.ensemble(own, {"x": [1.0, 2.0]}, times=GRID, method="scipy")
+        assert not again.errors and np.array_equal(again["x"][1], found["x"][1])
+
+
+def test_a_section_keeps_the_points_before_an_integral_is_lost(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    dot = vo.velocity(x)
+    system = dataclasses.replace(OSCILLATOR, integrals={"energy": dot**2 / 2 + x**2 / 2})
+    wanted: dict[str, Any] = {"starts": {"x": [1.0]}, "crossings": 8, "outputs": ("xdot",)}
+    sound = vo.section(system, x, method="scipy", **wanted)
+    assert not sound.errors and np.abs(sound["xdot"] - 1).max() < 1e-9
+    corrupted(monkeypatch, 20.0, np.array([0.0, 1e-3]))
+    cut = vo.section(system, x, method="scipy", **wanted)
+    assert "'energy' drifts" in str(cut.errors[0]) and cut.ends == ("failed",)
+    assert 0 < len(cut) < 8 and cut.t[-1] < 21 and np.abs(cut["xdot"] - 1).max() < 1e-9

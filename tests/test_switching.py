@@ -273,3 +273,27 @@ def test_generated_python_is_defined_on_the_walls():
 def test_what_is_smooth_has_no_walls(name):
     form = vo.derive(vo.load(name)).form
     assert not Program.of(form).derivative.is_rough(form.parameters, form.velocities)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_ensembles_and_sections_go_motion_by_motion(method):
+    mu = sp.Symbol("mu")
+    blocks = vo.System(
+        name="blocks",
+        fibration=vo.Fibration(base=(x,)),
+        lagrangian=Dx**2 / 2,
+        forces={x: -mu * sp.sign(Dx)},
+        parameters=(vo.Parameter(mu, 1.0),),
+    )
+    found = vo.ensemble(
+        blocks, starts={Dx: [1, 2, 3]}, parameters={mu: [1, 2, 0.5]}, times=[0, 1, 20],
+        method=method,
+    )  # fmt: skip
+    assert np.abs(found["x"][:, -1] - [0.5, 1, 9]).max() < 1e-11 and not found.errors
+    assert (found["xdot"][:, -1] == 0).all() and found.cost.method == method
+    springs = mass_point(sp.Piecewise((-x, x < 0), (-4 * x, True)))
+    points = vo.section(springs, x, starts={Dx: 1}, crossings=4, method=method)
+    assert np.abs(points.t / np.pi - [1.5, 3, 4.5, 6]).max() < 1e-11
+    assert np.abs(points["xdot"] - 1).max() < 1e-11 and np.abs(points.speed - 1).max() < 1e-5
+    lost = vo.ensemble(mass_point(sp.sign(Dx)), starts={Dx: [0, 1]}, times=[0, 1], method=method)
+    assert "on either side" in str(lost.errors[0]) and abs(lost["xdot"][1, -1] - 2) < 1e-11

@@ -48,6 +48,9 @@ LARGE = 2000
 """Where there are no invariants to descend to and the raw form costs more operations than this,
 normal forms are not tried for numbers: they would take seconds and come out longer; unless it
 seems to hold coordinates in vain, which only a normal form proves."""
+LONG = 10
+"""A normal form with so many times the nodes of the raw form is too long for numbers, where it is
+not short in itself: SHORT nodes."""
 BITS = 160
 """The precision in which it is seen whether a coordinate is held in vain."""
 
@@ -105,10 +108,14 @@ class VoronecEquations:
     @cached_property
     def is_large(self) -> bool:
         """Whether numbers are better computed from the straight-line form."""
-        if self.system.invariants or _cost(self.raw.form) <= LARGE:
+        if self.system.invariants:
             return False
-        short = _holds_in_vain(self.raw.form) and self.in_normal_form
-        return not (short and _cost(self.exact.form) <= SHORT)
+        if _cost(self.raw.form) > LARGE:
+            short = _holds_in_vain(self.raw.form) and self.in_normal_form
+            return not (short and _cost(self.exact.form) <= SHORT)
+        return self.in_normal_form and _nodes(self.exact.form) > max(
+            SHORT, LONG * _nodes(self.raw.form)
+        )
 
     @cached_property
     def form(self) -> FirstOrderForm:
@@ -285,6 +292,12 @@ def _cost(form: FirstOrderForm) -> int:
     """The operations of a first-order form, shared subexpressions counted once."""
     rows = [e for row in form.mass for e in row]
     return operations([*(e for _, e in form.stages), *form.rates, *form.force, *rows])
+
+
+def _nodes(form: FirstOrderForm) -> int:
+    """The nodes of the graph of a first-order form, shared ones counted once: quicker than
+    operations, where forms are long."""
+    return Tape([*form.rates, *form.force, *(e for row in form.mass for e in row)]).size
 
 
 def _holds_in_vain(form: FirstOrderForm) -> bool:

@@ -99,6 +99,14 @@ class Crossroads:
         self.known = dict(zip(names, map(mpmath.mpf, parameters), strict=True))
         self.progress = Progress(self.problem.progress) if self.problem.progress else None
 
+    def elsewhere(self, time: float, start: np.ndarray, parameters: Sequence[Any]) -> Crossroads:
+        """The same modes for another start and other parameters; what a rim is depends on those."""
+        problem = replace(self.problem, start=start.copy(), parameters=list(parameters))
+        grid = np.array([time, time + (self.grid[-1] - self.grid[0])])
+        kept = {k: p for k, p in self.places.items() if not p.corner.rims}
+        with mpmath.workprec(self.working):
+            return replace(self, problem=problem, grid=grid, places=kept)
+
     # -- which way ------------------------------------------------------------------------
 
     def settled(

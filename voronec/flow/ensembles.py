@@ -16,6 +16,7 @@ import numpy as np
 from voronec.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
 from voronec.equations import VoronecEquations
 from voronec.errors import IntegrationError, VoronecError
+from voronec.flow.apart import Apart
 from voronec.flow.batches import FINEST, Lanes, Stopped, along, along_scipy, chosen
 from voronec.flow.given import (
     Values,
@@ -27,6 +28,7 @@ from voronec.flow.given import (
 )  # fmt: skip
 from voronec.flow.inputs import drive
 from voronec.flow.many import Many, at_each, drifts, many
+from voronec.flow.soundness import JudgeOfMany
 from voronec.flow.trajectory import Cost
 from voronec.flow.vocabulary import Vocabulary, held_name
 from voronec.system import System, require_system
@@ -106,8 +108,9 @@ def ensemble(
     inputs
         values of the system's inputs, numbers or expressions, as for ``integrate``.
 
-    A start or a parameter from which no motion goes, and a motion that breaks down, is noted in
-    ``errors``, and the others go on; where every start is wrong, the first error is raised.
+    A start or a parameter from which no motion goes, and a motion that breaks down, loses a proved
+    integral or does not obey the equations, is noted in ``errors``, and the others go on; where
+    every start is wrong, the first error is raised.
     Ctrl-C ends the run and keeps the motions that are done; none is while it is being set up.
     """
     began = perf_counter()
@@ -124,14 +127,20 @@ def ensemble(
         motions = many(equations, chosen_scene, single, columns, wanted, float(grid[0]))
         if len(motions.wrong) == len(motions):
             raise motions.wrong[0]
-        lanes, reason = chosen(method, motions.program, tol, len(motions.sound))
+        apart = Apart.of(motions, method, tol, grid)
+        lanes, reason = (
+            chosen(method, motions.program, tol, len(motions.sound))
+            if apart is None
+            else (None, apart.reason)
+        )
     except KeyboardInterrupt:
         return _nothing_done(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
     ready = perf_counter()
-    filled = _Filled.empty(motions, tuple(wanted), grid)
+    finest = tol if lanes else max(tol, FINEST)
+    filled = _Filled.empty(motions, tuple(wanted), grid, apart, finest)
     interrupted = _run(filled, lanes, tol, jobs, progress)
     cost = Cost(
-        method="scipy" if lanes is None else "heyoka", reason=reason,
+        method=apart.method if apart else "scipy" if lanes is None else "heyoka", reason=reason,
         tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
         run=perf_counter() - ready, steps=sum(filled.steps), evaluations=sum(filled.steps),
     )  # fmt: skip
@@ -162,11 +171,20 @@ class _Filled:
     changes: dict[str, np.ndarray]
     first: dict[str, np.ndarray]
     finished: np.ndarray
+    judge: JudgeOfMany
+    apart: Apart | None = None
     errors: dict[int, VoronecError] = field(default_factory=dict)
     steps: list[int] = field(default_factory=list)
 
     @classmethod
-    def empty(cls, motions: Many, outputs: tuple[str, ...], grid: np.ndarray) -> _Filled:
+    def empty(
+        cls,
+        motions: Many,
+        outputs: tuple[str, ...],
+        grid: np.ndarray,
+        apart: Apart | None,
+        tol: float,
+    ) -> _Filled:
         def nothing(*shape: int) -> np.ndarray:
             return np.full(shape, np.nan)
 
@@ -178,6 +196,13 @@ class _Filled:
             changes={name: nothing(count) for name in integrals},
             first={name: nothing(count) for name in integrals},
             finished=np.zeros(count, dtype=bool),
+            apart=apart,
+            judge=JudgeOfMany(
+                motions.vocabulary.equations,
+                motions.program,
+                tol,
+                {name: f"integral {name}" for name in integrals},
+            ),
             errors=dict(motions.wrong),
         )
 
@@ -269,21 +294,54 @@ def _block(
 ) -> None:
     """Some starts, one load of the lanes after another."""
     motions, width = filled.motions, lanes.width if lanes else 1
-    for i in range(0, len(block), width):
-        where = block[i : i + width]
-        states, values = motions.states[where], motions.values[where]
-        try:
-            if lanes is None:
+    over: list[tuple[np.ndarray, np.ndarray, dict[int, IntegrationError]]] = []
+    taken = 0
+    try:
+        for i in range(0, len(block), width):
+            where = block[i : i + width]
+            states, values = motions.states[where], motions.values[where]
+            if filled.apart is not None:
+                rows, error, steps = filled.apart.along(int(where[0]), filled.grid, halt.is_set)
+                rows, failed = rows[None], {} if error is None else {0: error}
+            elif lanes is None:
                 rows, error, steps = along_scipy(
                     motions.program, states[0], values[0], filled.grid, tol, halt.is_set
                 )
                 rows, failed = rows[None], {} if error is None else {0: error}
             else:
                 rows, failed, steps = along(lanes, states, values, filled.grid, halt.is_set)
-        except Stopped:
-            return
-        filled.steps.append(steps)
-        filled.put(where, rows, _told(motions, where, failed))
+            taken += steps
+            over.append((where, rows, failed))
+    except Stopped:
+        return
+    finally:
+        _judged(filled, over, taken)
+
+
+def _judged(
+    filled: _Filled,
+    over: list[tuple[np.ndarray, np.ndarray, dict[int, IntegrationError]]],
+    steps: int,
+) -> None:
+    """Fill in what is done of a block, after a look at whether it went well."""
+    if not over:
+        return
+    where = np.concatenate([w for w, _, _ in over])
+    rows = np.concatenate([r for _, r, _ in over])
+    failed: dict[int, IntegrationError] = {}
+    for at, (_, _, errors) in zip(
+        np.cumsum([0, *(len(w) for w, _, _ in over)]), over, strict=False
+    ):
+        failed |= {int(at) + i: error for i, error in errors.items()}
+    values, each = filled.motions.values[where], steps / len(where)
+    smooth = filled.apart is None  # else the equations have more than one right side
+    breaches = filled.judge.breaches(filled.grid, rows, values, each) if smooth else {}
+    for i, breach in breaches.items():
+        time, state = float(filled.grid[breach.row]), rows[i, breach.row].copy()
+        failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
+        rows[i, breach.row + 1 :] = np.nan
+    filled.steps.append(steps)
+    filled.put(where, rows, _told(filled.motions, where, failed))
 
 
 def _told(

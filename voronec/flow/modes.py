@@ -74,10 +74,15 @@ class Corner:
 
 @dataclass
 class Modes:
-    """All modes of a form; ``functions`` are those of events by name, inside the door."""
+    """All modes of a form; ``functions`` are those of events by name, inside the door.
+
+    ``cusps`` are radicands that vanish on walls, as in |x|^(3/2): such a root has no Taylor series
+    there, and beyond it is taken of the absolute value, so that a step may look across.
+    """
 
     form: Any
     functions: Mapping[str, Any]
+    cusps: frozenset[Any] = frozenset()
     _corners: list[Corner] = field(default_factory=list)
     _floors: dict[Wall, Any] = field(default_factory=dict)
     _gauges: dict[Wall, Callable[..., Any]] = field(default_factory=dict)
@@ -91,7 +96,7 @@ class Modes:
         exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]
         if not has_walls([*exprs, *functions.values()], still) and not rims(form, exprs):
             return None
-        return cls(form, functions)
+        return cls(form, functions, _cusps(form, exprs))
 
     def floor(self, wall: Wall) -> Any:
         """The parameter that stands for a floor."""
@@ -109,7 +114,7 @@ class Modes:
             return asked.setdefault(wall, side(wall))
 
         still = frozenset(form.parameters)
-        change = Sides(answer, self.floor, still)
+        change = Sides(answer, self.floor, still, self.cusps)
         made = replace(
             form,
             rates=tuple(self._settled(e, change) for e in form.rates),
@@ -159,6 +164,37 @@ class Modes:
     def state(self) -> tuple[Any, ...]:
         """Coordinates, then velocities."""
         return (*self.form.coordinates, *self.form.velocities)
+
+
+def _cusps(form: Any, exprs: Sequence[Any]) -> frozenset[Any]:
+    """The radicands in expressions that vanish on a wall."""
+    still = frozenset(form.parameters)
+    bases = radicands(exprs, frozenset((*form.coordinates, *form.velocities, form.time)))
+    found = set()
+    for change in (Sides(lambda _: 1, _zero, still), Sides(lambda _: -1, _zero, still)):
+        for expr in exprs if bases else ():
+            change(expr)
+        for base in bases:
+            if any(_vanishes(change(base), wall.function, still) for wall in change.walls):
+                found.add(base)
+    return frozenset(found)
+
+
+def _zero(_wall: Wall) -> Any:
+    return se.Integer(0)
+
+
+def _vanishes(expr: Any, function: Any, still: frozenset[Any]) -> bool:
+    """Whether an expression vanishes where a function does that is linear in one of its symbols."""
+    for x in sorted(function.free_symbols - still, key=str):
+        slope = function.diff(x)
+        if slope != 0 and x not in slope.free_symbols:
+            there = expr.xreplace({x: x - function / slope})
+            try:
+                return bool(canonical([there])[0] == 0)
+            except EngineLimit:
+                return False
+    return False
 
 
 def rims(form: Any, exprs: Sequence[Any]) -> tuple[Any, ...]:

@@ -389,11 +389,10 @@ class _Job:
         )  # fmt: skip
         t, states = run.t.astype(float), run.states.astype(float)
         breach, notes = judge.breach(t, states) if smooth else judge.kept(t, states)
-        if not smooth:
-            return breach, notes
-        own = [str(x) for x in (*equations.raw.form.coordinates, *equations.raw.form.velocities)]
-        if breach is None and list(trajectory.names) == own:
-            states = trajectory.state.astype(float)
+        form = equations.raw.form
+        own = [str(x) for x in (*form.coordinates, *form.velocities)]
+        if smooth and breach is None and {*own} <= {*trajectory.series, *trajectory.names}:
+            states = np.stack([trajectory[name].astype(float) for name in own], axis=-1)
             breach = judge.original(t, states, self.outset.constants)
         return breach, notes
 

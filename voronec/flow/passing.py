@@ -80,6 +80,12 @@ class Passages:
             self.count[i] += len(t)
             self.idle[i] = 0
 
+    def cut(self, i: int, count: int) -> None:
+        """Keep the first crossings of start i alone."""
+        t, states, speed = (np.concatenate(column) for column in zip(*self.parts[i], strict=True))
+        self.parts[i] = [(t[:count], states[:count], speed[:count])]
+        self.count[i] = count
+
     def seen(self, i: int, time: float, steps: int, found: Sequence[float]) -> None:
         """How far start i came; the range of the quantity on the way and its largest rate."""
         low, high, fastest = found

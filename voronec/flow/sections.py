@@ -13,13 +13,15 @@ import sympy as sp
 
 from voronec.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
 from voronec.equations import VoronecEquations
-from voronec.errors import DefinitionError, VoronecError
+from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.flow.alike import starts_alike
+from voronec.flow.apart import Apart
 from voronec.flow.batches import FINEST, chosen
 from voronec.flow.given import Values, outputs_of, quantity, scene_of, spread_starts
 from voronec.flow.inputs import drive
 from voronec.flow.many import Many, at_each, drifts, many
 from voronec.flow.passing import Passages, pass_lanes, pass_scipy
+from voronec.flow.soundness import JudgeOfMany
 from voronec.flow.trajectory import Cost
 from voronec.flow.vocabulary import Vocabulary, held_name, number
 from voronec.program import Program, compiled
@@ -126,7 +128,8 @@ def section(
 
     Each crossing is found on the Taylor polynomial of its step (with scipy, on the interpolant) and
     polished to rounding.  Raises ``DefinitionError`` where no motion ever passes through
-    the surface; what breaks down later is in ``errors``.  Ctrl-C keeps the points that are there.
+    the surface; what breaks down later, or loses a proved integral, is in ``errors``.  Ctrl-C keeps
+    the points that are there.
     """
     began = perf_counter()
     declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
@@ -147,19 +150,28 @@ def section(
     if len(motions.wrong) == len(motions):
         raise motions.wrong[0]
     watch = _watch(motions, f"plane {surface}", on_plane)
-    lanes, reason = chosen(method, motions.program, tol, len(motions.sound))
+    apart = Apart.of(motions, method, tol, np.array([0.0, 1.0]))
+    lanes, reason = (
+        chosen(method, motions.program, tol, len(motions.sound))
+        if apart is None
+        else (None, apart.reason)
+    )
     ready = perf_counter()
     passages = Passages.empty(len(motions), crossings, direction, until, progress)
-    if lanes is None:
+    if apart is not None:
+        apart.passages(watch, passages, f"plane {surface}", on_plane)
+    elif lanes is None:
         pass_scipy(motions, watch, passages, tol)
     else:
         pass_lanes(motions, watch, passages, lanes)
     cost = Cost(
-        method="scipy" if lanes is None else "heyoka", reason=reason,
+        method=apart.method if apart else "scipy" if lanes is None else "heyoka", reason=reason,
         tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
         run=perf_counter() - ready, steps=passages.steps[0], evaluations=passages.steps[0],
     )  # fmt: skip
     _refuse_nothing(motions, passages, surface, on_plane)
+    if apart is None:  # else the equations have more than one right side
+        _cut_unsound(motions, passages, cost)
     return _section(motions, passages, tuple(wanted), surface, on_plane, direction, cost)
 
 
@@ -228,6 +240,30 @@ def _refuse_nothing(motions: Many, passages: Passages, surface: str, value: floa
         f"{passages.reached[nearest]:.6g} {which} between {low:.6g} and {high:.6g}; choose "
         "another value, direction or plane"
     )
+
+
+def _cut_unsound(motions: Many, passages: Passages, cost: Cost) -> None:
+    """Of motions that lose a proved integral keep the points before that, and say so."""
+    own = motions.vocabulary.equations
+    integrals = {name: f"integral {name}" for name in motions.ground.integrals}
+    judge = JudgeOfMany(own, motions.program, cost.tolerance, integrals)
+    steps = cost.steps / max(1, len(motions.sound))
+    for i in motions.sound:
+        if not passages.parts[i]:
+            continue
+        t = np.concatenate([[motions.time], *(part[0] for part in passages.parts[i])])
+        states = np.vstack([motions.states[i], *(part[1] for part in passages.parts[i])])
+        found = judge.lost(t[None], states[None], motions.values[i][None], steps)
+        breach = min((b for _, b in found), key=lambda b: b.row, default=None)
+        if breach is not None:
+            name, time = own.system.name, float(t[breach.row])
+            passages.cut(i, breach.row)
+            passages.errors[i] = IntegrationError(
+                f"system '{name}', start {i}: {breach.what} after t = {time:.12g}; end the run "
+                "before that, or use another chart",
+                time,
+                states[breach.row],
+            )
 
 
 def _section(

@@ -7,8 +7,9 @@ coordinates those that were derived first, in another form and by other code.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from voronec.flow.steppers.changing import Changing, in_kind
 from voronec.program import Program, compiled
 from voronec.vector_field import Motions
 
-__all__ = ["Breach", "Judge"]
+__all__ = ["Breach", "Judge", "JudgeOfMany"]
 
 LOOSE = 1000.0
 """An integral may change by so many tolerances in a step, in units of what its terms, or its slopes
@@ -33,10 +34,18 @@ FREE = 10
 """So many steps are allowed to everybody."""
 ROWS = 200
 """Instants that are looked at."""
+LONG = 100_000
+"""Operations, shared ones counted every time, above which the equations derived first are let be:
+to make them ready would take longer than a run."""
+REGULAR = 1e12
+"""The condition number of a mass matrix below which accelerations mean something."""
+_KEPT = "_original_rates"
 UNIT = 2.0**-52
 """The relative spacing of doubles."""
-MOST, FEW = 128, 12
-"""Windows in which the equations that were integrated are looked at, and the original ones."""
+MOST, FEW, EACH = 128, 12, 4
+"""Windows in which the equations that were integrated are looked at, and the original ones, and
+those of each of many motions."""
+DISOBEDIENT = "the states do not obey the equations"
 WORST = 3
 """Windows in doubt that are integrated again."""
 SLOPE = 6e-6
@@ -111,7 +120,9 @@ class Judge:
             amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
             if name in relations:
                 breaches.append(Breach(f"the relation {name} is lost {amount}", int(rows[i - 1])))
-            elif proved(self.equations, self.equations.system.integrals[name]):
+            elif self.changing is None and proved(
+                self.equations, self.equations.system.integrals[name]
+            ):  # proofs take parameters for constants
                 breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
             else:
                 notes.append(
@@ -122,8 +133,8 @@ class Judge:
 
     def _extras(self) -> Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]:
         program = self.program
-        inputs = [program.time, *program.state, *program.parameters]
-        further = se.Lambdify(inputs, list(self.vanishing)) if self.vanishing else None
+        inputs = (program.time, *program.state, *program.parameters)
+        further = _function(inputs, tuple(self.vanishing)) if self.vanishing else None
 
         def extras(t: np.ndarray, states: np.ndarray) -> Mapping[str, np.ndarray]:
             given = self.at(t)
@@ -149,7 +160,7 @@ def disobedient(
         rows = windows.rows[i]
         off = again(rates, t[rows], states[rows], tol)
         if off is not None and off.max() > 1:
-            found.append(Breach("the states do not obey the equations", int(rows[0])))
+            found.append(Breach(DISOBEDIENT, int(rows[0])))
     return found
 
 
@@ -178,7 +189,7 @@ class Conserved:
         found = {}
         for name, (key, size) in self.names.items():
             change = np.abs(values[key] - values[key][0])
-            allowed = per_unit * (_scale(values[size]) if size else 1.0)
+            allowed = per_unit * (_scale(np.abs(values[size])) if size else 1.0)
             if not (change > allowed).any():
                 continue
             allowed = np.maximum(allowed, per_unit * _scale(self._slopes(key, t, states)))
@@ -211,6 +222,11 @@ def _scale(sizes: np.ndarray) -> np.ndarray:
     return np.maximum(np.nan_to_num(sizes, nan=np.inf), max(float(sizes[0]), float(usual)))
 
 
+@lru_cache(maxsize=32)  # runs of one system have the same relations
+def _function(inputs: tuple[Any, ...], exprs: tuple[Any, ...]) -> Any:
+    return se.Lambdify(list(inputs), list(exprs))
+
+
 def proved(equations: VoronecEquations, integral: Any) -> bool:
     """Whether a claimed integral is proved to be one; where that exceeds the budget, it is not."""
     function = right_of(integral)
@@ -238,37 +254,154 @@ def original_rates(
     equations: VoronecEquations, constants: Mapping[str, Any], changing: Changing | None
 ) -> Rates | None:
     """The equations on the coordinates as they were derived first, evaluated by symengine, the
-    mass matrix inverted in numbers; None where symengine knows a function of them not."""
+    mass matrix inverted in numbers.
+
+    None where they are too long, or hold a function that symengine does not know; what symengine
+    makes of them stays with the equations.
+    """
     form = equations.raw.form
-    n = len(form.velocities)
-    moving = sorted(changing.names) if changing is not None else []
-    inputs = [form.time, *form.coordinates, *form.velocities, *map(se.Symbol, moving)]
-    still = {name: x for name, x in constants.items() if name not in moving}
-    known = {se.Symbol(name): float(x) for name, x in still.items() if x == x}
-    flat = [*form.rates, *(e for row in form.mass for e in row), *form.force]
-    stages = dict(form.stages)
-    if stages:
-        return None  # a large system: its straight-line form is what was integrated
-    try:
-        evaluate = se.Lambdify(inputs, [se.sympify(e).xreplace(known) for e in flat], cse=True)
-    except (RuntimeError, TypeError, ValueError, NotImplementedError):
+    if _KEPT not in equations.__dict__:
+        equations.__dict__[_KEPT] = _evaluator(form)
+    evaluate = equations.__dict__[_KEPT]
+    if evaluate is None:
         return None
-    width = len(form.rates)
+    width, n = len(form.rates), len(form.velocities)
+    names = [str(p) for p in form.parameters]
+    still = {name: float(constants.get(name, np.nan)) for name in names}
 
     def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        along = {} if changing is None else changing.along(t)
-        given = [in_kind(along[name], float) for name in moving]
-        rows = np.asarray(evaluate(np.column_stack([t, states, *given])), dtype=float)
-        mass = rows[:, width : width + n * n].reshape(-1, n, n)
-        force = rows[:, width + n * n :]
+        given = still if changing is None else still | changing.along(t)
+        wide = [np.broadcast_to(np.asarray(given[name], float), t.shape) for name in names]
+        rows = np.asarray(evaluate(np.column_stack([t, states, *wide])), dtype=float)
+        rows = rows.reshape(len(t), -1)
         result = np.full(states.shape, np.nan)
         result[:, :width] = rows[:, :width]
         sound = np.isfinite(rows).all(axis=1)
-        with np.errstate(all="ignore"):
-            sound[sound] = np.linalg.cond(mass[sound]) < 1e12 if n else True
         if n:
-            result[sound, width:] = np.linalg.solve(mass[sound], force[sound][:, :, None])[:, :, 0]
+            mass = rows[:, width : width + n * n].reshape(-1, n, n)
+            sound[sound] = np.linalg.cond(mass[sound]) < REGULAR
+            force = rows[sound, width + n * n :, None]
+            result[sound, width:] = np.linalg.solve(mass[sound], force)[:, :, 0]
         result[~sound] = np.nan
         return result
 
     return rates
+
+
+def _evaluator(form: Any) -> Any:
+    """Rates, mass matrix and force of a form as a function of arrays; None where there is none."""
+    flat = [*form.rates, *(e for row in form.mass for e in row), *form.force]
+    if form.stages or not flat or se.count_ops(*flat) > LONG:
+        return None  # the form of a large system is the one that was integrated
+    inputs = [form.time, *form.coordinates, *form.velocities, *form.parameters]
+    try:
+        return se.Lambdify(inputs, flat, cse=True)
+    except (RuntimeError, TypeError, ValueError, NotImplementedError):
+        return None
+
+
+@dataclass(frozen=True)
+class JudgeOfMany:
+    """The same of motions of one program, each with values of its own.
+
+    ``integrals`` maps names of integrals to those of extra quantities of the program.
+    """
+
+    equations: VoronecEquations
+    program: Program
+    tol: float
+    integrals: Mapping[str, str]
+    _proofs: dict[str, bool] = field(default_factory=dict)
+
+    def breaches(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
+    ) -> dict[int, Breach]:
+        """What went wrong with which motion: states (m, k, n) at ``t`` (k,), parameters (m, p);
+        each took so many steps."""
+        found = self._disobedient(t, states, values)
+        for i, breach in self.lost(np.broadcast_to(t, states.shape[:2]), states, values, steps):
+            if i not in found or breach.row < found[i].row:
+                found[i] = breach
+        return found
+
+    def lost(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
+    ) -> Iterator[tuple[int, Breach]]:
+        """The motions that lost an integral, with times (m, k) of their own."""
+        each = np.broadcast_to(values[:, None, :], (*t.shape, values.shape[-1]))
+        series = _at(self.program, t, states, each)
+        for name, key in self.integrals.items():
+            change, size = np.abs(series[key] - series[key][:, :1]), np.abs(series[key][:, :1])
+            allowed = LOOSE * max(self.tol, UNIT) * FREE * size
+            for i in np.flatnonzero((change > allowed).any(axis=1)):
+                whole = np.isfinite(states[i]).all(axis=1)
+                breach = self._judged(name, key, t[i][whole], states[i][whole], values[i], steps)
+                if breach is not None:
+                    yield int(i), breach
+
+    def _judged(
+        self,
+        name: str,
+        key: str,
+        t: np.ndarray,
+        states: np.ndarray,
+        values: np.ndarray,
+        steps: float,
+    ) -> Breach | None:
+        def extras(times: np.ndarray, rows: np.ndarray) -> Mapping[str, np.ndarray]:
+            return _at(self.program, times, rows, np.broadcast_to(values, (len(rows), len(values))))
+
+        lost = Conserved({name: (key, key)}, extras).lost(t, states, self.tol, int(steps))
+        if name not in lost or not self._is_proved(name):
+            return None
+        row, change, allowed = lost[name]
+        amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
+        return Breach(f"the integral '{name}' drifts {amount}", row - 1)
+
+    def _is_proved(self, name: str) -> bool:
+        if name not in self._proofs:
+            own = self.equations
+            self._proofs[name] = proved(own, own.system.integrals[name])
+        return self._proofs[name]
+
+    def _disobedient(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray
+    ) -> dict[int, Breach]:
+        """Motions whose states do not obey the equations, in a few windows of each; to the windows
+        they are one long motion, and the parameters variables at rest."""
+        count, size, n = states.shape
+        single = Windows.spread(size, EACH).rows
+        windows = Windows((size * np.arange(count)[:, None, None] + single).reshape(-1, WIDTH))
+        each = np.broadcast_to(values[:, None, :], (count, size, values.shape[-1]))
+        joined = np.concatenate([states, each], axis=-1).reshape(count * size, -1)
+        rhs = compiled(self.program)[0]
+
+        def rates(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
+            with np.errstate(all="ignore"):
+                slopes = rhs(times, list(rows.T[:n]), list(rows.T[n:]))
+            result = np.zeros(rows.shape)
+            for j, slope in enumerate(slopes):
+                result[:, j] = slope
+            return result
+
+        times, found = np.tile(t, count), {}
+        for w in windows.doubtful(times, joined, rates)[:WORST]:
+            rows = windows.rows[w]
+            off = again(rates, times[rows], joined[rows], self.tol)
+            if off is not None and off.max() > 1:
+                found[int(rows[0] // size)] = Breach(DISOBEDIENT, int(rows[0] % size))
+        return found
+
+
+def _at(
+    program: Program, t: np.ndarray, states: np.ndarray, values: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Extra quantities at times (...), states (..., n) and parameters (..., p)."""
+    with np.errstate(all="ignore"):
+        found = compiled(program)[1](
+            t, list(np.moveaxis(states, -1, 0)), list(np.moveaxis(values, -1, 0))
+        )
+    return {
+        name: np.broadcast_to(np.asarray(x, dtype=float), t.shape)
+        for name, x in zip(program.names, found, strict=True)
+    }

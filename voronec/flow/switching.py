@@ -14,7 +14,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, EngineLimit
 from voronec.flow.crossroads import DOUBLE, GUARD, PAST, Crossroads, Place
 from voronec.flow.events import Event
 from voronec.flow.modes import Corner, Modes, Surface
@@ -46,6 +46,27 @@ class Switched:
     chosen: dict[str, Any]
     corner: Corner | None
     values: Sequence[float]
+    roads: Crossroads
+
+    @classmethod
+    def of(cls, roads: Crossroads) -> Switched:
+        """The way from the start of a problem."""
+        problem, grid = roads.problem, roads.grid
+        with mpmath.workprec(roads.working):
+            first = roads.settled(grid[0], roads.start, {}, ())
+        if isinstance(first, str):
+            words = {"method": roads.method, "reason": "nothing moves", "tolerance": problem.tol}
+            return cls(lambda times: _refused(problem, times, first), words, None, (), roads)
+        values = [float(x) for x in roads.values(first.corner.program, first.sides)]
+
+        def run(times: np.ndarray) -> Run:
+            return _Passage(roads, times, first).run()
+
+        return cls(run, dict(first.chosen), first.corner, values, roads)
+
+    def elsewhere(self, time: float, start: np.ndarray, parameters: Sequence[Any]) -> Switched:
+        """The same from another start, with what was made ready for this one."""
+        return Switched.of(self.roads.elsewhere(time, start, parameters))
 
 
 def through_walls(
@@ -93,17 +114,16 @@ def _through_walls(
     if modes is None:
         return None
     exact = method == "flint" or (method == "auto" and problem.tol < EXACT)
+    if modes.cusps and (exact or method == "heyoka"):
+        raise EngineLimit(
+            f"the root of {min(map(str, modes.cusps))} in the equations has no Taylor series where "
+            "it vanishes; use method='scipy', with a tolerance for doubles"
+        )
+    method = "scipy" if modes.cusps and method == "auto" else method
     bits = ceil(-log2(problem.tol)) + GUARD if exact else DOUBLE
     with mpmath.workprec(2 * bits + GUARD):
         roads = Crossroads(method, problem, grid, modes, bits)
-        first = roads.settled(grid[0], roads.start, {}, ())
-    if isinstance(first, str):
-        words = {"method": method, "reason": "nothing moves", "tolerance": problem.tol}
-        return Switched(lambda times: _refused(problem, times, first), words, None, ())
-    values = [float(x) for x in roads.values(first.corner.program, first.sides)]
-    return Switched(
-        lambda times: _Passage(roads, times, first).run(), dict(first.chosen), first.corner, values
-    )
+    return Switched.of(roads)
 
 
 def _refused(problem: Problem, times: np.ndarray, reason: str) -> Run:

@@ -50,11 +50,13 @@ class Sides:
 
     ``side`` is asked for 1 or -1 at each wall of a sign; a floor becomes a symbol of its own, given
     by ``number``.  ``walls`` are those that were met; ``still`` symbols alone make none.
+    Of radicands that are ``cusps`` the absolute value is taken.
     """
 
     side: Callable[[Wall], int]
     number: Callable[[Wall], Any]
     still: frozenset[Any] = frozenset()
+    cusps: frozenset[Any] = frozenset()
     walls: dict[Wall, None] = field(default_factory=dict)
     _known: dict[Any, Any] = field(default_factory=dict)
 
@@ -80,6 +82,8 @@ class Sides:
             return self.number(wall)
         if isinstance(expr, se.atan2):
             return self._angle(*args)
+        if isinstance(expr, se.Pow) and expr.args[0] in self.cusps and _is_root(expr):
+            return se.Abs(args[0]) ** args[1]
         return expr if args == list(expr.args) else expr.func(*args)
 
     def _side(self, function: Any) -> Any:
