@@ -30,6 +30,7 @@ class Made:
     size: float = 1.0
     span: float = 10.0
     singular: tuple[str, ...] = ()
+    inputs: Mapping[str, sp.Expr] = field(default_factory=dict)
 
 
 def dot(q: sp.Symbol) -> sp.Expr:
@@ -274,7 +275,7 @@ def _system(
 
 
 MADE: Mapping[str, tuple[Callable[[Random], Made], ...]] = {
-    "smooth": (generic, generic, blade, trailers, racer, top, bowl),
+    "smooth": (generic, blade, trailers, racer, top, bowl),
     "singular": (blade, trailers, racer, top, bowl),
     "nonsmooth": (rough,),
     "inputs": (driven,),
@@ -292,6 +293,7 @@ def source_of(system: vo.System) -> str:
         "import voronec as vo",
         f"{', '.join(names)}, = symbols({' '.join(names)!r})",
         "t = vo.time",
+        *(f"{u.func} = Function({str(u.func)!r})" for u in system.inputs),
         f"system = vo.System(name={system.name!r}, fibration=vo.Fibration(base={fibration.base}, "
         f"fibre={fibration.fibre}),",
         f"    lagrangian={system.lagrangian},",

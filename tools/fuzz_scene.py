@@ -50,6 +50,7 @@ class Scene:
     outputs: tuple[str, ...]
     method: str
     tol: float
+    inputs: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,8 @@ class Workshop:
         else:
             system = vo.load(self.only or dice.choice(names))
         try:
-            referee = Referee(mechanics_of(system))
+            named = {sp.Function(u)(vo.time): e for u, e in (made.inputs if made else {}).items()}
+            referee = Referee(mechanics_of(system, named))
             return system.name, _Bench(system, made, vo.derive(system), referee)
         except (Unsupported, vo.VoronecError) as error:
             return system.name, error
@@ -158,7 +160,11 @@ def _draw(dice: Random, bench: _Bench, kind: str) -> Scene | None:
         door = "integrate"
     if door != "integrate" and kind == "turns":
         door = "integrate"
-    return Scene(door, parameters, start, times, outputs, method, tol)
+    inputs = bench.made.inputs if bench.made else {}
+    if inputs:
+        door = "integrate"
+    kinds = tuple((u, dice.choice(("expression", "expression", "function"))) for u in inputs)
+    return Scene(door, parameters, start, times, outputs, method, tol, kinds)
 
 
 def _parameters(dice: Random, bench: _Bench) -> dict[str, float] | None:
@@ -318,6 +324,14 @@ def _asked(bench: _Bench, scene: Scene) -> dict[str, Any]:
         return {n: found[n][0] for n in names}
     dense = scene.door == "dense"
     grid = [scene.times[0], scene.times[-1]] if dense else scene.times
+    if scene.inputs and bench.made:
+        common["inputs"] = {
+            u: sp.lambdify(vo.time, bench.made.inputs[u]) if kind == "function"
+            else bench.made.inputs[u]
+            for u, kind in scene.inputs
+        }  # fmt: skip
+        if any(kind == "function" for _, kind in scene.inputs):
+            common["method"] = "auto"  # functions are for scipy
     motion = vo.integrate(bench.equations, times=grid, initial=dict(scene.initial), dense=dense,
                           parameters=dict(scene.parameters), **common)  # fmt: skip
     if dense:
@@ -451,6 +465,12 @@ def _snippet(bench: _Bench, scene: Scene) -> str:
     first = "[start]" if call == "ensemble" else "start"
     key = "starts" if call == "ensemble" else "initial"
     dense = ", dense=True" if scene.door == "dense" else ""
+    if scene.inputs and bench.made:
+        given = (
+            f"{u!r}: lambdify(t, {e})" if dict(scene.inputs)[u] == "function" else f"{u!r}: {e}"
+            for u, e in bench.made.inputs.items()
+        )
+        dense += f", inputs={{{', '.join(given)}}}"
     return "\n".join(
         [
             begin,
