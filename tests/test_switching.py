@@ -7,7 +7,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.algebra.door import Door
-from voronec.errors import IntegrationError
+from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.program import Program
 
 x, y, t = sp.Symbol("x"), sp.Symbol("y"), vo.time
@@ -297,3 +297,57 @@ def test_ensembles_and_sections_go_motion_by_motion(method):
     assert np.abs(points["xdot"] - 1).max() < 1e-11 and np.abs(points.speed - 1).max() < 1e-5
     lost = vo.ensemble(mass_point(sp.sign(Dx)), starts={Dx: [0, 1]}, times=[0, 1], method=method)
     assert "on either side" in str(lost.errors[0]) and abs(lost["xdot"][1, -1] - 2) < 1e-11
+
+
+def test_roots_that_vanish_on_a_wall():
+    with mp.workdps(30):
+        quarter = mp.quad(lambda s: 1 / mp.sqrt(mp.mpf(4) / 3 * (1 - s**1.5)), [0, 0.5, 1])
+    springs = mass_point(-sp.sign(x) * sp.sqrt(sp.Abs(x)))
+    for method in ("scipy", "auto", "lsoda"):
+        found = motion(springs, (1, 0), 8 * quarter, method)
+        assert abs(found["x"][-1] - 1) < 1e-9 and found.cost.switches == 4
+    for method in ("heyoka", "flint"):
+        with pytest.raises(EngineLimit, match="no Taylor series where it vanishes"):
+            motion(springs, (1, 0), 1, method)
+    one_side = mass_point(sp.Piecewise((-sp.sqrt(x), x > 0), (-x, True)))
+    round_trip = mp.pi + 2 * mp.mpf(0.75) ** (mp.mpf(1) / 6) * quarter
+    back = motion(one_side, (-1, 0), round_trip)
+    assert abs(back["x"][-1] + 1) < 1e-9 and back.cost.switches == 2
+
+
+BLOWS = [
+    Dx**2 / 2 - sp.Heaviside(x), Dx**2 * (1 + sp.Heaviside(x)), Dx**2 / 2 + sp.Abs(Dx),
+    Dx**2 / 2 - sp.floor(x), Dx**2 / 2 + sp.sign(sp.sin(t)) * Dx * x,
+    Dx**2 / 2 - sp.Piecewise((x**2, x < 1), (2 * x, True)),
+]  # fmt: skip
+KINKS = [
+    Dx**2 / 2 - sp.Abs(x), Dx**2 / 2 - sp.Max(x, 0) ** 2, Dx**2 / 2 + sp.Abs(Dx) * Dx,
+    Dx**2 / 2 - sp.frac(x) * (1 - sp.frac(x)), Dx**2 / 2 - sp.sign(sp.sin(t)) * x,
+    Dx**2 / 2 - sp.Piecewise((x**2, x < 1), (2 * x - 1, True)),
+]  # fmt: skip
+
+
+def test_lagrangians_have_kinks_but_do_not_jump():
+    for lagrangian in BLOWS:
+        with pytest.raises(DefinitionError, match=r"the Lagrangian jumps where .* = 0"):
+            vo.derive(vo.System("blow", vo.Fibration(base=(x,)), lagrangian))
+    for lagrangian in KINKS:
+        assert vo.derive(vo.System("kink", vo.Fibration(base=(x,)), lagrangian)).force is not None
+    step = vo.System("rail", vo.Fibration((x,), (y,)), Dx**2 + Dy**2, (Dy - sp.sign(x) * Dx,))
+    with pytest.raises(DefinitionError, match=r"constraint 1 .* jumps where x = 0"):
+        vo.derive(step)
+
+
+def test_reactions_are_refused_while_friction_holds():
+    rail = vo.System(
+        name="rail",
+        fibration=vo.Fibration((x,), (y,)),
+        lagrangian=(Dx**2 + Dy**2) / 2,
+        constraints=(Dy - Dx,),
+        forces={x: -sp.sign(Dx)},
+    )
+    given = {"initial": {Dx: 1, Dy: 1}, "outputs": ("x", "reaction 1")}
+    early = vo.integrate(rail, times=[0, 1], **given)
+    assert abs(early["x"][-1] - 0.75) < 1e-12 and abs(abs(early["reaction 1"][-1]) - 0.5) < 1e-12
+    with pytest.raises(DefinitionError, match="reactions are not known while friction holds"):
+        vo.integrate(rail, times=[0, 5], **given)

@@ -14,6 +14,7 @@ from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, time
 from voronec.connection import AffineForms, FibreSolution
 from voronec.errors import DefinitionError
 from voronec.group_frame import GroupFrame, read_group
+from voronec.jumps import require_no_jump, require_no_jump_of_lagrangian
 from voronec.reading import shown
 from voronec.system import System, require_system
 from voronec.transversality import solved
@@ -122,6 +123,7 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
     _count(system, len(constraints.matrix), differentiated)
     point = _start(system) if near is None else dict(near)
     fibre = solved(system, constraints, differentiated, relations, point, share)
+    _require_continuity(system, enter, coordinates, dots)
     named = system.frame.momenta if system.frame is not None else ()
     determinant = system.frame.determinant if system.frame is not None else None
     forces, added = _applied(system, door, enter, dots, frame)
@@ -148,6 +150,21 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
         added=added,
         share=share,
     )
+
+
+def _require_continuity(
+    system: System, enter: Enter, coordinates: Sequence[Any], dots: Sequence[Any]
+) -> None:
+    """Steps are for forces: what velocities depend on may have kinks only."""
+    lagrangian = enter(system.lagrangian, "the Lagrangian")
+    place = f"system '{system.name}'"
+    require_no_jump_of_lagrangian(place, lagrangian, dots, (*coordinates, *dots))
+    for i, constraint in enumerate(system.constraints):
+        require_no_jump(_constraint(system, i), enter(constraint, f"constraint {i + 1}"))
+    if system.frame is not None and not system.on_group:
+        for v, expr in zip(system.frame.velocities, system.frame.expressions, strict=True):
+            name = f"{place}: the quasi-velocity '{plain_name(v)}'"
+            require_no_jump(name, enter(expr, name))
 
 
 def _applied(

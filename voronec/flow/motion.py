@@ -346,6 +346,11 @@ class _Job:
         ready, busy = perf_counter(), process_time()
         run = unguarded(stepper(self.grid), watched, self.vocabulary)
         run = run if guard is None else guard.passed(run)
+        if run.held and made.watch.reactions:
+            raise DefinitionError(
+                f"system '{equations.system.name}': reactions are not known while friction holds "
+                "the motion on a wall; leave them out, or end the run before"
+            )
         cost = Cost(
             **chosen, setup=ready - began + run.prepared,
             run=perf_counter() - ready - run.prepared, cpu=process_time() - busy,

@@ -93,6 +93,9 @@ def through_walls(
 
     def make(piece: Problem) -> Stepper:
         def run(times: np.ndarray) -> Run:
+            if first.roads.bits == DOUBLE:
+                again = first.elsewhere(float(times[0]), piece.start, piece.parameters)
+                return again.stepper(times)
             switched = _through_walls(method, piece, times, form, functions)
             assert switched is not None
             return switched.stepper(times)
@@ -157,6 +160,7 @@ class _Passage:
     crossings: dict[str, list[tuple[Any, np.ndarray]]] = field(default_factory=dict)
     stretches: list[_Stretch] = field(default_factory=list)
     recent: list[Any] = field(default_factory=list)
+    held: bool = False
 
     def __post_init__(self) -> None:
         self.order, self.exact = self.roads.order, self.roads.bits != DOUBLE
@@ -205,6 +209,7 @@ class _Passage:
         values = roads.values(place.program, place.sides)
         if not self.exact:
             values = list(map(float, values))
+        self.held = self.held or bool(place.along)
         part = self.cut(place.run(self.number(self.state), values, times))
         self.steps += part.steps
         self.evaluations += part.evaluations
@@ -308,7 +313,7 @@ class _Passage:
         return Run(
             t.copy(), np.array(rows, dtype=kind), self.steps, self.evaluations, crossings, halt,
             interrupted, stopped, self.inside if self.roads.problem.dense else None,
-            switches=self.switches,
+            switches=self.switches, held=self.held,
         )  # fmt: skip
 
     def inside(self, times: np.ndarray) -> np.ndarray:

@@ -89,6 +89,7 @@ def _joined(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
         evaluations=sum(part.evaluations for part in parts),
         crossings=crossings,
         switches=sum(part.switches for part in parts),
+        held=any(part.held for part in parts),
         prepared=sum(part.prepared for part in parts),
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         inside=_inside(parts) if problem.dense else None,

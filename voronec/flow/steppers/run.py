@@ -105,7 +105,8 @@ class Run:
     it stood when it was stopped by hand, far from the last of these points.
 
     ``crossings`` maps each event to its times and states; ``stopped`` names the one that ended the
-    run; ``inside``, of dense runs, gives states at any times reached; ``switches`` counts changes
+    run; ``inside``, of dense runs, gives states at any times reached; ``held`` says
+    that it was kept on a wall, along which no single right side holds; ``switches`` counts changes
     of chart, and ``prepared`` are the seconds of the run that making integrators for them took;
     ``notes`` are lines for the user.
     """
@@ -121,6 +122,7 @@ class Run:
     inside: Callable[[np.ndarray], np.ndarray] | None = None
     switches: int = 0
     prepared: float = 0.0
+    held: bool = False
     notes: tuple[str, ...] = ()
 
     def until(self, row: int, reason: str) -> Run:
