@@ -98,10 +98,10 @@ MEANT = {
         {"fibration": Fibration((x, phi), (y,), relations=(sp.Integer(1),))}, ["relation 1"],
     ),
     "Heaviside": (
-        {"lagrangian": KINETIC + sp.Heaviside(x)}, ["the Lagrangian", "Heaviside", "elementary"],
+        {"lagrangian": KINETIC + sp.Heaviside(x)}, ["the Lagrangian", "jumps where x = 0", "blow"],
     ),
-    "Piecewise": (
-        {"lagrangian": KINETIC + sp.Piecewise((x, x > 0), (0, True))}, ["Piecewise"],
+    "DiracDelta": (
+        {"lagrangian": KINETIC + sp.DiracDelta(x)}, ["the Lagrangian", "DiracDelta", "elementary"],
     ),
     "not a number": ({"lagrangian": KINETIC + sp.nan}, ["nan"]),
     "imaginary": ({"lagrangian": KINETIC * sp.I}, ["I"]),
