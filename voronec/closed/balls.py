@@ -14,6 +14,7 @@ from voronec.closed.reading import Reading, reading
 from voronec.closed.rest import turned_by
 from voronec.closed.space import product
 from voronec.closed.wheel import rolled_in_balls
+from voronec.elliptic.solution import exact_time
 from voronec.errors import EngineLimit
 
 if TYPE_CHECKING:
@@ -26,11 +27,13 @@ MOST = 1 << 15
 """Bits beyond which an enclosure is given up."""
 
 
-def enclosed(form: ClosedForm, t: Any, digits: int) -> dict[str, Any]:
-    """Coordinates and velocities at a time, each with a radius below 10^-digits.
+def enclosed(form: ClosedForm, t: Any, digits: int, whole: bool = True) -> dict[str, Any]:
+    """Coordinates and velocities at a time, each with a radius below 10^-digits; angles continuous
+    (``whole``), or those in space up to whole turns.
 
     Raises ``EngineLimit`` where that cannot be had: at a time that is itself a wide ball, or at
-    the instant of a passage through a pole of the coordinates.
+    the instant of a passage through a pole of the coordinates, or beyond one where whole turns are
+    asked for.
     """
     if not isinstance(t, str) and t == 0:
         with precise(int(digits * 3.33) + 2 * GUARD):
@@ -39,7 +42,10 @@ def enclosed(form: ClosedForm, t: Any, digits: int) -> dict[str, Any]:
     wide: list[str] = []
     while bits <= MOST:
         with precise(bits):
-            found = _rested(form, t, bits) if form.rests else _moving(form, t, digits + 5, bits)
+            found = (
+                _rested(form, t, bits, whole) if form.rests
+                else _moving(form, t, digits + 5, bits, whole)
+            )  # fmt: skip
             least = ball(10) ** -digits
             wide = [name for name, x in found.items() if not (x.is_finite() and x.rad() < least)]
         if not wide:
@@ -57,7 +63,7 @@ def _begun(form: ClosedForm) -> dict[str, Any]:
     return {plain_name(q): given[q] for q in (*system.coordinates, *system.velocities)}
 
 
-def _moving(form: ClosedForm, t: Any, digits: int, bits: int) -> dict[str, Any]:
+def _moving(form: ClosedForm, t: Any, digits: int, bits: int, whole: bool) -> dict[str, Any]:
     own, problem = form.problem.prepared, form.problem
     digits = max(digits, int((bits - GUARD) / 3.33))
     timed = form.quadratures.clock != 1
@@ -80,7 +86,7 @@ def _moving(form: ClosedForm, t: Any, digits: int, bits: int) -> dict[str, Any]:
     values += [found[q] for q in reading(own).coordinates]
     values += polynomials(form, x, bits)
     if form.attitude is not None and not form.attitude.upright:
-        found |= _turned(form, found, bits)
+        found |= _turned(form, found, exact_time(t), bits, whole)
     if own.motion.plane is not None:
         found |= placed(form, table, at.integrals, x, bits)
     return _named(form, found, _velocities(reading(own), values))
@@ -108,10 +114,8 @@ def _bent(form: ClosedForm, _: list[Any], i: int, at: Any, bits: int) -> tuple[A
     return south, north, p / q, bend / (q * q)
 
 
-def _rested(form: ClosedForm, t: Any, bits: int) -> dict[str, Any]:
+def _rested(form: ClosedForm, t: Any, bits: int, whole: bool) -> dict[str, Any]:
     problem, own = form.problem, form.problem.prepared
-    from voronec.elliptic.solution import exact_time
-
     time, given = exact_time(t), dict(zip(own.inputs, problem.given(bits), strict=True))
     found = {q: given[q] for q in own.system.coordinates}
     turned = form.attitude is not None and not form.attitude.upright
@@ -122,7 +126,7 @@ def _rested(form: ClosedForm, t: Any, bits: int) -> dict[str, Any]:
     if turned and form.attitude is not None:
         motion = turned_by(form.attitude.spin(bits), time)
         frame = product(form.attitude.start(bits)[0], motion)
-        found |= _read(form, frame, bits)
+        found |= _read(form, frame, None, time, bits, whole)
     return _named(form, found, _resting(form, found, given, bits))
 
 
@@ -155,17 +159,27 @@ def placed(form: ClosedForm, table: list[Any], integrals: Any, x: Any, bits: int
     }
 
 
-def _turned(form: ClosedForm, upright: dict[Any, Any], bits: int) -> dict[Any, Any]:
+def _turned(
+    form: ClosedForm, upright: dict[Any, Any], time: Any, bits: int, whole: bool
+) -> dict[Any, Any]:
     assert form.attitude is not None
     frame = form.attitude.machines[2]([upright[q] for q in form.attitude.coordinates])
-    return _read(form, product(form.attitude.turn(bits), frame), bits)
+    turned = product(form.attitude.turn(bits), frame)
+    return _read(form, turned, upright, time, bits, whole)
 
 
-def _read(form: ClosedForm, frame: list[Any], bits: int) -> dict[Any, Any]:
-    """Coordinates off the frame in space: those of a whole turn are in (-pi, pi] here."""
-    assert form.attitude is not None
-    plain = form.attitude.machines[1](frame)
-    return form.attitude.shifted(plain, bits)
+def _read(
+    form: ClosedForm, frame: list[Any], upright: Any, time: Any, bits: int, whole: bool
+) -> dict[Any, Any]:
+    """Coordinates off the frame in space, on the branches on which they start."""
+    own = form.attitude
+    assert own is not None
+    plain = own.machines[1](frame)
+    found = own.shifted(plain, bits)
+    if whole:
+        read = dict(zip(own.coordinates, plain, strict=True))
+        found |= form.winding.continuous(time, upright, read, bits)
+    return found
 
 
 def _shares(table: list[Any], count: int, at: Any) -> Iterator[Any]:

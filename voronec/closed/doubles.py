@@ -55,11 +55,20 @@ def _moving(
     in_space = () if own is None or own.upright else own.coordinates
     circles = tuple(q for q in in_space if {*names} & {plain_name(q) for q in in_space})
     plain = [n for n in names if n not in {plain_name(q) for q in circles}]
-    rows = tabulated(form, grid, plain, circles, whole)
+    winding = _winding(form, circles, names) if whole else ()
+    turning = [*plain, *map(plain_name, winding)]
+    rows = tabulated(form, grid, turning, circles, whole)
     if rows is None:
         sample = form.solution.sample(grid)
-        rows = sample.each(lambda at: Seen(form, at, whole).rows(plain, circles))
+        rows = sample.each(lambda at: Seen(form, at, whole).rows(turning, circles))
     found = dict(zip(plain, rows, strict=False))
     if circles:
-        found |= read_circles(form, rows[len(plain) :], grid, whole)
+        moved = dict(zip(winding, rows[len(plain) : len(turning)], strict=True)) if whole else None
+        found |= read_circles(form, rows[len(turning) :], grid, names, moved)
     return found
+
+
+def _winding(form: ClosedForm, circles: Sequence[Any], names: Sequence[str]) -> tuple[Any, ...]:
+    """The coordinates whose whole turns, of the motion turned upright, tell those in space."""
+    traced = {t.colatitude for t in form.quadratures.traces}
+    return form.winding.names if {*names} & {plain_name(q) for q in {*circles} - traced} else ()

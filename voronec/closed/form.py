@@ -26,6 +26,7 @@ from voronec.closed.ready import Ready
 from voronec.closed.space import Attitude
 from voronec.closed.turns import Turn, turns_of
 from voronec.closed.wheel import velocities
+from voronec.closed.winding import Winding
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.quadratures import Quadratures
 from voronec.reading import several
@@ -82,6 +83,11 @@ class ClosedForm:
         """How the motion lies in space; None where the system declares no space."""
         space = self.quadratures.space
         return None if space is None else Attitude(self.problem, space)
+
+    @cached_property
+    def winding(self) -> Winding:
+        """The whole turns of coordinates in space, where the constant vector is not upright."""
+        return Winding(self)
 
     # -- what there is to know -------------------------------------------------------------
 
@@ -179,8 +185,9 @@ class ClosedForm:
     def at(self, times: Any, names: Sequence[Any] = ()) -> dict[str, np.ndarray]:
         """Coordinates and velocities at times since the start, arrays of doubles by name.
 
-        Angles are continuous; those of coordinates in space are so on a grid that is fine enough
-        to follow, where the constant vector is not upright.
+        Angles are continuous from the start, whatever the other times are.  ``EngineLimit`` names
+        the instant at which a pole of coordinates in space is passed: beyond it an angle has no
+        number of turns.
         """
         return sampled(self, times, self._names(names), whole=True)
 
@@ -188,15 +195,15 @@ class ClosedForm:
         """The same with angles in (-pi, pi], as accurate however late."""
         return sampled(self, times, self._names(names), whole=False)
 
-    def enclose(self, t: Any, digits: int = 50) -> dict[str, Any]:
+    def enclose(self, t: Any, digits: int = 50, whole: bool = True) -> dict[str, Any]:
         """Coordinates and velocities at one time (an int, a double, a Fraction, a decimal as text,
         a ball), as flint's balls with radii below 10^-digits that contain the truth.
 
-        Angles are continuous where the constant vector in space is upright, else in (-pi, pi].
-        Raises ``EngineLimit`` where so many digits cannot be had.
+        Angles are continuous from the start.  Raises ``EngineLimit`` where so many digits cannot be
+        had, and where an angle has no number of turns.
         """
         require("enclose", "digits", digits, COUNT)
-        return enclosed(self, exact_instant(t), digits)
+        return enclosed(self, exact_instant(t), digits, whole)
 
     def _names(self, names: Sequence[Any]) -> tuple[str, ...]:
         known = [plain_name(q) for q in (*self.system.coordinates, *self.system.velocities)]

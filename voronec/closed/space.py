@@ -19,9 +19,10 @@ from voronec.closed.problem import Problem
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.quadratures import Space
 
-__all__ = ["Attitude"]
+__all__ = ["Attitude", "directed", "product", "times", "transposed"]
 
 DECIDING = 64
+LADDER = (DECIDING, 512, 2048)
 MOST = 1 << 12
 """Bits at which the start is computed, at most."""
 SPARE = 24
@@ -100,18 +101,17 @@ class Attitude:
             frame, vector = self.start(bits)
             a, b, c = times(frame, vector)
             size = (a * a + b * b + c * c).sqrt()
-            a, b, c = a / size, b / size, c / size
-            if self._upper:
-                return _towards(a, b, c)
-            # about the first axis by half a turn, then from the lower pole
-            q = _towards(-a, -b, -c)
-            return [q[0], -q[1], -q[2], q[3], -q[4], -q[5], q[6], -q[7], -q[8]]
+            return directed([a / size, b / size, c / size], self.upper)
 
     @cached_property
-    def _upper(self) -> bool:
-        """Whether the vector points upwards, roughly: which of two formulas is good."""
-        with precise(DECIDING):
-            return float(times(*self.start(DECIDING))[2].mid()) >= 0
+    def upper(self) -> bool:
+        """Whether the vector points upwards, as far as this can be told."""
+        for bits in LADDER:
+            with precise(bits):
+                height = times(*self.start(bits))[2]
+            if not height.contains(0):
+                return bool(height > 0)
+        return True
 
     def begin(self, bits: int) -> list[Any]:
         """The turned coordinates at the start, of E' = Q^T E, to nearly so many bits."""
@@ -235,6 +235,15 @@ def product(first: Sequence[Any], second: Sequence[Any]) -> list[Any]:
 def transposed(matrix: Sequence[Any]) -> list[Any]:
     """Row by row."""
     return [matrix[3 * j + i] for i in range(3) for j in range(3)]
+
+
+def directed(axis: Sequence[Any], upper: bool) -> list[Any]:
+    """A rotation of the third axis to a unit vector: the smallest one, or, to one that points
+    downwards, half a turn about the first axis and the smallest one from its lower end."""
+    if upper:
+        return _towards(*axis)
+    q = _towards(*(-e for e in axis))
+    return [q[0], -q[1], -q[2], q[3], -q[4], -q[5], q[6], -q[7], -q[8]]
 
 
 def _towards(a: Any, b: Any, c: Any) -> list[Any]:

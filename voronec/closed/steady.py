@@ -49,7 +49,7 @@ def steadily(
         from voronec.closed.turned import read_frame
 
         start = np.array([float(e) for e in own.start(BITS)[0]]).reshape(3, 3)
-        found |= read_frame(form, _frames(start, own.spin(BITS), grid), grid, whole)
+        found |= read_frame(form, _frames(start, own.spin(BITS), grid), grid, names, whole)
     return found
 
 

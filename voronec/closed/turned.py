@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,79 +22,75 @@ right to 8e-16 tell longitudes no better than to 1e-13."""
 DIGITS = 20
 BLOCK = 8192
 """Instants that are read at once, so few that they stay in the cache."""
-TURN = 2 * np.pi
 
 
 def read_circles(
-    form: ClosedForm, circles: Sequence[np.ndarray], grid: np.ndarray, whole: bool
+    form: ClosedForm,
+    circles: Sequence[np.ndarray],
+    grid: np.ndarray,
+    names: Sequence[str],
+    moved: Mapping[Any, np.ndarray] | None,
 ) -> dict[str, np.ndarray]:
-    """Coordinates in space from cosines and sines of those of the motion turned upright."""
+    """Coordinates in space from cosines and sines of those of the motion turned upright.
+
+    ``moved`` has longitude and third angle of that, with whole turns, where these are asked for.
+    """
     own = form.attitude
     assert own is not None
     read, turn = _reader(own.space), form.ready.turn
     found = np.empty((len(own.coordinates), grid.size))
     for part in _blocks(grid.size):
         found[:, part] = read(*turn, *(c[part] for c in circles))
-    return _settled(form, found, grid, whole)
+    return _settled(form, found, grid, names, moved)
 
 
 def read_frame(
-    form: ClosedForm, entries: Any, grid: np.ndarray, whole: bool
+    form: ClosedForm, entries: Any, grid: np.ndarray, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
-    """Coordinates in space from the entries of the frame there."""
+    """Coordinates in space from the entries of the frame there, which turns evenly."""
     own = form.attitude
     assert own is not None
     read = _plain_reader(own.space)
     found = read(*(np.ravel(entries[i][j]) for i in range(3) for j in range(3)))
-    found = _settled(form, np.array(found), np.ravel(grid), whole)
-    return {name: x.reshape(grid.shape) for name, x in found.items()}
+    flat = np.array([np.broadcast_to(x, grid.size) for x in found], dtype=float)
+    settled = _settled(form, flat, np.ravel(grid), names, {} if whole else None)
+    return {name: x.reshape(grid.shape) for name, x in settled.items()}
 
 
 def _settled(
-    form: ClosedForm, found: np.ndarray, grid: np.ndarray, whole: bool
+    form: ClosedForm,
+    found: np.ndarray,
+    grid: np.ndarray,
+    names: Sequence[str],
+    moved: Mapping[Any, np.ndarray] | None,
 ) -> dict[str, np.ndarray]:
     """On their branches; at the few instants at which a colatitude is near a pole, and doubles
     lose digits, from balls."""
     own = form.attitude
     assert own is not None
-    names = [plain_name(q) for q in own.coordinates]
-    traces = {plain_name(t.colatitude) for t in form.quadratures.traces}
+    traces = {t.colatitude for t in form.quadratures.traces}
+    rows = dict(zip(own.coordinates, found, strict=True))
     near = np.zeros(grid.size, dtype=bool)
-    for name, row, (side, turns) in zip(names, found, own.branches, strict=True):
+    for q in traces & {*rows}:
         for part in _blocks(grid.size):
-            if name in traces:
-                place = row[part] / np.pi
-                place -= np.rint(place)
-                near[part] |= ~(np.abs(place) >= STEEP / np.pi)
-            if (side, turns) != (1, 0):
-                row[part] = side * row[part] + turns * np.pi
+            place = rows[q][part] / np.pi
+            place -= np.rint(place)
+            near[part] |= ~(np.abs(place) >= STEEP / np.pi)
+    asked = {q: row for q, row in rows.items() if plain_name(q) in names}
+    whole = moved is not None and bool({*asked} - traces)
+    if moved is not None and whole:
+        form.winding.unwind(grid, moved, {q: row for q, row in asked.items() if q not in traces})
+    for (q, row), (side, turns) in zip(rows.items(), own.branches, strict=True):
+        if (q in traces or moved is None) and (side, turns) != (1, 0):
+            row *= side
+            row += turns * np.pi
     for place in np.flatnonzero(near):
-        exact = form.enclose(float(grid[place]), DIGITS)
-        found[:, place] = [float(exact[name]) for name in names]
-    for name, row in zip(names, found, strict=True):
-        if not whole:
-            row[:] = wrapped(row)
-        elif name not in traces:
-            _unwrap(row)
-    return dict(zip(names, found, strict=True))
-
-
-def _unwrap(angle: np.ndarray) -> None:
-    """Made continuous in place: from instant to instant the nearest angle is taken."""
-    last, turns = angle[0] if angle.size else 0.0, 0.0
-    for part in _blocks(angle.size):
-        piece = angle[part]
-        steps = np.empty(piece.size)
-        np.subtract(piece[1:], piece[:-1], out=steps[1:])
-        steps[0], last = piece[0] - last, piece[-1]
-        steps /= TURN
-        np.rint(steps, out=steps)
-        places = np.flatnonzero(steps)
-        gained = turns + np.concatenate([[0.0], np.cumsum(steps[places])])
-        lengths = np.diff(places, prepend=0, append=piece.size)
-        if gained.any():
-            piece -= np.repeat(TURN * gained, lengths)
-        turns = gained[-1]
+        exact = form.enclose(float(grid[place]), DIGITS, whole)
+        for q, row in asked.items():
+            row[place] = float(exact[plain_name(q)])
+    if moved is None:
+        return {plain_name(q): wrapped(row) for q, row in asked.items()}
+    return {plain_name(q): row for q, row in asked.items()}
 
 
 def _blocks(size: int) -> Iterator[slice]:

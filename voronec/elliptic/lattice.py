@@ -14,7 +14,7 @@ from voronec.elliptic.numbers import Numbers
 from voronec.elliptic.roots import Ends, Unresolved, coefficients
 from voronec.elliptic.sums import Sums
 
-__all__ = ["ALMOST", "Lattice", "Place", "carlson", "lattice_of", "turn_of"]
+__all__ = ["ALMOST", "Lattice", "Place", "carlson", "lattice_of", "time_from", "turn_of"]
 
 ALMOST = 1 - 2.0**-10
 """Choices between equals must not depend on rounding, hence on the number of bits: a start in the
@@ -128,16 +128,21 @@ def turn_of(numbers: Numbers, ends: Ends, lattice: Lattice) -> arb:
     base = lattice.base
     cofactor = _deflated(coefficients(numbers), base.x)
     distance = numbers.rate * numbers.rate / cofactor(numbers.place)
-    size = abs(distance)
-    sign = 1 if distance > 0 else -1
-    x, y, z = (sign * (base.slope + distance * (base.bend - e)) for e in lattice.es)
-    time = _positive(size).sqrt() * carlson(x, y, z)
-    outwards = numbers.rate * sign
+    time = time_from(lattice, distance)
+    outwards = numbers.rate if distance > 0 else -numbers.rate
     if outwards > 0:
         return -time
     if outwards < 0:
         return time
     raise Unresolved(f"the rate {numbers.rate.str(5)} may be 0")
+
+
+def time_from(lattice: Lattice, distance: arb) -> arb:
+    """The time from the turning point at the base until x is so far from it, signed as x moves:
+    ``R_F(wp - e1, wp - e2, wp - e3)`` with ``wp = B + A/distance``.  [Carlson1995]"""
+    base, sign = lattice.base, 1 if distance > 0 else -1
+    x, y, z = (sign * (base.slope + distance * (base.bend - e)) for e in lattice.es)
+    return _positive(abs(distance)).sqrt() * carlson(x, y, z)
 
 
 def carlson(x: arb | acb, y: arb | acb, z: arb | acb) -> arb:

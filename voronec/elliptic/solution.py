@@ -11,9 +11,10 @@ from flint import acb, arb, ctx, fmpq
 
 from voronec.elliptic.assembly import assembled
 from voronec.elliptic.constants import Constants
+from voronec.elliptic.lattice import lattice_of, time_from
 from voronec.elliptic.moment import Moment, moment_of
 from voronec.elliptic.numbers import Numbers, Source
-from voronec.elliptic.roots import Unresolved, ends_of, resolved
+from voronec.elliptic.roots import Unresolved, ends_of, interval, resolved
 from voronec.errors import EngineLimit
 
 __all__ = ["Enclosed", "Solution", "accurate", "exact_time", "invert"]
@@ -104,6 +105,19 @@ class Solution:
 
         bits = int(digits * 3.33) + GUARD
         return resolved(work, bits)
+
+    def delay(self, place: arb, bits: int) -> arb:
+        """The time from ``constants(bits).turn`` until x is at a place between the two ends.
+
+        Raises:
+            Unresolved: more bits are needed.
+        """
+        constants = self.constants(bits)
+        if constants.kind == "exponential":
+            ratio = constants.mean * (place - constants.base) / (constants.other - place)
+            return ratio.log() / (2 * constants.scale)
+        numbers = _numbers(self.source, bits)
+        return time_from(lattice_of(numbers, interval(numbers)), place - constants.base)
 
     def sample(self, times: Any) -> Any:
         """The motion at many times in doubles, a ``Sample``."""

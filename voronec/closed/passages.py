@@ -1,0 +1,203 @@
+"""When the contact of a motion turned upright passes the two parallels through the fixed pole.
+
+Seen from the constant vector K the fixed axis has the colatitude alpha <= pi/2 and the longitude
+lambda, the contact c and lambda + phi.  Only within the caps c < alpha and c > pi - alpha do the
+angles about the fixed axis wind otherwise than phi [Theory, eqs. (28), (29)].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from flint import arb, ctx
+
+from voronec.closed.arithmetic import angle, ball
+from voronec.closed.composition import Composition
+from voronec.closed.space import directed, product, times, transposed
+from voronec.elliptic.moment import moment_of
+from voronec.elliptic.roots import Unresolved
+
+if TYPE_CHECKING:
+    from voronec.closed.form import ClosedForm
+
+__all__ = ["DECIDED", "Passage", "Passages", "floor", "moving_passages", "resting_passages"]
+
+DECIDED = 2048
+"""Bits at which a turning point that cannot be told from the border of a cap is taken for one
+that touches it: it leaves the turns open only where it is the pole too."""
+
+
+@dataclass(frozen=True)
+class Passage:
+    """Of the border of a cap, again in each period.
+
+    Attributes:
+        time: of the first.
+        phase: phi there in turns; at the far cap half a turn more.
+        far: whether the cap is c > pi - alpha.
+        way: 1 out of the cap, -1 into it.
+    """
+
+    time: arb
+    phase: arb
+    far: bool
+    way: int
+
+
+@dataclass(frozen=True)
+class Passages:
+    """Of one motion, at one precision.
+
+    Attributes:
+        side: 1, or -1 where K points downwards: all angles are then those about -K.
+        longitude: lambda.
+        rate: of the longitude of the contact where the variable rests.
+        start: of such a motion, the longitude about K, and the angle about the contact's normal.
+        period: None where there is none.
+        advance: of phi in a period, in turns.
+        passages: in the order of time.
+        near: whether the contact is in c < alpha before the first of them.
+        far: whether it is in c > pi - alpha.
+        borders: where it stays on a parallel through the pole: 0 for that of the near cap, 1/2
+            for that of the far one.
+    """
+
+    side: int
+    longitude: arb
+    period: arb | None
+    advance: arb
+    passages: tuple[Passage, ...]
+    near: bool
+    far: bool
+    borders: tuple[arb, ...]
+    start: tuple[arb, arb] | None = None
+    rate: Any = None
+
+    def inside(self, numbers: Sequence[int]) -> tuple[bool, bool]:
+        """Whether the contact is in the near cap, and in the far one, when so many passages of
+        each kind have been."""
+        flags = [int(self.near), int(self.far)]
+        for passage, number in zip(self.passages, numbers, strict=True):
+            flags[passage.far] -= passage.way * number
+        return flags[0] > 0, flags[1] > 0
+
+    def numbers(self, time: arb) -> list[int]:
+        """How many passages of each kind there have been since the first, that one with them;
+        those that are missing before it count negative.  Near a passage either number will do."""
+        if self.period is None:
+            return [int(time.mid() >= p.time.mid()) for p in self.passages]
+        return [1 + floor((time - p.time) / self.period) for p in self.passages]
+
+
+def moving_passages(form: ClosedForm, parts: Composition, bits: int) -> Passages:
+    """Those of a motion whose variable moves.
+
+    Raises:
+        Unresolved: more bits are needed.
+    """
+    own = form.attitude
+    assert own is not None
+    side, height, longitude = _pole(own.turn(bits), 1 if own.upper else -1)
+    constants = form.solution.constants(bits)
+    offset, slope = _cosine(form, parts, bits)
+    ends = [side * (offset + slope * x) for x in (constants.base, constants.other)]
+    j = form.quadratures.angles.index(parts.longitude)
+    begin = form.begin(bits)[j]
+
+    def phase(time: arb, half: int) -> arb:
+        moved = moment_of(constants, time).expressions[j] - constants.starts[j]
+        return (side * (begin + moved) - longitude) / (2 * arb.pi()) + arb(half) / 2
+
+    found: list[Passage] = []
+    inside, borders = [], []
+    for far in (False, True):
+        level = -height if far else height
+        signs = [_sign(level - e if far else e - level) for e in ends]
+        for time, way in _times(form, constants, signs, (side * level - offset, slope), bits):
+            found.append(Passage(time, phase(time, far), far, way))
+        # before the first of them the variable is beyond the other end, or at the first there is
+        early = signs[0] if constants.kind == "exponential" else signs[1]
+        inside.append((early or signs[0] or signs[1]) > 0)
+        borders += [arb(far) / 2] * (signs == [0, 0])
+    found.sort(key=lambda p: (float(p.time.mid()), p.way))
+    advances = constants.advances
+    return Passages(
+        side, longitude,
+        None if constants.half is None else 2 * constants.half,
+        arb(0) if advances is None else side * advances[j] / (2 * arb.pi()),
+        tuple(found), inside[0], inside[1], tuple(borders),
+    )  # fmt: skip
+
+
+def resting_passages(form: ClosedForm, parts: Composition, bits: int, upper: bool) -> Passages:
+    """Where the variable rests there are none: the frame turns evenly about its spin, of which
+    ``upper`` says whether it points upwards.
+
+    Raises:
+        Unresolved: more bits are needed, or the contact stays where it is.
+    """
+    own = form.attitude
+    assert own is not None
+    spin, frame = own.spin(bits), own.start(bits)[0]
+    rate = sum((w * w for w in spin), ball(0)).nonnegative_part().sqrt()
+    if not rate > 0:
+        raise Unresolved("the frame may be still")
+    turn = directed([e / rate for e in times(frame, spin)], upper)
+    side, height, longitude = _pole(turn, 1 if upper else -1)
+    upright = own.machines[1](product(transposed(turn), frame))
+    values = dict(zip(own.coordinates, upright, strict=True))
+    v, c, b = (values[q] for q in (parts.longitude, parts.colatitude, parts.third))
+    if not c.sin() > 0:
+        raise Unresolved("the frame may turn about the normal of the contact alone")
+    signs = [_sign(gap) for gap in (side * c.cos() - height, -height - side * c.cos())]
+    borders = tuple(arb(far) / 2 for far, sign in enumerate(signs) if sign == 0)
+    return Passages(
+        side, longitude, None, arb(0), (), signs[0] > 0, signs[1] > 0, borders, (v, b), rate
+    )
+
+
+def _pole(turn: list[Any], side: int) -> tuple[int, arb, arb]:
+    """Where the fixed axis is seen, from K or from -K: side, cosine of alpha, and lambda."""
+    return side, side * turn[8], angle(side * turn[7], turn[6])
+
+
+def _cosine(form: ClosedForm, parts: Composition, bits: int) -> tuple[arb, arb]:
+    """Offset and slope of the cosine of the colatitude about K."""
+    first = form.problem.prepared.cosine_at + 2 * parts.trace
+    offset, slope = form.problem.table(bits)[first : first + 2]
+    symbols = form.problem.prepared.cosines[parts.trace]
+    if slope.contains(0) and (slope.is_zero() or form.sign(symbols[1]) == 0):
+        slope = arb(0)
+    return offset, slope
+
+
+def _times(
+    form: ClosedForm, constants: Any, signs: list[int], line: tuple[arb, arb], bits: int
+) -> Iterator[tuple[arb, int]]:
+    """When the variable passes ``line[0]/line[1]``, and which way, out of a cap or into it, if
+    ``signs`` say where its ends are; in one period."""
+    lonely = constants.kind == "exponential"
+    if signs[0] * signs[1] < 0:
+        delay = form.solution.delay(line[0] / line[1], bits)
+        yield constants.turn + delay, -signs[1]
+        if not lonely:
+            yield constants.turn - delay, signs[1]
+    elif signs[0] == 0 != signs[1] and not lonely:
+        yield from ((constants.turn, way) for way in (-1, 1))
+    elif signs[1] == 0 != signs[0] and constants.half is not None:
+        yield from ((constants.turn + constants.half, way) for way in (-1, 1))
+
+
+def floor(value: arb) -> int:
+    """Of the middle of a ball."""
+    return int(value.mid().floor().unique_fmpz())
+
+
+def _sign(value: arb) -> int:
+    if value > 0 or value < 0:
+        return 1 if value > 0 else -1
+    if ctx.prec < DECIDED:
+        raise Unresolved("a turning point may lie on the border of a cap")
+    return 0

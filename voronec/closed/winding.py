@@ -1,0 +1,389 @@
+"""Whole turns of coordinates in space, for any direction of the constant vector and without a grid.
+
+A coordinate read off the frame is known up to whole turns.  Beside it stands another angle, which
+is continuous, known at every time, and never more than a quarter of a turn away: phi or nothing,
+less the whole turns that phi gains while the contact is within a cap around the fixed pole
+[Theory, eqs. (28) to (30)].  Over N periods these are sums of N floors of numbers that grow evenly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+from flint import arb, ctx
+
+from voronec.algebra.symbols import plain_name
+from voronec.closed.arithmetic import precise
+from voronec.closed.composition import Composition, composition
+from voronec.closed.floor_sums import certain_floor_sum, first_doubt
+from voronec.closed.passages import (
+    DECIDED,
+    Passage,
+    Passages,
+    floor,
+    moving_passages,
+    resting_passages,
+)
+from voronec.closed.space import times as rotated
+from voronec.closed.space import transposed
+from voronec.closed.tally import Tally, tally
+from voronec.elliptic.roots import Unresolved
+from voronec.errors import EngineLimit
+
+if TYPE_CHECKING:
+    from voronec.closed.form import ClosedForm
+
+__all__ = ["Winding"]
+
+FIRST, MOST = 192, 1 << 12
+"""Bits at which turns are counted, at first and at most."""
+SURE = 0.49
+"""A number that lies so near to a whole one is meant to be it."""
+SHARP = 2.0**-72
+"""Errors of phases, in turns, that are well below those of whole numbers of 2^-64."""
+ROUGH = 1e-9
+"""Of doubles that are phases, in turns; what is nearer to a pole is evaluated in balls."""
+HALVINGS = 80
+POLE = "the contact passes through a pole in space at t = {:.15g}"
+TURN = 2 * np.pi
+
+Value = TypeVar("Value")
+Angles = tuple[arb, arb]
+"""Longitude and third angle."""
+Turns = tuple[int, int]
+Rows = Mapping[Any, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class Winding:
+    """The whole turns of the coordinates in space of one motion that is not upright."""
+
+    form: ClosedForm
+    _levels: dict[int, Passages] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def parts(self) -> Composition:
+        """How the coordinates turn the frame.
+
+        Raises:
+            EngineLimit: in another way than a longitude, a colatitude and a third angle do.
+        """
+        found = composition(self.form.problem.prepared)
+        if found is None:
+            raise EngineLimit(
+                f"system '{self.form.system.name}': whole turns in space are known where the frame "
+                "is made of the longitude and the colatitude of a trace and an angle about that "
+                "axis; ask for the angles modulo a turn"
+            )
+        return found
+
+    @property
+    def names(self) -> tuple[Any, Any]:
+        """The two coordinates that wind."""
+        return self.parts.longitude, self.parts.third
+
+    def passages(self, bits: int) -> Passages | None:
+        """When caps are entered and left; None where the contact stays at one place in space."""
+        form, parts = self.form, self.parts
+        if form.rests and self._stands:
+            return None
+        if bits not in self._levels:
+            self._levels[bits] = (
+                resting_passages(form, parts, bits, self._upper)
+                if form.rests else moving_passages(form, parts, bits)
+            )  # fmt: skip
+        return self._levels[bits]
+
+    @cached_property
+    def _stands(self) -> bool:
+        """Whether the contact of a frame that turns evenly stays where it is, as far as can be
+        told."""
+        bits = FIRST
+        while bits <= DECIDED:
+            try:
+                with precise(bits):
+                    resting_passages(self.form, self.parts, bits, self._upper)
+            except (Unresolved, ZeroDivisionError):
+                bits *= 2
+            else:
+                return False
+        return True
+
+    @cached_property
+    def _upper(self) -> bool:
+        """Whether the spin of a frame that turns evenly points upwards, as far as can be told."""
+        own, bits = self.form.attitude, FIRST
+        assert own is not None
+        while bits <= DECIDED:
+            with precise(bits):
+                height = rotated(own.start(bits)[0], own.spin(bits))[2]
+            if not height.contains(0):
+                return bool(height > 0)
+            bits *= 2
+        return True
+
+    # -- what is counted -------------------------------------------------------------------
+
+    def gained(self, level: Passages, numbers: Sequence[int]) -> Turns:
+        """What phi gains in whole turns within the near cap, and within the far one, up to
+        constants, when so many passages of each kind have been.
+
+        Raises:
+            Unresolved: a floor is open.
+        """
+        totals = [0, 0]
+        for passage, count in zip(level.passages, numbers, strict=True):
+            found = certain_floor_sum(count, passage.phase, level.advance)
+            if found is None:
+                number = first_doubt(count, passage.phase, level.advance)
+                raise Unresolved(self.pole(level, passage, number))
+            totals[passage.far] += passage.way * found
+        return totals[0], totals[1]
+
+    def pole(self, level: Passages, passage: Passage, number: int) -> str:
+        """That a passage is one through the pole."""
+        time = passage.time
+        if level.period is not None:
+            time = time + number * level.period
+        return POLE.format(float(time.mid()))
+
+    def centres(self, level: Passages | None, time: arb, upright: Angles) -> Angles:
+        """Angles that are continuous, and less than half a turn from the longitude and from
+        ``sense third``, up to whole turns that do not change with the time.
+
+        Raises:
+            Unresolved: more bits are needed.
+        """
+        if level is None:
+            longitude, third, spin = self._standing(ctx.prec)
+            return longitude, self.parts.sense * third + spin * time
+        pi, numbers = arb.pi(), level.numbers(time)
+        near, far = level.inside(numbers)
+        first, last = self.gained(level, numbers)
+        along, about = level.side * upright[0], self.parts.sense * upright[1]
+        phase = along - level.longitude
+        for half in level.borders:
+            self._stays(level, phase / (2 * pi) + half, half, time)
+        if near or far:
+            along = level.longitude + (pi if near else 0)
+            about += phase - pi if near else -phase
+        about += pi if level.side < 0 else 0
+        return along - 2 * pi * (first + last), about + 2 * pi * (first - last)
+
+    def turns(self, level: Passages | None, time: arb, upright: Angles, read: Angles) -> Turns:
+        """How many whole turns longitude and third angle have beyond those that are read off, up
+        to constants.
+
+        Raises:
+            Unresolved: more bits are needed.
+        """
+        longitude, third = self.centres(level, time, upright)
+        sense, turn = self.parts.sense, 2 * arb.pi()
+        return _nearest((longitude - read[0]) / turn), sense * _nearest(
+            (third - sense * read[1]) / turn
+        )
+
+    @cached_property
+    def origin(self) -> Turns:
+        """Half turns from longitude and third angle, as they are counted here, to those of the
+        start."""
+
+        def work(bits: int) -> Turns:
+            own, level = self.form.attitude, self.passages(bits)
+            assert own is not None
+            plain = dict(zip(own.coordinates, own.machines[1](own.start(bits)[0]), strict=True))
+            read = plain[self.names[0]], plain[self.names[1]]
+            first, second = self.turns(level, arb(0), self.upright(level, None, bits), read)
+            begun = [given - r for given, r in zip(self._given(bits), read, strict=True)]
+            halves = [_nearest(e / arb.pi()) for e in begun]
+            return halves[0] - 2 * first, halves[1] - 2 * second
+
+        return self.certain(work)
+
+    def upright(self, level: Passages | None, moved: Mapping[Any, arb] | None, bits: int,
+                time: Any = 0) -> Angles:  # fmt: skip
+        """Longitude and third angle about the constant axis, continuous; ``moved`` has them where
+        the variable moves, None means the start."""
+        if level is None:
+            return arb(0), arb(0)
+        if level.start is not None:
+            return level.start[0] + level.rate * time, level.start[1]
+        if moved is None:
+            moved = dict(zip(self.form.quadratures.angles, self.form.begin(bits), strict=True))
+        return moved[self.names[0]], moved[self.names[1]]
+
+    def _given(self, bits: int) -> tuple[arb, ...]:
+        problem = self.form.problem
+        values = dict(zip(problem.prepared.inputs, problem.given(bits), strict=True))
+        return values[self.names[0]], values[self.names[1]]
+
+    # -- in balls --------------------------------------------------------------------------
+
+    def continuous(
+        self, time: arb, moved: Mapping[Any, arb] | None, read: Mapping[Any, arb], bits: int
+    ) -> dict[Any, arb]:
+        """Longitude and third angle from those that are read off at a time, on the branch on which
+        they start; no numbers where so many bits are too few.
+
+        Raises:
+            EngineLimit: a pole of the coordinates is passed before.
+        """
+        plain = read[self.names[0]], read[self.names[1]]
+        if not all(e.is_finite() for e in plain):
+            return dict(zip(self.names, plain, strict=True))
+        try:
+            level = self.passages(bits)
+            found = self.turns(level, time, self.upright(level, moved, bits, time), plain)
+        except Unresolved as reason:
+            if bits >= MOST:
+                raise self._refusal(str(reason)) from None
+            return dict.fromkeys(self.names, arb("nan"))
+        rows = zip(self.names, plain, found, self.origin, strict=True)
+        return {q: r + (2 * n + half) * arb.pi() for q, r, n, half in rows}
+
+    def certain(self, work: Callable[[int], Value]) -> Value:
+        """What a work gives at the least bits at which it decides."""
+        bits = FIRST
+        while True:
+            with precise(bits):
+                try:
+                    return work(bits)
+                except (Unresolved, ZeroDivisionError) as reason:
+                    if bits >= MOST:
+                        raise self._refusal(str(reason)) from None
+            bits *= 2
+
+    def _refusal(self, reason: str) -> EngineLimit:
+        names = " and ".join(map(plain_name, self.names))
+        return EngineLimit(
+            f"system '{self.form.system.name}': {names} have no number of whole turns, as "
+            f"{reason}; ask for them modulo a turn"
+        )
+
+    # -- in doubles ------------------------------------------------------------------------
+
+    def unwind(self, times: np.ndarray, moved: Rows, read: Rows) -> None:
+        """Make longitude and third angle, as far as they are among those that are read off,
+        continuous in place.  ``moved`` has both of the motion turned upright, where the variable
+        moves.
+
+        Raises:
+            EngineLimit: a pole of the coordinates is passed.
+        """
+        level, counted = self.certain(lambda bits: self._tallied(times, bits))
+        if level is None or counted is None:
+            with precise(FIRST):
+                longitude, third, spin = map(float, self._standing(FIRST))
+            centres = [np.full(times.shape, longitude), third + self.parts.sense * spin * times]
+        else:
+            centres = self._centres(level, counted, times, moved)
+        for q, centre, half in zip(self.names, centres, self.origin, strict=True):
+            if q in read:
+                whole = centre - read[q]
+                whole /= TURN
+                np.rint(whole, out=whole)
+                whole *= 2
+                whole += half
+                whole *= np.pi
+                read[q][:] += whole
+
+    def _tallied(self, times: np.ndarray, bits: int) -> tuple[Passages | None, Tally | None]:
+        level = self.passages(bits)
+        if level is None:
+            return None, None
+        phases = [p.phase for p in level.passages]
+        if any(value.rad() > SHARP for value in (*phases, level.advance)):
+            raise Unresolved("phases are not accurate enough")
+        return level, tally(self, level, times)
+
+    def _centres(
+        self, level: Passages, counted: Tally, times: np.ndarray, moved: Rows
+    ) -> list[np.ndarray]:
+        """What ``centres`` gives, the second one as the third angle is counted."""
+        side, sense, pole = level.side, self.parts.sense, float(level.longitude.mid())
+        if level.start is not None:
+            first, second = map(float, level.start)
+            along, about = side * (first + float(level.rate) * times), np.full(times.shape, second)
+        else:
+            along, about = side * moved[self.names[0]], moved[self.names[1]]
+        for half in level.borders:
+            self._stay(level, (along - pole) / TURN + float(half), half, times)
+        near, far, state = counted.near, counted.far, counted.state
+        free, swung = ~(near | far), near.astype(float) - far
+        low = pole + np.pi * near
+        low[free] = 0.0
+        low -= TURN * (counted.first + counted.last)
+        high = -np.pi * near - swung * pole + TURN * (counted.first - counted.last)
+        high += np.pi if side < 0 else 0.0
+        longitude, third = along * free[state], along * swung[state]
+        longitude += low[state]
+        third += high[state]
+        third *= sense
+        third += about
+        return [longitude, third]
+
+    # -- where no cap is entered -----------------------------------------------------------
+
+    def _standing(self, bits: int) -> tuple[arb, arb, arb]:
+        """Longitude and third angle at the start, and the spin of the frame about the normal of
+        the contact, where that stays where it is."""
+        own, problem = self.form.attitude, self.form.problem
+        assert own is not None
+        v, b = self._given(bits)
+        c = problem.exact(self.parts.colatitude)(bits)
+        normal = [c.sin() * v.cos(), c.sin() * v.sin(), c.cos()]
+        along = rotated(transposed(own.start(bits)[0]), normal)
+        return v, b, sum((w * e for w, e in zip(own.spin(bits), along, strict=True)), arb(0))
+
+    def _stays(self, level: Passages, now: arb, half: arb, time: arb) -> None:
+        """That a contact which stays on a parallel through the pole has not passed that pole."""
+        begun = self._begun(level, half, ctx.prec)
+        ends = [value.floor().unique_fmpz() for value in (begun, now)]
+        if None in ends:
+            raise Unresolved(POLE.format(float(time.mid())))
+        if ends[0] != ends[1]:
+            raise self._refusal(POLE.format(self._met(level, half, float(time.mid()))))
+
+    def _stay(self, level: Passages, phases: np.ndarray, half: arb, times: np.ndarray) -> None:
+        """The same at many times; what is too near to tell is evaluated in balls."""
+        with precise(FIRST):
+            begun = floor(self._begun(level, half, FIRST))
+        off = np.maximum(begun - phases, phases - begun - 1)
+        past = np.flatnonzero(off > ROUGH)
+        if past.size:
+            met = self._met(level, half, float(times[past[np.argmin(np.abs(times[past]))]]))
+            raise self._refusal(POLE.format(met))
+
+    def _begun(self, level: Passages, half: arb, bits: int) -> arb:
+        start = self.upright(level, None, bits)[0]
+        return (level.side * start - level.longitude) / (2 * arb.pi()) + half
+
+    def _met(self, level: Passages, half: arb, time: float) -> float:
+        """When the pole is first met on the way to a time that lies beyond, by halving."""
+        begun = float(self._begun(level, half, FIRST))
+
+        def phase(t: float) -> float:
+            if level.rate is not None:
+                return begun + level.side * float(level.rate) * t / TURN
+            j = self.form.quadratures.angles.index(self.names[0])
+            return begun + level.side * float(self.form.solution.sample(t).integral(j)) / TURN
+
+        before, after = 0.0, time
+        for _ in range(HALVINGS):
+            middle = (before + after) / 2
+            if np.floor(phase(middle)) == np.floor(begun):
+                before = middle
+            else:
+                after = middle
+        return (before + after) / 2
+
+
+def _nearest(value: arb) -> int:
+    found = floor(value + arb(0.5))
+    if not abs(value - found) < SURE:
+        raise Unresolved("whole turns need more bits")
+    return found
