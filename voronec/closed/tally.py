@@ -17,9 +17,10 @@ __all__ = ["Tally", "tally"]
 
 BITS = 64
 """Of the fraction of a phase: whole numbers of them wrap around by themselves."""
-SPARSE = 4
-"""Where there are more periods than so many per instant, they are not all looked at."""
-LEAST = 4096
+SPARSE = 2000
+"""So many periods are looked at, one after the other, in the time that one sum over them takes."""
+CHUNK = 1 << 20
+"""Periods that are looked at at once."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ def tally(winding: Any, level: Passages, times: np.ndarray) -> Tally:
     for passage in level.passages[1:]:
         state += rest >= float((passage.time - begin).mid())
     low, high = (int(e) for e in (windows.min(initial=0), windows.max(initial=0)))
-    if high - low <= max(LEAST, SPARSE * times.size):
+    if high - low <= max(SPARSE, times.size):
         kinds, places = np.arange(low, high + 1), windows.astype(np.intp) - low
     else:
         kinds, places = np.unique(windows.astype(np.int64), return_inverse=True)
@@ -84,26 +85,37 @@ def _listed(
 def _periodic(winding: Any, level: Passages, state: np.ndarray, kinds: np.ndarray) -> Tally:
     """A state between each passage and the next, in each of the periods ``kinds``."""
     count = len(level.passages)
-    caps = np.array([p.far for p in level.passages])
-    steps = np.array([p.way * _floors(p, level, kinds, winding) for p in level.passages])
-    sums = []
-    for far in (False, True):
-        mine = np.cumsum(np.where((caps == far)[:, None], steps, 0), axis=0)
-        sums.append((mine + _before(winding, level, kinds, mine[-1], far)).T.ravel())
+    before = _before(winding, level, kinds)
+    sums = [
+        (total + np.cumsum(steps, axis=0)).T.ravel().astype(float)
+        for total, steps in zip(before, _steps(winding, level, kinds), strict=True)
+    ]
     inside = [level.inside([1] * (k + 1) + [0] * (count - k - 1)) for k in range(count)]
-    near, far_ = (np.tile(column, len(kinds)) for column in zip(*inside, strict=True))
-    return Tally(state, near, far_, *(total.astype(float) for total in sums))
+    near, far = (np.tile(column, len(kinds)) for column in zip(*inside, strict=True))
+    return Tally(state, near, far, *sums)
 
 
-def _before(
-    winding: Any, level: Passages, kinds: np.ndarray, steps: np.ndarray, far: bool
-) -> np.ndarray:
-    """What has been gained before each of the periods."""
-    count = len(level.passages)
-    if kinds[-1] - kinds[0] + 1 == len(kinds):
-        start = winding.gained(level, [int(kinds[0])] * count)[far]
-        return np.asarray(start + np.concatenate([[0], np.cumsum(steps[:-1])]))
-    return np.array([winding.gained(level, [int(j)] * count)[far] for j in kinds])
+def _steps(winding: Any, level: Passages, kinds: np.ndarray) -> list[np.ndarray]:
+    """What is gained at each passage of these periods: in the near cap, and in the far one."""
+    steps = np.array([p.way * _floors(p, level, kinds, winding) for p in level.passages])
+    far = np.array([p.far for p in level.passages])[:, None]
+    return [np.where(far, 0, steps), np.where(far, steps, 0)]
+
+
+def _before(winding: Any, level: Passages, kinds: np.ndarray) -> np.ndarray:
+    """What has been gained before each of the periods, which ascend: in both caps."""
+    count, found = len(level.passages), []
+    for part in np.split(kinds, np.flatnonzero(np.diff(kinds // CHUNK)) + 1):
+        first, last = int(part[0]), int(part[-1])
+        if last - first > SPARSE * len(part):
+            sums = [winding.gained(level, [int(j)] * count) for j in part]
+            found.append(np.array(sums, dtype=np.int64).T)
+            continue
+        start = winding.gained(level, [first] * count)
+        steps = _steps(winding, level, np.arange(first, last))
+        rows = [np.cumsum([s, *step.sum(axis=0)]) for s, step in zip(start, steps, strict=True)]
+        found.append(np.array(rows)[:, part - first])
+    return np.concatenate(found, axis=1)
 
 
 def _floors(passage: Passage, level: Passages, kinds: np.ndarray, winding: Any) -> np.ndarray:

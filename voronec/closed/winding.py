@@ -103,7 +103,7 @@ class Winding:
         """Whether the contact of a frame that turns evenly stays where it is, as far as can be
         told."""
         bits = FIRST
-        while bits <= DECIDED:
+        while bits <= MOST:
             try:
                 with precise(bits):
                     resting_passages(self.form, self.parts, bits, self._upper)
