@@ -37,7 +37,7 @@ from voronec.errors import EngineLimit
 if TYPE_CHECKING:
     from voronec.closed.form import ClosedForm
 
-__all__ = ["Winding"]
+__all__ = ["NoWholeTurns", "Winding", "passed_poles"]
 
 FIRST, MOST = 192, 1 << 12
 """Bits at which turns are counted, at first and at most."""
@@ -48,7 +48,6 @@ SHARP = 2.0**-72
 ROUGH = 1e-9
 """Of doubles that are phases, in turns; what is nearer to a pole is evaluated in balls."""
 HALVINGS = 80
-POLE = "the contact passes through a pole in space at t = {:.15g}"
 TURN = 2 * np.pi
 
 Value = TypeVar("Value")
@@ -56,6 +55,40 @@ Angles = tuple[arb, arb]
 """Longitude and third angle."""
 Turns = tuple[int, int]
 Rows = Mapping[Any, np.ndarray]
+
+
+class NoWholeTurns(EngineLimit):
+    """Angles have no number of whole turns: a pole of their coordinates is passed.
+
+    ``names`` are theirs; ``time``, since the start, is that of the passage.
+    """
+
+    def __init__(self, names: Sequence[Any], time: float | None) -> None:
+        self.names, self.time = tuple(names), time
+        super().__init__(f"{told(names, time)}; ask for them modulo a turn")
+
+    def __reduce__(self) -> Any:
+        return type(self), (self.names, self.time)
+
+
+def told(names: Sequence[Any], time: float | None, start: float = 0.0) -> str:
+    """That angles have no number of whole turns beyond an instant, counted from the start."""
+    own = " and ".join(map(plain_name, names))
+    have = "have" if len(names) > 1 else "has"
+    if time is None:
+        return f"{own} {have} no number of whole turns that can be told"
+    return (
+        f"{own} {have} no number of whole turns beyond t = {start + time:.15g}, where the contact "
+        "passes through a pole"
+    )
+
+
+class Passed(Unresolved):
+    """A passage that is one through the pole, as far as so many bits tell."""
+
+    def __init__(self, time: Any) -> None:
+        super().__init__("a passage may be one through the pole")
+        self.time = float(time.mid())
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,21 +168,22 @@ class Winding:
         Raises:
             Unresolved: a floor is open.
         """
-        totals = [0, 0]
+        totals, open_ = [0, 0], []
         for passage, count in zip(level.passages, numbers, strict=True):
             found = certain_floor_sum(count, passage.phase, level.advance)
             if found is None:
                 number = first_doubt(count, passage.phase, level.advance)
-                raise Unresolved(self.pole(level, passage, number))
-            totals[passage.far] += passage.way * found
+                open_.append(self.pole(level, passage, number))
+            else:
+                totals[passage.far] += passage.way * found
+        if open_:
+            raise min(open_, key=lambda doubt: abs(doubt.time))
         return totals[0], totals[1]
 
-    def pole(self, level: Passages, passage: Passage, number: int) -> str:
-        """That a passage is one through the pole."""
+    def pole(self, level: Passages, passage: Passage, number: int) -> Passed:
+        """That a passage may be one through the pole."""
         time = passage.time
-        if level.period is not None:
-            time = time + number * level.period
-        return POLE.format(float(time.mid()))
+        return Passed(time if level.period is None else time + number * level.period)
 
     def centres(self, level: Passages | None, time: arb, upright: Angles) -> Angles:
         """Angles that are continuous, and less than half a turn from the longitude and from
@@ -166,8 +200,7 @@ class Winding:
         first, last = self.gained(level, numbers)
         along, about = level.side * upright[0], self.parts.sense * upright[1]
         phase = along - level.longitude
-        for half in level.borders:
-            self._stays(level, phase / (2 * pi) + half, half, time)
+        self._stays(level, phase / (2 * pi), time)
         if near or far:
             along = level.longitude + (pi if near else 0)
             about += phase - pi if near else -phase
@@ -240,7 +273,7 @@ class Winding:
             found = self.turns(level, time, self.upright(level, moved, bits, time), plain)
         except Unresolved as reason:
             if bits >= MOST:
-                raise self._refusal(str(reason)) from None
+                raise self._refusal(reason) from None
             return dict.fromkeys(self.names, arb("nan"))
         rows = zip(self.names, plain, found, self.origin, strict=True)
         return {q: r + (2 * n + half) * arb.pi() for q, r, n, half in rows}
@@ -254,15 +287,11 @@ class Winding:
                     return work(bits)
                 except (Unresolved, ZeroDivisionError) as reason:
                     if bits >= MOST:
-                        raise self._refusal(str(reason)) from None
+                        raise self._refusal(reason) from None
             bits *= 2
 
-    def _refusal(self, reason: str) -> EngineLimit:
-        names = " and ".join(map(plain_name, self.names))
-        return EngineLimit(
-            f"system '{self.form.system.name}': {names} have no number of whole turns, as "
-            f"{reason}; ask for them modulo a turn"
-        )
+    def _refusal(self, reason: Exception) -> NoWholeTurns:
+        return NoWholeTurns(self.names, reason.time if isinstance(reason, Passed) else None)
 
     # -- in doubles ------------------------------------------------------------------------
 
@@ -310,8 +339,8 @@ class Winding:
             along, about = side * (first + float(level.rate) * times), np.full(times.shape, second)
         else:
             along, about = side * moved[self.names[0]], moved[self.names[1]]
-        for half in level.borders:
-            self._stay(level, (along - pole) / TURN + float(half), half, times)
+        if level.borders:
+            self._stay(level, (along - pole) / TURN, times)
         near, far, state = counted.near, counted.far, counted.state
         free, swung = ~(near | far), near.astype(float) - far
         low = pole + np.pi * near
@@ -339,32 +368,42 @@ class Winding:
         along = rotated(transposed(own.start(bits)[0]), normal)
         return v, b, sum((w * e for w, e in zip(own.spin(bits), along, strict=True)), arb(0))
 
-    def _stays(self, level: Passages, now: arb, half: arb, time: arb) -> None:
-        """That a contact which stays on a parallel through the pole has not passed that pole."""
-        begun = self._begun(level, half, ctx.prec)
-        ends = [value.floor().unique_fmpz() for value in (begun, now)]
-        if None in ends:
-            raise Unresolved(POLE.format(float(time.mid())))
-        if ends[0] != ends[1]:
-            raise self._refusal(POLE.format(self._met(level, half, float(time.mid()))))
+    def _stays(self, level: Passages, now: arb, time: arb) -> None:
+        """That a contact which stays on a parallel through a pole has not passed that pole."""
+        met = []
+        for half in level.borders:
+            ends = [
+                e.floor().unique_fmpz() for e in (self._begun(level, ctx.prec) + half, now + half)
+            ]
+            if None in ends:
+                raise Passed(time)
+            if ends[0] != ends[1]:
+                met.append(self._met(level, half, float(time.mid())))
+        if met:
+            raise NoWholeTurns(self.names, min(met, key=abs))
 
-    def _stay(self, level: Passages, phases: np.ndarray, half: arb, times: np.ndarray) -> None:
+    def _stay(self, level: Passages, phases: np.ndarray, times: np.ndarray) -> None:
         """The same at many times; what is too near to tell is evaluated in balls."""
-        with precise(FIRST):
-            begun = floor(self._begun(level, half, FIRST))
-        off = np.maximum(begun - phases, phases - begun - 1)
-        past = np.flatnonzero(off > ROUGH)
-        if past.size:
-            met = self._met(level, half, float(times[past[np.argmin(np.abs(times[past]))]]))
-            raise self._refusal(POLE.format(met))
+        met = []
+        for half in level.borders:
+            with precise(FIRST):
+                begun = floor(self._begun(level, FIRST) + half)
+            own = phases + float(half)
+            past = np.flatnonzero(np.maximum(begun - own, own - begun - 1) > ROUGH)
+            if past.size:
+                first = times[past[np.argmin(np.abs(times[past]))]]
+                met.append(self._met(level, half, float(first)))
+        if met:
+            raise NoWholeTurns(self.names, min(met, key=abs))
 
-    def _begun(self, level: Passages, half: arb, bits: int) -> arb:
+    def _begun(self, level: Passages, bits: int) -> arb:
+        """phi at the start, in turns."""
         start = self.upright(level, None, bits)[0]
-        return (level.side * start - level.longitude) / (2 * arb.pi()) + half
+        return (level.side * start - level.longitude) / (2 * arb.pi())
 
     def _met(self, level: Passages, half: arb, time: float) -> float:
         """When the pole is first met on the way to a time that lies beyond, by halving."""
-        begun = float(self._begun(level, half, FIRST))
+        begun = float(self._begun(level, FIRST) + half)
 
         def phase(t: float) -> float:
             if level.rate is not None:
@@ -380,6 +419,38 @@ class Winding:
             else:
                 after = middle
         return (before + after) / 2
+
+
+def passed_poles(form: ClosedForm, times: np.ndarray) -> dict[float, tuple[Any, ...]]:
+    """Passages through a pole of a motion's own coordinates, on the way from the start to the
+    times: the angles that have no number of whole turns beyond, by the first instant.  Half a turn
+    is counted at each, and nothing makes it that."""
+    if form.rests or not times.size:
+        return {}
+    own, constants = form.attitude, form.solution.constants(FIRST)
+    elsewhere = () if own is None or own.upright else own.coordinates
+    early, late = min(0.0, float(times.min())), max(0.0, float(times.max()))
+    found: dict[float, tuple[Any, ...]] = {}
+    for one in constants.phases:
+        met = _met_between(constants, one.side, early, late) if one.alpha.is_zero() else None
+        pairs = zip(form.quadratures.angles, one.shares, strict=False)
+        names = tuple(q for q, share in pairs if share != 0 and q not in elsewhere)
+        if met is not None and names:
+            found[met] = names
+    return found
+
+
+def _met_between(constants: Any, side: int, early: float, late: float) -> float | None:
+    """The turning point of that side which is nearest to t = 0, apart from 0 itself."""
+    first = float(constants.turn)
+    if constants.half is None:
+        moments = [first]
+    else:
+        period = 2 * float(constants.half)
+        first += side * period / 2
+        moments = [first + period * j for j in (-2, -1, 0, 1, 2)]
+    passed = [t for t in moments if t != 0 and early <= t <= late]
+    return min(passed, key=abs, default=None)
 
 
 def _nearest(value: arb) -> int:

@@ -14,7 +14,8 @@ import numpy as np
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed import ClosedForm
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.closed.winding import NoWholeTurns, passed_poles, told
+from voronec.errors import DefinitionError
 from voronec.flow.closed_form import closed_from
 from voronec.flow.given import Given
 from voronec.flow.modelling import whole
@@ -22,7 +23,7 @@ from voronec.flow.observing import Watch, observed, watched
 from voronec.flow.outset import Outset
 from voronec.flow.probe import quantities
 from voronec.flow.trajectory import Cost, Trajectory
-from voronec.flow.vocabulary import Vocabulary, Wanted
+from voronec.flow.vocabulary import Vocabulary
 from voronec.program import Program
 
 __all__ = ["evaluated_motion"]
@@ -50,8 +51,8 @@ def evaluated_motion(
 ) -> Trajectory:
     """The trajectory of a motion in closed form.
 
-    A tolerance below 1e-16 gives mpmath's numbers, from enclosures that are narrower than it.  For
-    ``auto`` angles must be continuous, else ``EngineLimit``.
+    A tolerance below 1e-16 gives mpmath's numbers, from enclosures that are narrower than it.
+    Where a pole of coordinates in space is passed, its angles come modulo a turn, with a note.
     """
     if not 0 < tol < 1:
         raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
@@ -64,14 +65,12 @@ def evaluated_motion(
         else quantities(equations.raw.form, watch.expressions)
     )
     sight = _Sight(vocabulary, form, watch, program, outset, float(grid[0]), tol)
-    if method == "auto":
-        _require_continuous(form, vocabulary.wanted(asked))
     if tol >= EXACT:
-        form.at(0.0, sight.names)
+        form.modulo(0.0, sight.names)
     elif not form.rests:
         form.solution.constants(64)
     ready, busy = perf_counter(), process_time()
-    t, states = sight.states(grid, progress)
+    t, states, notes = sight.states(grid, progress)
     cost = Cost(
         "closed-form", REASONS[method], tol, ready - began, perf_counter() - ready, 0, 0,
         cpu=process_time() - busy,
@@ -81,19 +80,9 @@ def evaluated_motion(
     trajectory = sight.seen(t, states, cost, len(t) < len(grid))
     return replace(
         trajectory,
-        notes=outset.notes,
-        within=(lambda times: sight.seen(*sight.states(times, None), cost)) if dense else None,
+        notes=(*outset.notes, *notes),
+        within=(lambda times: sight.seen(*sight.states(times, None)[:2], cost)) if dense else None,
     )
-
-
-def _require_continuous(form: ClosedForm, wanted: Wanted) -> None:
-    """Angles of a motion that is turned in space are known up to whole turns."""
-    attitude = form.attitude
-    if attitude is None or attitude.upright:
-        return
-    angles = {plain_name(q) for q in attitude.coordinates}
-    if any(angles & {str(s) for s in e.free_symbols} for e in wanted.expressions.values()):
-        raise EngineLimit("between distant instants these angles are known up to whole turns")
 
 
 @dataclass(frozen=True)
@@ -121,30 +110,43 @@ class _Sight:
 
     def states(
         self, grid: np.ndarray, progress: Callable[[float], Any] | None
+    ) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
+        """The instants, as far as the keyboard let them come, the states there, and what is to be
+        said of them."""
+        try:
+            t, states = self._states(grid, progress, True)
+        except NoWholeTurns as error:
+            t, states = self._states(grid, progress, False)
+            return t, states, (
+                f"{told(error.names, error.time, self.start)}; they are given modulo a turn",
+            )  # fmt: skip
+        passed = passed_poles(self.form, grid - self.start).items()
+        return t, states, tuple(
+            f"{told(names, time, self.start)}; half a turn is counted there"
+            for time, names in passed
+        )  # fmt: skip
+
+    def _states(
+        self, grid: np.ndarray, progress: Callable[[float], Any] | None, whole: bool
     ) -> tuple[np.ndarray, np.ndarray]:
-        """The instants, as far as the keyboard let them come, and the states there."""
         if self.tol >= EXACT:
-            found = self.form.at(grid - self.start, self.names)
+            value = self.form.at if whole else self.form.modulo
+            found = value(grid - self.start, self.names)
             return grid.copy(), np.stack([found[n] for n in self.names]).T
         rows = []
         try:
             for i, t in enumerate(grid):
-                rows.append(self._row(t))
+                rows.append(self._row(t, whole))
                 if progress is not None and i % OFTEN == 0:
                     progress(i / len(grid))
         except KeyboardInterrupt:
             pass
         table = np.array(rows, dtype=object).reshape(len(rows), len(self.names))
-        own = self.form.attitude
-        if own is not None and not own.upright:
-            for q in own.coordinates:
-                column = self.names.index(plain_name(q))
-                table[:, column] = _unwrapped(table[:, column], self.bits)
         return np.array([mpmath.mpf(t) for t in grid[: len(rows)]], dtype=object), table
 
-    def _row(self, t: Any) -> list[Any]:
+    def _row(self, t: Any, whole: bool) -> list[Any]:
         digits = ceil(-log10(self.tol)) + 1
-        found = self.form.enclose(Fraction(float(t)) - Fraction(self.start), digits)
+        found = self.form.enclose(Fraction(float(t)) - Fraction(self.start), digits, whole)
         with mpmath.workprec(self.bits):
             return [_number(found[name]) for name in self.names]
 
@@ -165,10 +167,3 @@ def _number(ball: Any) -> Any:
     """The middle of a ball as mpmath's number, rounded to the precision in force."""
     mantissa, exponent = ball.mid().man_exp()
     return mpmath.ldexp(mpmath.mpf(int(mantissa)), int(exponent))
-
-
-def _unwrapped(angles: np.ndarray, bits: int) -> np.ndarray:
-    rough = angles.astype(float)
-    turns = np.round((np.unwrap(rough) - rough) / (2 * np.pi))
-    with mpmath.workprec(bits):
-        return np.array([a + 2 * mpmath.pi * int(k) for a, k in zip(angles, turns, strict=True)])
