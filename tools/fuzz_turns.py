@@ -221,7 +221,7 @@ def main() -> int:
             print(f"{i + 1} motions: {other} on other turns", file=sys.stderr, flush=True)
     print(
         f"{options.motions} motions, seed {options.seed}: {other} end on other turns, {lost} "
-        f"could not be followed; two instants in {1e3 * float(np.median(spent)):.1f} ms of CPU, all included"
+        f"could not be followed; two instants in {1e3 * float(np.median(spent)):.1f} ms of CPU"
     )
     return 1 if other else 0
 
