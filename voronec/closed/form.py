@@ -13,7 +13,7 @@ import sympy as sp
 
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import sympified
-from voronec.arguments import COUNT, require
+from voronec.arguments import COUNT, FLAG, require
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.balls import enclosed, polynomials
 from voronec.closed.clock import Clock
@@ -203,6 +203,7 @@ class ClosedForm:
         had, and where an angle has no number of turns.
         """
         require("enclose", "digits", digits, COUNT)
+        require("enclose", "whole", whole, FLAG)
         return enclosed(self, exact_instant(t), digits, whole)
 
     def _names(self, names: Sequence[Any]) -> tuple[str, ...]:
