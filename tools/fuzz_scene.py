@@ -382,7 +382,7 @@ def _truth(bench: _Bench, scene: Scene) -> Truth:
             raise _NoTruth(f"{fine.outcome} at t = {fine.reached:.6g}")
         values = _values(reader, fine, times, p)
         unsure = np.abs(_doubles(values) - _doubles(_values(reader, coarse, times, p)))
-        grown = _grown(bench, scene, (q, v, p), times, precision, reader, values)
+        grown = _grown(bench, scene, (q, v, p), times, precision, reader, fine.states, values)
         # tolerances are local: a run of many steps adds them up, as the methods mean them
         loose = max(1.0, scene.tol / 1e-13) * LOOSE.get(scene.method, 1.0)
         size = np.maximum(1.0, np.abs(_doubles(values)))
@@ -407,30 +407,40 @@ def _truth(bench: _Bench, scene: Scene) -> Truth:
 
 def _grown(
     bench: _Bench, scene: Scene, at: Any, times: list[float], precision: str, reader: Any,
-    values: list[list[Any]],
+    states: list[list[Any]], values: list[list[Any]],
 ) -> np.ndarray:  # fmt: skip
-    """What errors of one unit in the start and the parameters have grown to, at each instant the
-    largest up to there."""
+    """What errors of one unit have grown to, at each instant the largest up to there: of the start
+    and the parameters, and of the states on the way, since steps make errors all along."""
     referee, (q, v, p) = bench.referee, at
+    m = referee.mechanics
     dice = Random(f"nearby {scene!r}")
     grown = np.zeros((len(values), len(values[0])))
     tolerance, budget = (1e-16, 400_000) if precision == "long double" else (1e-20, 60_000)
+    velocities = referee.reader(m.independent)
+    begins = [(scene.times[0], 0, q, v)]
+    begins += [
+        (times[k], k + 1, states[k][: len(m.q)], velocities(times[k], states[k], p))
+        for k in sorted(dice.sample(range(len(times) - 1), min(SAMPLES, len(times) - 1)))
+    ]
 
-    def moved(values: Any) -> list[Any]:
-        return [mp.mpf(x) + NEARBY * (1 + abs(x)) * dice.choice((-1, 1)) for x in values]
+    def moved(values: Any, sizes: Any) -> list[Any]:
+        pairs = zip(values, sizes, strict=True)
+        return [mp.mpf(x) + NEARBY * size * dice.choice((-1, 1)) for x, size in pairs]
 
-    for _ in range(SAMPLES):
+    for begin, first, own, pace in [*begins[:1] * SAMPLES, *begins[1:]]:
         other = [x * (1 + NEARBY * dice.uniform(-1, 1)) for x in p]
-        start = referee.start(moved(q), moved(v), other, scene.times[0])
-        near = referee.motion(start, other, scene.times[0], times, tolerance, precision, budget)
+        largest = 1 + max(map(abs, pace), default=0)
+        places = moved(own, [1 + abs(x) for x in own])
+        start = referee.start(places, moved(pace, [largest] * len(pace)), other, begin)
+        near = referee.motion(start, other, begin, times[first:], tolerance, precision, budget)
         if near.outcome != "done":
-            raise _NoTruth(f"a start nearby: {near.outcome} at t = {near.reached:.6g}")
-        apart = _values(reader, near, times, other)
+            raise _NoTruth(f"a motion nearby: {near.outcome} at t = {near.reached:.6g}")
+        apart = _values(reader, near, times[first:], other)
         change = [
             [abs(a - b) for a, b in zip(x, y, strict=True)]
-            for x, y in zip(apart, values, strict=True)
+            for x, y in zip(apart, values[first:], strict=True)
         ]
-        grown = np.maximum(grown, _doubles(change) / NEARBY)
+        grown[first:] = np.maximum(grown[first:], _doubles(change) / NEARBY)
     return np.maximum.accumulate(grown, axis=0)
 
 
