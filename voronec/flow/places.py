@@ -40,7 +40,7 @@ NEAR, CLEAR = 0.05, 0.15
 split is good enough.  What is lost in digits is the square of such a number at most."""
 ON_RELATIONS, NEWTON = 1e-9, 12
 """Places are on the relations where these leave less; so many steps lead there, or none do."""
-_KEPT = "_harmless_divisors"
+_KEPT = "_divisors"
 
 
 def numbers(program: Program, time: Any, state: Sequence[Any], values: Sequence[Any]) -> list[Any]:
@@ -139,15 +139,16 @@ class Ground:
         """What a form divides by and what vanishes though the motion goes on.
 
         ``below`` gives the form's states, called ``start x``, and what it takes for constant,
-        called ``frozen p``, on the coordinates and velocities ``start`` (n,).  What was found to be
-        harmless is kept with the system.
+        called ``frozen p``, on the coordinates and velocities ``start`` (n,).  What was found is
+        kept with the system.
         """
         key = (form.coordinates, tuple(sorted(self.constants.items())))
-        kept = self.home.system.__dict__.setdefault(_KEPT, set())
-        found = [f for f in divisors(form) if f not in self._others and (f, key) not in kept]
-        risky = self._crossed(found, form, below, start) if found else []
-        kept |= {(f, key) for f in found} - {(d.function, key) for d in risky}
-        return risky
+        kept = self.home.system.__dict__.setdefault(_KEPT, {})
+        found = [f for f in divisors(form) if f not in self._others]
+        fresh = [f for f in found if (f, key) not in kept]
+        risky = self._crossed(fresh, form, below, start) if fresh else []
+        kept |= {(f, key): None for f in fresh} | {(d.function, key): d for d in risky}
+        return [d for f in found if (d := kept[f, key]) is not None]
 
     @cached_property
     def _others(self) -> set[Any]:
