@@ -25,6 +25,7 @@ from voronec.flow.events import Crossings, Event
 from voronec.flow.observing import Watch, assembled, followed
 from voronec.flow.places import CLEAR, NEAR, Ground, Place, tried
 from voronec.flow.probe import Probe, quantities
+from voronec.flow.soundness import Judge
 from voronec.flow.steppers import Halt, Problem, Run
 from voronec.flow.steppers.choice import EXACT
 from voronec.flow.trajectory import Cost, Trajectory
@@ -114,6 +115,7 @@ class Changes:
     stretches: list[_Stretch] = field(default_factory=list)
     chosen: dict[str, Any] = field(default_factory=dict)
     prepared: float = 0.0
+    told: list[str] = field(default_factory=list)
 
     def trajectory(self) -> Trajectory:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
@@ -121,7 +123,7 @@ class Changes:
         time, wide, done = self.grid[0], self.start.wide, 1
         place = self.place(time, wide, None)
         while True:
-            part = self.stretch(place, time, wide, self.grid[done:])
+            part = self.judged(place, self.stretch(place, time, wide, self.grid[done:]))
             done += self.take(place, part, done)
             ended = part.stopped not in ("", *self._guards(place))
             if part.interrupted or ended or (part.halt is None and done >= len(self.grid)):
@@ -225,6 +227,18 @@ class Changes:
         self.prepared += perf_counter() - began
         return stepper(times)
 
+    def judged(self, place: Place, part: Run) -> Run:
+        """A stretch up to where it went wrong, if it did; what is to be said is noted."""
+        watch = place.watch
+        followed = {name: (key, watch.sizes[name]) for name, key in watch.integrals.items()}
+        judge = Judge(
+            self.ground.home, place.program, [float(x) for x in self.ground.values(place.program)],
+            self.chosen["tolerance"], part.steps, followed, watch.relations,
+        )  # fmt: skip
+        breach, notes = judge.breach(part.t.astype(float), part.states.astype(float))
+        self.told += [note for note in notes if note not in self.told]
+        return part if breach is None else part.until(breach.row, breach.what)
+
     def _exact(self, place: Place, time: Any, wide: np.ndarray) -> Callable[[int], Any]:
         def exact(bits: int) -> tuple[np.ndarray, list[Any]]:
             with mpmath.workprec(bits):
@@ -291,7 +305,7 @@ class Changes:
             halted=last.halt.reason if last.halt is not None else "",
             interrupted=last.interrupted,
             within=(lambda times: self._inside(times, cost)) if self.dense else None,
-            notes=self.notes,
+            notes=(*self.notes, *self.told),
         )
 
     def failure(self, place: Place, halt: Halt, busy: float) -> IntegrationError:
