@@ -11,6 +11,7 @@ import voronec as vo
 from voronec.algebra.text import in_doubles
 from voronec.arguments import COUNT, REAL, accepts
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
+from voronec.program.printing import code
 
 x, m = sp.symbols("x m")
 HUGE = sp.exp(sp.exp(sp.Integer(700000000)))
@@ -128,3 +129,29 @@ def test_names_are_quoted_in_source_and_never_run(tmp_path, monkeypatch):
             done = vo.integrate(own, times=[0, 1], outputs=(x, name), method=method, tol=tol)
             assert float(done["x"][-1]) == pytest.approx(math.cos(2), rel=1e-6)
     assert not any(tmp_path.iterdir())
+
+
+def test_generated_source_gives_arrays_of_one_shape():
+    rates: dict[str, object] = {}
+    exec(vo.derive(system(lagrangian=m * vo.velocity(x) ** 2 / 2 - 3 * m * x)).python(), rates)
+    state = np.array([[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]])
+    slope, pull = rates["rhs"](0.0, state, [2.0])
+    assert np.shape(pull) == np.shape(slope) == (3,) and (pull == -3).all()
+    assert rates["rhs"](0.0, [0.0, 1.0], [2.0]) == [1.0, -3.0]
+
+
+def test_source_that_python_cannot_compile_is_a_limit():
+    assert eval(code("(" * 50 + "1" + ")" * 50, "<source>", "eval")) == 1
+    for source in ("(" * 5000 + "1" + ")" * 5000, "-" * 300_000 + "1"):
+        with pytest.raises(EngineLimit, match="too large"):
+            code(source, "<source>", "eval")
+
+
+def test_a_case_that_is_no_system_is_named_and_the_others_stand():
+    own = system(
+        integrals={"energy": m * vo.velocity(x) ** 2 / 2 + x**2},
+        cases={"no mass": vo.Case({m: 0}, integrals={"place": x})},
+    )
+    found = {(c.kind, c.name): c.verdict for c in vo.check_claims(own)}
+    assert found["integral", "energy"].proved
+    assert found["case", "no mass"].refuted

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 from command_line import Call, refused
 from plugins import register
+from signals import hears_ctrl_c
 
 from voronec.checking import Inventory, check_catalogue
 from voronec.checking.pool import _Worker
@@ -250,6 +251,7 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path: Path, own_store: Path) -> None:
         [sys.executable, "-m", "voronec", "check", "slow.py", "vertical-disc", "--jobs", "2"],
         cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env={**os.environ, "HOME": str(own_store)}, start_new_session=True,
+        preexec_fn=hears_ctrl_c,
     )  # fmt: skip
     deadline = time.monotonic() + 120
     while not list(own_store.rglob("*.json")) and time.monotonic() < deadline:
@@ -336,3 +338,19 @@ def test_only_so_many_results_are_kept(tmp_path: Path) -> None:
         store.save(f"{number}" * 24, "result", number)
     assert len(list(store.folder.iterdir())) == 2
     assert store.load("4" * 24, "result") == 4
+
+
+def test_the_members_of_a_file_are_checked_too(call: Call) -> None:
+    more = "MEMBERS = {'good': lambda: made('family@good', 'v'), 'bad': lambda: 1 / 0}\n"
+    text = sled("family") + (
+        "from dataclasses import replace\n"
+        "def made(name, _):\n"
+        "    return replace(SYSTEM, name=name, lagrangian=2 * SYSTEM.lagrangian)\n"
+    )
+    Path("family.py").write_text(text + more)
+    answer = call("check", "family.py", "--jobs", "1", "--fresh")
+    assert answer.status == 1
+    assert any(x.endswith(" family@good") and "proved" in x for x in answer.out.splitlines())
+    assert "family@bad" in answer.err and "ZeroDivisionError" in answer.err
+    Path("family.py").write_text(text + "MEMBERS = 3\n")
+    assert "MEMBERS is no mapping" in refused(call("check", "family.py", "--jobs", "1"))

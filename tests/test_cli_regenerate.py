@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from command_line import Call, refused
+from signals import hears_ctrl_c
 
 SHEET = """
 import sympy
@@ -117,8 +118,9 @@ def test_an_interrupted_audit_leaves_what_is_finished(tmp_path: Path, own_cache:
     environment = {**os.environ, "XDG_CACHE_HOME": str(own_cache), "HOME": str(own_cache)}
     command = [sys.executable, "-m", "voronec", "regenerate", "demchenko", "--out", "report"]
     work = subprocess.Popen(
-        command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, stdout=subprocess.PIPE
-    )
+        command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, stdout=subprocess.PIPE,
+        preexec_fn=hears_ctrl_c,
+    )  # fmt: skip
     deadline = time.monotonic() + 60
     while not list(own_cache.rglob("*.json")) and time.monotonic() < deadline:
         time.sleep(0.02)

@@ -62,7 +62,7 @@ def _is_count(value: Any) -> bool:
 def _is_real(value: Any) -> bool:
     # integrators take no numbers of other libraries
     own = isinstance(value, int | float) or type(value).__module__ == "numpy"
-    return own and not isinstance(value, bool) and math.isfinite(float(value))
+    return own and not isinstance(value, bool | complex) and math.isfinite(float(value))
 
 
 TEXT = Kind("a text", lambda x: isinstance(x, str))

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import pkgutil
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module, metadata
 from importlib.machinery import ModuleSpec
@@ -84,9 +84,12 @@ class Entry:
 
         if self.trouble:
             raise DefinitionError(f"system '{self.name}': {self.trouble}")
-        if self.path:
+        if self.path and not self.member:
             return load_file(self.path)
-        found = getattr(_import(self.name, self.module, self.attribute), self.attribute)
+        if self.path:
+            found = run_file(Path(self.path)).get(self.attribute)
+        else:
+            found = getattr(_import(self.name, self.module, self.attribute), self.attribute)
         if self.member:
             found = self._made(found)
         if not isinstance(found, System):
@@ -108,6 +111,30 @@ class Entry:
         except Exception as error:
             what = failure(error, str(self.origin.parent if self.origin else self.module))
             raise DefinitionError(f"system '{self.name}' cannot be made: {what}") from error
+
+    def load_members(self) -> tuple[str, ...]:
+        """Which members the family in this module or file has; none where it is one system."""
+        if not self.path and not self.module:
+            return ()
+        space: Any = run_file(Path(self.path)) if self.path else None
+        if space is None:
+            space = vars(_import(self.name, self.module, self.attribute))
+        found = space.get("MEMBERS", {})
+        if not isinstance(found, Mapping) or not all(callable(make) for make in found.values()):
+            raise DefinitionError(
+                f"{self.place}: MEMBERS is no mapping of functions; write MEMBERS = "
+                "{'member': function that makes it}"
+            )
+        return tuple(map(str, found))
+
+    def of_member(self, member: str) -> Entry:
+        """A member of this family; ``DefinitionError`` where there is none of that name."""
+        name = f"{self.name}@{member}"
+        among = self.load_members()
+        if member not in among:
+            known = [f"{self.name}@{m}" for m in among] or [self.name]
+            raise DefinitionError(unknown("system", name, known))
+        return replace(self, name=name, attribute="MEMBERS", member=member)
 
     def load_relations(self) -> tuple[tuple[Relation, ...], tuple[Square, ...]]:
         """The ``RELATIONS`` and ``SQUARES`` beside the system; ``DefinitionError`` as ``load``."""
@@ -174,17 +201,12 @@ def entry_of(name: str) -> Entry:
         raise DefinitionError(unknown("system", name, known))
     if not at:
         return known[name]
-    among = members(family)
-    if member not in among:
-        raise DefinitionError(unknown("system", name, [f"{family}@{m}" for m in among] or [family]))
-    return replace(known[family], name=name, attribute="MEMBERS", member=member)
+    return known[family].of_member(member)
 
 
 def members(name: str) -> list[str]:
     """Which members the family of that name has, ``NAME@MEMBER``; none where it is one system."""
-    entry = entry_of(name)
-    space = vars(_import(entry.name, entry.module, entry.attribute)) if entry.module else {}
-    return [str(m) for m in space.get("MEMBERS", {})]
+    return list(entry_of(name).load_members())
 
 
 def file_entry(path: str | Path) -> Entry:

@@ -7,6 +7,7 @@ from contextlib import suppress
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import names_in, plain_name
@@ -14,6 +15,7 @@ from voronec.algebra.text import exact_number, formula, in_doubles, sympified
 from voronec.errors import DefinitionError, shown
 
 __all__ = [
+    "doubles",
     "expression",
     "mapping",
     "quoted",
@@ -95,6 +97,20 @@ def real_text(text: str, place: str) -> sp.Expr:
     except DefinitionError as error:
         why = str(error).removeprefix(f"{place}: ")
         raise DefinitionError(f"{place} = {shown(text)} is not a real number: {why}") from None
+
+
+def doubles(things: Any, place: str) -> np.ndarray:
+    """Numbers as an array of doubles, of whatever shape; a copy."""
+    try:
+        given = np.array(things)
+        if given.dtype.kind in "fiub":
+            return given.astype(float)
+        if given.dtype.kind in "OU":
+            flat = [float(real_number(thing, place)) for thing in given.ravel().tolist()]
+            return np.array(flat).reshape(given.shape)
+    except (TypeError, ValueError, OverflowError, RuntimeError, AttributeError):
+        pass
+    raise DefinitionError(f"{place} = {shown(things)} are no numbers; give some, as [0, 0.5, 1]")
 
 
 def several(

@@ -91,6 +91,8 @@ class Cyclic:
     def vanishes(self, expr: Any, stages: Stages) -> bool:
         """Whether a sum is proved to be zero."""
         values = [self._value(t)[0] for t in expr.args]
+        if not all(map(math.isfinite, values)):
+            return False
         small = abs(math.fsum(values)) <= 1e-12 * max(map(abs, values))
         if not small or self._lost >= PATIENCE:
             return False

@@ -127,15 +127,17 @@ def sympified(thing: Any, place: str = "an expression") -> Any:
     In place of ``sympy.sympify``, which runs text as Python, also inside lists.
     ``DefinitionError`` where ``thing`` is none of these.
     """
-    if isinstance(thing, sp.Basic):
+    if isinstance(thing, sp.Basic) and not isinstance(thing, sp.Lambda):  # a Lambda has no value
         return thing
     if isinstance(thing, sp.MatrixBase):
         return thing.as_immutable()
     if isinstance(thing, str):
         return formula(thing, place)
     try:
-        if not isinstance(thing, tuple | list | dict | set | frozenset | bytes):
-            return sp.sympify(thing, strict=True)
+        if not isinstance(thing, tuple | list | dict | set | frozenset | bytes | sp.Lambda):
+            read = sp.sympify(thing, strict=True)
+            if isinstance(read, sp.Basic):
+                return read
     except (sp.SympifyError, AttributeError, TypeError, ValueError, OverflowError):
         pass
     kind = type(thing).__name__

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -81,7 +81,8 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
     if sympified(a) == sympified(b):
         return Verdict("proved", "identical expressions")
     try:
-        ideal = door.inward_all(relations)
+        single = isinstance(relations, str) or not isinstance(relations, Iterable)
+        ideal = door.inward_all((relations,) if single else relations)
         if any(r.is_Number and r != 0 for r in ideal):
             raise DefinitionError("one of the relations is a nonzero number: nothing satisfies it")
         return decide_equal(door.inward(a), door.inward(b), ideal)

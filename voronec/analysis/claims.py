@@ -104,9 +104,13 @@ def check_claims(system: System | VoronecEquations | Motions) -> list[Claim]:
     own = motions.system
     claims = _claims_of(motions, _Known())
     for name, case in own.cases.items():
-        special = specialised(own, case.parameters)
-        known = _Known().with_claims(special, claims)
-        found = _claims_of(Motions.of(case_of(own, case)), known)
+        try:
+            special = specialised(own, case.parameters)
+            known = _Known().with_claims(special, claims)
+            found = _claims_of(Motions.of(case_of(own, case)), known)
+        except DefinitionError as error:  # no system there: the others stand all the same
+            claims.append(Claim("case", name, Verdict("refuted", str(error))))
+            continue
         claims += [replace(c, name=f"{name}: {c.name}") for c in found if c.kind != "descent"]
     return [_admitted(claim, own) for claim in claims]
 

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from voronec.arguments import SEVERAL, TEXT, accepts, require
-from voronec.catalogue import Entry, entries, entry_of, file_entry, members, registered
+from voronec.catalogue import Entry, entries, entry_of, file_entry, registered
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.reading import several
 from voronec.relations import Relation, Square
@@ -76,12 +76,19 @@ class Inventory:
     @cached_property
     def members(self) -> tuple[str, ...]:
         """Members of families, ``NAME@MEMBER``, beside the one that stands for its family."""
-        found = []
-        for name, system in self.systems.items():
-            if self.entries[name].module:
-                every = [f"{name}@{m}" for m in members(name)]
-                found += [n for n in every if self.entry(n).load().lagrangian != system.lagrangian]
-        return tuple(found)
+        return tuple(n for name in self.systems for n in self.members_of(name))
+
+    def members_of(self, name: str) -> list[str]:
+        """The members of one family; those that cannot be made are among them."""
+        own = self.systems.get(name)
+        every = [f"{name}@{m}" for m in self.entries[name].load_members()]
+        return [n for n in every if own is None or not self._stands_for(own, n)]
+
+    def _stands_for(self, system: System, member: str) -> bool:
+        try:
+            return bool(self.entry(member).load().lagrangian == system.lagrangian)
+        except DefinitionError:
+            return False
 
     @cached_property
     def relations(self) -> tuple[Declared, ...]:
@@ -126,6 +133,9 @@ class Inventory:
 
     def entry(self, name: str) -> Entry:
         """Where a system is defined; ``DefinitionError`` where there is none."""
+        family, at, member = name.partition("@")
+        if at and family in self.entries:
+            return self.entries[family].of_member(member)
         return self.entries[name] if name in self.entries else entry_of(name)
 
     @cached_property

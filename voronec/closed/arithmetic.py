@@ -15,6 +15,7 @@ import sympy as sp
 
 from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError, EngineLimit
+from voronec.program.printing import code
 
 __all__ = ["angle", "ball", "compiled", "exact", "precise", "root"]
 
@@ -108,7 +109,7 @@ def compiled(expressions: Iterable[Any], symbols: Sequence[Any]) -> Function:
     numbers = [fmpq(int(q.p), int(q.q)) for q in writer.numbers]
     namespace: dict[str, Any] = {"arb": arb, "N": numbers, "root": root, "angle": angle}
     namespace["whole"] = whole
-    exec(compile(source, filename, "exec"), namespace)
+    exec(code(source, filename), namespace)
     function: Function = namespace["evaluated"]
     return function
 

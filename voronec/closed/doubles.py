@@ -13,7 +13,7 @@ from voronec.closed.seen import Seen, wrapped
 from voronec.closed.steady import steadily
 from voronec.closed.tables import tabulated
 from voronec.closed.turned import read_circles
-from voronec.errors import DefinitionError
+from voronec.reading import doubles
 
 if TYPE_CHECKING:
     from voronec.closed.form import ClosedForm
@@ -25,10 +25,7 @@ def sampled(
     form: ClosedForm, times: Any, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
     """Coordinates and velocities at times; angles continuous (``whole``) or in (-pi, pi]."""
-    try:
-        given = np.asarray(times, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        raise DefinitionError("times must be numbers, such as [0, 0.5, 1]") from None
+    given = doubles(times, "times")
     grid = given.ravel()
     found = _resting(form, grid, names, whole) if form.rests else _moving(form, grid, names, whole)
     return {name: found[name].reshape(given.shape) for name in names}

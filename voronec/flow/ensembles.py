@@ -73,7 +73,15 @@ class Ensemble:
         return len(self.finished)
 
 
-@accepts(outputs=SEVERAL, parameters=VALUES, method=TEXT, tol=REAL, jobs=COUNT, progress=CALLABLE)
+@accepts(
+    outputs=SEVERAL,
+    parameters=VALUES,
+    inputs=VALUES,
+    method=TEXT,
+    tol=REAL,
+    jobs=COUNT,
+    progress=CALLABLE,
+)
 def ensemble(
     system: System | VoronecEquations,
     starts: Mapping[Any, Any] | Sequence[Values] | None = None,

@@ -26,7 +26,7 @@ from voronec.vector_field import Motions
 __all__ = ["explain"]
 
 
-@accepts(outputs=SEVERAL, parameters=VALUES, initial=VALUES)
+@accepts(outputs=SEVERAL, parameters=VALUES, inputs=VALUES, initial=VALUES)
 def explain(
     system: System | VoronecEquations,
     scene: str | Scene | None = None,

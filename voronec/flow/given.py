@@ -15,7 +15,7 @@ from voronec.arguments import SEQUENCE
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.flow.start import named
 from voronec.flow.vocabulary import Vocabulary, label, number
-from voronec.reading import several, shown
+from voronec.reading import doubles, several, shown
 from voronec.scene import Scene
 from voronec.system import System
 
@@ -177,8 +177,8 @@ def grid_of(system: System, scene: Scene | None, times: Any) -> np.ndarray:
         "numpy.linspace(0, 10, 1001), or one number, the end of a span of some length"
     )
     try:
-        grid = np.array(times, dtype=float)
-    except (TypeError, ValueError, OverflowError):
+        grid = doubles(times, "times")
+    except DefinitionError:
         raise wrong from None
     if grid.ndim == 0 and np.isfinite(grid):
         begin = 0.0 if known is None else number(known.times[0], "the span's end")

@@ -62,6 +62,7 @@ PER_STEP = 4
 @accepts(
     outputs=SEVERAL,
     parameters=VALUES,
+    inputs=VALUES,
     initial=VALUES,
     method=TEXT,
     tol=REAL,

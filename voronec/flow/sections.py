@@ -82,6 +82,7 @@ class Section:
 @accepts(
     outputs=SEVERAL,
     parameters=VALUES,
+    inputs=VALUES,
     initial=VALUES,
     method=TEXT,
     tol=REAL,

@@ -35,9 +35,14 @@ def three(things: Any, what: str) -> Vector:
         entries = tuple(sympified(thing) for thing in things)
     except (TypeError, DefinitionError):
         entries = ()
-    if len(entries) != 3 or not all(isinstance(e, sp.Expr) for e in entries):
+    if len(entries) != 3 or not all(is_scalar(e) for e in entries):
         raise DefinitionError(f"{what} must be three expressions, got '{shown(things)}'")
     return entries[0], entries[1], entries[2]
+
+
+def is_scalar(entry: Any) -> bool:
+    """Whether an entry is an expression, and no matrix."""
+    return isinstance(entry, sp.Expr) and not isinstance(entry, sp.MatrixExpr)
 
 
 def column(entries: Sequence[sp.Expr]) -> sp.ImmutableMatrix:

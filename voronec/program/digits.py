@@ -11,7 +11,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.program.printing import FUNCTIONS
+from voronec.program.printing import FUNCTIONS, code
 from voronec.program.python import mpmath_source
 from voronec.program.straight import Program
 
@@ -37,7 +37,7 @@ def compiled_digits(program: Program) -> tuple[Callable[..., Any], Callable[...,
     filename = f"<voronec digits {hashlib.sha256(source.encode()).hexdigest()[:12]}>"
     linecache.cache[filename] = (len(source), None, source.splitlines(keepends=True), filename)
     namespace: dict[str, Any] = {}
-    exec(compile(source, filename, "exec"), namespace)
+    exec(code(source, filename), namespace)
     words = {"Abs": "fabs"}
     for name in (words.get(f, f) for f in FUNCTIONS):
         if name in namespace:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from types import CodeType
 from typing import Any
 
 import symengine as se
@@ -15,6 +16,7 @@ from voronec.program.straight import Block
 __all__ = [
     "FUNCTIONS",
     "Dialect",
+    "code",
     "decimal",
     "fits",
     "identifiers",
@@ -54,6 +56,17 @@ class Dialect:
     power: Callable[[str, int], str]
     pi: str
     words: Mapping[str, str]
+
+
+def code(source: str, filename: str, mode: str = "exec") -> CodeType:
+    """Generated source, compiled; ``EngineLimit`` where Python's own compiler gives up."""
+    try:
+        return compile(source, filename, mode)
+    except (RecursionError, MemoryError, SyntaxError) as error:
+        raise EngineLimit(
+            f"a program of {len(source)} characters is too large for Python ({error}); "
+            "take shorter expressions, or fewer outputs"
+        ) from None
 
 
 def rewritten(expr: Any) -> Any | None:

@@ -11,7 +11,16 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from voronec.program.printing import FUNCTIONS, Dialect, decimal, fits, identifiers, lines, text
+from voronec.program.printing import (
+    FUNCTIONS,
+    Dialect,
+    code,
+    decimal,
+    fits,
+    identifiers,
+    lines,
+    text,
+)
 from voronec.program.straight import Block, Program
 
 __all__ = ["compiled", "mpmath_source", "python_source"]
@@ -71,7 +80,7 @@ def python_source(program: Program) -> str:
     more.  The time derivatives come back as a list in the same order.  Where the program has extra
     quantities, ``extras(t, state, parameters)`` computes them.
     """
-    return _module(program, _ARRAYS)
+    return _module(program, _ARRAYS, alike=True)
 
 
 def mpmath_source(program: Program) -> str:
@@ -91,7 +100,7 @@ def compiled(program: Program, scalar: bool = False) -> tuple[Function, Function
     filename = f"<voronec program {digest}>"
     linecache.cache[filename] = (len(source), None, source.splitlines(True), filename)
     namespace: dict[str, Any] = {"sign": _sign}
-    exec(compile(source, filename, "exec"), namespace)
+    exec(code(source, filename), namespace)
     return namespace["rhs"], namespace.get("extras", _nothing)
 
 
@@ -103,16 +112,18 @@ def _nothing(_t: Any, _state: Any, _parameters: Any) -> list[Any]:
     return []
 
 
-def _module(program: Program, flavour: _Flavour) -> str:
+def _module(program: Program, flavour: _Flavour, alike: bool = False) -> str:
     dialect = flavour.dialect
     reserved = {*keyword.kwlist, *_ARGUMENTS, "rhs", "extras", "mpf", "pi", *dialect.words.values()}
     inputs = [*program.state, *program.parameters, *program.inputs]
     names = identifiers(inputs, reserved) | {program.time: "t"}
     parts = [_function("rhs", "Time derivatives of the state.", program, program.derivative,
-                       names, dialect, [f"d({s})/dt" for s in program.state])]  # fmt: skip
+                       names, dialect, [f"d({s})/dt" for s in program.state],
+                       alike)]  # fmt: skip
     if program.names:
         parts.append(_function("extras", f"Computes {', '.join(program.names)}.", program,
-                               program.extras, names, dialect, program.names))  # fmt: skip
+                               program.extras, names, dialect, program.names,
+                               alike))  # fmt: skip
     body = "\n\n".join(parts)
     used = sorted({w for w in (*dialect.words.values(), "mpf") if re.search(rf"\b{w}\(", body)})
     used += ["pi"] if re.search(r"\bpi\b", body) else []
@@ -136,6 +147,15 @@ def _header(program: Program, flavour: _Flavour) -> str:
     )
 
 
+def _moves(result: Any, block: Block, program: Program) -> bool:
+    """Whether a result holds an entry of the state."""
+    moving = {*program.state}
+    for name, expr in block.assignments:
+        if expr.free_symbols & moving:
+            moving.add(name)
+    return bool(result.free_symbols & moving)
+
+
 def _remark(text: str) -> str:
     """A text that ends neither a line nor the string in which it stands."""
     printable = "".join(c if c.isprintable() else " " for c in text)
@@ -144,7 +164,7 @@ def _remark(text: str) -> str:
 
 def _function(
     title: str, purpose: str, program: Program, block: Block, names: dict[Any, str],
-    dialect: Dialect, results: Sequence[str],
+    dialect: Dialect, results: Sequence[str], alike: bool,
 ) -> str:  # fmt: skip
     names = names | identifiers([n for n, _ in block.assignments], names.values())
     arguments = _ARGUMENTS if program.inputs else _ARGUMENTS[:-1]
@@ -157,5 +177,8 @@ def _function(
     rows += [f"    {name} = {value}" for name, value in lines(block, dialect, names)]
     rows.append("    return [")
     for result, meaning in zip(block.results, results, strict=True):
-        rows.append(f"        {text(result, dialect, names)},  # {_remark(meaning)}")
+        value = text(result, dialect, names)
+        if alike and program.state and not _moves(result, block, program):
+            value = f"{value} + 0*{names[program.state[0]]}"  # of the shape of the others
+        rows.append(f"        {value},  # {_remark(meaning)}")
     return "\n".join([*rows, "    ]"]) + "\n"

@@ -24,6 +24,7 @@ import flint
 
 from voronec.algebra.tape import Tape
 from voronec.program.coefficients import Coefficients
+from voronec.program.printing import code
 from voronec.program.straight import Program
 
 __all__ = ["Recurrences", "fixed", "recurrences"]
@@ -52,7 +53,7 @@ class Recurrences:
             known = {name: fixed(x, bits) for name, x in zip(self.constants, numbers, strict=True)}
         functions = {"mul": mul, "isqrt": isqrt, "apply": _applied(bits), "power": _powered(bits)}
         namespace: dict[str, Any] = {"P": bits, "ONE": 1 << bits, **functions, **known}
-        exec(compile(self.source, filename, "exec"), namespace)
+        exec(code(self.source, filename), namespace)
         return namespace["expand"]
 
     @cached_property
