@@ -9,6 +9,7 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.bounded import bounded, holds_exponentials
 from voronec.algebra.door import Door
 from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, time, velocity
 from voronec.connection import AffineForms, FibreSolution
@@ -31,7 +32,8 @@ class Definition:
 
     ``dots`` are the velocities in which Lagrangian and constraints are written: those of the
     coordinates, or of a group's frame; forces act along them: Q = ``forces`` + ``added`` qddot,
-    without ``added`` where no force holds an acceleration.
+    without ``added`` where no force holds an acceleration.  ``exponential`` says that something
+    holds an exponential, so that quotients of them may overflow.
     """
 
     system: System
@@ -55,6 +57,7 @@ class Definition:
     near: dict[str, Any]
     added: tuple[tuple[Any, ...], ...] = ()
     share: float = 0.0
+    exponential: bool = False
 
     @property
     def base(self) -> int:
@@ -127,6 +130,9 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
     named = system.frame.momenta if system.frame is not None else ()
     determinant = system.frame.determinant if system.frame is not None else None
     forces, added = _applied(system, door, enter, dots, frame)
+    lagrangian = enter(system.lagrangian, "the Lagrangian")
+    forms = [constraints, *([frame] if frame is not None else [])]
+    held = [e for form in forms for row in (*form.matrix, form.offset) for e in row]
     return Definition(
         system=system,
         door=door,
@@ -139,7 +145,7 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
         determinant=determinant if determinant is None else door.inward(determinant),
         parameters=tuple(door.inward(p.symbol) for p in system.parameters),
         time=door.inward(time),
-        lagrangian=enter(system.lagrangian, "the Lagrangian"),
+        lagrangian=lagrangian,
         forces=forces,
         constraints=constraints,
         frame=frame,
@@ -149,6 +155,7 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
         near=point,
         added=added,
         share=share,
+        exponential=holds_exponentials(lagrangian, *forces, *held),
     )
 
 
@@ -267,7 +274,7 @@ def _reader(
 
     def plain(expr: sp.Expr, place: str) -> Any:
         try:
-            return door.inward(expr)
+            return bounded(door.inward(expr))
         except DefinitionError as error:
             raise DefinitionError(f"system '{system.name}': {place}: {error}") from None
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.bounded import bounded_all
 from voronec.algebra.normal import canonical, shortest
 from voronec.connection import (
     EhresmannConnection,
@@ -68,14 +69,17 @@ class Derivation:
 
     def tidy(self, exprs: Sequence[Any]) -> list[Any]:
         """Bring intermediate results into normal form, or leave them, as this derivation does."""
-        return canonical(exprs, self.definition.relations) if self.exact else list(exprs)
-
-    def polish(self, exprs: Sequence[Any]) -> list[Any]:
-        """Bring final results into their shortest form, or leave them, as this derivation does."""
         if not self.exact:
             return list(exprs)
+        given = bounded_all(exprs) if self.definition.exponential else exprs
+        return canonical(given, self.definition.relations)
+
+    def polish(self, exprs: Sequence[Any]) -> list[Any]:
+        """Bring final results into their shortest form, or leave them, as this derivation does;
+        quotients of exponentials are written so that they do not overflow."""
         d = self.definition
-        return shortest(exprs, d.relations, d.velocities)
+        found = bounded_all(exprs) if d.exponential else list(exprs)
+        return shortest(found, d.relations, d.velocities) if self.exact else found
 
     @cached_property
     def fibre(self) -> FibreSolution:

@@ -72,19 +72,37 @@ class Generators:
 
     ``atoms``: expressions that are generators themselves.  ``angles``: angle -> denominator d, for
     the pair cos(angle/d), sin(angle/d).  ``units``: (base, exponent) -> denominator d, for
-    base**(exponent/d).  ``radicals``: base -> q, for base**(1/q), innermost first.
+    base**(exponent/d).  ``radicals``: base -> q, for base**(1/q), innermost first.  ``tangents``
+    are arguments of tanh and coth: ``settle`` makes them atoms or units.
     """
 
     atoms: dict[Any, None] = field(default_factory=dict)
     angles: dict[Any, int] = field(default_factory=dict)
     units: dict[tuple[Any, Any], int] = field(default_factory=dict)
     radicals: dict[Any, int] = field(default_factory=dict)
+    tangents: dict[Any, None] = field(default_factory=dict)
     _seen: set[Any] = field(default_factory=set)
 
     def scan(self, exprs: Iterable[Any]) -> None:
         """Collect the generators of further expressions."""
         for expr in exprs:
             self._visit(expr)
+
+    def settle(self) -> None:
+        """Decide what the hyperbolic tangents are, once everything is scanned.
+
+        tanh w alone is a generator: it obeys no relation, and is bounded, where the quotient of
+        exponentials that it equals overflows.  Beside exp(w), or another multiple of w under a
+        hyperbolic function, it is that quotient.
+        """
+        taken = [term for base, term in self.units if base == se.E]
+        taken += [term for w in self.tangents for term in linear_terms(w)]
+        for w in self.tangents:
+            if any(taken.count(term) > 1 for term in linear_terms(w)):
+                self._unit(se.E, w)
+            else:
+                self.atoms.setdefault(se.tanh(w))
+        self.tangents.clear()
 
     def _visit(self, expr: Any) -> None:
         if expr in self._seen:
@@ -99,6 +117,8 @@ class Generators:
                 raise EngineLimit(f"the number '{expr}' is not rational")
         elif isinstance(expr, TRIGONOMETRIC):
             self._angle(expr.args[0])
+        elif isinstance(expr, (se.tanh, se.coth)):
+            self.tangents.setdefault(expr.args[0])
         elif isinstance(expr, HYPERBOLIC):
             self._unit(se.E, expr.args[0])
         elif isinstance(expr, (se.Add, se.Mul)):

@@ -58,6 +58,7 @@ class Ring:
         self.found = Generators()
         self.found.scan(exprs)
         self.found.scan(relations)
+        self.found.settle()
         self.field = Field(self._named(bool(relations)), work_limit)
         self._memo: dict[Any, Fraction] = {}
         self._roots: dict[Any, Fraction] = {}
@@ -245,6 +246,8 @@ class Ring:
         return table[type(expr)]()
 
     def _hyperbolic(self, expr: Any) -> Fraction:
+        if isinstance(expr, se.coth) and (tangent := se.tanh(expr.args[0])) in self._plain:
+            return self.field.inverse(Fraction(self._gen(tangent)))
         up = self._symbolic_power(se.E, expr.args[0])
         down = self.field.inverse(up)
         minus = self.field.mul([self.field.constant(-1), down])

@@ -22,6 +22,7 @@ from voronec.flow.probe import quantities
 from voronec.program import Block, Program
 from voronec.program.digits import compiled_digits
 from voronec.program.walls import (
+    SATURATED,
     Sides,
     Wall,
     has_walls,
@@ -83,20 +84,24 @@ class Modes:
     form: Any
     functions: Mapping[str, Any]
     cusps: frozenset[Any] = frozenset()
+    saturated: Any = SATURATED
     _corners: list[Corner] = field(default_factory=list)
     _floors: dict[Wall, Any] = field(default_factory=dict)
     _gauges: dict[Wall, Callable[..., Any]] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, form: Any, functions: Mapping[str, Any]) -> Modes | None:
-        """The modes of a form; None where it is smooth."""
+    def of(
+        cls, form: Any, functions: Mapping[str, Any], saturated: Any = SATURATED
+    ) -> Modes | None:
+        """The modes of a form; None where it is smooth.  tanh w counts as flat to the rounding in
+        force where |w| is greater than ``saturated``."""
         form, functions = opened(with_plain_roots(form), functions)
         still = frozenset(form.parameters)
         functions = {name: plain_roots(e, still) for name, e in functions.items()}
         exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]
         if not has_walls([*exprs, *functions.values()], still) and not rims(form, exprs):
             return None
-        return cls(form, functions, _cusps(form, exprs))
+        return cls(form, functions, _cusps(form, exprs), saturated)
 
     def floor(self, wall: Wall) -> Any:
         """The parameter that stands for a floor."""
@@ -114,7 +119,7 @@ class Modes:
             return asked.setdefault(wall, side(wall))
 
         still = frozenset(form.parameters)
-        change = Sides(answer, self.floor, still, self.cusps)
+        change = Sides(answer, self.floor, still, self.cusps, self.saturated)
         made = replace(
             form,
             rates=tuple(self._settled(e, change) for e in form.rates),

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import ceil, log2
+from math import ceil, log, log2
 from typing import Any
 
 import mpmath
 import numpy as np
+import symengine as se
 
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.flow.crossroads import DOUBLE, GUARD, PAST, Crossroads, Place
@@ -23,11 +24,14 @@ from voronec.flow.steppers.choice import EXACT
 from voronec.flow.steppers.pieces import in_pieces
 from voronec.flow.steppers.run import until
 from voronec.program.digits import compiled_digits
+from voronec.program.walls import SATURATED
 
 __all__ = ["Switched", "through_walls"]
 
 WINDOW, CRAWL = 200, 1e-8
 """So many switches that cover less than this part of the span lead nowhere."""
+FLAT = 0.59
+"""See ``_saturated``: (1 + 0.6 log(e/2))/2, rounded."""
 COINCIDENT = 1e-9
 """An event that is closer to zero than this at a switch, in units of its terms, may pass there."""
 RIM = "the motion comes to rest where a root of velocities in its equations has no slope"
@@ -113,10 +117,10 @@ def _through_walls(
     levels = problem.levels
     if not rough and (levels is None or not levels.extras.is_rough(levels.parameters)):
         return None
-    modes = Modes.of(form, functions)
+    exact = method == "flint" or (method == "auto" and problem.tol < EXACT)
+    modes = Modes.of(form, functions, _saturated(problem.tol, exact))
     if modes is None:
         return None
-    exact = method == "flint" or (method == "auto" and problem.tol < EXACT)
     if modes.cusps and (exact or method == "heyoka"):
         raise EngineLimit(
             f"the root of {min(map(str, modes.cusps))} in the equations has no Taylor series where "
@@ -127,6 +131,17 @@ def _through_walls(
     with mpmath.workprec(2 * bits + GUARD):
         roads = Crossroads(method, problem, grid, modes, bits)
     return Switched.of(roads)
+
+
+def _saturated(tol: float, exact: bool) -> Any:
+    """Where tanh w counts as flat.
+
+    Beyond, exp(-2 w) is to be less than the tolerance; within, the coefficients of a series of
+    order N = 0.6 log(1/tol) must be seen while a step takes w by no more than N/4, half the way to
+    where they are largest: exp(-2 w) (N/2)^N/N! > tol.
+    """
+    reach = se.Rational(round(100 * FLAT * -log(tol)), 100)
+    return reach if exact else min(reach, SATURATED)
 
 
 def _refused(problem: Problem, times: np.ndarray, reason: str) -> Run:

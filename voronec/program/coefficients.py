@@ -221,9 +221,11 @@ class Coefficients:
             return self._curves(a, "h" if kind in (se.sinh, se.cosh) else "")[
                 kind in (se.cos, se.cosh)
             ]
-        if kind in (se.tan, se.tanh):
-            sine, cosine = self._curves(a, "h" if kind is se.tanh else "")
+        if kind is se.tan:
+            sine, cosine = self._curves(a, "")
             return self.quotient((f"{sine}[0]", f"{sine}[k]"), cosine)
+        if kind is se.tanh:
+            return self._tangent(a)
         if kind is se.atan2:
             return self._angle(*expr.args)
         if kind in (se.Abs, se.sign):
@@ -255,6 +257,17 @@ class Coefficients:
         )
         self.helpers[f"sin{kind}", a], self.helpers[f"cos{kind}", a] = sine, cosine
         return sine, cosine
+
+    def _tangent(self, a: str) -> str:
+        """tanh a, whose slope is 1 - tanh^2 a: sinh and cosh would overflow."""
+        name = f"a{self.count}"
+        self.entry(
+            f"tangent({a}[0])",
+            f"(sum(map(mul, {self.weighted(a)}, s_{name}[::-1])) >> P)//k",
+        )
+        self.first.append(f"s_{name} = [ONE - ({name}[0]**2 >> P)]")
+        self.later.append(f"s_{name}.append(-(sum(map(mul, {name}, {name}[::-1])) >> P))")
+        return name
 
     def _angle(self, y: Any, x: Any) -> str:
         """atan2(y, x): its slope is (x y' - y x')/(x^2 + y^2)."""

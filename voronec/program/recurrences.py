@@ -52,6 +52,7 @@ class Recurrences:
         with flint.ctx.workprec(bits + 64):
             known = {name: fixed(x, bits) for name, x in zip(self.constants, numbers, strict=True)}
         functions = {"mul": mul, "isqrt": isqrt, "apply": _applied(bits), "power": _powered(bits)}
+        functions["tangent"] = _tangent(bits)
         namespace: dict[str, Any] = {"P": bits, "ONE": 1 << bits, **functions, **known}
         exec(code(self.source, filename), namespace)
         return namespace["expand"]
@@ -81,6 +82,17 @@ def _applied(bits: int) -> Callable[..., int]:
             return fixed(getattr(flint.arb, name)(*balls), bits)
 
     return apply
+
+
+def _tangent(bits: int) -> Callable[[int], int]:
+    apply, one = _applied(bits), 1 << bits
+
+    def tangent(number: int) -> int:
+        """tanh; where it is 1 to the last digit it is flat, and no rounding is to grow in it."""
+        found = apply("tanh", number)
+        return found if one - abs(found) > 1 else (one if number > 0 else -one)
+
+    return tangent
 
 
 def _powered(bits: int) -> Callable[[int, int, int], int]:

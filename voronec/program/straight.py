@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import symengine as se
 
+from voronec.algebra.bounded import tempered
 from voronec.algebra.stages import needed
 from voronec.algebra.tape import is_atom
 from voronec.errors import DefinitionError
@@ -94,7 +95,7 @@ class Program:
         known = [form.time, *form.coordinates, *form.velocities, *form.parameters, *inputs]
         dots = form.velocity_symbols
         rates = dict(zip(dots, form.rates, strict=bool(dots))) | dict(form.dependent)
-        observed = [se.sympify(e).xreplace(rates) for e in wanted.values()]
+        observed = [tempered(se.sympify(e).xreplace(rates)) for e in wanted.values()]
         matrix = [e for row in form.mass for e in row]
         names = [name for name, _ in form.stages]
         inner = [e for _, e in form.stages]

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from voronec.derivation import FirstOrderForm
 
 __all__ = [
+    "SATURATED",
     "Sides",
     "Wall",
     "has_walls",
@@ -32,6 +33,9 @@ __all__ = [
     "with_plain_roots",
 ]
 
+SATURATED = se.Integer(17)
+"""tanh w is flat to rounding for |w| a little beyond this: there a series knows nothing of what is
+to come, and a step as long as it allows would go over all of it."""
 LONG = 100
 """Radicands of more operations are not searched for squares."""
 
@@ -50,13 +54,16 @@ class Sides:
 
     ``side`` is asked for 1 or -1 at each wall of a sign; a floor becomes a symbol of its own, given
     by ``number``.  ``walls`` are those that were met; ``still`` symbols alone make none.
-    Of radicands that are ``cusps`` the absolute value is taken.
+    Of radicands that are ``cusps`` the absolute value is taken.  tanh w is the same on all sides of
+    its walls, |w| = ``saturated``, and half of that, within which squares of 1 - |tanh w| are not
+    flat either; they keep a step from going over it.
     """
 
     side: Callable[[Wall], int]
     number: Callable[[Wall], Any]
     still: frozenset[Any] = frozenset()
     cusps: frozenset[Any] = frozenset()
+    saturated: Any = SATURATED
     walls: dict[Wall, None] = field(default_factory=dict)
     _known: dict[Any, Any] = field(default_factory=dict)
 
@@ -84,7 +91,15 @@ class Sides:
             return self._angle(*args)
         if isinstance(expr, se.Pow) and expr.args[0] in self.cusps and _is_root(expr):
             return se.Abs(args[0]) ** args[1]
+        if isinstance(expr, se.tanh):
+            self._watch(args[0])
         return expr if args == list(expr.args) else expr.func(*args)
+
+    def _watch(self, argument: Any) -> None:
+        if not argument.free_symbols <= self.still:
+            for end in (self.saturated, self.saturated / 2):
+                self._side(argument - end)
+                self._side(argument + end)
 
     def _side(self, function: Any) -> Any:
         if function.free_symbols <= self.still:
@@ -164,7 +179,7 @@ def is_rough(
         if expr.free_symbols & moving:
             moving.add(name)
     for expr in [*meaning.values(), *map(se.sympify, results)]:
-        if expr.atoms(se.sign, se.Abs, se.floor, se.atan2, se.Derivative, se.Subs):
+        if expr.atoms(se.sign, se.Abs, se.floor, se.atan2, se.tanh, se.Derivative, se.Subs):
             return True
         for power in expr.atoms(se.Pow):
             if _is_root(power):

@@ -40,6 +40,7 @@ class Independence:
         be squares."""
         found = Generators()
         found.scan([*exprs, *relations])
+        found.settle()
         bound = {s for r in relations for s in r.free_symbols}
         atoms = [a for a in found.atoms if not isinstance(a, se.Symbol)]
         unknown = [a for a in atoms if is_atom(a)]

@@ -1,0 +1,116 @@
+"""Functions that saturate or overflow: what they are is computed, and no step goes over them."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec import Fibration, System, velocity
+from voronec.algebra.bounded import bounded, tempered
+from voronec.algebra.door import Door
+
+x = sp.Symbol("x")
+v = velocity(x)
+METHODS = pytest.mark.parametrize("method", ["scipy", "heyoka", "flint"])
+
+
+def system(force=0, potential=0, **options) -> System:
+    return System(
+        name="soft", fibration=Fibration(x), lagrangian=v**2 / 2 - potential, forces={x: force},
+        **options,
+    )  # fmt: skip
+
+
+K = 1000
+FRICTION = {
+    "tanh": -sp.tanh(K * v),
+    "logistic": 1 - 2 / (1 + sp.exp(-2 * K * v)),
+    "exponentials": (sp.exp(-K * v) - sp.exp(K * v)) / (sp.exp(K * v) + sp.exp(-K * v)),
+    "sinh by cosh": -sp.sinh(K * v) / sp.cosh(K * v),
+}
+
+
+@METHODS
+@pytest.mark.parametrize("force", FRICTION.values(), ids=FRICTION)
+def test_smooth_friction_brings_a_block_to_rest(force, method):
+    """v' = -tanh(k v) has sinh(k v) = sinh(k) exp(-k t)."""
+    times = [0, 0.5, 0.9, 1.005]
+    run = vo.integrate(system(force), times=times, initial={v: 1}, method=method)
+    with mp.workdps(500):
+        truth = [float(mp.asinh(mp.sinh(K) * mp.exp(-K * mp.mpf(t))) / K) for t in times]
+    assert run["xdot"].astype(float) == pytest.approx(truth, abs=1e-13)
+    assert vo.derive(system(force)).force[0] == -sp.tanh(K * v)
+
+
+def test_saturation_in_many_digits():
+    run = vo.integrate(system(FRICTION["tanh"]), times=[0, 1.005], initial={v: 1}, tol=1e-30)
+    with mp.workdps(500):
+        truth = mp.asinh(mp.sinh(K) * mp.exp(-K * mp.mpf(1.005))) / K
+    assert abs(run["xdot"][-1] - truth) < 1e-29
+
+
+@METHODS
+def test_a_ramp_is_fallen_down_and_left(method):
+    """Over the potential log(1 + exp(2000 x))/2000, x for x > 0, the motion is that of a corner,
+    but for a part in a million."""
+    ramp = sp.log(1 + sp.exp(2000 * x)) / 2000
+    made = system(potential=ramp, integrals={"energy": v**2 / 2 + ramp})
+    run = vo.integrate(made, times=[0, 0.5, 1], initial={x: 1, v: -1}, method=method)
+    fall = math.sqrt(3) - 1
+    assert run["x"].astype(float) == pytest.approx([1, 0.375, -math.sqrt(3) * (1 - fall)], abs=2e-6)
+    assert run.drift["energy"] < 1e-11
+    assert all(claim.verdict.proved for claim in vo.check_claims(made))
+
+
+@METHODS
+def test_no_step_goes_over_a_narrow_barrier(method):
+    """A barrier 1/cosh(1000 x) of height 1 throws back what comes with energy 1/2."""
+    made = system(potential=1 / sp.cosh(K * x))
+    run = vo.integrate(made, times=[0, 2], initial={x: -1, v: 1}, method=method)
+    assert float(run["xdot"][-1]) == pytest.approx(-1, abs=1e-11)
+    assert -1.02 < float(run["x"][-1]) < -0.98
+
+
+EQUAL = [
+    1 / (1 + sp.exp(-x)), sp.exp(-x) / (1 + sp.exp(-x)) ** 2, 1 / sp.cosh(x) ** 2,
+    sp.cosh(x) / sp.cosh(2 * x), v * x / (v + 3 * sp.exp(2 * x)), sp.exp(2 * x) / (1 + sp.exp(x)),
+    sp.sinh(x) / (v + sp.cosh(x)), (1 - sp.exp(-x)) / x, sp.exp(x) * sp.exp(v) / (1 + sp.exp(x)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("expr", EQUAL, ids=str)
+def test_what_is_bounded_is_equal_and_proved_so(expr):
+    door = Door()
+    inside = door.inward(expr)
+    assert vo.prove_equal(door.outward(bounded(inside)), expr).proved
+
+
+@pytest.mark.parametrize("expr", [sp.log(1 + sp.exp(x)), sp.log(sp.cosh(3 * x)) + x], ids=str)
+def test_logarithms_of_exponentials_do_not_overflow(expr):
+    door = Door()
+    other = door.outward(tempered(door.inward(expr)))
+    for value in (-sp.Rational(7, 10), sp.Rational(3, 10)):
+        assert abs((expr - other).subs(x, value).evalf(30)) < 1e-25
+    function = sp.lambdify(x, other, "math")
+    assert function(2000.0) == pytest.approx(2000.0 if expr.func == sp.log else 8000 - math.log(2))
+    assert math.isfinite(function(-2000.0))
+
+
+def test_the_hyperbolic_tangent_alone_is_no_quotient_of_exponentials():
+    """Beside other functions of its argument it still is, so that identities are proved."""
+    assert vo.prove_equal(sp.tanh(x) ** 2 + 1 / sp.cosh(x) ** 2, 1).proved
+    assert vo.prove_equal(sp.tanh(2 * x) * (1 + sp.tanh(x) ** 2), 2 * sp.tanh(x)).proved
+    assert vo.prove_equal(sp.coth(x) * sp.tanh(x), 1).proved
+    assert vo.prove_equal(sp.tanh(x), sp.tanh(2 * x)).refuted
+
+
+def test_mild_functions_are_integrated_as_before():
+    """x'' = -tanh x conserves v^2/2 + log cosh x."""
+    made = system(-sp.tanh(x), integrals={"energy": v**2 / 2 + sp.log(sp.cosh(x))})
+    run = vo.integrate(made, times=np.linspace(0, 20, 41), initial={x: 3}, method="heyoka")
+    assert run.drift["energy"] < 1e-12

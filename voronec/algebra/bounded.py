@@ -1,0 +1,213 @@
+"""Quotients of exponentials, written so that nothing overflows.
+
+1/(1 + exp(w)) is exact, and useless in doubles for w > 710.  With y = exp(w) and T = tanh(w/2),
+y = (1 + T)/(1 - T); so where P and Q are polynomials in y and no power of y in P lies beyond those
+in Q,
+
+    P(y)/Q(y) = (1 - T)^n P / (1 - T)^n Q,    n the degree of Q,
+
+is a quotient of polynomials in T whose denominator does not vanish where exp(w) overflows.  The
+hyperbolic functions are sums of exponentials too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import comb, gcd
+from typing import Any
+
+import symengine as se
+
+__all__ = ["bounded", "bounded_all", "holds_exponentials", "tempered"]
+
+DEGREE = 6
+"""Powers of T up to this one: the sums alternate, and lose more digits the higher they are."""
+
+_Laurent = dict[int, Any]
+"""Powers of y with their coefficients."""
+
+
+def bounded(expr: Any) -> Any:
+    """An equal expression in which quotients of exponentials are bounded functions."""
+    return bounded_all([expr])[0]
+
+
+def bounded_all(exprs: Iterable[Any]) -> list[Any]:
+    """``bounded`` of several expressions; what they share is looked at once."""
+    known: dict[Any, Any] = {}
+    given = [se.sympify(e) for e in exprs]
+    return [_rewritten(e, known) for e in given] if holds_exponentials(*given) else given
+
+
+def _rewritten(expr: Any, known: dict[Any, Any]) -> Any:
+    if not expr.args:
+        return expr
+    found = known.get(expr)
+    if found is None:
+        whole = _quotient(expr) if isinstance(expr, (se.Mul, se.Pow)) else None
+        if whole is None:
+            # a quotient that is not bounded stays whole: exp(2 w)/(1 + exp(w)) would lose digits
+            kept = _below(expr.args) if isinstance(expr, se.Mul) else []
+            args = [a if a in kept else _rewritten(a, known) for a in expr.args]
+            whole = expr if list(expr.args) == args else expr.func(*args)
+        found = known[expr] = whole
+    return found
+
+
+def tempered(expr: Any) -> Any:
+    """An equal expression in which logarithms of sums of exponentials do not overflow.
+
+        log sum c_k exp(k w) = (h + l)/2 w + (h - l)/2 |w| + log sum c_k exp(k w - ...),
+
+    k from l to h: on either side of w = 0 the exponents that are left are not positive.
+    """
+    sums = {a: _tempered(a.args[0]) for a in expr.atoms(se.log) if holds_exponentials(a)}
+    return expr.xreplace({a: e for a, e in sums.items() if e is not None}) if sums else expr
+
+
+def _tempered(inner: Any) -> Any | None:
+    found = [w for f in inner.args or () for w in _arguments(f)] + _arguments(inner)
+    terms = _laurent(inner, min(found, key=_size)) if found else None
+    if terms is None:
+        return None
+    w, low, high = min(found, key=_size), min(terms), max(terms)
+    middle, reach = se.Rational(low + high, 2) * w, se.Rational(high - low, 2) * se.Abs(w)
+    rest = [c * se.exp(k * w - middle - reach) for k, c in terms.items()]
+    return middle + reach + se.log(se.Add(*rest))
+
+
+def holds_exponentials(*exprs: Any) -> bool:
+    """Whether there is an exponential, or a hyperbolic sine or cosine, in some expressions."""
+    seen, stack = set(), list(exprs)
+    while stack:
+        node = stack.pop()
+        if isinstance(node, (se.sinh, se.cosh)) or _is_exponential(node):
+            return True
+        if node not in seen:
+            seen.add(node)
+            stack.extend(node.args)
+    return False
+
+
+def _is_exponential(expr: Any) -> bool:
+    return isinstance(expr, se.Pow) and expr.args[0] == se.E
+
+
+def _quotient(expr: Any) -> Any | None:
+    """A product rewritten; None where it is no quotient of exponentials that is bounded."""
+    factors = expr.args if isinstance(expr, se.Mul) else (expr,)
+    if not _below(factors):
+        return None
+    found = [w for f in factors for w in _arguments(f.args[0] if _is_power(f) else f)]
+    argument = min(found, key=_size)
+    rest, top, bottom = [], {0: se.Integer(1)}, {0: se.Integer(1)}
+    for factor in factors:
+        base, power = (factor.args[0], int(factor.args[1])) if _is_power(factor) else (factor, 1)
+        terms = _laurent(base, argument)
+        if terms is None:
+            rest.append(factor)
+        else:
+            for _ in range(abs(power)):
+                top, bottom = (
+                    (_times(top, terms), bottom) if power > 0 else (top, _times(bottom, terms))
+                )
+            if max(len(top), len(bottom)) > 2 * DEGREE:
+                return None
+    low, high = min(bottom), max(bottom)
+    if min(top) < low or max(top) > high or high == low:
+        return None
+    unit = gcd(*(k - low for k in (*top, *bottom)))  # exp(w) may occur in whole powers alone
+    degree = (high - low) // unit
+    if degree > DEGREE:
+        return None
+    tangent = se.tanh(unit * argument / 2)
+    numerator, denominator = (
+        _in_tangent({(k - low) // unit: c for k, c in p.items()}, degree, tangent)
+        for p in (top, bottom)
+    )
+    return se.Mul(*bounded_all(rest), numerator) / denominator
+
+
+def _is_power(expr: Any) -> bool:
+    return (
+        isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Integer) and (expr.args[0] != se.E)
+    )
+
+
+def _below(factors: Iterable[Any]) -> list[Any]:
+    """Of the factors of a product those by whose sums of exponentials it is divided."""
+    return [f for f in factors if _is_power(f) and f.args[1] < 0 and _arguments(f.args[0])]
+
+
+def _arguments(expr: Any) -> list[Any]:
+    """The w of which a sum, or a hyperbolic function, holds exp(w)."""
+    found = []
+    for term in expr.args if isinstance(expr, se.Add) else (expr,):
+        for factor in term.args if isinstance(term, se.Mul) else (term,):
+            if isinstance(factor, (se.sinh, se.cosh)):
+                found.append(factor.args[0])
+            elif _is_exponential(factor):
+                found.append(factor.args[1])
+    return [w for w in found if w.free_symbols]
+
+
+def _size(argument: Any) -> tuple[float, str]:
+    numbers = [a for a in argument.args if a.is_Number] if isinstance(argument, se.Mul) else []
+    return abs(float(numbers[0])) if numbers else 1.0, str(argument)
+
+
+def _laurent(expr: Any, argument: Any) -> _Laurent | None:
+    """An expression as a polynomial in exp(w) and exp(-w) with at least one such power; None."""
+    total: _Laurent = {}
+    for term in expr.args if isinstance(expr, se.Add) else (expr,):
+        product: _Laurent = {0: se.Integer(1)}
+        for factor in term.args if isinstance(term, se.Mul) else (term,):
+            part = _single(factor, argument)
+            if part is None:
+                return None
+            product = _times(product, part)
+        for k, c in product.items():
+            total[k] = total.get(k, se.Integer(0)) + c
+    total = {k: c for k, c in total.items() if c != 0}
+    return total if any(total) else None
+
+
+def _single(factor: Any, argument: Any) -> _Laurent | None:
+    if isinstance(factor, (se.sinh, se.cosh)):
+        n = _multiple(factor.args[0], argument)
+        half = se.Rational(1, 2)
+        return None if n is None else {n: half, -n: half if isinstance(factor, se.cosh) else -half}
+    if _is_exponential(factor):
+        n = _multiple(factor.args[1], argument)
+        return None if n is None else {n: se.Integer(1)}
+    return None if holds_exponentials(factor) else {0: factor}
+
+
+def _multiple(argument: Any, unit: Any) -> int | None:
+    ratio = argument / unit
+    return int(ratio) if isinstance(ratio, se.Integer) else None
+
+
+def _times(a: _Laurent, b: _Laurent) -> _Laurent:
+    found: _Laurent = {}
+    for i, x in a.items():
+        for j, y in b.items():
+            found[i + j] = found.get(i + j, se.Integer(0)) + x * y
+    return {k: c for k, c in found.items() if c != 0} or {0: se.Integer(0)}
+
+
+def _in_tangent(terms: _Laurent, degree: int, tangent: Any) -> Any:
+    """(1 - T)^n times the sum of c y^k, expanded in powers of T."""
+    powers: Sequence[Any] = [se.Integer(0)] * (degree + 1)
+    for k, c in terms.items():
+        up, down = k, degree - k
+        powers = [
+            p
+            + c
+            * sum(
+                comb(up, i) * comb(down, j - i) * (-1) ** (j - i)
+                for i in range(max(0, j - down), min(up, j) + 1)
+            )
+            for j, p in enumerate(powers)
+        ]
+    return se.Add(*[p * tangent**j for j, p in enumerate(powers)])
