@@ -14,6 +14,7 @@ __all__ = ["require_inertia"]
 
 PLACES, AWAY = 3, 0.3
 """At the start and so many places about it, so far apart, the mass matrix is looked at."""
+_KEPT = "_regular_without"
 SINGULAR = 1e-12
 """The least eigenvalue of a singular mass matrix, in units of its largest."""
 
@@ -25,12 +26,15 @@ def require_inertia(
 
     ``state`` (n,) is the start on the coordinates.  Each of the equations mass * vdot = force may
     then be cancelled before the parameter is put in, or after: the answers differ, so there is
-    none.  A matrix that is singular at the start alone is another matter: charts may help.
+    none.  A matrix that is singular at the start alone is another matter: charts may help.  What
+    was found regular stays so, and is kept with the equations.
     """
     zero = [p.name for p in equations.system.parameters if constants.get(p.name) == 0]
-    if not zero or not equations.system.velocities:
+    regular = equations.__dict__.setdefault(_KEPT, set())
+    if not zero or not equations.system.velocities or frozenset(zero) in regular:
         return
     if not _singular(equations, constants, state, time):
+        regular.add(frozenset(zero))
         return
     guilty = [
         name for name in zero if not _singular(equations, {**constants, name: 1.0}, state, time)

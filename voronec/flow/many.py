@@ -123,7 +123,6 @@ def many(
     initial = named(vocabulary, scene.initial if scene else {}, "initial value")
     width = len(below.state)
     full = np.full((len(starts), width), np.nan)
-    massive: set[frozenset[str]] = set()
     for i, given in enumerate(starts):
         if i in wrong:
             continue
@@ -133,10 +132,7 @@ def many(
         try:
             data = named(vocabulary, given, "initial value")
             full[i] = start_of(vocabulary, initial, data, own, rates, time).state
-            zero = frozenset(name for name, x in own.items() if x == 0)
-            if zero not in massive:
-                require_inertia(equations, own, full[i], time)
-                massive.add(zero)
+            require_inertia(equations, own, full[i], time)
         except VoronecError as error:
             wrong[i] = error
     states, frozen = _placed(below, functions[1], full, constants, time)
