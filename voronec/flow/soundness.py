@@ -218,7 +218,8 @@ class Conserved:
 def _scale(sizes: np.ndarray) -> np.ndarray:
     """Sizes at the instants compared: here, at the start, and along the way, where a single large
     one counts for nothing."""
-    usual = np.nanmedian(sizes) if np.isfinite(sizes).any() else 0.0
+    finite = sizes[np.isfinite(sizes)]
+    usual = np.median(finite) if len(finite) else 0.0
     return np.maximum(np.nan_to_num(sizes, nan=np.inf), max(float(sizes[0]), float(usual)))
 
 
@@ -279,7 +280,8 @@ def original_rates(
         sound = np.isfinite(rows).all(axis=1)
         if n:
             mass = rows[:, width : width + n * n].reshape(-1, n, n)
-            sound[sound] = np.linalg.cond(mass[sound]) < REGULAR
+            sizes = np.abs(np.linalg.eigvalsh(mass[sound]))
+            sound[sound] = sizes.max(axis=1) < REGULAR * sizes.min(axis=1)
             force = rows[sound, width + n * n :, None]
             result[sound, width:] = np.linalg.solve(mass[sound], force)[:, :, 0]
         result[~sound] = np.nan
