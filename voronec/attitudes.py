@@ -24,7 +24,9 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.normal import canonical
 from voronec.algebra.rotations import Rotations
+from voronec.algebra.symbols import plain_name
 from voronec.charts import Chart
 from voronec.definition import Definition
 from voronec.equations import VoronecEquations, derive
@@ -249,8 +251,22 @@ class _Turned:
 
         return Chart(
             state=outside(there), singular=out(singular), changes=self._changes(),
-            back=outside(back), singular_there=out(other), twin=outside(twin),
+            back=outside(back), singular_there=out(other), twin=outside(twin), near=self._near,
         )  # fmt: skip
+
+    @property
+    def _near(self) -> dict[Any, Any]:
+        """The image of a pole, where the body has turned by something, and the default scene."""
+        scenes, out = self.d.system.scenes, self.d.door.outward
+        start = (
+            {plain_name(q): x for q, x in scenes["default"].initial.items()}
+            if "default" in scenes
+            else {}
+        )
+        own = {plain_name(q): start.get(plain_name(q), 0) for q in self.d.system.coordinates}
+        for t in self.chosen:
+            own |= {str(t.phi): sp.pi, str(t.theta): sp.pi / 2, str(t.psi): sp.Rational(1, 2)}
+        return {q: own[plain_name(q)] for q in map(out, self.d.coordinates)}
 
     def _changes(self) -> dict[str, Any]:
         d, out = self.d, self.d.door.outward
@@ -280,7 +296,10 @@ class _Turned:
         """A function of coordinates and velocities in the other angles."""
         for t in self.chosen:
             expr = self._of_one(expr, t)
-        return expr
+        try:
+            return canonical([expr], self.d.relations)[0]
+        except EngineLimit:
+            return expr
 
     def _of_one(self, expr: Any, t: EulerAngles) -> Any:
         d = self.d

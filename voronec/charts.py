@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CHANGING", "Chart", "bare", "system_in"]
 
-_KEPT = "_in_charts"
-"""Where a system keeps itself in its charts."""
 CHANGING = ("lagrangian", "constraints", "forces", "frame")
 """What may read differently in another chart."""
 
@@ -49,6 +47,9 @@ class Chart:
     twin
         other values of the system's coordinates for the same state, where they cover states twice,
         as Euler's angles do: {phi: phi + pi, theta: -theta, psi: psi - pi}.
+    near
+        values of coordinates in the chart, where the system's own are singular: there the
+        constraints, solved for the chart, should be defined.
     """
 
     state: Mapping[Any, Any]
@@ -57,12 +58,13 @@ class Chart:
     back: Mapping[Any, Any] = field(default_factory=dict)
     singular_there: Any = None
     twin: Mapping[Any, Any] = field(default_factory=dict)
+    near: Mapping[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         def store(name: str, value: Any) -> None:
             object.__setattr__(self, name, value)
 
-        for part in ("state", "back", "twin"):
+        for part in ("state", "back", "twin", "near"):
             given = mapping(getattr(self, part), f"{part} of a chart", "variable: expression")
             read = {plain_name(k): expression(e, f"'{shown(k)}'") for k, e in given.items()}
             store(part, mapping(read, part, "variable: expression"))
@@ -99,15 +101,7 @@ class Chart:
 
 
 def system_in(system: System, name: str) -> System:
-    """A system in one of its charts, without its claims and scenes; made once, as its equations
-    are."""
-    known: dict[str, System] = system.__dict__.setdefault(_KEPT, {})
-    if name not in known:
-        known[name] = _system_in(system, name)
-    return known[name]
-
-
-def _system_in(system: System, name: str) -> System:
+    """A system in one of its charts, without its claims and scenes."""
     return bare(system, f"{system.name}, {name}", **system.charts[name].changes)
 
 

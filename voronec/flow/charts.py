@@ -13,9 +13,13 @@ from voronec.algebra.angles import Angles, holds_angles
 from voronec.algebra.symbols import velocity
 from voronec.charts import system_in
 from voronec.equations import VoronecEquations, derive
+from voronec.scene import Scene
 
 if TYPE_CHECKING:
     from voronec.derivation import FirstOrderForm
+
+_KEPT = "_equations_in_charts"
+"""Where equations keep those in their system's charts."""
 
 __all__ = ["KeptChart", "kept_charts", "own_singular"]
 
@@ -41,7 +45,10 @@ class KeptChart:
     @cached_property
     def form(self) -> FirstOrderForm:
         """The equations in the chart, of what is kept."""
-        form = derive(system_in(self.equations.system, self.name)).form
+        equations = _equations_in(self.equations, self.name)
+        # pivots of straight-line forms may vanish at a pole; normal forms hold what is needed
+        exact = self.equations.system.charts[self.name].near and equations.in_normal_form
+        form = equations.exact.form if exact else equations.form
         rows = {q: i for i, q in enumerate(form.coordinates)}
         order = [rows[q] for q in self.kept.coordinates]
         dropped = [i for i in range(len(rows)) if i not in order]
@@ -118,6 +125,16 @@ def kept_charts(equations: VoronecEquations, form: FirstOrderForm) -> tuple[Kept
             kept = KeptChart(name, equations, form, there, back, twin, se.Mul(*others), own)
             found.setdefault(tuple(there.values()), kept)
     return tuple(found.values())
+
+
+def _equations_in(equations: VoronecEquations, name: str) -> VoronecEquations:
+    """The equations in a chart, derived once."""
+    known: dict[str, VoronecEquations] = equations.__dict__.setdefault(_KEPT, {})
+    if name not in known:
+        near = equations.system.charts[name].near
+        scenes = {"default": Scene(initial=near)} if near else {}
+        known[name] = derive(replace(system_in(equations.system, name), scenes=scenes))
+    return known[name]
 
 
 def own_singular(charts: tuple[KeptChart, ...]) -> Any:
