@@ -6,7 +6,7 @@ denominator is no power of two.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import symengine as se
@@ -18,8 +18,10 @@ from voronec.program.straight import Block, Program
 __all__ = ["taylor_extras", "taylor_system"]
 
 
-def taylor_system(program: Program) -> list[tuple[Any, Any]]:
+def taylor_system(program: Program, units: Sequence[float] = ()) -> list[tuple[Any, Any]]:
     """Pairs (variable, time derivative) for ``heyoka.taylor_adaptive``.
+
+    A variable is a state of the program divided by its unit, 1 by default.
 
     Parameters are ``par[0], par[1], ...`` in the program's order; the time is ``heyoka.time``.
     Raises ``EngineLimit`` for a function that heyoka does not know.
@@ -27,26 +29,30 @@ def taylor_system(program: Program) -> list[tuple[Any, Any]]:
     import heyoka as hy
 
     hy.set_logger_level_critical()  # a terminal is the user's; runs are judged by their results
-    variables, known = _names(program, hy)
+    variables, known = _names(program, units, hy)
     results = _built_block(program.derivative, known, hy)
-    return list(zip(variables, results, strict=True))
+    sizes = units or [1.0] * len(variables)
+    scaled = [r if u == 1 else r / u for r, u in zip(results, sizes, strict=True)]
+    return list(zip(variables, scaled, strict=True))
 
 
-def taylor_extras(program: Program) -> dict[str, Any]:
+def taylor_extras(program: Program, units: Sequence[float] = ()) -> dict[str, Any]:
     """The extra quantities by name, in the variables and parameters of ``taylor_system``.
 
     Events and compiled functions of heyoka take them.
     """
     import heyoka as hy
 
-    _, known = _names(program, hy)
+    _, known = _names(program, units, hy)
     return dict(zip(program.names, _built_block(program.extras, known, hy), strict=True))
 
 
-def _names(program: Program, hy: Any) -> tuple[list[Any], dict[Any, Any]]:
+def _names(program: Program, units: Sequence[float], hy: Any) -> tuple[list[Any], dict[Any, Any]]:
     """heyoka's variables of the state, and what every symbol of the program stands for."""
     variables = [hy.expression(f"y{i}") for i in range(len(program.state))]
-    known: dict[Any, Any] = dict(zip(program.state, variables, strict=True))
+    sizes = units or [1.0] * len(variables)
+    states = [y if u == 1 else u * y for y, u in zip(variables, sizes, strict=True)]
+    known: dict[Any, Any] = dict(zip(program.state, states, strict=True))
     known |= {p: hy.par[i] for i, p in enumerate(program.parameters)}
     known[program.time] = hy.time
     return variables, known

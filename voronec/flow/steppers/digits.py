@@ -14,6 +14,7 @@ import numpy as np
 from voronec.algebra.tape import as_ball
 from voronec.flow.steppers.marching import Halted, Levels, Stride, march
 from voronec.flow.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
+from voronec.flow.steppers.units import natural_units
 from voronec.program import Program
 from voronec.program.digits import compiled_digits
 from voronec.program.recurrences import Recurrences, fixed, recurrences
@@ -124,6 +125,7 @@ class _Walker:
         self.expand = self.rules.expansion(self.problem.parameters, self.bits)
         self.state = [_units(x, self.bits) for x in self.problem.start]
         self.time, self.end = (_units(t, self.bits) for t in self.grid[[0, -1]])
+        self.units = natural_units(self.problem)
         self.least = SMALLEST * float(np.ptp(self.grid))
         self.guess = min(abs(self.end - self.time), 1 << self.bits)
 
@@ -167,7 +169,8 @@ class _Walker:
 
     def room(self, rows: list[list[int]]) -> float:
         """The longest step that the tolerance leaves, in units of this one."""
-        sizes = [max(1 << self.bits, abs(row[0])) for row in rows]
+        units = [_units(u, self.bits) for u in self.units.tolist()]
+        sizes = [max(u, abs(row[0])) for u, row in zip(units, rows, strict=True)]
         radii = {}
         for k in range(self.order // 2, self.order + 1):
             pairs = zip(rows, sizes, strict=True)

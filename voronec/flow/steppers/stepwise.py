@@ -10,6 +10,7 @@ import numpy as np
 
 from voronec.flow.steppers.marching import Halted, Levels, Stride, march
 from voronec.flow.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
+from voronec.flow.steppers.units import natural_units
 from voronec.program import compiled
 
 __all__ = ["FINEST", "dop853", "estimated_steps", "lsoda"]
@@ -80,9 +81,11 @@ def _solver(problem: Problem, method: Callable[..., Any], grid: np.ndarray) -> A
             raise Halted(INFINITE)
         return np.array(rates)
 
+    units = natural_units(problem)
+    least = finest if (units == 1).all() else finest * units
     # the dense output of the first step keeps its start, which a later run overwrites
     begin = problem.start.copy()
-    return method(derivative, grid[0], begin, grid[-1], rtol=finest, atol=finest)
+    return method(derivative, grid[0], begin, grid[-1], rtol=finest, atol=least)
 
 
 def _stepper(problem: Problem, method: Callable[..., Any]) -> Stepper:

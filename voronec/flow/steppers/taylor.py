@@ -54,12 +54,12 @@ def taylor(problem: Problem) -> Stepper:
     import heyoka as hy
 
     log = Log(0.0, 0.0, len(problem.start), walls=problem.walls)
-    winding = Winding.of(problem.program, problem.levels)
+    winding = Winding.of(problem)
     integrator, constants = _integrator(problem, log, winding, hy)
 
     def run(grid: np.ndarray) -> Run:
         # a stepper may run again, from what start and parameters of its problem are then
-        integrator.time, integrator.state[:] = float(grid[0]), problem.start
+        integrator.time, integrator.state[:] = float(grid[0]), problem.start / winding.units
         integrator.pars[:] = constants()
         if integrator.with_events:
             integrator.reset_cooldowns()
@@ -78,7 +78,8 @@ def _integrator(
     """heyoka's integrator, and what gives the constants in it."""
     raised, levels = hoisted(problem.program), problem.levels
     program = raised.program
-    functions = taylor_extras(levels) if levels is not None else {}
+    units = winding.units.tolist()
+    functions = taylor_extras(levels, units) if levels is not None else {}
     moving = _moving(levels) if levels is not None else set()
     watched: list[Any] = []
     kinds: dict[str, list[Any]] = {"nt_events": [], "t_events": []}
@@ -91,7 +92,7 @@ def _integrator(
             kinds["t_events"].append(_terminal(event, expr, log, winding, hy))
         else:
             kinds["nt_events"].append(_passing(event, expr, log, winding, hy))
-    system = taylor_system(program)
+    system = taylor_system(program, units)
     # heyoka wants no more parameters than the expressions contain
     held = hy.get_params([e for _, e in system] + watched)
     count = max((int(str(p)[1:]) for p in held), default=-1) + 1
@@ -101,7 +102,7 @@ def _integrator(
 
     integrator = hy.taylor_adaptive(
         system,
-        problem.start.tolist(),
+        (problem.start / winding.units).tolist(),
         pars=constants(),
         tol=problem.tol,
         compact_mode=program.weight > COMPACT,

@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 import symengine as se
 
-from voronec.program import Block, Program
+from voronec.flow.steppers.run import Problem
+from voronec.flow.steppers.units import natural_units
+from voronec.program import Block
 
 __all__ = ["Winding"]
 
@@ -29,6 +31,7 @@ FINE = 2 * (float(np.float64(np.pi) - COARSE / 2)) + 2.4492935982947064e-16
 class Winding:
     """What was taken out of the states: turns of ``angles``, all of ``quadratures`` (positions).
 
+    The states that are kept small are in ``units`` of their own; those of angles are 1.
     A quadrature is kept as the sum of two doubles, so nothing is lost when small steps are added
     to a large sum.
     """
@@ -36,6 +39,7 @@ class Winding:
     quadratures: np.ndarray
     angles: np.ndarray
     width: int
+    units: np.ndarray
     high: np.ndarray = field(init=False)
     low: np.ndarray = field(init=False)
 
@@ -43,16 +47,19 @@ class Winding:
         self.reset()
 
     @classmethod
-    def of(cls, program: Program, levels: Program | None) -> Winding:
-        """The states of a program that may be kept small; ``levels`` are functions of events."""
+    def of(cls, problem: Problem) -> Winding:
+        """The states of a problem that may be kept small."""
+        program, levels = problem.program, problem.levels
         blocks = [program.derivative, *([levels.extras] if levels is not None else [])]
         held = set().union(*(b.symbols for b in blocks))
         state = program.state
         turned = _angles(blocks, [s for s in state if s in held])
+        angles = [i for i, s in enumerate(state) if s in turned]
         return cls(
             np.array([i for i, s in enumerate(state) if s not in held], dtype=int),
-            np.array([i for i, s in enumerate(state) if s in turned], dtype=int),
+            np.array(angles, dtype=int),
             len(state),
+            natural_units(problem, angles),
         )
 
     @property
@@ -84,11 +91,11 @@ class Winding:
         result[..., at] = (result[..., at] + self.high[at] * FINE) + self.high[at] * COARSE
         at = self.quadratures
         result[..., at] = (result[..., at] + self.low[at]) + self.high[at]
-        return result
+        return result * self.units
 
     def now(self) -> Winding:
         """What is taken out at present, for states that are looked at later."""
-        result = Winding(self.quadratures, self.angles, self.width)
+        result = Winding(self.quadratures, self.angles, self.width, self.units)
         result.high, result.low = self.high.copy(), self.low.copy()
         return result
 

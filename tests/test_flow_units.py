@@ -1,0 +1,46 @@
+"""The same motion in other units of length and time has the same errors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import voronec as vo
+from voronec.flow.steppers import Problem
+from voronec.flow.steppers.units import natural_units
+from voronec.program import Program
+
+TIMES = np.linspace(0, 20, 21)
+
+
+@pytest.fixture(scope="module")
+def ball() -> vo.VoronecEquations:
+    return vo.derive(vo.load("chaplygin-ball"))
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_a_ball_in_other_units(ball: vo.VoronecEquations, method: str) -> None:
+    truth = vo.integrate(ball, times=TIMES, outputs=("x", "omega1"), tol=1e-20)
+    true_x, true_spin = (truth[name].astype(float) for name in ("x", "omega1"))
+    steps = set()
+    for length, rate in ((1.0, 1.0), (1e9, 1.0), (1e-9, 1.0), (1.0, 1e6), (1e6, 1e-5)):
+        moments = {f"I{i}": x * length**2 for i, x in enumerate((0.4, 0.5, 0.7), 1)}
+        start = {f"omega{i}": x * rate for i, x in enumerate((0.5, 2, 0.2), 1)}
+        motion = vo.integrate(
+            ball, times=TIMES / rate, outputs=("x", "omega1"), method=method,
+            parameters={"R": length, **moments}, initial=start | {"theta": 1},
+        )  # fmt: skip
+        steps.add(motion.cost.steps)
+        assert np.abs(motion["x"] / length - true_x).max() < 2e-11
+        assert np.abs(motion["omega1"] / rate - true_spin).max() < 2e-12
+    assert max(steps) <= 1.05 * min(steps)
+
+
+def test_states_of_ordinary_size_have_the_unit_one(ball: vo.VoronecEquations) -> None:
+    program = Program.of(ball.form)
+    values = [1.0 if str(p) in "mR" else 0.5 for p in program.parameters]
+    start = np.full(len(program.state), 0.7)
+    assert (natural_units(Problem(program, start, values, 1e-13)) == 1).all()
+    start[[str(s) for s in program.state].index("x")] = 3e9
+    units = natural_units(Problem(program, start, values, 1e-13))
+    assert sorted(set(units)) == [1.0, 2.0**32]
