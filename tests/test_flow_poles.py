@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,10 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 import voronec as vo
+from voronec.attitudes import with_attitude_charts
 from voronec.model.denominators import with_positive_denominators
+from voronec.relations.charts import check_charts
+from voronec.vector_field import Motions
 
 SPIN = (0.5, 1.0, 1.0)
 
@@ -199,6 +203,22 @@ def test_a_body_that_rests_upright_turns_about_its_axis(ball: vo.VoronecEquation
     motion = vo.integrate(ball, times=[0, 1, 2], initial=start, outputs=("configuration",))
     assert motion["phi"] + motion["psi"] == pytest.approx([0.4, 2.4, 4.4])
     assert np.abs(motion["theta"]).max() < 1e-12 and np.abs(motion["x"]).max() < 1e-12
+
+
+@pytest.mark.parametrize("name", ["chaplygin-ball", "suslov", "veselova", "rattleback"])
+def test_charts_of_attitudes_are_proved(name: str) -> None:
+    charted = with_attitude_charts(vo.derive(vo.load(name)))
+    assert charted is not None
+    verdicts = [claim.verdict for claim in check_charts(Motions.of(charted))]
+    assert verdicts and all(verdict.proved for verdict in verdicts)
+
+
+def test_what_is_not_regular_at_the_poles_has_no_chart() -> None:
+    ball = vo.load("chaplygin-ball")
+    theta = next(q for q in ball.coordinates if str(q) == "theta")
+    for torque in (sp.cot(theta), sp.cos(theta / 3)):
+        assert with_attitude_charts(vo.derive(replace(ball, forces={theta: torque}))) is None
+    assert with_attitude_charts(vo.derive(vo.load("falling-disc"))) is None
 
 
 def test_a_body_without_a_frame_in_angles_of_another_sequence() -> None:

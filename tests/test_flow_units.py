@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import voronec as vo
 from voronec.flow.steppers import Problem
@@ -44,3 +45,19 @@ def test_states_of_ordinary_size_have_the_unit_one(ball: vo.VoronecEquations) ->
     start[[str(s) for s in program.state].index("x")] = 3e9
     units = natural_units(Problem(program, start, values, 1e-13))
     assert sorted(set(units)) == [1.0, 2.0**32]
+
+
+def test_the_drift_of_a_small_integral_is_relative() -> None:
+    x, k = sp.symbols("x k")
+    energy = vo.velocity(x) ** 2 / 2 + k * x**2 / 2
+    spring = vo.System(
+        name="spring",
+        fibration=vo.Fibration(base=(x,)),
+        lagrangian=vo.velocity(x) ** 2 / 2 - k * x**2 / 2,
+        forces={x: -vo.velocity(x) * sp.Rational(1, 10**7)},
+        parameters=(vo.Parameter(k, sp.Rational(1, 10**12), positive=True),),
+        integrals={"energy": energy},
+    )
+    still = {x: 1, vo.velocity(x): 0}
+    motion = vo.integrate(spring, initial=still, times=[0, 1e6], method="scipy", outputs=("x",))
+    assert motion.drift["energy"] > 1e-3

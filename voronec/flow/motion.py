@@ -167,10 +167,7 @@ def integrate(
         vocabulary, asked, functions, happenings, outset, grid, tol, dense, progress, followed,
         method, began, given, project,
     )  # fmt: skip
-    ways = (
-        request.in_smallest, request.beyond_poles, request.past_poles, request.otherwise,
-        request.on_coordinates,
-    )  # fmt: skip
+    ways = (request.in_smallest, request.otherwise, request.on_coordinates)
     tries = (request.in_any_split(way) for way in ways)
     return replace(first_success(tries, float(grid[0])), system=declared)
 
@@ -225,22 +222,25 @@ class _Request:
         ).trajectory()  # fmt: skip
 
     def in_smallest(self, _: IntegrationError | None) -> Trajectory:
-        """By the method asked for, in the smallest model, as far as no pole of angles is near."""
-        return self._in_smallest(self.method, guarded=True)
+        """By the method asked for, in the smallest model; near poles of angles beyond them."""
+        try:
+            return self._in_smallest(self.method, guarded=True)
+        except NearPole:
+            return first_success((self._beyond_poles, self._past_poles), float(self.grid[0]))
 
-    def beyond_poles(self, error: IntegrationError | None) -> Trajectory | None:
+    def _beyond_poles(self, _: IntegrationError | None) -> Trajectory | None:
         """In charts that are regular at the poles of Euler's angles, where these can be made."""
         own = self.vocabulary.equations
-        charted = with_attitude_charts(own) if isinstance(error, NearPole) else None
+        charted = with_attitude_charts(own)
         if charted is None:
             return None
         there = replace(self, vocabulary=Vocabulary.of(charted))
         made = whole(there.vocabulary, self.outputs, self.functions)
         return replace(there._moved(made, self.method), system=own.system)
 
-    def past_poles(self, error: IntegrationError | None) -> Trajectory | None:
+    def _past_poles(self, _: IntegrationError | None) -> Trajectory:
         """In the own coordinates after all, where nothing better is to be had."""
-        return self._in_smallest(self.method) if isinstance(error, NearPole) else None
+        return self._in_smallest(self.method)
 
     def otherwise(self, error: IntegrationError | None) -> Trajectory | None:
         """By another method, where the choice is ours."""

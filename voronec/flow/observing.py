@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
@@ -23,7 +23,8 @@ __all__ = ["Branch", "Watch", "assembled", "evaluated", "followed", "observed", 
 CANCELLED = 1e-6
 """An integral less than this part of its terms counts as starting at zero."""
 NOTHING = 1e-9
-"""An integral whose terms all stay below this is compared absolutely."""
+"""An integral whose terms all stay below this part of what they are for states of size 1 is noise:
+it is compared with that."""
 
 
 @dataclass(frozen=True)
@@ -214,10 +215,7 @@ def assembled(
         array.flags.writeable = False
     still = {n: x for n, x in constants.items() if np.ndim(x) == 0}  # others are inputs
     known = {p.name for p in system.parameters if not mpmath.isnan(still.get(p.name, np.nan))}
-    drift = {
-        name: _drift(series[key], series[watch.sizes[name]])
-        for name, key in watch.integrals.items()
-    }
+    drift = _drifts(watch, series, lambda: _at_ones(watch, program, t, values))
     return Trajectory(
         system=system,
         t=t,
@@ -236,9 +234,28 @@ def assembled(
     )
 
 
-def _drift(values: np.ndarray, sizes: np.ndarray) -> float:
-    """See ``Trajectory.drift``."""
-    start, size = abs(values[0]), sizes.max()
-    scale = start if start > CANCELLED * size else size
-    scale = scale if size > NOTHING else 1.0
-    return float(np.abs(values - values[0]).max() / scale)
+def _drifts(
+    watch: Watch, series: Mapping[str, np.ndarray], at_ones: Callable[[], Mapping[str, float]]
+) -> dict[str, float]:
+    """See ``Trajectory.drift``; ``at_ones`` gives the terms of integrals for states of size 1."""
+    sizes = {name: series[watch.sizes[name]].max() for name in watch.integrals}
+    plain = at_ones() if any(size <= NOTHING for size in sizes.values()) else {}
+    found = {}
+    for name, key in watch.integrals.items():
+        values, size = series[key], sizes[name]
+        start = abs(values[0])
+        scale = start if start > CANCELLED * size else size
+        if size <= NOTHING * min(1.0, plain.get(name, 1.0)):
+            scale = plain[name]
+        found[name] = float(np.abs(values - values[0]).max() / scale) if scale > 0 else 0.0
+    return found
+
+
+def _at_ones(
+    watch: Watch, program: Program, t: np.ndarray, values: Sequence[Any]
+) -> dict[str, float]:
+    """The sizes of integrals where every state is 1; 1 where that is no number."""
+    ones = np.ones((1, len(program.state)))
+    found = evaluated(program, t[:1].astype(float), ones, [float(x) for x in values])
+    sizes = {name: float(found[key][0]) for name, key in watch.sizes.items()}
+    return {name: x if np.isfinite(x) and x > 0 else 1.0 for name, x in sizes.items()}
