@@ -22,9 +22,9 @@ __all__ = ["Branch", "Watch", "assembled", "evaluated", "followed", "observed", 
 
 CANCELLED = 1e-6
 """An integral less than this part of its terms counts as starting at zero."""
-NOTHING = 1e-9
-"""An integral whose terms all stay below this part of what they are for states of size 1 is noise:
-it is compared with that."""
+SMALL, ROUNDING, NOTHING = 1e-9, 1e-12, 1e-3
+"""Terms of an integral that stay below the first may be rounding: they are, below the third part of
+what they are where no state is less than the second."""
 
 
 @dataclass(frozen=True)
@@ -190,6 +190,8 @@ def observed(
     """The trajectory of states on a grid."""
     values = [constants.get(str(p), np.nan) for p in program.parameters]
     series = followed(watch, program, t, states, values)
+    integrated = states
+    drift = _drifts(watch, series, lambda: _largest(watch, program, t, integrated, values))
     names = tuple(map(str, program.state))
     return assembled(vocabulary, watch, t, names, states, series, constants, cost, interrupted)
 
@@ -215,7 +217,6 @@ def assembled(
         array.flags.writeable = False
     still = {n: x for n, x in constants.items() if np.ndim(x) == 0}  # others are inputs
     known = {p.name for p in system.parameters if not mpmath.isnan(still.get(p.name, np.nan))}
-    drift = _drifts(watch, series, lambda: _at_ones(watch, program, t, values))
     return Trajectory(
         system=system,
         t=t,
@@ -235,27 +236,29 @@ def assembled(
 
 
 def _drifts(
-    watch: Watch, series: Mapping[str, np.ndarray], at_ones: Callable[[], Mapping[str, float]]
+    watch: Watch, series: Mapping[str, np.ndarray], usual: Callable[[], Mapping[str, float]]
 ) -> dict[str, float]:
-    """See ``Trajectory.drift``; ``at_ones`` gives the terms of integrals for states of size 1."""
+    """See ``Trajectory.drift``; ``usual`` gives integrals' terms where no state is rounding."""
     sizes = {name: series[watch.sizes[name]].max() for name in watch.integrals}
-    plain = at_ones() if any(size <= NOTHING for size in sizes.values()) else {}
+    least = usual() if any(size <= SMALL for size in sizes.values()) else {}
     found = {}
     for name, key in watch.integrals.items():
         values, size = series[key], sizes[name]
         start = abs(values[0])
         scale = start if start > CANCELLED * size else size
-        if size <= NOTHING * min(1.0, plain.get(name, 1.0)):
-            scale = plain[name]
-        found[name] = float(np.abs(values - values[0]).max() / scale) if scale > 0 else 0.0
+        if size <= NOTHING * least.get(name, 0.0) or size == 0:
+            scale = least[name]
+        found[name] = float(np.abs(values - values[0]).max() / scale)
     return found
 
 
-def _at_ones(
-    watch: Watch, program: Program, t: np.ndarray, values: Sequence[Any]
+def _largest(
+    watch: Watch, program: Program, t: np.ndarray, states: np.ndarray, values: Sequence[Any]
 ) -> dict[str, float]:
-    """The sizes of integrals where every state is 1; 1 where that is no number."""
-    ones = np.ones((1, len(program.state)))
-    found = evaluated(program, t[:1].astype(float), ones, [float(x) for x in values])
+    """The sizes of integrals with every state at its largest, and not below what rounding leaves
+    of states of size 1; 1 where that is no number."""
+    largest = np.abs(states.astype(float)).max(axis=0, initial=ROUNDING)[None, :]
+    plain = [float(x) if np.ndim(x) == 0 else x for x in values]
+    found = evaluated(program, t[:1].astype(float), largest, plain)
     sizes = {name: float(found[key][0]) for name, key in watch.sizes.items()}
     return {name: x if np.isfinite(x) and x > 0 else 1.0 for name, x in sizes.items()}

@@ -69,9 +69,9 @@ class Trajectory:
 
     ``drift`` maps each integral I of the system to max |I(t) - I(t0)| / |I(t0)|.  Let S be the
     largest value along the motion of I with all its terms taken positive.  Where I starts at zero
-    (below a millionth of S), the change is relative to S instead; where S itself stays below
-    1e-9 of what it is for states of size 1, relative to that.  ``residuals`` maps each relation
-    between redundant coordinates to its largest value.
+    (below a millionth of S), the change is relative to S instead; where S is rounding, below a
+    thousandth of what it is with no state below 1e-12, relative to that.  ``residuals`` maps each
+    relation between redundant coordinates to its largest value.
 
     ``events`` maps each event to its ``Crossings``; ``stopped`` names the one that ended the run,
     and then the last instant is that crossing.  ``interrupted`` says that the run was stopped by
