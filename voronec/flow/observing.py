@@ -190,10 +190,11 @@ def observed(
     """The trajectory of states on a grid."""
     values = [constants.get(str(p), np.nan) for p in program.parameters]
     series = followed(watch, program, t, states, values)
-    integrated = states
-    drift = _drifts(watch, series, lambda: _largest(watch, program, t, integrated, values))
     names = tuple(map(str, program.state))
-    return assembled(vocabulary, watch, t, names, states, series, constants, cost, interrupted)
+    return assembled(
+        vocabulary, watch, t, names, states, series, constants, cost, interrupted,
+        lambda: _largest(watch, program, t, states, values),
+    )  # fmt: skip
 
 
 def assembled(
@@ -206,8 +207,12 @@ def assembled(
     constants: Mapping[str, float],
     cost: Cost,
     interrupted: bool = False,
+    usual: Callable[[], Mapping[str, float]] = dict,
 ) -> Trajectory:
-    """The trajectory of states (k, n) called ``names`` and of everything watched along them."""
+    """The trajectory of states (k, n) called ``names`` and of everything watched along them.
+
+    ``usual`` gives the terms of integrals where no state is rounding, as far as that is known.
+    """
     system = vocabulary.equations.system
     own = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
     if own != list(names) and set(own) <= set(watch.outputs):
@@ -226,7 +231,7 @@ def assembled(
         series=MappingProxyType({n: series[n] for n in (*watch.outputs, *watch.besides)}),
         integrals=MappingProxyType({n: series[key] for n, key in watch.integrals.items()}),
         parameters=MappingProxyType({n: x for n, x in constants.items() if n in known}),
-        drift=MappingProxyType(drift),
+        drift=MappingProxyType(_drifts(watch, series, usual)),
         residuals=MappingProxyType(
             {r: float(np.abs(series[key]).max()) for r, key in watch.relations.items()}
         ),
@@ -247,7 +252,7 @@ def _drifts(
         start = abs(values[0])
         scale = start if start > CANCELLED * size else size
         if size <= NOTHING * least.get(name, 0.0) or size == 0:
-            scale = least[name]
+            scale = least.get(name, 1.0)
         found[name] = float(np.abs(values - values[0]).max() / scale)
     return found
 
