@@ -283,3 +283,17 @@ def test_a_start_whose_last_coefficients_vanish(method: str) -> None:
         )  # fmt: skip
         place, speed = (run[name].astype(float) for name in ("x", "xdot"))
         assert np.abs(speed**2 / 2 - place + place ** (k + 1) / (k + 1)).max() < 1e-14
+
+
+def test_an_ensemble_passes_too() -> None:
+    ball = vo.derive(vo.load("rubber-ball-on-plane"))
+    times = np.linspace(0.0, 8.0, 3)
+    speeds = np.array([0.25, 0.75])
+    starts = {"u": 1.25, "v": 0.75, "omega1": 0.5, "omega2": speeds}
+    many = vo.ensemble(ball, starts=starts, times=times, outputs=("u", "x"), method="scipy")
+    assert not many.errors and many.finished.all()
+    for row, speed in enumerate(speeds):
+        whole = all_velocities(ball.system, {**starts, "omega2": float(speed)})
+        truth = multiplier_motion(ball.system, whole, times)
+        names = [str(q) for q in ball.system.coordinates]
+        assert np.abs(many["x"][row] - truth[names.index("x")]).max() < 1e-9

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from contextlib import suppress
 from dataclasses import dataclass, field
 from queue import SimpleQueue
 from threading import Event
@@ -31,6 +32,7 @@ from voronec.flow.many import Many, at_each, drifts, many
 from voronec.flow.soundness import JudgeOfMany
 from voronec.flow.trajectory import Cost
 from voronec.flow.vocabulary import Vocabulary, held_name
+from voronec.scene import Scene
 from voronec.system import System, require_system
 
 __all__ = ["Ensemble", "ensemble"]
@@ -147,6 +149,8 @@ def ensemble(
     finest = tol if lanes else max(tol, FINEST)
     filled = _Filled.empty(motions, tuple(wanted), grid, apart, finest)
     interrupted = _run(filled, lanes, tol, jobs, progress)
+    if apart is None and not interrupted:
+        filled.through_splits(keys, method, tol)
     cost = Cost(
         method=apart.method if apart else "scipy" if lanes is None else "heyoka", reason=reason,
         tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
@@ -229,6 +233,33 @@ class _Filled:
             array[where] = np.nanmax(np.abs(along_motion - along_motion[:, :1]), axis=1)
         self.errors.update({int(where[i]): error for i, error in failed.items()})
         self.finished[[int(i) for i in where if int(i) not in self.errors]] = True
+
+    def through_splits(self, keys: Sequence[Any], method: str, tol: float) -> None:
+        """Motions that went wrong, once more, each alone, where the equations divide by what may
+        vanish on the way: ``integrate`` then goes on in other splits of the velocities."""
+        from voronec.flow.motion import integrate
+
+        motions, equations = self.motions, self.motions.vocabulary.equations
+        own = [*equations.system.coordinates, *equations.system.velocities]
+        for i in sorted(set(self.errors) & set(motions.sound)):
+            given = {name: float(x[i]) for name, x in motions.parameters.items()}
+            if not motions.divides(i, given):
+                return
+            start = dict(zip(own, motions.full[i].tolist(), strict=True))
+            with suppress(VoronecError):
+                run = integrate(
+                    equations, Scene({}, (0.0, 1.0)), self.grid, keys, given, start, method, tol
+                )  # fmt: skip
+                if len(run) == len(self.grid):
+                    for name, array in self.series.items():
+                        array[i] = run[name]
+                    for name in self.changes.keys() & run.integrals.keys():
+                        values = run.integrals[name]
+                        self.first[name][i] = values[0]
+                        self.changes[name][i] = np.abs(values - values[0]).max()
+                    self.steps.append(run.cost.steps)
+                    self.finished[i] = True
+                    del self.errors[i]
 
     def ensemble(self, cost: Cost, interrupted: bool) -> Ensemble:
         drift = {name: drifts(x, self.first[name]) for name, x in self.changes.items()}

@@ -13,7 +13,8 @@ import sympy as sp
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.flow.inertia import require_inertia
-from voronec.flow.probe import quiet, rates_along
+from voronec.flow.places import Ground as Places
+from voronec.flow.probe import quantities, quiet, rates_along
 from voronec.flow.start import named, parameter_values, start_of
 from voronec.flow.vocabulary import Vocabulary
 from voronec.model import smallest_model
@@ -96,6 +97,16 @@ class Many:
 
     def __len__(self) -> int:
         return len(self.states)
+
+    def divides(self, i: int, constants: Mapping[str, float]) -> bool:
+        """Whether the equations of motion i divide by what may vanish while the motion goes on."""
+        equations, ground = self.vocabulary.equations, self.ground
+        named = zip(self.program.state, ground.start, strict=True)
+        below = {f"start {x}": e for x, e in named}
+        below |= {f"frozen {name}": e for name, e in ground.frozen.items()}
+        places = Places(equations, constants, self.time)
+        program = quantities(equations.raw.form, below)
+        return bool(places.watched(ground.form, program, self.full[i]))
 
     @property
     def sound(self) -> list[int]:
