@@ -119,6 +119,17 @@ def test_normal_forms_far_longer_than_the_raw_form_are_not_integrated(monkeypatc
     assert second == pytest.approx(float(truth), abs=1e-6)
 
 
+@pytest.mark.parametrize("method", ["scipy", "heyoka"])
+def test_many_fold_angles_are_not_expanded_for_numbers(method) -> None:
+    x, t = sp.Symbol("x"), vo.time
+    drive = sp.Rational(33, 20)  # in terms of t/20 a polynomial of degree 33
+    kinetic = vo.velocity(x) ** 2 / 2
+    made = vo.System("driven", vo.Fibration((x,)), kinetic, forces={x: sp.sin(drive * t)})
+    motion = vo.integrate(made, times=[0, 3], initial={x: 1}, method=method)
+    truth = 1 + 3 / float(drive) - np.sin(3 * float(drive)) / float(drive) ** 2
+    assert motion["x"][1] == pytest.approx(truth, abs=1e-12)
+
+
 def test_constant_rates_and_a_circle_leave_one_quadrature() -> None:
     model = vo.explain(vo.load("vertical-disc"), outputs=("x",))
     assert names(model) == {"phi"}

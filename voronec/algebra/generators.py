@@ -82,6 +82,7 @@ class Generators:
     radicals: dict[Any, int] = field(default_factory=dict)
     tangents: dict[Any, None] = field(default_factory=dict)
     _seen: set[Any] = field(default_factory=set)
+    _multiples: dict[Any, set[Any]] = field(default_factory=dict)
 
     def scan(self, exprs: Iterable[Any]) -> None:
         """Collect the generators of further expressions."""
@@ -134,6 +135,15 @@ class Generators:
                 self.scan(pi_multiple(coefficient))
                 continue
             self.angles[term] = lcm(self.angles.get(term, 1), int(coefficient.q))
+            self._multiples.setdefault(term, set()).add(coefficient)
+
+    @property
+    def folds(self) -> dict[Any, int]:
+        """angle -> the largest multiple of the angle of its pair that occurs."""
+        return {
+            angle: max(abs(int(c * self.angles[angle])) for c in multiples)
+            for angle, multiples in self._multiples.items()
+        }
 
     def _unit(self, base: Any, exponent: Any) -> None:
         if base != se.E:
