@@ -167,7 +167,7 @@ def _watch_text() -> None:
 def _left(place: Path) -> str:
     """What was left half-written: drafts, workshops, files of no bytes."""
     for path in place.rglob("*"):
-        if path.name in ("here", "x.json", "__pycache__") or (
+        if path.name in ("here", "x.json", "plugin.py", "__pycache__") or (
             path.is_dir() and path.name[0] != "."
         ):
             continue

@@ -6,7 +6,7 @@ import inspect
 import math
 import numbers
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import wraps
 from typing import Any, TypeVar, cast
@@ -75,8 +75,8 @@ POINT = Kind("a mapping of values by name", lambda x: isinstance(x, Mapping))
 SEVERAL = Kind(
     "a tuple",
     lambda x: (
-        hasattr(type(x), "free_symbols")
-        or (isinstance(x, Iterable) and not isinstance(x, Mapping | bytes | bytearray))
+        (hasattr(type(x), "free_symbols") and not isinstance(x, type))
+        or (not isinstance(x, Mapping | bytes | bytearray) and iter(x) is not None)
     ),
 )
 SEQUENCE = Kind(

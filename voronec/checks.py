@@ -125,7 +125,7 @@ def check_claims(system: System) -> None:
     """Claims name what there is: variables of one level, parameters, theorems, other claims."""
     place = f"system '{system.name}'"
     for label, holder in _holders(system):
-        if holder.integrable not in ("", *THEOREMS):
+        if not isinstance(holder.integrable, str) or holder.integrable not in ("", *THEOREMS):
             raise DefinitionError(
                 f"{place}: {label}integrable is '{shown(holder.integrable)}'; "
                 f"known theorems: {', '.join(THEOREMS)}"

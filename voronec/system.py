@@ -136,7 +136,12 @@ class System:
         check_motion(self)
 
     def _check_kinds(self) -> None:
-        """A fibration and a frame come ready made."""
+        """A fibration and a frame come ready made, invariants by name."""
+        for name in self.invariants if isinstance(self.invariants, Mapping) else ():
+            if not isinstance(name, str):
+                raise DefinitionError(
+                    f"system '{self.name}': the invariant '{shown(name)}' is no name; give a text"
+                )
         if not isinstance(self.fibration, Fibration):
             raise DefinitionError(
                 f"system '{self.name}': the fibration is '{shown(self.fibration)}'; "

@@ -170,9 +170,9 @@ def _counted(entries: Sequence[Any], dimension: int) -> list[sp.Expr]:
 @accepts(entries=SEQUENCE, dimension=COUNT)
 def skew(entries: Sequence[Any], dimension: int) -> sp.ImmutableMatrix:
     """The skew matrix with these entries above the diagonal, row by row."""
+    found = _counted(entries, dimension)
     table = sp.zeros(dimension, dimension)
-    pairs = combinations(range(dimension), 2)
-    for (i, j), entry in zip(pairs, _counted(entries, dimension), strict=True):
+    for (i, j), entry in zip(combinations(range(dimension), 2), found, strict=True):
         table[i, j], table[j, i] = entry, -entry
     return sp.ImmutableMatrix(table)
 
