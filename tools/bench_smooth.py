@@ -127,7 +127,7 @@ def main() -> int:
     parser.add_argument("--method", default="auto")
     parser.add_argument("--times", type=int, default=9)
     parser.add_argument("--allow", type=float, default=ALLOWED, help="the largest ratio of times")
-    given = parser.parse_args()
+    given = parser.parse_intermixed_args()
     old, new = Worker(given.old), Worker(given.new)
     found = []
     for row in rows(old, new, given.systems, given.method, given.times):
