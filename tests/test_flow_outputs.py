@@ -210,3 +210,25 @@ def test_only_the_integrals_asked_for_are_followed() -> None:
     assert not watched(vocabulary, (x,), ()).integrals
     with pytest.raises(vo.DefinitionError, match="no integral 'energi'; did you mean 'energy'"):
         watched(vocabulary, (), {"energi"})
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_an_angle_that_is_read_off_loses_no_turn_between_two_points(method: str) -> None:
+    """Two turns within a tenth of the grid's spacing, which ends and mean steps do not show."""
+    if method == "heyoka":
+        pytest.importorskip("heyoka")
+    q, r = sp.symbols("q r")
+    width = sp.Rational(1, 10000)
+    rate = 4 * width / (width**2 + r**2)  # of q, as r passes 0 at unit speed
+    pulse = vo.System(
+        name="pulse", fibration=vo.Fibration(base=(q, r), fibre=()),
+        lagrangian=(vo.velocity(q) ** 2 + vo.velocity(r) ** 2) / 2, constraints=(),
+        forces={q: sp.diff(rate, r) * vo.velocity(r)},
+        invariants={"g1": sp.cos(q), "g2": sp.sin(q), "g3": r},
+    )  # fmt: skip
+    start = {"r": -1.001, "rdot": 1, "qdot": float(rate.subs(r, -1.001))}
+    run = vo.integrate(
+        pulse, initial=start, times=np.linspace(0, 2, 1001), outputs=("q",), method=method
+    )
+    ends = [np.arctan(x / float(width)) for x in (0.999, -1.001)]
+    assert run["q"][-1] == pytest.approx(4 * (ends[0] - ends[1]), abs=1e-7)

@@ -22,6 +22,7 @@ from voronec.attitudes import with_attitude_charts
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.flow.attempts import Way, first_success, other_method
+from voronec.flow.branches import Untold, require_told
 from voronec.flow.changes import Changes, NearDivisor, guarding, unguarded
 from voronec.flow.divisors import Divisor
 from voronec.flow.events import Crossings, Event, spelled
@@ -55,8 +56,6 @@ MARGIN = 32
 """Bits beyond those of the tolerance with which outputs are computed from precise states."""
 FAR = 1e4
 """Over such a span the errors of the steps add up; a closed form has none."""
-PER_STEP = 4
-"""So many points of the grid in a step, at least, tell the branches of angles apart."""
 
 
 @accepts(
@@ -271,14 +270,15 @@ class _Request:
     def _in_smallest(self, method: str, guarded: bool = False) -> Trajectory:
         made, grid = self.smallest, self.grid
         # where a grid is too coarse to tell branches of angles apart, its beginning mostly says so
-        for part in (grid[: len(grid) // 50 + 2], grid) if made.watch.branches else (grid,):
-            trajectory = self._moved(made, method, part, guarded)
-            told = _told_apart(trajectory, made)
-            if trajectory.interrupted or (told and part is grid):
-                return trajectory
-            if not told:
-                break
-        return self._moved(self._modelled(True), method, guarded=guarded)
+        parts = (grid[: len(grid) // 50 + 2], grid) if made.watch.branches else (grid,)
+        try:
+            for part in parts:
+                trajectory = self._moved(made, method, part, guarded)
+                if trajectory.interrupted:
+                    break
+            return trajectory
+        except Untold:
+            return self._moved(self._modelled(True), method, guarded=guarded)
 
     def _moved(
         self,
@@ -294,16 +294,6 @@ class _Request:
             guarded and not is_exact(method, self.tol),
         )  # fmt: skip
         return job.trajectory(method, self.began)
-
-
-def _told_apart(trajectory: Trajectory, made: Modelled) -> bool:
-    """Whether angles that are read off are certain to be on the right branch."""
-    if not made.watch.branches or trajectory.cost.steps == 0:
-        return True
-    if len(trajectory) < PER_STEP * trajectory.cost.steps:
-        return False
-    jumps = [np.diff(trajectory[name].astype(float)) for name in made.watch.branches]
-    return all(np.abs(jump).max(initial=0.0) < np.pi / 2 for jump in jumps)
 
 
 @dataclass(frozen=True)
@@ -332,6 +322,7 @@ class _Job:
         problem = Problem(
             made.program, state, values, self.tol, self.events, made.event_program, self.dense,
             probe.suspect(state), self.progress, self._exact, outset.changing,
+            marked=bool(made.watch.branches),
         )  # fmt: skip
         switched = through_walls(method, problem, self.grid, made.moving, made.event_functions)
         if switched is not None and switched.corner is not None:
@@ -367,6 +358,8 @@ class _Job:
         )
         told = outset.notes + run.notes
         trajectory = replace(sight.trajectory(run), notes=told)
+        if run.halt is None and not run.interrupted:
+            require_told(trajectory, made.watch.branches, run)
         breach, notes = self.judged(trajectory, run, values, switched is None)
         if breach is not None:
             run = run.until(breach.row, breach.what)

@@ -78,6 +78,7 @@ class _March:
     log: Log = field(init=False)
     states: np.ndarray = field(init=False)
     strides: list[Stride] = field(default_factory=list)
+    ends: list[float] = field(default_factory=list)
     recent: list[tuple[Any, np.ndarray]] = field(default_factory=list)
     done: int = 1
     steps: int = 0
@@ -143,6 +144,8 @@ class _March:
             self.done = reached
         if self.problem.dense:
             self.strides.append(stride)
+        if self.problem.marked:
+            self.ends.append(float(stride.end))
         self.last = Halt(COLLAPSE, stride.end, stride.state)
         if self.problem.suspect is not None:
             self.recent.append((stride.end, stride.state))
@@ -192,7 +195,7 @@ class _March:
             found = until(found, t[0], halt.time)
         return Run(
             t, states, self.steps, self.walker.evaluations, found, halt, interrupted,
-            self.log.stopped, self.inside if self.problem.dense else None,
+            self.log.stopped, self.inside if self.problem.dense else None, ends=tuple(self.ends),
         )  # fmt: skip
 
     def inside(self, times: np.ndarray) -> np.ndarray:

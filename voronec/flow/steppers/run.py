@@ -52,7 +52,7 @@ class Problem:
     as mpmath's numbers, for the method ``flint``.  Events that are ``coarse`` are rare: an
     integrator may look for them only where the ends of a step do not exclude them.  ``walls`` are
     those at which the right side ceases to hold: they count however near to the start.
-    Parameters that are ``changing`` are those of the start.
+    Parameters that are ``changing`` are those of the start.  ``marked`` asks for the ends of steps.
     """
 
     program: Program
@@ -68,6 +68,7 @@ class Problem:
     changing: Changing | None = None
     coarse: frozenset[str] = frozenset()
     walls: frozenset[str] = frozenset()
+    marked: bool = False
 
     def parameters_at(self) -> Callable[[float], Sequence[Any]]:
         """The parameters at any time of a piece: those that Python gives are asked for there."""
@@ -108,7 +109,7 @@ class Run:
     run; ``inside``, of dense runs, gives states at any times reached; ``held`` says
     that it was kept on a wall, along which no single right side holds; ``switches`` counts changes
     of chart, and ``prepared`` are the seconds of the run that making integrators for them took;
-    ``notes`` are lines for the user.
+    ``notes`` are lines for the user; ``ends``, where a problem asks for them, the ends of steps.
     """
 
     t: np.ndarray
@@ -124,6 +125,7 @@ class Run:
     prepared: float = 0.0
     held: bool = False
     notes: tuple[str, ...] = ()
+    ends: tuple[float, ...] = ()
 
     def until(self, row: int, reason: str) -> Run:
         """The run up to a row of its grid, after which it went wrong."""

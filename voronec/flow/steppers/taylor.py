@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -163,6 +164,7 @@ class _Drive:
     ticker: Ticker
     rows: list[np.ndarray] = field(default_factory=list)
     stretches: list[Any] = field(default_factory=list)
+    ends: list[float] = field(default_factory=list)
     done: int = 1
     steps: int = 0
     idle: int = 0
@@ -244,7 +246,7 @@ class _Drive:
 
     def advance(self, size: int) -> tuple[Any, int, np.ndarray]:
         """One chunk of steps towards, or along, the rest of the grid; new rows of it."""
-        limits = {"max_steps": size, "max_delta_t": self.opening}
+        limits = {"max_steps": size, "max_delta_t": self.opening} | self.callback
         standing, done = self.integrator.time, self.done
         if self.problem.dense:
             outcome, _, _, steps, stretch, _ = self.integrator.propagate_until(
@@ -260,6 +262,16 @@ class _Drive:
             self.grid[first : done + self.ahead], **limits
         )
         return outcome, steps, rows[done - first :]
+
+    @cached_property
+    def callback(self) -> dict[str, Any]:
+        """What heyoka calls after each step: nothing, unless ends of steps are asked for."""
+
+        def ended(integrator: Any) -> bool:
+            self.ends.append(integrator.time)
+            return True
+
+        return {"callback": ended} if self.problem.marked else {}
 
     def sampled(self, stretch: Any) -> np.ndarray:
         """Rows of the grid that a stretch of dense output covers."""
@@ -295,7 +307,7 @@ class _Drive:
         return Run(
             t.copy(), states, self.steps, self.steps,
             self.log.arrays(self.problem.events, float), halt, interrupted, self.log.stopped,
-            _joined(self.stretches, states) if self.problem.dense else None,
+            _joined(self.stretches, states) if self.problem.dense else None, ends=tuple(self.ends),
         )  # fmt: skip
 
 
