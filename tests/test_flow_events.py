@@ -208,3 +208,12 @@ def test_roots_to_the_last_digit() -> None:
         a, b = mpmath.mpf(1), mpmath.mpf(2)
         found = root(lambda t: mpmath.cos(t), a, mpmath.cos(a), b, mpmath.cos(b))
         assert abs(found - mpmath.pi / 2) < mpmath.mpf(10) ** -48
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "flint"])
+def test_a_zero_at_the_start_hides_no_later_one(method):
+    x = sp.Symbol("x")
+    dot = vo.velocity(x)
+    fall = vo.System("fall", vo.Fibration(base=(x,)), dot**2 / 2 - x)
+    found = vo.integrate(fall, initial={dot: 1}, times=[0, 5], events=(x,), method=method)
+    assert np.allclose(found.events["x"].t.astype(float), [2], atol=1e-12)
