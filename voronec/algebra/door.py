@@ -15,7 +15,7 @@ import symengine as se
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from voronec.algebra.pieces import written_with_signs
+from voronec.algebra.piecewise import written_with_signs
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.text import shown, sympified
 from voronec.errors import DefinitionError, EngineLimit

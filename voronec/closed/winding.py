@@ -20,6 +20,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import precise
 from voronec.closed.composition import Composition, composition
 from voronec.closed.floor_sums import certain_floor_sum, first_doubt
+from voronec.closed.passage_counts import Tally, tally
 from voronec.closed.passages import (
     DECIDED,
     Passage,
@@ -30,7 +31,6 @@ from voronec.closed.passages import (
 )
 from voronec.closed.space import times as rotated
 from voronec.closed.space import transposed
-from voronec.closed.tally import Tally, tally
 from voronec.elliptic.roots import Unresolved
 from voronec.errors import EngineLimit
 

@@ -25,7 +25,7 @@ from voronec.program import Block, Program
 from voronec.program.digits import compiled_digits
 from voronec.program.walls import Wall
 
-__all__ = ["DOUBLE", "GUARD", "PAST", "Crossroads", "Place"]
+__all__ = ["DOUBLE", "GUARD", "PAST", "Crossroads", "Mode"]
 
 DOUBLE = 53
 """Bits of a double."""
@@ -46,7 +46,7 @@ TOGETHER = f"more than {MOST} walls meet"
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class Mode:
     """One mode, ready to be integrated in: a ``corner``, or the motion along surfaces next to it.
 
     ``sides`` has the sign or floor of every wall; ``along`` are the surfaces on which the motion is
@@ -84,7 +84,7 @@ class Crossroads:
     grid: np.ndarray
     modes: Modes
     bits: int
-    places: dict[Any, Place] = field(default_factory=dict)
+    known_modes: dict[Any, Mode] = field(default_factory=dict)
     known: dict[str, Any] = field(init=False)
     start: np.ndarray = field(init=False)
 
@@ -103,15 +103,15 @@ class Crossroads:
         """The same modes for another start and other parameters; what a rim is depends on those."""
         problem = replace(self.problem, start=start.copy(), parameters=list(parameters))
         grid = np.array([time, time + (self.grid[-1] - self.grid[0])])
-        kept = {k: p for k, p in self.places.items() if not p.corner.rims}
+        kept = {k: p for k, p in self.known_modes.items() if not p.corner.rims}
         with mpmath.workprec(self.working):
-            return replace(self, problem=problem, grid=grid, places=kept)
+            return replace(self, problem=problem, grid=grid, known_modes=kept)
 
     # -- which way ------------------------------------------------------------------------
 
     def settled(
         self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[Surface]
-    ) -> Place | str:
+    ) -> Mode | str:
         """The mode in which the motion goes on, or the reason why it does not.
 
         ``sides`` are those of the mode that ended, ``hit`` the surfaces at which it did.
@@ -132,14 +132,14 @@ class Crossroads:
         different = {corner for corner, _ in leaving}
         names = " and ".join(map(str, met))
         if len(leaving) == 1 or (leaving and len(different) == 1):
-            return self._place((leaving[0][0],), leaving[0][1], ())
+            return self._mode((leaving[0][0],), leaving[0][1], ())
         if leaving:
             return (FREE if self.order > 0 else PAST).format(names)
         for count in range(1, len(met) + 1):
             for along in combinations(met, count):
-                place = self._along(time, state, met, along, corners)
-                if place is not None:
-                    return place
+                mode = self._along(time, state, met, along, corners)
+                if mode is not None:
+                    return mode
         rest = self._resting(time, state, met, corners)
         return STUCK.format(names) if rest is None else rest
 
@@ -249,13 +249,11 @@ class Crossroads:
         h = way * mpmath.mpf(2) ** (-(self.bits // 2)) / max(pace, 1)
         return time + h, runge_kutta(rates, mpmath.mpf(time), state, h)
 
-    def moment(
-        self, place: Place, time: Any, state: np.ndarray, way: int
-    ) -> tuple[Any, np.ndarray]:
+    def moment(self, mode: Mode, time: Any, state: np.ndarray, way: int) -> tuple[Any, np.ndarray]:
         """Time and state a moment after (1) or before (-1) along the run, in a mode."""
         if way == 0:
             return mpmath.mpf(time), state
-        return self._followed(place.program, time, state, place.sides, way * self.order)
+        return self._followed(mode.program, time, state, mode.sides, way * self.order)
 
     def on_surfaces(
         self, time: Any, state: np.ndarray, surfaces: Sequence[Surface], sides: Mapping[Wall, int]
@@ -278,7 +276,7 @@ class Crossroads:
     def _along(
         self, time: Any, state: np.ndarray, met: Sequence[Surface], along: tuple[Surface, ...],
         corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
-    ) -> Place | None:  # fmt: skip
+    ) -> Mode | None:  # fmt: skip
         """The motion along some of the surfaces that meet, if there is one."""
         free = [s for s in met if s not in along]
         for rest in product((1, -1), repeat=len(free)):
@@ -291,23 +289,23 @@ class Crossroads:
             chosen = [at(None), *(at(s) for s in along)]
             if any(s.wall not in chosen[0][1] for s in along):
                 continue
-            place = self._place(tuple(c for c, _ in chosen), chosen[0][1], along)
-            weights = None if place is None else self._weights(place, time, state)
+            mode = self._mode(tuple(c for c, _ in chosen), chosen[0][1], along)
+            weights = None if mode is None else self._weights(mode, time, state)
             if (
-                place is None
+                mode is None
                 or weights is None
-                or not self._affine(time, state, place, weights, other, corners, met)
+                or not self._affine(time, state, mode, weights, other, corners, met)
             ):
                 continue
-            moved = self._moved(place.program, time, state, place.sides, free)
+            moved = self._moved(mode.program, time, state, mode.sides, free)
             if all(s in (0, side) for s, side in zip(moved, rest, strict=True)):
-                return place
+                return mode
         return None
 
     def _resting(
         self, time: Any, state: np.ndarray, met: Sequence[Surface],
         corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
-    ) -> Place | None:  # fmt: skip
+    ) -> Mode | None:  # fmt: skip
         """The state of rest, where the fields on the sides cancel and hold no time."""
         rows = []
         for corner, sides in corners.values():
@@ -330,7 +328,7 @@ class Crossroads:
         corner, sides = next(iter(corners.values()))
         zero = Block((), (se.Integer(0),) * len(state))
         still = replace(corner, program=replace(corner.program, derivative=zero), walls=(), rims=())
-        return self._place((still,), sides, ())
+        return self._mode((still,), sides, ())
 
     def touches(
         self, time: Any, state: np.ndarray, surface: Surface, sides: Mapping[Wall, int]
@@ -361,15 +359,15 @@ class Crossroads:
         ]
         return sum(terms), sum(speeds) + abs(slope)
 
-    def _weights(self, place: Place, time: Any, state: np.ndarray) -> list[Any] | None:
+    def _weights(self, mode: Mode, time: Any, state: np.ndarray) -> list[Any] | None:
         """The weights of the sides along surfaces; None where the motion is not held there."""
-        count = len(place.along)
-        extras = compiled_digits(place.levels)[1]
+        count = len(mode.along)
+        extras = compiled_digits(mode.levels)[1]
         try:
-            found = extras(time, list(state), self.values(place.program, place.sides))
+            found = extras(time, list(state), self.values(mode.program, mode.sides))
         except (ZeroDivisionError, ValueError):
             return None
-        named = dict(zip(place.levels.names, found, strict=True))
+        named = dict(zip(mode.levels.names, found, strict=True))
         weights = [named[f"weight {i}"] for i in range(count)]
         returns = [named[f"return {i}"] for i in range(count)]
         if all(abs(w) <= 1 for w in weights) and all(self.order * r < 0 for r in returns):
@@ -377,7 +375,7 @@ class Crossroads:
         return None
 
     def _affine(
-        self, time: Any, state: np.ndarray, place: Place, weights: Sequence[Any],
+        self, time: Any, state: np.ndarray, mode: Mode, weights: Sequence[Any],
         other: Mapping[Surface, int], corners: Mapping[tuple[int, ...], Any],
         met: Sequence[Surface],
     ) -> bool:  # fmt: skip
@@ -388,7 +386,7 @@ class Crossroads:
         rows = {}
         for above, (corner, sides) in corners.items():
             if all(above[met.index(s)] == side for s, side in other.items()):
-                key = tuple(above[met.index(s)] for s in place.along)
+                key = tuple(above[met.index(s)] for s in mode.along)
                 values = self.values(corner.program, sides)
                 found = compiled_digits(corner.program)[0](time, list(state), values)
                 rows[key] = np.array(found, dtype=object)
@@ -404,17 +402,17 @@ class Crossroads:
 
     # -- modes made ready -------------------------------------------------------------------
 
-    def _place(
+    def _mode(
         self, corners: tuple[Corner, ...], sides: Mapping[Wall, int], along: tuple[Surface, ...]
     ) -> Any:
         floors = tuple(s for s in along if s.wall.whole)
         key = (corners, along, tuple(sides[s.wall] for s in floors))
-        found = self.places.get(key)
+        found = self.known_modes.get(key)
         if found is None:
             found = self._made(corners, sides, along)
             if found is None:
                 return None
-            self.places[key] = found
+            self.known_modes[key] = found
         return replace(found, sides=sides, watch=self._watched(corners[0], sides, along))
 
     def _watched(
@@ -459,7 +457,7 @@ class Crossroads:
 
     def _made(
         self, corners: tuple[Corner, ...], sides: Mapping[Wall, int], along: tuple[Surface, ...]
-    ) -> Place | None:
+    ) -> Mode | None:
         corner, given = corners[0], self.problem
         functions = {**corner.functions, **self._levels(corner, sides, along)}
         program, turns = corner.program, {}
@@ -490,12 +488,16 @@ class Crossroads:
             exact=None, walls=frozenset(ends), suspect=None if along else given.suspect,
             progress=self.progress,
         )  # fmt: skip
-        method = next(iter(self.places.values())).chosen["method"] if self.places else self.method
+        method = (
+            next(iter(self.known_modes.values())).chosen["method"]
+            if self.known_modes
+            else self.method
+        )
         if self.bits != DOUBLE:
             method = "flint"
         stepper, chosen = choose(method, problem, self.grid)
         lasting = stepper if chosen["method"] == "heyoka" else None
-        return Place(corner, program, levels, sides, along, {}, turns, problem, chosen, lasting)
+        return Mode(corner, program, levels, sides, along, {}, turns, problem, chosen, lasting)
 
     def _numbered(self, corner: Corner, below: Surface | None, along: Sequence[Surface]) -> Corner:
         """A corner with numbers for the floors along which the motion is held."""

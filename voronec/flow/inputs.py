@@ -23,7 +23,7 @@ from voronec.algebra.text import formula
 from voronec.claims import right_of
 from voronec.equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, did_you_mean
-from voronec.flow.steppers.changing import Changing, Signal
+from voronec.flow.steppers.signals import Signal, Signals
 from voronec.flow.tables import Table
 from voronec.reading import expression, mapping, shown
 from voronec.scene import Parameter
@@ -48,7 +48,7 @@ class Drive:
     equations: VoronecEquations
     meaning: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     constants: Mapping[str, Any] = field(default_factory=dict)
-    changing: Changing | None = None
+    changing: Signals | None = None
 
     def parameters(self, start: float, end: float) -> dict[str, Any]:
         """Values of the parameters that stand for inputs, where a motion starts."""
@@ -117,7 +117,7 @@ def drive(
             f"system '{original.name}': {steady} takes numbers and expressions of t for inputs, "
             f"not what '{signals[0].name}' is given; integrate the motions one by one"
         )
-    changing = Changing(tuple(signals)) if signals and not unknown else None
+    changing = Signals(tuple(signals)) if signals and not unknown else None
     driven = _driven(original, meaning, symbols, tuple(shapes), bool(signals))
     return Drive(original, derive(driven), meaning, constants, changing)
 

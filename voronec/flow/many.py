@@ -13,8 +13,8 @@ import sympy as sp
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.flow.inertia import require_inertia
-from voronec.flow.places import Ground as Places
 from voronec.flow.probe import quantities, quiet, rates_along
+from voronec.flow.split_models import SplitGround
 from voronec.flow.start import named, parameter_values, start_of
 from voronec.flow.vocabulary import Vocabulary
 from voronec.model import smallest_model
@@ -104,7 +104,7 @@ class Many:
         named = zip(self.program.state, ground.start, strict=True)
         below = {f"start {x}": e for x, e in named}
         below |= {f"frozen {name}": e for name, e in ground.frozen.items()}
-        places = Places(equations, constants, self.time)
+        places = SplitGround(equations, constants, self.time)
         program = quantities(equations.raw.form, below)
         return bool(places.watched(ground.form, program, self.full[i]))
 

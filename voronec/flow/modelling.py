@@ -13,7 +13,7 @@ import symengine as se
 
 from voronec.flow.observing import Branch, Watch, watched
 from voronec.flow.probe import Probe, quantities
-from voronec.flow.steppers.changing import Changing
+from voronec.flow.steppers.signals import Signals
 from voronec.flow.vocabulary import Vocabulary, Wanted
 from voronec.model import Model, smallest_model
 from voronec.program import Program, compiled
@@ -83,7 +83,7 @@ class Modelled:
         return dict(zip(map(str, self.program.parameters), values, strict=True))
 
     def probe(
-        self, name: str, values: Sequence[float], time: float, changing: Changing | None = None
+        self, name: str, values: Sequence[float], time: float, changing: Signals | None = None
     ) -> Probe:
         """Looks at single states of the model."""
         return Probe(name, self.form, self.program, values, time, changing)

@@ -23,7 +23,6 @@ from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.flow.attempts import Way, first_success, other_method
 from voronec.flow.branches import Untold, require_told
-from voronec.flow.changes import Changes, NearDivisor, guarding, unguarded
 from voronec.flow.divisors import Divisor
 from voronec.flow.events import Crossings, Event, spelled
 from voronec.flow.given import Given, grid_of, outputs_of, scene_of
@@ -31,13 +30,14 @@ from voronec.flow.inputs import drive
 from voronec.flow.modelling import Modelled, modelled, whole
 from voronec.flow.observing import Watch, followed, observed
 from voronec.flow.outset import Outset
-from voronec.flow.places import NEAR, Ground
 from voronec.flow.poles import POLE, NearPole, PoleGuard
 from voronec.flow.probe import quantities
 from voronec.flow.soundness import Breach, Judge
+from voronec.flow.split_models import NEAR, SplitGround
+from voronec.flow.split_run import NearDivisor, SplitRun, guarding, unguarded
 from voronec.flow.steppers import Problem, Run, Stepper
-from voronec.flow.steppers.changing import Changing, in_kind
 from voronec.flow.steppers.choice import CLOSED
+from voronec.flow.steppers.signals import Signals, in_kind
 from voronec.flow.switching import through_walls
 from voronec.flow.trajectory import Cost, Trajectory
 from voronec.flow.traverse import is_exact, through_charts
@@ -212,10 +212,10 @@ class _Request:
         charted = None if is_exact(self.method, self.tol) else with_attitude_charts(own)
         vocabulary = self.vocabulary if charted is None else Vocabulary.of(charted)
         made = whole(vocabulary, self.outputs, self.functions)
-        ground = Ground(vocabulary.equations, self.outset.constants, float(self.grid[0]))
-        return Changes(
+        ground = SplitGround(vocabulary.equations, self.outset.constants, float(self.grid[0]))
+        return SplitRun(
             vocabulary, ground, made.watch, made.event_functions,
-            WideStart.of(vocabulary, ground, self.given, self.project).start, self.grid,
+            WideStart.of(vocabulary, ground, self.given, self.project), self.grid,
             self.method, self.tol, self.events, self.dense, self.progress, self.outset.notes,
             ceil(-log2(self.tol)) + 2 * MARGIN, self.began,
         ).trajectory()  # fmt: skip
@@ -420,7 +420,7 @@ class _Job:
         if outset.changing is not None:
             return ()
         form = made.form if made.model is None else made.model.form
-        ground = Ground(self.vocabulary.equations, outset.constants, float(self.grid[0]))
+        ground = SplitGround(self.vocabulary.equations, outset.constants, float(self.grid[0]))
         found = ground.watched(form, made.below, outset.state)
         if ground.smallest(form, found, state, values) < NEAR:
             raise NearDivisor(self.vocabulary)
@@ -460,7 +460,7 @@ class _Sight:
     constants: Mapping[str, Any]
     cost: Cost
     bits: int
-    changing: Changing | None = None
+    changing: Signals | None = None
 
     def at(self, t: np.ndarray) -> Mapping[str, Any]:
         """The constants, and at times (k,) those that change."""

@@ -14,8 +14,8 @@ from voronec.flow.conditions import NoFrame, Rates
 from voronec.flow.exactly import Exactly
 from voronec.flow.given import Given
 from voronec.flow.inertia import require_inertia
-from voronec.flow.places import NEAR, Ground
 from voronec.flow.probe import Probe, quantities
+from voronec.flow.split_models import NEAR, SplitGround
 from voronec.flow.start import (
     Start,
     coordinates_of,
@@ -23,7 +23,7 @@ from voronec.flow.start import (
     parameter_values,
     start_of,
 )
-from voronec.flow.steppers.changing import Changing
+from voronec.flow.steppers.signals import Signals
 from voronec.flow.vocabulary import Vocabulary
 from voronec.flow.wide_start import WideStart
 from voronec.program import Program
@@ -48,7 +48,7 @@ def rates_at(
     return rates
 
 
-def _is_frame(vocabulary: Vocabulary, ground: Ground, given: Given) -> bool:
+def _is_frame(vocabulary: Vocabulary, ground: SplitGround, given: Given) -> bool:
     """Whether the velocities of the equations are a frame at the start, as well as it matters."""
     values = [
         numbers_of(vocabulary, part, ground.constants)
@@ -75,7 +75,7 @@ class Outset:
     constants: Mapping[str, float]
     notes: tuple[str, ...]
     exactly: Exactly
-    changing: Changing | None = None
+    changing: Signals | None = None
     framed: bool = True
 
     @property
@@ -91,7 +91,7 @@ class Outset:
         given: Given,
         time: float,
         project: bool,
-        changing: Changing | None = None,
+        changing: Signals | None = None,
     ) -> Outset:
         """Read what is given, and look whether a motion starts there."""
         equations = vocabulary.equations
@@ -109,7 +109,7 @@ class Outset:
             )
             require_inertia(equations, constants, start.state, time)
         except (DefinitionError, IntegrationError) as error:
-            ground = Ground(equations, constants, time)
+            ground = SplitGround(equations, constants, time)
             if not isinstance(error, NoFrame) and _is_frame(vocabulary, ground, given):
                 raise
             start, framed = Start(WideStart.of(vocabulary, ground, given, project).home), False

@@ -11,8 +11,8 @@ import numpy as np
 import symengine as se
 
 from voronec.errors import DefinitionError, IntegrationError
-from voronec.flow.steppers.changing import Changing, in_kind
 from voronec.flow.steppers.run import Halt, Suspect
+from voronec.flow.steppers.signals import Signals, in_kind
 from voronec.program import Program, compiled, hoisted
 
 __all__ = ["Probe", "quantities", "quiet", "rates_along"]
@@ -65,7 +65,7 @@ class Probe:
     program: Program
     values: Sequence[float]
     time: float
-    changing: Changing | None = None
+    changing: Signals | None = None
 
     def rates(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Velocities of all coordinates (n, k) at one q (n,) and several v (m, k)."""

@@ -21,7 +21,7 @@ from voronec.equations import VoronecEquations
 from voronec.errors import VoronecError
 from voronec.flow.defects import WIDTH, Rates, Windows, again
 from voronec.flow.observing import evaluated
-from voronec.flow.steppers.changing import Changing, in_kind
+from voronec.flow.steppers.signals import Signals, in_kind
 from voronec.program import Program, compiled
 from voronec.vector_field import Motions
 
@@ -77,7 +77,7 @@ class Judge:
     integrals: Mapping[str, tuple[str, str]]
     relations: Mapping[str, str]
     vanishing: Sequence[Any] = ()
-    changing: Changing | None = None
+    changing: Signals | None = None
 
     def breach(self, t: np.ndarray, states: np.ndarray) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong first, if anything did, and what is to be said of mere claims."""
@@ -252,7 +252,7 @@ def program_rates(program: Program, at: Callable[[np.ndarray], list[Any]]) -> Ra
 
 
 def original_rates(
-    equations: VoronecEquations, constants: Mapping[str, Any], changing: Changing | None
+    equations: VoronecEquations, constants: Mapping[str, Any], changing: Signals | None
 ) -> Rates | None:
     """The equations on the coordinates as they were derived first, evaluated by symengine, the
     mass matrix inverted in numbers.

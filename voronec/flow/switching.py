@@ -16,12 +16,12 @@ import numpy as np
 import symengine as se
 
 from voronec.errors import DefinitionError, EngineLimit
-from voronec.flow.crossroads import DOUBLE, GUARD, PAST, Crossroads, Place
+from voronec.flow.crossroads import DOUBLE, GUARD, PAST, Crossroads, Mode
 from voronec.flow.events import Event
 from voronec.flow.modes import Corner, Modes, Surface
 from voronec.flow.steppers import Halt, Problem, Run, Stepper
 from voronec.flow.steppers.choice import EXACT
-from voronec.flow.steppers.pieces import in_pieces
+from voronec.flow.steppers.restarts import in_pieces
 from voronec.flow.steppers.run import until
 from voronec.program.digits import compiled_digits
 from voronec.program.walls import SATURATED
@@ -166,7 +166,7 @@ class _Passage:
 
     roads: Crossroads
     grid: np.ndarray
-    place: Place
+    mode: Mode
     done: int = 1
     steps: int = 0
     evaluations: int = 0
@@ -201,11 +201,11 @@ class _Passage:
                 part = self.stretch()
                 if part.halt or part.interrupted:
                     return self.result(part.halt, part.interrupted)
-                if part.stopped and part.stopped not in self.place.watch:
+                if part.stopped and part.stopped not in self.mode.watch:
                     return self.result(stopped=part.stopped)
                 if not part.stopped:
                     break
-                end = self.switched(self.place.watch[part.stopped])
+                end = self.switched(self.mode.watch[part.stopped])
                 if end is not None:
                     return end
         except KeyboardInterrupt:
@@ -214,18 +214,18 @@ class _Passage:
 
     def stretch(self) -> Run:
         """Go on in a mode until it ends, or the grid does."""
-        place, roads = self.place, self.roads
+        mode, roads = self.mode, self.roads
         kind = object if self.exact else float
         times = np.array([self.time, *self.grid[self.done :]], dtype=kind)
         if roads.progress is not None:
             whole = self.grid[-1] - self.grid[0]
             roads.progress.done = float((self.time - self.grid[0]) / whole)
             roads.progress.part = float((times[-1] - self.time) / whole)
-        values = roads.values(place.program, place.sides)
+        values = roads.values(mode.program, mode.sides)
         if not self.exact:
             values = list(map(float, values))
-        self.held = self.held or bool(place.along)
-        part = self.cut(place.run(self.number(self.state), values, times))
+        self.held = self.held or bool(mode.along)
+        part = self.cut(mode.run(self.number(self.state), values, times))
         self.steps += part.steps
         self.evaluations += part.evaluations
         count = int(sum(self.order * (t - part.t[-1]) <= 0 for t in self.grid[self.done :]))
@@ -248,9 +248,9 @@ class _Passage:
 
     def cut(self, part: Run) -> Run:
         """A stretch up to where it touches a wall along which it may have come."""
-        for name, surface in self.place.turns.items():
+        for name, surface in self.mode.turns.items():
             for time, state in zip(*part.crossings[name], strict=True):
-                if self.roads.touches(time, state, surface, self.place.sides):
+                if self.roads.touches(time, state, surface, self.mode.sides):
                     kept = [self.order * (t - time) <= 0 for t in part.t]
                     return replace(
                         part, t=part.t[kept], states=part.states[kept], stopped="",
@@ -261,7 +261,7 @@ class _Passage:
 
     def switched(self, hit: tuple[Surface, ...]) -> Run | None:
         """Change the mode where one ended; the run, where that ends it."""
-        roads, before = self.roads, self.place
+        roads, before = self.roads, self.mode
         if not hit:
             return self.result(Halt(RIM, self.time, self.number(self.state)))
         if roads.order < 0 and roads.touches(self.time, self.state, hit[0], before.sides):
@@ -278,7 +278,7 @@ class _Passage:
         found = roads.settled(self.time, self.state, sides, hit)
         if isinstance(found, str):
             return self.result(Halt(found, self.time, self.number(self.state)))
-        self.place = found
+        self.mode = found
         if found.along:
             self.state = roads.on_surfaces(self.time, self.state, found.along, found.sides)
         for event in roads.problem.events:
@@ -289,12 +289,12 @@ class _Passage:
                     return self.result(stopped=event.name)
         return None
 
-    def passes(self, event: Event, before: Place, after: Place) -> bool:
+    def passes(self, event: Event, before: Mode, after: Mode) -> bool:
         """Whether an event happens just where the mode changes: neither stretch sees it then."""
         seen = self.crossings.get(event.name, [])
         if seen and abs(seen[-1][0] - self.time) <= COINCIDENT * max(1, abs(self.time)):
             return False
-        levels = [self.level(event, place, 0) for place in (before, after)]
+        levels = [self.level(event, mode, 0) for mode in (before, after)]
         moved = [self.level(event, before, -1), self.level(event, after, 1)]
         if None in (*levels, *moved) or abs(levels[0]) > COINCIDENT * max(1, abs(self.time)):
             return False
@@ -303,14 +303,14 @@ class _Passage:
         upwards = left < 0 <= right and direction >= 0
         return bool(upwards or (left > 0 >= right and direction <= 0))
 
-    def level(self, event: Event, place: Place, way: int) -> Any:
+    def level(self, event: Event, mode: Mode, way: int) -> Any:
         """An event's function a moment before (-1) or after (1) the switch in a mode."""
         roads = self.roads
-        time, state = roads.moment(place, self.time, self.state, way)
-        extras = compiled_digits(place.levels)[1]
-        values = roads.values(place.program, place.sides)
+        time, state = roads.moment(mode, self.time, self.state, way)
+        extras = compiled_digits(mode.levels)[1]
+        values = roads.values(mode.program, mode.sides)
         found = extras(time, list(state), values)
-        return dict(zip(place.levels.names, found, strict=True))[event.name]
+        return dict(zip(mode.levels.names, found, strict=True))[event.name]
 
     def result(self, halt: Halt | None = None, interrupted: bool = False, stopped: str = "") -> Run:
         t, kind = self.grid[: self.done], object if self.exact else float

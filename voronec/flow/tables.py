@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from voronec.errors import DefinitionError
-from voronec.flow.steppers.changing import Signal
+from voronec.flow.steppers.signals import Signal
 
 __all__ = ["Table"]
 

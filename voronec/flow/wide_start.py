@@ -16,11 +16,10 @@ import numpy as np
 
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.errors import DefinitionError
-from voronec.flow.changes import Start
 from voronec.flow.conditions import CONSISTENT
 from voronec.flow.exactly import exact_number
 from voronec.flow.given import Given
-from voronec.flow.places import Ground
+from voronec.flow.split_models import SplitGround
 from voronec.flow.start import coordinates_of, numbers_of
 from voronec.flow.vocabulary import Vocabulary
 
@@ -40,13 +39,15 @@ class WideStart:
     """
 
     vocabulary: Vocabulary
-    ground: Ground
+    ground: SplitGround
     given: Given
     wide: np.ndarray
     targets: tuple[str, ...]
 
     @classmethod
-    def of(cls, vocabulary: Vocabulary, ground: Ground, given: Given, project: bool) -> WideStart:
+    def of(
+        cls, vocabulary: Vocabulary, ground: SplitGround, given: Given, project: bool
+    ) -> WideStart:
         """Solve what is given; ``DefinitionError`` where it determines nothing, or contradicts."""
         old, new = (
             numbers_of(vocabulary, part, ground.constants)
@@ -85,11 +86,6 @@ class WideStart:
         found = _Conditions.at(self.ground, q)
         return np.concatenate([q, found.frame[:, :-1] @ w + found.frame[:, -1]])
 
-    @property
-    def start(self) -> Start:
-        """What a run sets out from."""
-        return Start(self.wide, self.exact)
-
     def exact(self, bits: int) -> tuple[np.ndarray, Mapping[str, Any]]:
         """The same, and the parameters by name, as mpmath's numbers."""
         with mpmath.workprec(bits):
@@ -123,7 +119,7 @@ class _Conditions:
     own: list[str]
 
     @classmethod
-    def at(cls, ground: Ground, q: np.ndarray, constants: Any = None) -> _Conditions:
+    def at(cls, ground: SplitGround, q: np.ndarray, constants: Any = None) -> _Conditions:
         """The conditions at coordinates q, of doubles or mpmath's numbers."""
         d, system = ground.home.definition, ground.home.system
         rest = (

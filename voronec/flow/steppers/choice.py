@@ -17,7 +17,7 @@ import numpy as np
 
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.flow.steppers.digits import digits
-from voronec.flow.steppers.pieces import in_pieces
+from voronec.flow.steppers.restarts import in_pieces
 from voronec.flow.steppers.run import Problem, Stepper
 from voronec.flow.steppers.stepwise import FINEST, dop853, estimated_steps, lsoda
 from voronec.flow.steppers.taylor import taylor

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from voronec.flow.events import Event
-from voronec.flow.steppers.changing import Changing
+from voronec.flow.steppers.signals import Signals
 from voronec.program import Program
 
 __all__ = [
@@ -65,7 +65,7 @@ class Problem:
     suspect: Suspect | None = None
     progress: Callable[[float], Any] | None = None
     exact: Callable[[int], tuple[np.ndarray, Sequence[Any]]] | None = None
-    changing: Changing | None = None
+    changing: Signals | None = None
     coarse: frozenset[str] = frozenset()
     walls: frozenset[str] = frozenset()
     marked: bool = False

@@ -23,16 +23,17 @@ from voronec.errors import IntegrationError
 from voronec.flow.divisors import Divisor
 from voronec.flow.events import Crossings, Event
 from voronec.flow.observing import Watch, assembled, followed
-from voronec.flow.places import CLEAR, NEAR, Ground, Place, tried
 from voronec.flow.probe import Probe, quantities
 from voronec.flow.soundness import Judge
+from voronec.flow.split_models import CLEAR, NEAR, SplitGround, SplitModel, candidates
 from voronec.flow.steppers import Halt, Problem, Run
 from voronec.flow.steppers.choice import EXACT
 from voronec.flow.trajectory import Cost, Trajectory
 from voronec.flow.traverse import through_charts
 from voronec.flow.vocabulary import Vocabulary
+from voronec.flow.wide_start import WideStart
 
-__all__ = ["Changes", "NearDivisor", "Start", "guarding", "unguarded"]
+__all__ = ["NearDivisor", "SplitRun", "guarding", "unguarded"]
 
 DEPENDENT = "the constraints become dependent"
 LEAST = 1e-6
@@ -70,27 +71,18 @@ def unguarded(run: Run, guards: Sequence[Divisor], vocabulary: Vocabulary) -> Ru
     return replace(run, crossings=kept)
 
 
-@dataclass(frozen=True)
-class Start:
-    """Where a run starts: its wide state in doubles, and exactly, with the parameters by name,
-    for a number of bits."""
-
-    wide: np.ndarray
-    exact: Callable[[int], tuple[np.ndarray, Mapping[str, Any]]]
-
-
 @dataclass(frozen=True, eq=False)
 class _Stretch:
     """A part of a run in one split; ``rows`` (k, n) are those on the grid."""
 
-    place: Place
+    split: SplitModel
     times: np.ndarray
     rows: np.ndarray
     run: Run
 
 
 @dataclass(eq=False)
-class Changes:
+class SplitRun:
     """One run through the splits of a system.
 
     ``watch`` and ``functions`` are what is wanted, for the home split; ``began`` and ``busy`` when
@@ -98,10 +90,10 @@ class Changes:
     """
 
     vocabulary: Vocabulary
-    ground: Ground
+    ground: SplitGround
     watch: Watch
     functions: Mapping[str, Any]
-    start: Start
+    start: WideStart
     grid: np.ndarray
     method: str
     tol: float
@@ -111,7 +103,7 @@ class Changes:
     notes: tuple[str, ...]
     bits: int
     began: float
-    places: list[Place] = field(default_factory=list)
+    splits: list[SplitModel] = field(default_factory=list)
     stretches: list[_Stretch] = field(default_factory=list)
     chosen: dict[str, Any] = field(default_factory=dict)
     prepared: float = 0.0
@@ -121,51 +113,51 @@ class Changes:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
         busy = process_time()
         time, wide, done = self.grid[0], self.start.wide, 1
-        place = self.place(time, wide, None)
+        split = self.best_split(time, wide, None)
         while True:
-            part = self.judged(place, self.stretch(place, time, wide, self.grid[done:]))
-            done += self.take(place, part, done)
-            ended = part.stopped not in ("", *self._guards(place))
+            part = self.judged(split, self.stretch(split, time, wide, self.grid[done:]))
+            done += self.take(split, part, done)
+            ended = part.stopped not in ("", *self._guards(split))
             if part.interrupted or ended or (part.halt is None and done >= len(self.grid)):
                 return self.result(part, busy)
             time, state = (
                 (part.t[-1], part.states[-1]) if part.halt is None
                 else (part.halt.time, part.halt.state)
             )  # fmt: skip
-            wide = self.widened(place, time, state)
-            best = self.place(time, wide, place)
-            if part.halt is not None and best is place:
-                raise self.failure(place, part.halt, busy)
-            if best is place:
-                best = self.alone(place, time, state, wide, busy)
-            place = best
+            wide = self.widened(split, time, state)
+            best = self.best_split(time, wide, split)
+            if part.halt is not None and best is split:
+                raise self.failure(split, part.halt, busy)
+            if best is split:
+                best = self.alone(split, time, state, wide, busy)
+            split = best
 
     # -- splits -----------------------------------------------------------------------------
 
-    def place(self, time: Any, wide: np.ndarray, last: Place | None) -> Place:
+    def best_split(self, time: Any, wide: np.ndarray, last: SplitModel | None) -> SplitModel:
         """The split to go on in: one that is ready and good enough, else the first of those that
         can be made that is, else the best; not the last one, unless no other is much better."""
         plain = wide.astype(float)
-        sizes = {id(p): p.quality(time, plain) for p in self.places}
-        ready = max(self.places, key=lambda p: sizes[id(p)], default=None)
-        if ready is not None and ready is not last and sizes[id(ready)] > CLEAR:
+        sizes = {p: p.quality(time, plain) for p in self.splits}
+        ready = max(self.splits, key=lambda p: sizes[p], default=None)
+        if ready is not None and ready is not last and sizes[ready] > CLEAR:
             return ready
         began = perf_counter()
         with suppress(np.linalg.LinAlgError):
-            for equations, form in tried(self.ground, float(time), plain):
-                if any(p.form is form for p in self.places):
+            for equations, form in candidates(self.ground, float(time), plain):
+                if any(p.form is form for p in self.splits):
                     continue
-                made = Place.of(
+                made = SplitModel.of(
                     replace(self.ground, time=float(time)), equations, form, self.watch,
                     self.functions, plain,
                 )  # fmt: skip
-                self.places.append(made)
-                sizes[id(made)] = made.quality(time, plain)
-                if sizes[id(made)] > CLEAR:
+                self.splits.append(made)
+                sizes[made] = made.quality(time, plain)
+                if sizes[made] > CLEAR:
                     break
         self.prepared += perf_counter() - began
-        best = max(self.places, key=lambda p: sizes[id(p)], default=None)
-        if best is None or (last is None and not sizes[id(best)] > 0):
+        best = max(self.splits, key=lambda p: sizes[p], default=None)
+        if best is None or (last is None and not sizes[best] > 0):
             raise IntegrationError(
                 f"system '{self.ground.home.system.name}': no velocities determine the motion at "
                 f"the initial point ({self._shown(plain)}): the constraints are dependent or the "
@@ -173,13 +165,13 @@ class Changes:
                 time,
                 plain,
             )
-        if last is not None and sizes[id(best)] < GAIN * sizes[id(last)]:
+        if last is not None and sizes[best] < GAIN * sizes[last]:
             return last
         return best
 
     def alone(
-        self, place: Place, time: Any, state: np.ndarray, wide: np.ndarray, busy: float
-    ) -> Place:
+        self, split: SplitModel, time: Any, state: np.ndarray, wide: np.ndarray, busy: float
+    ) -> SplitModel:
         """The same split with other guards, where no other is better.
 
         What is small then belongs to the motion itself, and is not watched any more; or the
@@ -187,65 +179,65 @@ class Changes:
         """
         strength = self.ground.strength(float(time), wide.astype(float))
         if not strength > LEAST:
-            raise self.failure(place, Halt(DEPENDENT, time, state), busy)
-        self.places.remove(place)
-        self.places.append(place.lowered(float(time), wide, NEAR if strength < NEAR else 0.0))
-        return self.places[-1]
+            raise self.failure(split, Halt(DEPENDENT, time, state), busy)
+        self.splits.remove(split)
+        self.splits.append(split.lowered(float(time), wide, NEAR if strength < NEAR else 0.0))
+        return self.splits[-1]
 
     def _shown(self, wide: np.ndarray) -> str:
         pairs = zip(self.ground.home.definition.coordinates, wide, strict=False)
         return ", ".join(f"{name} = {float(x):.6g}" for name, x in pairs)
 
-    def _guards(self, place: Place) -> tuple[str, ...]:
-        return tuple(event.name for event in guarding(place.guards)[0])
+    def _guards(self, split: SplitModel) -> tuple[str, ...]:
+        return tuple(event.name for event in guarding(split.guards)[0])
 
     # -- stretches --------------------------------------------------------------------------
 
-    def stretch(self, place: Place, time: Any, wide: np.ndarray, ahead: np.ndarray) -> Run:
+    def stretch(self, split: SplitModel, time: Any, wide: np.ndarray, ahead: np.ndarray) -> Run:
         """Go on in a split until a divisor is small, or the grid ends."""
         began = perf_counter()
-        guards, levels = guarding(place.guards)
-        functions = {**place.functions, **levels}
-        state = place.narrow(float(time), wide.astype(float))
-        values = self.ground.values(place.program)
-        probe = Probe(self.ground.home.system.name, place.form, place.program, values, float(time))
-        if not place.equations.system.charts:
+        guards, levels = guarding(split.guards)
+        functions = {**split.functions, **levels}
+        state = split.narrow(float(time), wide.astype(float))
+        values = self.ground.values(split.program)
+        probe = Probe(self.ground.home.system.name, split.form, split.program, values, float(time))
+        if not split.equations.system.charts:
             probe.check(state)
         problem = Problem(
-            place.program, state, values, self.tol, (*self.events, *guards),
-            quantities(place.form, functions) if functions else None, self.dense,
-            probe.suspect(state), None, self._exact(place, time, wide), None, frozenset(levels),
+            split.program, state, values, self.tol, (*self.events, *guards),
+            quantities(split.form, functions) if functions else None, self.dense,
+            probe.suspect(state), None, self._exact(split, time, wide), None, frozenset(levels),
         )  # fmt: skip
         if wide.dtype == object or self.exact:
             times = np.array([mpmath.mpf(time), *map(mpmath.mpf, ahead)], dtype=object)
         else:
             times = np.concatenate([[float(time)], ahead])
         stepper, chosen = through_charts(
-            self.method, problem, times, place.equations, functions, place.form
+            self.method, problem, times, split.equations, functions, split.form
         )
         self.chosen = self.chosen or chosen
         self.prepared += perf_counter() - began
         return stepper(times)
 
-    def judged(self, place: Place, part: Run) -> Run:
+    def judged(self, split: SplitModel, part: Run) -> Run:
         """A stretch up to where it went wrong, if it did; what is to be said is noted."""
-        watch = place.watch
+        watch = split.watch
         followed = {name: (key, watch.sizes[name]) for name, key in watch.integrals.items()}
         judge = Judge(
-            self.ground.home, place.program, [float(x) for x in self.ground.values(place.program)],
+            self.ground.home, split.program, [float(x) for x in self.ground.values(split.program)],
             self.chosen["tolerance"], part.steps, followed, watch.relations,
         )  # fmt: skip
         breach, notes = judge.breach(part.t.astype(float), part.states.astype(float))
         self.told += [note for note in notes if note not in self.told]
         return part if breach is None else part.until(breach.row, breach.what)
 
-    def _exact(self, place: Place, time: Any, wide: np.ndarray) -> Callable[[int], Any]:
+    def _exact(self, split: SplitModel, time: Any, wide: np.ndarray) -> Callable[[int], Any]:
         def exact(bits: int) -> tuple[np.ndarray, list[Any]]:
             with mpmath.workprec(bits):
                 first, constants = self.start.exact(bits)
                 given = wide if wide.dtype == object else first
-                state = place.narrow(mpmath.mpf(time), given, constants)
-                return state, self.ground.values(place.program, constants)
+                state = split.narrow(mpmath.mpf(time), given, constants)
+                return state, self.ground.values(split.program, constants)
 
         return exact
 
@@ -254,17 +246,17 @@ class Changes:
         """Whether the run is in high precision."""
         return self.method == "flint" or (self.method == "auto" and self.tol < EXACT)
 
-    def widened(self, place: Place, time: Any, state: np.ndarray) -> np.ndarray:
+    def widened(self, split: SplitModel, time: Any, state: np.ndarray) -> np.ndarray:
         """The wide state of a state of a split."""
         with mpmath.workprec(self.bits):
-            return place.widened(time, state, self._constants(state))
+            return split.widened(time, state, self._constants(state))
 
     def _constants(self, states: np.ndarray) -> Mapping[str, Any]:
         if states.dtype != object:
             return self.ground.constants
         return self.start.exact(self.bits)[1]
 
-    def take(self, place: Place, part: Run, done: int) -> int:
+    def take(self, split: SplitModel, part: Run, done: int) -> int:
         """Enter a stretch; how many points of the grid it has passed."""
         order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
         ahead, times = order * self.grid[done:], order * part.t.astype(float)
@@ -273,10 +265,10 @@ class Changes:
         kept = self.grid[done : done + count]
         if not self.stretches:  # the first point of the grid is the start
             rows, kept = np.vstack([part.states[:1], rows]), np.append(self.grid[0], kept)
-        last = part.stopped and part.stopped not in self._guards(place)
+        last = part.stopped and part.stopped not in self._guards(split)
         if last and (not count or times[-1] != ahead[count - 1]):
             rows, kept = np.vstack([rows, part.states[-1:]]), np.append(kept, part.t[-1])
-        self.stretches.append(_Stretch(place, kept, rows, part))
+        self.stretches.append(_Stretch(split, kept, rows, part))
         if self.progress is not None:
             self.progress(float(abs(times[-1] - order * self.grid[0]) / np.ptp(self.grid)))
         return count
@@ -287,7 +279,7 @@ class Changes:
         """The trajectory of all stretches."""
         runs = [s.run for s in self.stretches]
         changes = sum(
-            a.place is not b.place for a, b in zip(self.stretches, self.stretches[1:], strict=False)
+            a.split is not b.split for a, b in zip(self.stretches, self.stretches[1:], strict=False)
         )
         whole = perf_counter() - self.began
         cost = Cost(
@@ -296,7 +288,7 @@ class Changes:
             evaluations=sum(r.evaluations for r in runs),
             switches=changes + sum(r.switches for r in runs),
         )  # fmt: skip
-        seen = self._assembled([(s.place, s.times, s.rows) for s in self.stretches], cost)
+        seen = self._assembled([(s.split, s.times, s.rows) for s in self.stretches], cost)
         own = {e.name for e in self.events}
         return replace(
             seen,
@@ -308,24 +300,26 @@ class Changes:
             notes=(*self.notes, *self.told),
         )
 
-    def failure(self, place: Place, halt: Halt, busy: float) -> IntegrationError:
+    def failure(self, split: SplitModel, halt: Halt, busy: float) -> IntegrationError:
         """The error for a run that cannot go on in any split."""
         last = replace(self.stretches[-1].run, halt=halt)
-        values = self.ground.values(place.program)
+        values = self.ground.values(split.program)
         probe = Probe(
-            self.ground.home.system.name, place.form, place.program, values, float(self.grid[0])
+            self.ground.home.system.name, split.form, split.program, values, float(self.grid[0])
         )
         start = self.stretches[-1].run.states[0]
         return probe.failure(start, halt, self.result(last, busy))
 
-    def _series(self, parts: list[tuple[Place, np.ndarray, np.ndarray]]) -> dict[str, np.ndarray]:
+    def _series(
+        self, parts: list[tuple[SplitModel, np.ndarray, np.ndarray]]
+    ) -> dict[str, np.ndarray]:
         """Everything watched at states of several splits, one after the other."""
         found = []
-        for place, times, rows in parts:
+        for split, times, rows in parts:
             if len(times):
-                values = self.ground.values(place.program, self._constants(rows))
+                values = self.ground.values(split.program, self._constants(rows))
                 with mpmath.workprec(self.bits):
-                    found.append(followed(place.watch, place.program, times, rows, values))
+                    found.append(followed(split.watch, split.program, times, rows, values))
         names = found[0] if found else {}
         return {
             name: np.concatenate([np.asarray(s[name]) for s in found])
@@ -334,7 +328,7 @@ class Changes:
         }
 
     def _assembled(
-        self, parts: list[tuple[Place, np.ndarray, np.ndarray]], cost: Cost,
+        self, parts: list[tuple[SplitModel, np.ndarray, np.ndarray]], cost: Cost,
         order: np.ndarray | None = None,
     ) -> Trajectory:  # fmt: skip
         times, series = np.concatenate([t for _, t, _ in parts]), self._series(parts)
@@ -353,7 +347,7 @@ class Changes:
         return tuple(map(plain_name, (*system.coordinates, *system.velocities)))
 
     def _crossings(self, name: str) -> Crossings:
-        parts = [(s.place, *s.run.crossings[name]) for s in self.stretches]
+        parts = [(s.split, *s.run.crossings[name]) for s in self.stretches]
         series = self._series(parts)
         times = np.concatenate([t for _, t, _ in parts])
         none = np.empty(0)
@@ -369,10 +363,10 @@ class Changes:
         ends = np.array([order * float(s.run.t[-1]) for s in self.stretches])
         which = np.searchsorted(ends, order * times.astype(float), side="left")
         which = np.minimum(which, len(ends) - 1)
-        parts, places = [], []
+        parts, positions = [], []
         for i in np.unique(which):
             here, stretch = np.flatnonzero(which == i), self.stretches[i]
             assert stretch.run.inside is not None
-            parts.append((stretch.place, times[here], stretch.run.inside(times[here])))
-            places.append(here)
-        return self._assembled(parts, cost, np.argsort(np.concatenate(places)))
+            parts.append((stretch.split, times[here], stretch.run.inside(times[here])))
+            positions.append(here)
+        return self._assembled(parts, cost, np.argsort(np.concatenate(positions)))

@@ -15,7 +15,7 @@ import numpy as np
 
 from voronec.errors import DefinitionError
 
-__all__ = ["Changing", "Signal", "in_kind"]
+__all__ = ["Signal", "Signals", "in_kind"]
 
 
 def in_kind(numbers: np.ndarray, kind: Any) -> np.ndarray:
@@ -106,7 +106,7 @@ class Signal:
 
 
 @dataclass(frozen=True)
-class Changing:
+class Signals:
     """The parameters that change in time."""
 
     signals: tuple[Signal, ...]

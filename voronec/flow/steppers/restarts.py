@@ -12,8 +12,8 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.flow.steppers.changing import exact_mpf
 from voronec.flow.steppers.run import Problem, Run, Stepper
+from voronec.flow.steppers.signals import exact_mpf
 
 __all__ = ["in_pieces"]
 

@@ -33,7 +33,7 @@ from voronec.flow.splits import (
 from voronec.program import Program, compiled
 from voronec.program.digits import compiled_digits
 
-__all__ = ["CLEAR", "NEAR", "Ground", "Place"]
+__all__ = ["CLEAR", "NEAR", "SplitGround", "SplitModel", "candidates"]
 
 NEAR, CLEAR = 0.05, 0.15
 """Below the one, in units of its usual size, a divisor makes its split be left; above the other a
@@ -52,7 +52,7 @@ def numbers(program: Program, time: Any, state: Sequence[Any], values: Sequence[
 
 
 @dataclass(frozen=True)
-class Ground:
+class SplitGround:
     """What the splits of one motion share: the system, its parameters by name, and the time.
 
     ``home`` are the equations as they are declared.
@@ -211,10 +211,10 @@ class Ground:
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class SplitModel:
     """One split, ready to be integrated in; ``guards`` are the divisors that it watches."""
 
-    ground: Ground
+    ground: SplitGround
     equations: VoronecEquations
     form: FirstOrderForm
     watch: Watch
@@ -224,13 +224,13 @@ class Place:
     @classmethod
     def of(
         cls,
-        ground: Ground,
+        ground: SplitGround,
         equations: VoronecEquations,
         form: FirstOrderForm,
         watch: Watch,
         functions: Mapping[str, Any],
         wide: np.ndarray,
-    ) -> Place:
+    ) -> SplitModel:
         """A split with what is watched and the functions of events, given for the home split."""
         home = ground.home
         meaning = dict(home.raw.form.dependent)
@@ -249,16 +249,16 @@ class Place:
         own = (*home.system.coordinates, *home.system.velocities)
         for x, symbol in zip(own, inside, strict=True):
             expressions[f"home {plain_name(x)}"] = moved(symbol)
-        place = cls(
+        model = cls(
             ground,
             equations,
             form,
             replace(watch, expressions=expressions, multipliers=multipliers),
             {name: moved(e) for name, e in functions.items()},
         )
-        state = place.narrow(ground.time, wide)
-        found = ground_of(place).watched(form, place._own, state)
-        return replace(place, guards=tuple(found))
+        state = model.narrow(ground.time, wide)
+        found = replace(ground, home=equations).watched(form, model._own, state)
+        return replace(model, guards=tuple(found))
 
     @cached_property
     def program(self) -> Program:
@@ -300,7 +300,7 @@ class Place:
             return np.array([mpmath.mpf(x) for x in found], dtype=object)
         return np.array(found, dtype=float)
 
-    def lowered(self, time: float, wide: np.ndarray, factor: float) -> Place:
+    def lowered(self, time: float, wide: np.ndarray, factor: float) -> SplitModel:
         """The same with the guards that are small at a wide state lowered by a factor, or, for
         zero, left out."""
         state, values = self.narrow(time, wide.astype(float)), self.ground.values(self.program)
@@ -328,12 +328,7 @@ class Place:
         return self.ground.smallest(self.form, self.guards, state, values)
 
 
-def ground_of(place: Place) -> Ground:
-    """The ground with the place's own system as the one whose states are sampled."""
-    return replace(place.ground, home=place.equations)
-
-
-def tried(ground: Ground, time: float, wide: np.ndarray) -> Any:
+def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:
     """Equations to try at a wide state, with their forms, one after the other."""
     home, point = ground.home, _point(ground, time, wide)
     yield home, home.form
@@ -349,7 +344,7 @@ def tried(ground: Ground, time: float, wide: np.ndarray) -> Any:
             continue
 
 
-def _point(ground: Ground, time: float, wide: np.ndarray) -> dict[str, Any]:
+def _point(ground: SplitGround, time: float, wide: np.ndarray) -> dict[str, Any]:
     """Numbers of coordinates, parameters and the time by name, exact as doubles."""
     d = ground.home.definition
     named = dict(zip(map(str, d.coordinates), wide.tolist(), strict=False))
