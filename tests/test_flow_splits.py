@@ -285,6 +285,34 @@ def test_a_start_whose_last_coefficients_vanish(method: str) -> None:
         assert np.abs(speed**2 / 2 - place + place ** (k + 1) / (k + 1)).max() < 1e-14
 
 
+@pytest.mark.parametrize("k", [2, 3])
+def test_lanes_whose_last_coefficients_vanish(k: int) -> None:
+    """The same for some of the motions of an ensemble, both ways in time, and of a section."""
+    sparse = vo.derive(
+        vo.System(
+            name="sparse",
+            fibration=vo.Fibration(base=(x,)),
+            lagrangian=velocity(x) ** 2 / 2 + x - x ** (k + 1) / (k + 1),
+        )
+    )
+    starts = np.array([0.0, 0.1, 0.0, 0.2, 0.0, 0.0])
+
+    def energy(place: np.ndarray, speed: np.ndarray) -> np.ndarray:
+        return np.asarray(speed**2 / 2 - place + place ** (k + 1) / (k + 1))
+
+    for times in ([0.0, 2.0, 4.0], [0.0, -300.0]):
+        run = vo.ensemble(sparse, {"x": starts}, times=times, outputs=("x", "xdot"))
+        assert not run.errors and run.finished.all()
+        change = energy(run["x"], run["xdot"]) - energy(starts, np.zeros(6))[:, None]
+        assert np.abs(change).max() < 1e-12
+    points = vo.section(
+        sparse, "xdot", ("x",), starts=[{"x": a} for a in starts], crossings=3, direction=-1
+    )
+    assert not points.errors and len(points.t) == 18
+    change = energy(points["x"], np.zeros(18)) - energy(starts, np.zeros(6))[points.start]
+    assert np.abs(change).max() < 1e-10
+
+
 def test_an_ensemble_passes_too() -> None:
     ball = vo.derive(vo.load("rubber-ball-on-plane"))
     times = np.linspace(0.0, 8.0, 3)

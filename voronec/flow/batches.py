@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.flow.steppers.opening import openings
 from voronec.program import Hoisted, Program, compiled, hoisted, taylor_system
 
 __all__ = ["FINEST", "Lanes", "Stopped", "along", "along_scipy", "chosen", "strides"]
@@ -121,12 +122,15 @@ def _pieces(
 
     ta, at, piece, steps = lanes.integrator, 0, PIECE, 0
     block[:, 0] = ta.state.T
+    longest = openings(ta, np.full(lanes.width, grid[-1] - grid[0])).tolist()
+    if min(longest) < np.inf:
+        piece = 1  # steps of the first piece are short where the first one must be
     while at < len(grid) - 1:
         if stopped():
             raise Stopped
         end = min(at + piece, len(grid) - 1)
         times = np.repeat(grid[at : end + 1, None], lanes.width, axis=1)
-        found = ta.propagate_grid(times, max_steps=CHUNK)
+        found = ta.propagate_grid(times, max_steps=CHUNK, max_delta_t=longest)
         new = np.moveaxis(found[1] if isinstance(found, tuple) else found, -1, 0)
         taken = max(r[3] for r in ta.propagate_res)
         steps += sum(r[3] for r in ta.propagate_res)
@@ -140,13 +144,13 @@ def _pieces(
             if piece > 1:
                 piece = max(1, piece // 8)
                 continue
-            collapsed, taken = _one_interval(lanes, grid[at : end + 1], stopped)
+            collapsed, taken = _one_interval(lanes, grid[at : end + 1], longest, stopped)
             steps += taken
             if collapsed:
                 return collapsed, steps
             new = np.stack([block[:, at], ta.state.T], axis=1)
         block[:, at : end + 1] = new
-        at = end
+        at, longest = end, [np.inf] * lanes.width
         piece = max(1, min(4 * piece, int(piece * CHUNK / (4 * max(taken, 1)))))
     return {}, steps
 
@@ -164,9 +168,10 @@ def _broken(ta: Any, block: np.ndarray, grid: np.ndarray) -> dict[int, Integrati
 
 
 def _one_interval(
-    lanes: Lanes, ends: np.ndarray, stopped: Look
+    lanes: Lanes, ends: np.ndarray, longest: list[float], stopped: Look
 ) -> tuple[dict[int, IntegrationError], int]:
-    """From one point of the grid to the next, where that takes very many steps."""
+    """From one point of the grid to the next, where that takes very many steps, none longer than
+    the lane's ``longest``."""
     import heyoka as hy
 
     ta, steps = lanes.integrator, 0
@@ -174,7 +179,7 @@ def _one_interval(
         if stopped():
             raise Stopped
         before = ta.time.copy()
-        ta.propagate_until(float(ends[-1]), max_steps=CHUNK)
+        ta.propagate_until(float(ends[-1]), max_steps=CHUNK, max_delta_t=longest)
         steps += sum(r[3] for r in ta.propagate_res)
         if not np.isfinite(ta.state).all():
             bad = [i for i in range(lanes.width) if not np.isfinite(ta.state[:, i]).all()]

@@ -10,6 +10,7 @@ import numpy as np
 
 from voronec.errors import IntegrationError, VoronecError
 from voronec.flow.batches import COLLAPSE, INFINITE, Lanes, strides
+from voronec.flow.steppers.opening import openings
 from voronec.flow.vocabulary import number
 from voronec.flow.zeros import Paths, Zeros, zeros
 
@@ -165,7 +166,13 @@ def _stretch(
     # a lane that idles stays where it is as far as possible
     ends = np.where(idle, before + 1e-300, passages.until)
     ends = np.maximum(ends, before)
-    output = ta.propagate_until(ends.tolist(), max_steps=limit, c_output=True)[0]
+    longest = np.full(lanes.width, np.inf)
+    if (fresh := ~idle & (before == origin)).any():
+        longest = np.where(fresh, openings(ta, ends - before), np.inf)
+        limit = 1 if np.isfinite(longest).any() else limit
+    output = ta.propagate_until(
+        ends.tolist(), max_steps=limit, max_delta_t=longest.tolist(), c_output=True
+    )[0]
     taken = [r[3] for r in ta.propagate_res]
     passages.steps[0] += sum(n for n, i in zip(taken, holds, strict=True) if i is not None)
     busy = [k for k, i in enumerate(holds) if i is not None]

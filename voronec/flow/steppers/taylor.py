@@ -11,6 +11,7 @@ import numpy as np
 import symengine as se
 
 from voronec.flow.events import Event
+from voronec.flow.steppers.opening import opening
 from voronec.flow.steppers.run import (
     COLLAPSE,
     DISTANT,
@@ -36,8 +37,6 @@ AHEAD = 100_000
 """Points of the grid that are handed over at a time, at most."""
 FEW = 1_000
 """Points that are handed over where chunks are short."""
-SPARSE = 2.0
-"""A step so many times longer than the other coefficients allow is not to be trusted."""
 CRAWL = 1e-9
 """A chunk of steps that covers less than this part of the span leads nowhere."""
 SPECK = 1e-300
@@ -142,15 +141,6 @@ def _terminal(event: Event, expr: Any, log: Log, winding: Winding, hy: Any) -> A
     return hy.t_event(expr, callback=seen, direction=_direction(event, hy))
 
 
-def steady_length(sizes: np.ndarray, tol: float) -> float:
-    """The step that Taylor coefficients of the orders 0, 1, ... allow, by the latter half of them:
-    the radius of convergence that each suggests, times tol^(1/order)."""
-    order = len(sizes) - 1
-    later = [(k, sizes[k]) for k in range(order // 2, order + 1) if sizes[k] > 0]
-    radius = min((size ** (-1.0 / k) for k, size in later), default=np.inf)
-    return float(radius * tol ** (1.0 / order))
-
-
 @dataclass
 class _Drive:
     """One run, chunk by chunk."""
@@ -180,21 +170,16 @@ class _Drive:
             self.size, self.ahead = min(SHORT, CHUNK), FEW
 
     def first_step(self) -> float:
-        """The length of the first step where heyoka's own would be too long, else infinite.
-
-        It comes from the last two Taylor coefficients, which vanish at once where the start is
-        special: x'' = 1 - x^2 from rest at 0 has those of t^2, t^6, t^10, ... alone.
-        """
+        """The length of the first step where heyoka's own would be too long, else infinite."""
         ta, self.log.silent = self.integrator, True
         time, state = ta.time, ta.state.copy()
         span = float(self.grid[-1] - self.grid[0])
-        taken = abs(ta.step(max_delta_t=span, write_tc=True)[1]) if span else 0.0
-        sizes = np.abs(ta.tc).max(axis=0) / max(1.0, np.abs(state).max(initial=0.0))
+        taken = ta.step(max_delta_t=span, write_tc=True)[1] if span else 0.0
+        length = opening(ta.tc, taken, self.problem.tol)
         ta.time, ta.state[:], self.log.silent = time, state, False
         if ta.with_events:
             ta.reset_cooldowns()
-        length = steady_length(sizes, self.problem.tol)
-        return length if taken > SPARSE * length else np.inf
+        return length
 
     def run(self) -> Run:
         self.rows.append(self.problem.start[None, :])
