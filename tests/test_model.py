@@ -10,6 +10,8 @@ import sympy as sp
 from model_agreement import agreed, kinds, names
 
 import voronec as vo
+from voronec.model import Model, smallest
+from voronec.vector_field import Motions
 
 # -- equal to the full model -----------------------------------------------------------------------
 
@@ -152,6 +154,25 @@ def test_the_chosen_level_is_the_cheapest_that_was_weighed() -> None:
 
 
 # -- what must not be lost -------------------------------------------------------------------------
+
+
+def test_levels_belong_to_the_equations_and_models_to_the_start(monkeypatch) -> None:
+    made = []
+    plain = smallest.coordinates_level
+    monkeypatch.setattr(smallest, "coordinates_level", lambda *a: made.append(a) or plain(*a))
+    motions = Motions.of(vo.derive(vo.load("sleigh")))
+
+    def of(v: float, *outputs: str) -> Model:
+        own = motions.equations.raw.form
+        start = dict.fromkeys((*own.coordinates, *own.velocities, *own.parameters, own.time), 0.5)
+        start = {x: v if str(x) == "v" else 0.0 if str(x) == "w" else 0.5 for x in start}
+        wanted = {name: sp.Symbol(name) for name in outputs}
+        return smallest.smallest_model(motions, wanted, {}, start)
+
+    standing, moving, turning = of(0.0, "x"), of(1.0, "x"), of(1.0, "phi")
+    assert [len(m.cut.variables) for m in (standing, moving)] == [0, 1]
+    assert {*turning.outputs} == {"phi"} and len(made) == 2
+    assert of(0.0, "x").cut == standing.cut and len(made) == 2
 
 
 def test_velocities_that_the_mass_couples_stay_together() -> None:

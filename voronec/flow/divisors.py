@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -45,6 +46,7 @@ class Divisor:
     scale: float
 
 
+@lru_cache(maxsize=32)  # it is asked before every run
 def divisors(form: Any) -> tuple[Any, ...]:
     """What rates, mass and force are divided by, as far as it moves; each once."""
     moving = {*form.coordinates, *form.velocities, form.time, *(name for name, _ in form.stages)}

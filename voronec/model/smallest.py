@@ -27,6 +27,9 @@ from voronec.vector_field import Motions
 
 __all__ = ["smallest_model"]
 
+_KEPT, MOST = "_levels", 8
+"""Where motions keep their levels, which no start changes, and for how many sets of outputs."""
+
 Note = Callable[[Any, str, str], None]
 """Takes down what became of a variable: the variable, the kind of role, the reason."""
 
@@ -61,7 +64,13 @@ def smallest_model(
     invariants alone suffice, coordinates are weighed only in a ``thorough`` search: they hold the
     same products, and sines besides.  Outputs that are ``followed`` are not read off as angles.
     """
-    levels = _levels(motions, wanted, integrals, thorough, followed)
+    kept = motions.__dict__.setdefault(_KEPT, {})
+    key = (tuple(wanted.items()), tuple(integrals.items()), thorough, frozenset(followed))
+    if key not in kept:
+        if len(kept) >= MOST:
+            kept.clear()
+        kept[key] = tuple(_levels(motions, wanted, integrals, thorough, followed))
+    levels = kept[key]
     models = [_cut_down(motions, level, start) for level in levels]
     best = min(models, key=lambda m: (m.candidates[0].weight, m.candidates[0].states))
     weighed = tuple(replace(m.candidates[0], chosen=m is best) for m in models)

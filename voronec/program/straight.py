@@ -91,37 +91,8 @@ class Program:
         velocities of all coordinates, for which the rates are put in.  Raises ``DefinitionError``
         for an unknown function or symbol, and for a matrix without a pivot.
         """
-        form, wanted, inputs = _driven(form, dict(extras or {}))
-        known = [form.time, *form.coordinates, *form.velocities, *form.parameters, *inputs]
-        dots = form.velocity_symbols
-        rates = dict(zip(dots, form.rates, strict=bool(dots))) | dict(form.dependent)
-        observed = [tempered(se.sympify(e).xreplace(rates)) for e in wanted.values()]
-        matrix = [e for row in form.mass for e in row]
-        names = [name for name, _ in form.stages]
-        inner = [e for _, e in form.stages]
-        moving = [*inner, *form.rates, *matrix, *form.force]
-        _check("the equations of motion", moving, [*known, *names])
-        for name, expr in zip(wanted, observed, strict=True):
-            _check(f"'{name}'", [expr], [*known, *names])
-        derivative = _derivative(form, tuple(known))
-        extra = _shared(observed, _fresh(known), form.stages)
-        if derivative.is_rough(form.parameters):
-            form = with_plain_roots(form)
-            derivative = _derivative(form, tuple(known))
-        if extra.is_rough(form.parameters):
-            form, still = with_plain_roots(form), frozenset(form.parameters)
-            plain = [plain_roots(e, still) for e in observed]
-            extra = _shared(plain, _fresh(known), form.stages)
-        return cls(
-            time=form.time,
-            coordinates=tuple(form.coordinates),
-            velocities=tuple(form.velocities),
-            parameters=tuple(form.parameters),
-            derivative=derivative,
-            names=tuple(wanted),
-            extras=extra,
-            inputs=inputs,
-        )
+        wanted = {name: se.sympify(e) for name, e in (extras or {}).items()}
+        return _program(form, tuple(wanted.items()))
 
     @property
     def state(self) -> tuple[Any, ...]:
@@ -142,6 +113,41 @@ class Program:
     def evaluation_weight(self) -> int:
         """What one evaluation costs, in additions; functions and quotients count for several."""
         return evaluation_weight(self.derivative.expressions)
+
+
+@lru_cache(maxsize=32)  # starts, tolerances and methods change, what is asked of a form does not
+def _program(form: FirstOrderForm, extras: tuple[tuple[str, Any], ...]) -> Program:
+    form, wanted, inputs = _driven(form, dict(extras))
+    known = [form.time, *form.coordinates, *form.velocities, *form.parameters, *inputs]
+    dots = form.velocity_symbols
+    rates = dict(zip(dots, form.rates, strict=bool(dots))) | dict(form.dependent)
+    observed = [tempered(e.xreplace(rates)) for e in wanted.values()]
+    matrix = [e for row in form.mass for e in row]
+    names = [name for name, _ in form.stages]
+    inner = [e for _, e in form.stages]
+    moving = [*inner, *form.rates, *matrix, *form.force]
+    _check("the equations of motion", moving, [*known, *names])
+    for name, expr in zip(wanted, observed, strict=True):
+        _check(f"'{name}'", [expr], [*known, *names])
+    derivative = _derivative(form, tuple(known))
+    extra = _shared(observed, _fresh(known), form.stages)
+    if derivative.is_rough(form.parameters):
+        form = with_plain_roots(form)
+        derivative = _derivative(form, tuple(known))
+    if extra.is_rough(form.parameters):
+        form, still = with_plain_roots(form), frozenset(form.parameters)
+        plain = [plain_roots(e, still) for e in observed]
+        extra = _shared(plain, _fresh(known), form.stages)
+    return Program(
+        time=form.time,
+        coordinates=tuple(form.coordinates),
+        velocities=tuple(form.velocities),
+        parameters=tuple(form.parameters),
+        derivative=derivative,
+        names=tuple(wanted),
+        extras=extra,
+        inputs=inputs,
+    )
 
 
 def _driven(

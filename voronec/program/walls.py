@@ -7,7 +7,7 @@ found, and replaced by what it is on one side.  Roots of squares are absolute va
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -38,6 +38,7 @@ SATURATED = se.Integer(17)
 to come, and a step as long as it allows would go over all of it."""
 LONG = 100
 """Radicands of more operations are not searched for squares."""
+_ROUGH = (se.sign, se.Abs, se.floor, se.atan2, se.tanh, se.Derivative, se.Subs)
 
 
 @dataclass(frozen=True)
@@ -172,23 +173,36 @@ def is_rough(
     velocities: Iterable[Any] = (),
 ) -> bool:
     """Whether straight-line code may have walls, or a root of velocities; at the cost of a look at
-    each of its lines."""
+    each of its nodes."""
     meaning = dict(assignments)
     fixed, moving = frozenset(still), set(velocities)
     for name, expr in meaning.items() if moving else ():
         if expr.free_symbols & moving:
             moving.add(name)
-    for expr in [*meaning.values(), *map(se.sympify, results)]:
-        if expr.atoms(se.sign, se.Abs, se.floor, se.atan2, se.tanh, se.Derivative, se.Subs):
+    for node in _nodes([*meaning.values(), *map(se.sympify, results)]):
+        if isinstance(node, _ROUGH):
             return True
-        for power in expr.atoms(se.Pow):
-            if _is_root(power):
-                if power.args[0].free_symbols & moving:
-                    return True
-                base = _inside(power.args[0], meaning)
-                if plain_roots(base ** power.args[1], fixed) != base ** power.args[1]:
-                    return True
+        if isinstance(node, se.Pow) and _is_root(node):
+            base, exponent = node.args
+            if base.free_symbols & moving:
+                return True
+            power = _inside(base, meaning) ** exponent
+            if plain_roots(power, fixed) != power:
+                return True
     return False
+
+
+def _nodes(exprs: Iterable[Any]) -> Iterator[Any]:
+    """What expressions are made of, but for symbols and numbers, each once."""
+    seen: set[Any] = set()
+    stack = [e for e in exprs if e.args]
+    while stack:
+        node = stack.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        yield node
+        stack.extend(e for e in node.args if not e.is_Symbol and not e.is_Number)
 
 
 def _inside(expr: Any, meaning: Mapping[Any, Any]) -> Any:
