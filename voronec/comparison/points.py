@@ -11,6 +11,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.symbols import time
+from voronec.algebra.text import sympified
 from voronec.system import System
 
 __all__ = ["is_general", "random_point"]
@@ -23,7 +24,7 @@ def is_general(system: System) -> bool:
     """Whether a system holds functions that nobody has given, as E(u, v); it has no numbers."""
     held = (system.lagrangian, *system.constraints, *system.forces.values())
     named = {*system.coordinates}
-    return any(e.atoms(AppliedUndef) - named for e in map(sp.sympify, held))
+    return any(e.atoms(AppliedUndef) - named for e in map(sympified, held))
 
 
 def random_point(system: System, seed: int = 0) -> dict[Any, Any]:

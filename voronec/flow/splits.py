@@ -22,6 +22,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.text import sympified
 from voronec.charts import Chart, bare
 from voronec.definition import Definition, read
 from voronec.derivation import Derivation, FirstOrderForm
@@ -196,7 +197,7 @@ def _spelled(
     own = {name: getattr(system, name) for name in names} | dict(changes or {})
 
     def on(expr: Any) -> Any:
-        return sp.sympify(expr).xreplace(meaning)
+        return sympified(expr).xreplace(meaning)
 
     return {
         "lagrangian": on(own["lagrangian"]),
