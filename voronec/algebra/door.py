@@ -132,6 +132,8 @@ class Door:
             return self._substitution(expr.expr, expr.variables, expr.point)
         if isinstance(expr, sp.Abs):  # as a root it is differentiated and reduced
             return se.sqrt(self._enter(expr.args[0]) ** 2)
+        if isinstance(expr, sp.sinc):
+            return se.sin(self._enter(expr.args[0])) / self._enter(expr.args[0])
         name = type(expr).__name__
         if name in _FUNCTIONS:
             return _FUNCTIONS[name](*[self._enter(a) for a in expr.args])

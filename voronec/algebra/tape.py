@@ -15,6 +15,7 @@ import mpmath as mp
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.cardinal import EXPREL, SINC, SINHC, cardinal_name
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Tape", "as_ball", "is_atom", "is_flat"]
@@ -41,6 +42,11 @@ _UNARY: dict[type, Callable[[Any], Any]] = {
     se.sign: lambda a: a.sgn(),
     se.floor: lambda a: a.floor(),
 }
+_CARDINAL: dict[str, Callable[[Any], Any]] = {
+    SINC: lambda a: a.sinc(),
+    SINHC: lambda a: flint.acb(0, a).sinc().real,
+    EXPREL: lambda a: (a / 2).exp() * flint.acb(0, a / 2).sinc().real,
+}
 _CONSTANTS: dict[Any, Callable[[], Any]] = {
     se.pi: flint.arb.pi,
     se.E: flint.arb.const_e,
@@ -57,7 +63,7 @@ def is_flat(expr: Any) -> bool:
 def is_atom(expr: Any) -> bool:
     """Whether a symengine expression is a symbol, an unknown function or a derivative of one."""
     kinds = (se.Symbol, se.FunctionSymbol, se.Derivative, se.Subs)
-    return isinstance(expr, kinds) and not is_flat(expr)
+    return isinstance(expr, kinds) and not is_flat(expr) and cardinal_name(expr) is None
 
 
 def as_ball(number: Any) -> Any:
@@ -159,7 +165,8 @@ class Tape:
             return _power(*expr.args)
         if isinstance(expr, se.atan2):
             return (lambda y, x: flint.arb.atan2(y, x)), expr.args
-        unary = _UNARY.get(type(expr))
+        name = cardinal_name(expr)
+        unary = _UNARY.get(type(expr)) if name is None else _CARDINAL[name]
         if unary is None:
             raise EngineLimit(f"'{type(expr).__name__}' has no evaluation in ball arithmetic")
         return unary, expr.args

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 import symengine as se
 
+from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.tape import is_atom
 
 __all__ = ["Divisor", "Field", "around", "bases", "crossed", "divisors"]
@@ -52,7 +53,7 @@ def divisors(form: Any) -> tuple[Any, ...]:
     moving = {*form.coordinates, *form.velocities, form.time, *(name for name, _ in form.stages)}
     found: dict[Any, None] = {}
     exprs = [*form.rates, *(e for row in form.mass for e in row), *form.force]
-    for base in bases([*exprs, *(e for _, e in form.stages)]):
+    for base in bases(cardinal_all([*exprs, *(e for _, e in form.stages)])):
         if base.free_symbols & moving:
             found[base] = None
     return tuple(found)

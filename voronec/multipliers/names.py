@@ -69,6 +69,7 @@ class Names:
         """The symengine expression of a user's expression."""
         exact = expr.xreplace({x: _decimal(x) for x in expr.atoms(sp.Float)})
         named = self._carried_out(exact).xreplace(self.letters)
+        named = named.replace(sp.sinc, lambda a: sp.sin(a) / a)
         _refuse_rest(named)
         return se.sympify(_in_cases(named))
 

@@ -8,6 +8,7 @@ from typing import Any
 import mpmath as mp
 import symengine as se
 
+from voronec.algebra.cardinal import EXPREL, SINC, SINHC, cardinal_all, cardinal_name
 from voronec.errors import DefinitionError
 
 __all__ = ["Sequenced"]
@@ -19,6 +20,11 @@ _NAMES = (
     "sinh cosh tanh coth asinh acosh atanh log sign floor"
 ).split()
 _FUNCTIONS: dict[str, Operation] = {name: getattr(mp, name) for name in _NAMES} | {"Abs": mp.fabs}
+_FUNCTIONS |= {
+    SINC: mp.sinc,
+    SINHC: lambda a: mp.sinh(a) / a if a else mp.mpf(1),
+    EXPREL: lambda a: mp.expm1(a) / a if a else mp.mpf(1),
+}
 _CONDITIONS: dict[str, Operation] = {
     "LessThan": lambda a, b: a <= b,
     "StrictLessThan": lambda a, b: a < b,
@@ -41,7 +47,7 @@ class Sequenced:
     """
 
     def __init__(self, exprs: Sequence[Any]) -> None:
-        roots = [se.sympify(e) for e in exprs]
+        roots = cardinal_all(exprs)
         order = _operands_first(roots)
         symbols = [e for e in order if isinstance(e, se.Symbol)]
         composite = [e for e in order if not isinstance(e, se.Symbol)]
@@ -103,7 +109,7 @@ def _step(expr: Any) -> tuple[Operation, Sequence[Any]]:
         return _product, expr.args
     if isinstance(expr, se.Pow):
         return _power(*expr.args)
-    function = _FUNCTIONS.get(type(expr).__name__)
+    function = _FUNCTIONS.get(cardinal_name(expr) or type(expr).__name__)
     if function is not None:
         return function, expr.args
     if isinstance(expr, (se.FunctionSymbol, se.Derivative, se.Subs)):

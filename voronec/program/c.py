@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from voronec.algebra.cardinal import EXPREL, SINC, SINHC
 from voronec.program.printing import FUNCTIONS, Dialect, decimal, fits, identifiers, lines, text
 from voronec.program.straight import Block, Program
 
@@ -19,6 +20,11 @@ _KEYWORDS = (
 _REPEATED = 4
 """Up to this exponent a power of a name is a product; above, a call of ``pow``."""
 _SIGN = "static double sign_of(double x) { return (x > 0.0) - (x < 0.0); }\n\n"
+_CARDINAL = {
+    SINC: ("sinc_of", "sin(x)"),
+    SINHC: ("sinhc_of", "sinh(x)"),
+    EXPREL: ("exprel_of", "expm1(x)"),
+}
 
 
 def _power(base: str, exponent: int) -> str:
@@ -36,7 +42,9 @@ _C = Dialect(
     quotient=lambda p, q: f"{p}.0/{q}.0" if fits(p, q) else decimal(p, q),
     power=_power,
     pi="3.141592653589793",
-    words={f: f for f in FUNCTIONS} | {"Abs": "fabs", "power": "pow", "sign": "sign_of"},
+    words={f: f for f in FUNCTIONS}
+    | {"Abs": "fabs", "power": "pow", "sign": "sign_of"}
+    | {name: word for name, (word, _) in _CARDINAL.items()},
 )
 
 
@@ -55,7 +63,12 @@ def c_source(program: Program) -> str:
     if program.names:
         parts.append(_function("extras", program, program.extras, names, program.names))
     body = "\n".join(parts)
-    return _header(program) + (_SIGN if "sign_of(" in body else "") + body
+    helpers = [_SIGN] if "sign_of(" in body else []
+    for word, above in _CARDINAL.values():
+        if f"{word}(" in body:
+            value = f"x == 0.0 ? 1.0 : {above}/x"
+            helpers.append(f"static double {word}(double x) {{ return {value}; }}\n\n")
+    return _header(program) + "".join(helpers) + body
 
 
 def _groups(program: Program) -> list[tuple[str, tuple[Any, ...]]]:

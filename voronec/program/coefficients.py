@@ -11,6 +11,7 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.cardinal import CARDINAL, cardinal_name
 from voronec.errors import EngineLimit
 from voronec.program.printing import rational, rewritten
 
@@ -157,6 +158,9 @@ class Coefficients:
         other = rewritten(expr)
         if other is not None:
             return self.series(other)
+        name = cardinal_name(expr)
+        if name is not None:
+            return self._cardinal(name, expr.args[0])
         return self._function(expr)
 
     def _sum(self, expr: Any) -> str:
@@ -214,6 +218,13 @@ class Coefficients:
         weighted = self.weighted(a)
         later = f"(sum(map(mul, {weighted}, {name}[::-1])) >> P)//k"
         return self.entry(f"apply('exp', {a}[0])", later)
+
+    def _cardinal(self, name: str, w: Any) -> str:
+        """sin(w)/w and the like: ``Composed`` divides, or expands where |w| < 1."""
+        a, above = self.series(w), self.series(CARDINAL[name](w))
+        made = f"c_a{self.count}"
+        self.first.append(f"{made} = composed({name!r}, {a}, {above})")
+        return self.entry(f"{made}.entry(0)", f"{made}.entry(k)")
 
     def _function(self, expr: Any) -> str:
         kind, a = type(expr), self.series(expr.args[0]) if type(expr) is not se.atan2 else ""

@@ -125,7 +125,7 @@ class _Lifting:
             return self._product(args)
         if isinstance(expr, se.Add):
             return self._sum(args)
-        whole = type(expr)(*args)
+        whole = expr.func(*args)
         return self._named(whole) if whole.free_symbols <= self._still else whole
 
     def _product(self, args: Iterable[Any]) -> Any:

@@ -12,7 +12,7 @@ import mpmath
 import numpy as np
 
 from voronec.program.printing import FUNCTIONS, code
-from voronec.program.python import mpmath_source
+from voronec.program.python import CARDINAL_WORDS, mpmath_source
 from voronec.program.straight import Program
 
 __all__ = ["compiled_digits", "precision"]
@@ -43,6 +43,9 @@ def compiled_digits(program: Program) -> tuple[Callable[..., Any], Callable[...,
         if name in namespace:
             single = getattr(mpmath, name)
             namespace[name] = np.frompyfunc(single, 2 if name in ("atan2", "power") else 1, 1)
+    for name in ("expm1", *CARDINAL_WORDS):
+        if name in namespace:
+            namespace[name] = np.frompyfunc(namespace[name], 1, 1)
     return _careful(namespace["rhs"]), _careful(namespace.get("extras", lambda *_: []))
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.cardinal import cardinal_name
 from voronec.errors import EngineLimit, shown
 from voronec.program.straight import Block
 
@@ -116,7 +117,7 @@ def _written(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> tuple[str
     other = rewritten(expr)
     if other is not None:
         return _written(other, dialect, names)
-    name = type(expr).__name__
+    name = cardinal_name(expr) or type(expr).__name__
     if name not in dialect.words:
         raise EngineLimit(f"'{name}' cannot be written as source; use elementary functions")
     return _called(name, expr.args, dialect, names), _ATOM

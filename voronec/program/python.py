@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+from voronec.algebra.cardinal import EXPREL, SINC, SINHC
 from voronec.program.printing import (
     FUNCTIONS,
     Dialect,
@@ -23,14 +24,18 @@ from voronec.program.printing import (
 )
 from voronec.program.straight import Block, Program
 
-__all__ = ["compiled", "mpmath_source", "python_source"]
+__all__ = ["CARDINAL_WORDS", "compiled", "mpmath_source", "python_source"]
 
 Function = Callable[[Any, Any, Any], list[Any]]
 """``f(t, state, parameters)``."""
 
 _ARGUMENTS = ("t", "state", "parameters", "inputs")
-_NUMPY = {f: f.replace("a", "arc", 1) if f[0] == "a" else f for f in FUNCTIONS}
-_PLAIN = {f: f for f in FUNCTIONS} | {"Abs": "fabs"}
+_CARDINAL = {SINC: "sinc", SINHC: "sinhc", EXPREL: "exprel"}
+CARDINAL_WORDS = {"sinc": "sin", "sinhc": "sinh", "exprel": "expm1"}
+"""Names of sin(x)/x and the like in Python, and what is divided."""
+_HELPING = ("expm1", "where")
+_NUMPY = {f: f.replace("a", "arc", 1) if f[0] == "a" else f for f in FUNCTIONS} | _CARDINAL
+_PLAIN = {f: f for f in FUNCTIONS} | {"Abs": "fabs"} | _CARDINAL
 
 
 @dataclass(frozen=True)
@@ -114,7 +119,8 @@ def _nothing(_t: Any, _state: Any, _parameters: Any) -> list[Any]:
 
 def _module(program: Program, flavour: _Flavour, alike: bool = False) -> str:
     dialect = flavour.dialect
-    reserved = {*keyword.kwlist, *_ARGUMENTS, "rhs", "extras", "mpf", "pi", *dialect.words.values()}
+    reserved = {*keyword.kwlist, *_ARGUMENTS, "rhs", "extras", "mpf", "pi", *_HELPING}
+    reserved |= {*dialect.words.values()}
     inputs = [*program.state, *program.parameters, *program.inputs]
     names = identifiers(inputs, reserved) | {program.time: "t"}
     parts = [_function("rhs", "Time derivatives of the state.", program, program.derivative,
@@ -124,12 +130,24 @@ def _module(program: Program, flavour: _Flavour, alike: bool = False) -> str:
         parts.append(_function("extras", f"Computes {', '.join(program.names)}.", program,
                                program.extras, names, dialect, program.names,
                                alike))  # fmt: skip
-    body = "\n\n".join(parts)
-    used = sorted({w for w in (*dialect.words.values(), "mpf") if re.search(rf"\b{w}\(", body)})
+    body = "\n\n".join([*_helpers("".join(parts), flavour.library), *parts])
+    words = {*dialect.words.values(), "mpf", *_HELPING} - CARDINAL_WORDS.keys()
+    used = sorted(w for w in words if re.search(rf"\b{w}\(", body))
     used += ["pi"] if re.search(r"\bpi\b", body) else []
     used = [w for w in used if (flavour.library, w) != ("math", "sign")]
     imports = f"from {flavour.library} import {', '.join(used)}\n\n\n" if used else "\n"
     return _header(program, flavour) + imports + body
+
+
+def _helpers(body: str, library: str) -> list[str]:
+    """The functions sin(x)/x and the like that are called."""
+    rows = []
+    for word in (w for w in CARDINAL_WORDS if re.search(rf"\b{w}\(", body)):
+        value = f"{CARDINAL_WORDS[word]}(x)/x if x else x + 1"
+        if library == "numpy":
+            value = f"where(x == 0, 1.0, {CARDINAL_WORDS[word]}(x)/where(x == 0, 1.0, x))"
+        rows.append(f'def {word}(x):\n    """{CARDINAL_WORDS[word]}(x)/x."""\n    return {value}\n')
+    return rows
 
 
 def _header(program: Program, flavour: _Flavour) -> str:

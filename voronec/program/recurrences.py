@@ -15,13 +15,14 @@ import hashlib
 import linecache
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from math import isqrt
 from operator import mul
 from typing import Any
 
 import flint
 
+from voronec.algebra.cardinal import coefficient
 from voronec.algebra.tape import Tape
 from voronec.program.coefficients import Coefficients
 from voronec.program.printing import code
@@ -51,8 +52,10 @@ class Recurrences:
         numbers = self._tape.arb({a: point[str(a)] for a in self._tape.atoms}, bits + 64)
         with flint.ctx.workprec(bits + 64):
             known = {name: fixed(x, bits) for name, x in zip(self.constants, numbers, strict=True)}
-        functions = {"mul": mul, "isqrt": isqrt, "apply": _applied(bits), "power": _powered(bits)}
+        functions: dict[str, Any] = {"mul": mul, "isqrt": isqrt, "apply": _applied(bits)}
+        functions["power"] = _powered(bits)
         functions["tangent"] = _tangent(bits)
+        functions["composed"] = partial(_Composed, bits)
         namespace: dict[str, Any] = {"P": bits, "ONE": 1 << bits, **functions, **known}
         exec(code(self.source, filename), namespace)
         return namespace["expand"]
@@ -93,6 +96,42 @@ def _tangent(bits: int) -> Callable[[int], int]:
         return found if one - abs(found) > 1 else (one if number > 0 else -one)
 
     return tangent
+
+
+class _Composed:
+    """Coefficients of F(w) = f(w)/w, f(0) = 0, from those of w and of f(w), as they come.
+
+    For |w_0| < 1, where to divide loses digits, F is expanded at w_0 and (w - w_0)^j put in.
+    """
+
+    def __init__(self, bits: int, name: str, w: list[int], above: list[int]) -> None:
+        self.bits, self.name, self.w, self.above = bits, name, w, above
+        self.near = abs(w[0]) < 1 << bits
+        self.found: list[int] = []
+        self.slopes: list[int] = []
+        self.powers: list[list[int]] = []
+
+    def entry(self, k: int) -> int:
+        """The coefficient of order k; lower ones were asked for before."""
+        self.found.append(self._expanded(k) if self.near else self._divided(k))
+        return self.found[k]
+
+    def _divided(self, k: int) -> int:
+        inner = sum(map(mul, self.w[1:], self.found[::-1]))
+        return ((self.above[k] << self.bits) - inner) // self.w[0]
+
+    def _expanded(self, k: int) -> int:
+        """sum_j F_j [(w - w_0)^j]_k; of the power j all that is below order j vanishes."""
+        self.slopes.append(coefficient(self.name, self.w[0], k, self.bits))
+        if k == 0:
+            return self.slopes[0]
+        self.powers.append([0] * k)
+        self.powers[0].append(self.w[k])
+        for j in range(1, k):
+            lower = self.powers[j - 1]
+            terms = (self.w[i] * lower[k - i] for i in range(1, k - j + 1))
+            self.powers[j].append(sum(terms) >> self.bits)
+        return sum(map(mul, self.slopes[1:], [p[k] for p in self.powers])) >> self.bits
 
 
 def _powered(bits: int) -> Callable[[int, int, int], int]:

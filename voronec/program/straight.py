@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import symengine as se
 
 from voronec.algebra.bounded import tempered
+from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.stages import needed
 from voronec.algebra.tape import is_atom
 from voronec.errors import DefinitionError
@@ -256,7 +257,7 @@ def _shared(
     stages = _pruned(stages, exprs).assignments
     if not exprs:
         return Block((), ())
-    replacements, reduced = se.cse([*(e for _, e in stages), *exprs])
+    replacements, reduced = se.cse(cardinal_all([*(e for _, e in stages), *exprs]))
     inner = [name for name, _ in stages]
     pending = dict([*replacements, *zip(inner, reduced, strict=False)])
     results = reduced[len(stages) :]

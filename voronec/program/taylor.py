@@ -7,15 +7,21 @@ denominator is no power of two.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import factorial
 from typing import Any
 
 import symengine as se
 
+from voronec.algebra.cardinal import EXPREL, SINC, SINHC, cardinal_name
 from voronec.errors import EngineLimit
 from voronec.program.printing import rational, rewritten
 from voronec.program.straight import Block, Program
 
 __all__ = ["taylor_extras", "taylor_system"]
+
+TERMS = 27
+"""Powers of w in the series of sin(w)/w: the next is 1e-18 for |w| < 2.4, further than a step from
+|w| < 1 goes."""
 
 
 def taylor_system(program: Program, units: Sequence[float] = ()) -> list[tuple[Any, Any]]:
@@ -84,6 +90,9 @@ def _built(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
     if other is not None:
         return _build(other, known, hy)
     args = [_build(a, known, hy) for a in expr.args]
+    cardinal = cardinal_name(expr)
+    if cardinal is not None:
+        return _cardinal(cardinal, args[0], hy)
     if isinstance(expr, se.Add):
         return hy.sum(args)
     if isinstance(expr, se.Mul):
@@ -99,6 +108,21 @@ def _built(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
     if function is None:
         raise EngineLimit(f"heyoka has no function '{type(expr).__name__}'; use method='scipy'")
     return function(*args)
+
+
+def _cardinal(name: str, w: Any, hy: Any) -> Any:
+    """A quotient such as sin(w)/w; a power series for |w| < 1, where the division loses digits.
+
+    A step is the expansion at its start: what the function is further off matters to the terms
+    alone that the series has too.
+    """
+    above = {SINC: hy.sin, SINHC: hy.sinh, EXPREL: lambda x: hy.exp(x) - 1.0}[name]
+    step, sign = (1, 1) if name == EXPREL else (2, -1 if name == SINC else 1)
+    power = w if name == EXPREL else w**2.0
+    series = hy.expression(0.0)
+    for n in reversed(range(0, TERMS, step)):
+        series = series * power + sign ** (n // 2) / factorial(n + 1)
+    return hy.select(hy.lt(hy.select(hy.lt(w, 0.0), -w, w), 1.0), series, above(w) / w)
 
 
 def _power(expr: Any, args: list[Any], hy: Any) -> Any:
