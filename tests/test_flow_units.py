@@ -47,6 +47,24 @@ def test_states_of_ordinary_size_have_the_unit_one(ball: vo.VoronecEquations) ->
     assert sorted(set(units)) == [1.0, 2.0**32]
 
 
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_rates_that_are_rounding_tell_no_time(method: str) -> None:
+    x, z, p, q = sp.symbols("x z p q")
+    fast = vo.System(
+        name="fast",
+        fibration=vo.Fibration(base=(x, z)),
+        lagrangian=(vo.velocity(x) ** 2 + vo.velocity(z) ** 2) / 2,
+        forces={x: 3 * p - q, z: sp.cos(40 * sp.Symbol("t"))},
+        parameters=(vo.Parameter(p, 0.1), vo.Parameter(q, 0.3)),
+    )
+    motion = vo.integrate(
+        fast, initial={"xdot": 1}, times=TIMES, outputs=(vo.velocity(x), vo.velocity(z)),
+        method=method,
+    )  # fmt: skip
+    found = motion[str(vo.velocity(z))]
+    assert np.abs(found - np.sin(40 * TIMES) / 40).max() < 1e-11
+
+
 def test_the_drift_of_a_small_integral_is_relative() -> None:
     x, k = sp.symbols("x k")
     energy = vo.velocity(x) ** 2 / 2 + k * x**2 / 2

@@ -20,13 +20,16 @@ __all__ = ["natural_units"]
 
 SMALL, LARGE = 2.0**-24, 2.0**10
 """Sizes between these are ordinary: their unit is 1."""
+STILL = 2.0**-40
+"""A rate below this part of the largest is mostly rounding, and tells no time."""
 
 
 def natural_units(problem: Problem, angles: Collection[int] = ()) -> np.ndarray:
     """The unit of each state (n,): 1, or the power of two next to its size at the start.
 
     The size is |x|, or |x'| over the time in which states change by as much as they are, in the
-    median.  ``angles``, positions of states that matter up to turns only, have the unit 1.
+    median; rates that are rounding do not count.  ``angles``, positions of states that matter up
+    to turns only, have the unit 1.
     """
     state = np.array(problem.start, dtype=float)
     units = np.ones(len(state))
@@ -36,7 +39,7 @@ def natural_units(problem: Problem, angles: Collection[int] = ()) -> np.ndarray:
     x, slope = np.abs(state), np.abs(rates)
     if not np.isfinite(slope).all():
         return units
-    moving = (x > 0) & (slope > 0)
+    moving = (x > 0) & (slope > STILL * slope.max(initial=0.0))
     time = float(np.median(x[moving] / slope[moving])) if moving.any() else 0.0
     for i, size in enumerate(np.maximum(x, slope * time)):
         if i not in angles and size > 0 and not SMALL <= size <= LARGE:
