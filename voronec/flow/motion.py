@@ -136,8 +136,8 @@ def integrate(
     began = perf_counter()
     declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
     chosen = scene_of(declared, scene, initial is None)
-    asked, grid = outputs_of(chosen, outputs), grid_of(declared, chosen, times)
     driven = drive(system, inputs, chosen)
+    asked, grid = outputs_of(chosen, outputs), grid_of(declared, chosen, times)
     driven.require_span(float(grid[0]), float(grid[-1]))
     equations = driven.equations
     _refuse_unknown_functions(equations.system)
