@@ -205,7 +205,9 @@ class _Drive:
         self.paced(taken, len(new))
         self.done += len(new)
         moved = abs(self.integrator.time - before)
-        if taken == size and moved <= CRAWL * size / CHUNK * np.ptp(self.grid):
+        # heyoka does not count steps of length zero among those that it took
+        limited = outcome == self.hy.taylor_outcome.step_limit
+        if limited and moved <= CRAWL * size / CHUNK * np.ptp(self.grid):
             return self.halt(COLLAPSE)
         if outcome == self.hy.taylor_outcome.err_nf_state:
             return self.last_good(before, state, taken)
