@@ -351,3 +351,19 @@ def test_reactions_are_refused_while_friction_holds():
     assert abs(early["x"][-1] - 0.75) < 1e-12 and abs(abs(early["reaction 1"][-1]) - 0.5) < 1e-12
     with pytest.raises(DefinitionError, match="reactions are not known while friction holds"):
         vo.integrate(rail, times=[0, 5], **given)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_many_fold_angles_beside_a_wall_are_not_expanded(method):
+    drive = sp.Rational(39, 20)  # in terms of t/20 a polynomial of degree 39
+    found = motion(mass_point(sp.sin(drive * t) + sp.Max(0, x - 100)), (0, 0), 3, method)
+    truth = 3 / float(drive) - np.sin(3 * float(drive)) / float(drive) ** 2
+    assert abs(found["x"][-1] - truth) < 1e-12
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_a_speed_that_grows_without_bound_ends_the_run(method):
+    # backwards from speed 1 drag makes it 1 / (1 + t); heyoka's steps fall to zero there
+    with pytest.raises(IntegrationError) as caught:
+        motion(mass_point(-Dx * sp.Abs(Dx)), (0, 1), -5, method)
+    assert float(caught.value.time) == pytest.approx(-1, abs=1e-9)

@@ -18,7 +18,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
-from voronec.algebra.generators import Generators
+from voronec.algebra.generators import holds_far_multiples
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.shape import operations
 from voronec.algebra.symbols import velocity
@@ -52,9 +52,6 @@ seems to hold coordinates in vain, which only a normal form proves."""
 LONG = 10
 """A normal form with so many times the nodes of the raw form is too long for numbers, where it is
 not short in itself: SHORT nodes."""
-FOLDS = 6
-"""The n-fold angle is a polynomial in sine and cosine whose coefficients grow like (1 + sqrt(2))^n,
-and its terms cancel: two digits are lost at n = 6, twelve at n = 33."""
 BITS = 160
 """The precision in which it is seen whether a coordinate is held in vain."""
 
@@ -112,7 +109,8 @@ class VoronecEquations:
     @cached_property
     def is_large(self) -> bool:
         """Whether numbers are better computed from the straight-line form."""
-        if _holds_far_multiples(self.raw.form):
+        form = self.raw.form
+        if holds_far_multiples([*form.rates, *form.force, *(e for row in form.mass for e in row)]):
             return True
         if self.system.invariants:
             return False
@@ -304,17 +302,6 @@ def _nodes(form: FirstOrderForm) -> int:
     """The nodes of the graph of a first-order form, shared ones counted once: quicker than
     operations, where forms are long."""
     return Tape([*form.rates, *form.force, *(e for row in form.mass for e in row)]).size
-
-
-def _holds_far_multiples(form: FirstOrderForm) -> bool:
-    """Whether a normal form expands sines and cosines of an angle that are many-fold of another,
-    sin(33 x) and sin(20 x) of x: exact, but numbers computed from it lose digits."""
-    found = Generators()
-    try:
-        found.scan([*form.rates, *form.force, *(e for row in form.mass for e in row)])
-    except EngineLimit:
-        return False
-    return any(fold > FOLDS for fold in found.folds.values())
 
 
 def _holds_in_vain(form: FirstOrderForm) -> bool:

@@ -18,7 +18,7 @@ import symengine as se
 from voronec.algebra.tape import is_atom, is_flat
 from voronec.errors import EngineLimit
 
-__all__ = ["Generators", "linear_terms", "prime_factors"]
+__all__ = ["Generators", "holds_far_multiples", "linear_terms", "prime_factors"]
 
 TRIGONOMETRIC = (se.sin, se.cos, se.tan, se.cot, se.sec, se.csc)
 HYPERBOLIC = (se.sinh, se.cosh, se.tanh, se.coth)
@@ -28,6 +28,9 @@ EXPANSION_LIMIT = 2_000
 """How many terms the argument of a sine or the like may expand to."""
 FACTOR_BITS = 120
 """Integers of more bits are not factored."""
+FOLDS = 6
+"""The n-fold angle is a polynomial in sine and cosine whose coefficients grow like (1 + sqrt(2))^n,
+and its terms cancel: two digits are lost at n = 6, twelve at n = 33."""
 
 
 def _expanded_size(expr: Any) -> float:
@@ -57,6 +60,17 @@ def linear_terms(expr: Any) -> dict[Any, Any]:
             rest = se.Mul(*term.args[1:])
         terms[rest] = terms.get(rest, se.Integer(0)) + coefficient
     return {rest: c for rest, c in terms.items() if c != 0}
+
+
+def holds_far_multiples(exprs: Iterable[Any]) -> bool:
+    """Whether a normal form expands sines and cosines of an angle that are many-fold of another,
+    sin(33 x) and sin(20 x) of x: exact, but numbers computed from it lose digits."""
+    found = Generators()
+    try:
+        found.scan(exprs)
+    except EngineLimit:
+        return False
+    return any(fold > FOLDS for fold in found.folds.values())
 
 
 def prime_factors(n: int) -> dict[int, int]:

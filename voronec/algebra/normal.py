@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
 from voronec.algebra.field import WORK_LIMIT
+from voronec.algebra.generators import TRIGONOMETRIC, holds_far_multiples
 from voronec.algebra.ring import Ring
 from voronec.algebra.shape import expanded, expression
 
-__all__ = ["canonical", "quotient", "shorten", "shortest"]
+__all__ = ["canonical", "canonical_for_numbers", "quotient", "shorten", "shortest"]
 
 
 def shortest(
@@ -36,6 +38,18 @@ def canonical(
     """Each symengine expression as an expanded fraction: what ``shortest`` starts from."""
     ring = Ring(exprs, relations, work_limit)
     return [expanded(ring, ring.field.absorbed(ring.fraction(e))) for e in exprs]
+
+
+def canonical_for_numbers(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> list[Any]:
+    """The same, with sines and cosines of many-fold angles as they stand: expanded in those of the
+    angle itself they lose digits."""
+    if not holds_far_multiples(exprs):
+        return canonical(exprs, relations)
+    nodes = {node for e in exprs for node in e.atoms(*TRIGONOMETRIC)}
+    names = {node: se.Symbol(f"fold {i}") for i, node in enumerate(sorted(nodes, key=str))}
+    back = {name: node for node, name in names.items()}
+    hidden = canonical([e.xreplace(names) for e in exprs], relations)
+    return [e.xreplace(back) for e in hidden]
 
 
 def quotient(expr: Any, relations: Sequence[Any] = ()) -> tuple[Any, Any]:

@@ -15,7 +15,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.door import Door
-from voronec.algebra.normal import canonical
+from voronec.algebra.normal import canonical, canonical_for_numbers
 from voronec.algebra.signs import prove_inequality
 from voronec.errors import EngineLimit
 from voronec.flow.probe import quantities
@@ -143,7 +143,7 @@ class Modes:
         if found == expr:
             return expr
         try:
-            return canonical([found], self.form.relations)[0]
+            return canonical_for_numbers([found], self.form.relations)[0]
         except EngineLimit:
             return found
 
