@@ -192,8 +192,8 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
 
 
-def test_the_example_of_the_readme_says_what_it_prints() -> None:
-    (example,) = blocks("python")
+def test_the_examples_of_the_readme_say_what_they_print() -> None:
+    example = "\n".join(blocks("python"))
     test = doctest.DocTestParser().get_doctest(example, {}, "README", "README.md", 0)
     runner = doctest.DocTestRunner()
     runner.run(test)
