@@ -22,14 +22,13 @@ from voronec.flow.modelling import whole
 from voronec.flow.observing import Watch, observed, watched
 from voronec.flow.outset import Outset
 from voronec.flow.probe import quantities
+from voronec.flow.steppers.choice import EXACT
 from voronec.flow.trajectory import Cost, Trajectory
 from voronec.flow.vocabulary import Vocabulary
 from voronec.program import Program
 
 __all__ = ["evaluated_motion"]
 
-EXACT = 1e-16
-"""Doubles have nothing to offer below this tolerance."""
 REASONS = {"closed-form": "asked for", "auto": "auto: the way is long, and nothing adds up"}
 MARGIN = 32
 """Bits beyond those of the tolerance in which outputs are computed."""

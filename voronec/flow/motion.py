@@ -36,11 +36,11 @@ from voronec.flow.soundness import Breach, Judge
 from voronec.flow.split_models import NEAR, SplitGround
 from voronec.flow.split_run import NearDivisor, SplitRun, guarding, unguarded
 from voronec.flow.steppers import Problem, Run, Stepper
-from voronec.flow.steppers.choice import CLOSED
+from voronec.flow.steppers.choice import CLOSED, is_exact
 from voronec.flow.steppers.signals import Signals, in_kind
 from voronec.flow.switching import through_walls
 from voronec.flow.trajectory import Cost, Trajectory
-from voronec.flow.traverse import is_exact, through_charts
+from voronec.flow.traverse import through_charts
 from voronec.flow.vocabulary import Vocabulary
 from voronec.flow.wide_start import WideStart
 from voronec.program import Program

@@ -92,8 +92,7 @@ class PoleGuard:
         """The run as if nobody had watched; raises ``NearPole`` where it has come near one."""
         if run.stopped == POLE:
             raise self._near(run.t[-1], run.states[-1])
-        kept = {name: rows for name, rows in run.crossings.items() if name != POLE}
-        return replace(run, crossings=kept)
+        return run.without({POLE})
 
     def _near(self, time: float, state: np.ndarray) -> NearPole:
         return NearPole(

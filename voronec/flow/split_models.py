@@ -76,20 +76,29 @@ class SplitGround:
     def _geometry(self) -> Program:
         return quantities(self.wide, geometry_entries(self.home.definition))
 
-    @cached_property
-    def _counts(self) -> tuple[int, int, int]:
+    def _entries(self, time: Any, wide: Any, constants: Any = None) -> dict[str, Any]:
+        """The entries of constraints, frame and mass at a wide state, by name."""
+        program = self._geometry
+        flat = numbers(program, time, list(wide), self.values(program, constants))
+        return dict(zip(program.names, flat, strict=True))
+
+    def _rows_of(self, entries: Mapping[str, Any], kind: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of the conditions and of the frame, with their offsets, as numbers of a kind."""
         d = self.home.definition
-        return (
-            len(d.constraints.matrix) + len(d.differentiated.matrix),
-            len(d.velocities),
-            len(d.dots),
-        )
+        width = len(d.dots) + 1
+
+        def rows(name: str, count: int) -> np.ndarray:
+            flat = [entries[f"{name} {i},{a}"] for i in range(count) for a in range(width)]
+            return np.array(flat, dtype=kind).reshape(count, width)
+
+        conditions = len(d.constraints.matrix) + len(d.differentiated.matrix)
+        return rows("condition", conditions), rows("frame", len(d.velocities))
 
     def geometry(self, time: float, wide: np.ndarray) -> Geometry:
-        """Constraints, frame and metric at a wide state; ``LinAlgError`` where coordinates fail."""
-        program = self._geometry
-        found = numbers(program, time, wide.astype(float).tolist(), self.values(program))
-        return Geometry.of(dict(zip(program.names, found, strict=True)), *self._counts)
+        """Frame and metric at a wide state; ``LinAlgError`` where coordinates fail."""
+        entries = self._entries(time, wide.astype(float).tolist())
+        conditions, frame = self._rows_of(entries, float)
+        return Geometry.of(entries, conditions[:, :-1], frame[:, :-1])
 
     def strength(self, time: float, wide: np.ndarray) -> float:
         """How independent the constraints are at a wide state: the volume of their rows, in units
@@ -109,30 +118,20 @@ class SplitGround:
     def rows(self, time: Any, wide: np.ndarray, constants: Any = None) -> tuple[np.ndarray, ...]:
         """Rows of the conditions and of the frame, with their offsets, as numbers of the kind that
         the wide state has."""
-        program, (conditions, frame, width) = self._geometry, self._counts
-        flat = numbers(program, time, wide.tolist(), self.values(program, constants))
-        found = dict(zip(program.names, flat, strict=True))
-
-        def rows(kind: str, count: int) -> np.ndarray:
-            picked = [found[f"{kind} {i},{a}"] for i in range(count) for a in range(width + 1)]
-            return np.array(picked, dtype=wide.dtype).reshape(count, width + 1)
-
-        return rows("condition", conditions), rows("frame", frame)
+        return self._rows_of(self._entries(time, wide.tolist(), constants), wide.dtype)
 
     def soundness(self, places: np.ndarray) -> np.ndarray:
         """The determinant of the metric (k,) at states (n, k) of the coordinates, at rest."""
-        d, program = self.home.definition, self._geometry
-        count, (conditions, _, width) = places.shape[1], self._counts
-        wide = np.vstack([places[: len(d.coordinates)], np.zeros((width, count))])
-        flat = numbers(program, self.time, list(wide), self.values(program))
-        rows = [np.broadcast_to(x, (count,)) for x in flat]
+        d, count = self.home.definition, places.shape[1]
+        wide = np.vstack([places[: len(d.coordinates)], np.zeros((len(d.dots), count))])
+        entries = self._entries(self.time, wide)
+        rows = {name: np.broadcast_to(x, (count,)) for name, x in entries.items()}
         found = np.zeros(count)
         for k in range(count):
-            at = {name: row[k] for name, row in zip(program.names, rows, strict=True)}
-            given = [at[f"condition {i},{a}"] for i in range(conditions) for a in range(width)]
+            at = {name: row[k] for name, row in rows.items()}
             if np.isfinite([*at.values()]).all():
-                shape = np.array(given, dtype=float).reshape(conditions, width)
-                found[k] = np.abs(np.linalg.det(metric_of(at, shape)))
+                conditions = self._rows_of(at, float)[0][:, :-1]
+                found[k] = np.abs(np.linalg.det(metric_of(at, conditions)))
         return found
 
     def watched(self, form: FirstOrderForm, below: Program, start: np.ndarray) -> list[Divisor]:

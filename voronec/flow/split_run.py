@@ -27,7 +27,8 @@ from voronec.flow.probe import Probe, quantities
 from voronec.flow.soundness import Judge
 from voronec.flow.split_models import CLEAR, NEAR, SplitGround, SplitModel, candidates
 from voronec.flow.steppers import Halt, Problem, Run
-from voronec.flow.steppers.choice import EXACT
+from voronec.flow.steppers.choice import is_exact
+from voronec.flow.steppers.run import part_at
 from voronec.flow.trajectory import Cost, Trajectory
 from voronec.flow.traverse import through_charts
 from voronec.flow.vocabulary import Vocabulary
@@ -67,8 +68,7 @@ def unguarded(run: Run, guards: Sequence[Divisor], vocabulary: Vocabulary) -> Ru
     names = {event.name for event in guarding(guards)[0]}
     if run.stopped in names:
         raise NearDivisor(vocabulary)
-    kept = {name: rows for name, rows in run.crossings.items() if name not in names}
-    return replace(run, crossings=kept)
+    return run.without(names)
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,7 +244,7 @@ class SplitRun:
     @property
     def exact(self) -> bool:
         """Whether the run is in high precision."""
-        return self.method == "flint" or (self.method == "auto" and self.tol < EXACT)
+        return is_exact(self.method, self.tol)
 
     def widened(self, split: SplitModel, time: Any, state: np.ndarray) -> np.ndarray:
         """The wide state of a state of a split."""
@@ -360,9 +360,7 @@ class SplitRun:
     def _inside(self, times: np.ndarray, cost: Cost) -> Trajectory:
         """The motion at any times reached."""
         order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
-        ends = np.array([order * float(s.run.t[-1]) for s in self.stretches])
-        which = np.searchsorted(ends, order * times.astype(float), side="left")
-        which = np.minimum(which, len(ends) - 1)
+        which = part_at([s.run.t[-1] for s in self.stretches], order, times)
         parts, positions = [], []
         for i in np.unique(which):
             here, stretch = np.flatnonzero(which == i), self.stretches[i]

@@ -87,47 +87,35 @@ def geometry_entries(d: Definition) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Geometry:
-    """Constraints, frame and metric at one point.
+    """Frame and metric at one point.
 
-    ``conditions`` (m, N + 1) are the rows of the constraints and relations with their offsets,
-    ``frame`` (n, N + 1) those of the velocities v; ``admissible`` (N, k) is a basis of the
+    ``frame`` (n, N) are the rows of the velocities v; ``admissible`` (N, k) is a basis of the
     admissible velocities that is orthonormal in the metric, ``lengths`` are those of the covectors
     dw; k = n where the constraints are independent.
     """
 
-    conditions: np.ndarray
     frame: np.ndarray
     metric: np.ndarray
     admissible: np.ndarray
     lengths: np.ndarray
 
     @classmethod
-    def of(cls, values: Mapping[str, Any], conditions: int, frame: int, width: int) -> Geometry:
-        """The geometry from the values of ``geometry_entries`` at one point."""
-
-        def rows(kind: str, count: int) -> np.ndarray:
-            flat = [values[f"{kind} {i},{a}"] for i in range(count) for a in range(width + 1)]
-            return np.array(flat, dtype=float).reshape(count, width + 1)
-
-        given, own = rows("condition", conditions), rows("frame", frame)
-        metric = metric_of(values, given[:, :-1])
+    def of(cls, values: Mapping[str, Any], conditions: np.ndarray, frame: np.ndarray) -> Geometry:
+        """The geometry from the values of ``geometry_entries`` at one point, and their rows
+        without offsets."""
+        metric = metric_of(values, conditions)
         root = np.linalg.cholesky(metric)
         inverse = np.linalg.inv(root).T  # columns are orthonormal in the metric
-        left = given[:, :-1] @ inverse
+        left = conditions @ inverse
         left = left / np.maximum(np.linalg.norm(left, axis=1, keepdims=True), 1e-300)
         _, sizes, vt = np.linalg.svd(left)
         rank = int((sizes > DEPENDENT * sizes.max(initial=0.0)).sum())
-        return cls(given, own, metric, inverse @ vt[rank:].T, np.linalg.norm(inverse, axis=1))
-
-    @property
-    def is_regular(self) -> bool:
-        """Whether the constraints are independent."""
-        return self.admissible.shape[1] == len(self.frame)
+        return cls(frame, metric, inverse @ vt[rank:].T, np.linalg.norm(inverse, axis=1))
 
     @property
     def quality(self) -> float:
         """How far the velocities v are from being dependent: 1 at best, 0 where they are none."""
-        rows = self.frame[:, :-1]
+        rows = self.frame
         lengths = np.linalg.norm(np.linalg.solve(np.linalg.cholesky(self.metric), rows.T), axis=0)
         if not lengths.all():
             return 0.0

@@ -20,9 +20,9 @@ from voronec.flow.crossroads import DOUBLE, GUARD, PAST, Crossroads, Mode
 from voronec.flow.events import Event
 from voronec.flow.modes import Corner, Modes, Surface
 from voronec.flow.steppers import Halt, Problem, Run, Stepper
-from voronec.flow.steppers.choice import EXACT
+from voronec.flow.steppers.choice import is_exact
 from voronec.flow.steppers.restarts import in_pieces
-from voronec.flow.steppers.run import until
+from voronec.flow.steppers.run import in_parts, until
 from voronec.program.digits import compiled_digits
 from voronec.program.walls import SATURATED
 
@@ -117,7 +117,7 @@ def _through_walls(
     levels = problem.levels
     if not rough and (levels is None or not levels.extras.is_rough(levels.parameters)):
         return None
-    exact = method == "flint" or (method == "auto" and problem.tol < EXACT)
+    exact = is_exact(method, problem.tol)
     modes = Modes.of(form, functions, _saturated(problem.tol, exact))
     if modes is None:
         return None
@@ -155,7 +155,6 @@ def _refused(problem: Problem, times: np.ndarray, reason: str) -> Run:
 class _Stretch:
     """A part of the way in one mode; ``inside``, of dense runs, gives states in it."""
 
-    start: Any
     end: Any
     inside: Any
 
@@ -239,7 +238,7 @@ class _Passage:
                 zip(*part.crossings[event.name], strict=True)
             )
         if roads.problem.dense:
-            self.stretches.append(_Stretch(self.time, part.t[-1], part.inside))
+            self.stretches.append(_Stretch(part.t[-1], part.inside))
         self.time, self.state = (
             part.t[-1],
             np.array(list(map(mpmath.mpf, part.states[-1])), dtype=object),
@@ -333,15 +332,5 @@ class _Passage:
 
     def inside(self, times: np.ndarray) -> np.ndarray:
         """States at any times reached."""
-        kind = object if self.exact else float
-        found = np.empty((len(times), len(self.state)), dtype=kind)
-        if not self.stretches:
-            found[:] = self.rows[0]
-            return found
-        ends = np.array([float(self.order * s.end) for s in self.stretches])
-        which = np.searchsorted(ends, (self.order * times).astype(float), side="left")
-        which = np.minimum(which, len(ends) - 1)
-        for i in np.unique(which):
-            here = which == i
-            found[here] = self.stretches[i].inside(times[here])
-        return found
+        ends, parts = [s.end for s in self.stretches], [s.inside for s in self.stretches]
+        return in_parts(ends, self.order, parts, times, self.rows[0][None, :])

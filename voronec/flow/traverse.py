@@ -12,13 +12,13 @@ from voronec.equations import VoronecEquations
 from voronec.flow.atlas import HOME, LEAVE, RETURN, SIDE, Atlas, Home, Place
 from voronec.flow.charts import kept_charts
 from voronec.flow.steppers import Halt, Problem, Run, Stepper, choose, guarded
-from voronec.flow.steppers.choice import EXACT
-from voronec.flow.steppers.run import DISTANT
+from voronec.flow.steppers.choice import is_exact
+from voronec.flow.steppers.run import DISTANT, part_at
 
 if TYPE_CHECKING:
     from voronec.derivation import FirstOrderForm
 
-__all__ = ["is_exact", "through_charts"]
+__all__ = ["through_charts"]
 
 TOUCH = 1e-12
 """So near to a singularity, doubles do not tell on which side of it a motion passes."""
@@ -52,11 +52,6 @@ def through_charts(
     atlas = Atlas(method, problem, grid, form, charts, functions)
     own = atlas.place(HOME)
     return lambda times: _Journey(atlas, times).run(), dict(own.chosen)
-
-
-def is_exact(method: str, tol: float) -> bool:
-    """Whether a run is in high precision."""
-    return method == "flint" or (method == "auto" and tol < EXACT)
 
 
 @dataclass(frozen=True)
@@ -266,9 +261,7 @@ class _Journey:
 
     def inside(self, times: np.ndarray) -> np.ndarray:
         """States at any times reached."""
-        ends = np.array([float(self.order * s.times[-1]) for s in self.stretches])
-        which = np.searchsorted(ends, self.order * times, side="left")
-        which = np.minimum(which, len(ends) - 1)
+        which = part_at([s.times[-1] for s in self.stretches], self.order, times)
         found = np.empty((len(times), len(self.last)))
         for i in np.unique(which):
             part, here = self.stretches[i], which == i

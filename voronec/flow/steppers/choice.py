@@ -22,7 +22,7 @@ from voronec.flow.steppers.run import Problem, Stepper
 from voronec.flow.steppers.stepwise import FINEST, dop853, estimated_steps, lsoda
 from voronec.flow.steppers.taylor import taylor
 
-__all__ = ["CLOSED", "METHODS", "choose"]
+__all__ = ["CLOSED", "EXACT", "METHODS", "choose", "is_exact"]
 
 EXACT = 1e-16
 """Doubles have nothing to offer below this tolerance."""
@@ -42,6 +42,11 @@ TAYLORS = ("heyoka", "flint")
 CLOSED = "closed-form"
 """Evaluates a declared motion; it takes no steps, and is no integrator."""
 METHODS = ("auto", *_MAKERS, CLOSED)
+
+
+def is_exact(method: str, tol: float) -> bool:
+    """Whether a run is in high precision."""
+    return method == "flint" or (method == "auto" and tol < EXACT)
 
 
 def choose(method: str, problem: Problem, grid: np.ndarray) -> tuple[Stepper, dict[str, Any]]:

@@ -12,7 +12,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.flow.steppers.run import Problem, Run, Stepper
+from voronec.flow.steppers.run import Problem, Run, Stepper, in_parts
 from voronec.flow.steppers.signals import exact_mpf
 
 __all__ = ["in_pieces"]
@@ -93,6 +93,7 @@ def _joined(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
         prepared=sum(part.prepared for part in parts),
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         inside=_inside(parts) if problem.dense else None,
+        ends=tuple(end for part in parts for end in part.ends),
     )
 
 
@@ -101,17 +102,6 @@ def _inside(parts: Sequence[Run]) -> Callable[[np.ndarray], np.ndarray] | None:
     functions = [part.inside for part in parts]
     if any(f is None for f in functions):
         return None
-    ends = np.array([float(part.t[-1]) for part in parts])
-    order = 1.0 if ends[-1] >= float(parts[0].t[0]) else -1.0
-
-    def inside(times: np.ndarray) -> np.ndarray:
-        which = np.searchsorted(order * ends, order * times.astype(float), side="left")
-        which = np.minimum(which, len(parts) - 1)
-        found = np.empty((len(times), parts[0].states.shape[1]), dtype=parts[0].states.dtype)
-        for k in np.unique(which):
-            function = functions[k]
-            assert function is not None
-            found[which == k] = function(times[which == k])
-        return found
-
-    return inside
+    ends = [part.t[-1] for part in parts]
+    order = 1.0 if ends[-1] >= parts[0].t[0] else -1.0
+    return lambda times: in_parts(ends, order, functions, times, parts[0].states)

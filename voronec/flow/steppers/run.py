@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import Any
@@ -134,6 +134,11 @@ class Run:
         t, states = self.t[: row + 1], self.states[: row + 1]
         return replace(self, t=t, states=states, crossings=kept, halt=halt, stopped="")
 
+    def without(self, names: Collection[str]) -> Run:
+        """The run as if nobody had looked for some events."""
+        kept = {name: rows for name, rows in self.crossings.items() if name not in names}
+        return replace(self, crossings=kept)
+
 
 Stepper = Callable[[np.ndarray], Run]
 
@@ -204,6 +209,34 @@ def guarded(run: Run, problem: Problem) -> Run:
     halt = Halt(SINGULAR, run.t[last - 1], run.states[last - 1], singular=True)
     kept = until(run.crossings, run.t[0], halt.time)
     return replace(run, t=run.t[:last], states=run.states[:last], crossings=kept, halt=halt)
+
+
+def part_at(ends: Sequence[Any], order: float, times: np.ndarray) -> np.ndarray:
+    """In which of the parts of a run, by the times at which they end, each of some times lies;
+    ``order`` is 1 of a run into the future, else -1."""
+    marks = np.array([float(order * end) for end in ends])
+    which = np.searchsorted(marks, (order * times).astype(float), side="left")
+    return np.minimum(which, len(marks) - 1)
+
+
+def in_parts(
+    ends: Sequence[Any],
+    order: float,
+    parts: Sequence[Callable[[np.ndarray], np.ndarray] | None],
+    times: np.ndarray,
+    states: np.ndarray,
+) -> np.ndarray:
+    """States at any times reached, each from the dense output of its part; where there are no
+    parts, the first of ``states`` (k, n), which have the kind of numbers of the run."""
+    if not len(parts):
+        return np.repeat(states[:1], len(times), axis=0)
+    which = part_at(ends, order, times)
+    found = np.empty((len(times), states.shape[1]), dtype=states.dtype)
+    for i in np.unique(which):
+        inside = parts[i]
+        assert inside is not None
+        found[which == i] = inside(times[which == i])
+    return found
 
 
 def until(crossings: Mapping[str, Any], start: Any, end: Any) -> dict[str, Any]:

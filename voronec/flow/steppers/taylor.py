@@ -22,6 +22,7 @@ from voronec.flow.steppers.run import (
     Run,
     Stepper,
     Ticker,
+    in_parts,
 )
 from voronec.flow.steppers.winding import Winding
 from voronec.program import Program, hoisted, taylor_extras, taylor_system
@@ -316,17 +317,6 @@ class _Stretch:
 
 def _joined(stretches: list[Any], states: np.ndarray) -> Any:
     """States at any times, from the stretches of dense output in turn."""
-    if not stretches:
-        return lambda times: np.repeat(states[:1], len(times), axis=0)
-    ends, width = np.array([s.bounds[1] for s in stretches]), states.shape[1]
-    order = 1.0 if ends[-1] >= stretches[0].bounds[0] else -1.0
-
-    def inside(times: np.ndarray) -> np.ndarray:
-        which = np.searchsorted(order * ends, order * times, side="left")
-        which = np.minimum(which, len(ends) - 1)
-        rows = np.empty((len(times), width))
-        for i in np.unique(which):
-            rows[which == i] = stretches[i](times[which == i])
-        return rows
-
-    return inside
+    ends = [s.bounds[1] for s in stretches]
+    order = 1.0 if not ends or ends[-1] >= stretches[0].bounds[0] else -1.0
+    return lambda times: in_parts(ends, order, stretches, times, states)
