@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import symengine as se
@@ -32,8 +33,7 @@ class Definition:
 
     ``dots`` are the velocities in which Lagrangian and constraints are written: those of the
     coordinates, or of a group's frame; forces act along them: Q = ``forces`` + ``added`` qddot,
-    without ``added`` where no force holds an acceleration.  ``exponential`` says that something
-    holds an exponential, so that quotients of them may overflow.
+    without ``added`` where no force holds an acceleration.
     """
 
     system: System
@@ -57,7 +57,6 @@ class Definition:
     near: dict[str, Any]
     added: tuple[tuple[Any, ...], ...] = ()
     share: float = 0.0
-    exponential: bool = False
 
     @property
     def base(self) -> int:
@@ -86,6 +85,13 @@ class Definition:
     def inputs(self) -> tuple[Any, ...]:
         """The functions of the time that are given at run time."""
         return tuple(self.door.inward_all(self.system.inputs))
+
+    @cached_property
+    def exponential(self) -> bool:
+        """Whether something holds an exponential, so that quotients of them may overflow."""
+        forms = [self.constraints, *([self.frame] if self.frame is not None else [])]
+        held = [e for form in forms for row in (*form.matrix, form.offset) for e in row]
+        return holds_exponentials(self.lagrangian, *self.forces, *held)
 
     def along_fibre(self, function: Any) -> list[Any]:
         """The derivatives of a function of the coordinates along the fibre directions."""
@@ -130,9 +136,6 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
     named = system.frame.momenta if system.frame is not None else ()
     determinant = system.frame.determinant if system.frame is not None else None
     forces, added = _applied(system, door, enter, dots, frame)
-    lagrangian = enter(system.lagrangian, "the Lagrangian")
-    forms = [constraints, *([frame] if frame is not None else [])]
-    held = [e for form in forms for row in (*form.matrix, form.offset) for e in row]
     return Definition(
         system=system,
         door=door,
@@ -145,7 +148,7 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
         determinant=determinant if determinant is None else door.inward(determinant),
         parameters=tuple(door.inward(p.symbol) for p in system.parameters),
         time=door.inward(time),
-        lagrangian=lagrangian,
+        lagrangian=enter(system.lagrangian, "the Lagrangian"),
         forces=forces,
         constraints=constraints,
         frame=frame,
@@ -155,7 +158,6 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
         near=point,
         added=added,
         share=share,
-        exponential=holds_exponentials(lagrangian, *forces, *held),
     )
 
 

@@ -48,6 +48,7 @@ SHARP = 2.0**-72
 ROUGH = 1e-9
 """Of doubles that are phases, in turns; what is nearer to a pole is evaluated in balls."""
 HALVINGS = 80
+"""More than a double has digits, over any span."""
 TURN = 2 * np.pi
 
 Value = TypeVar("Value")

@@ -125,7 +125,8 @@ class Apart:
         """The way of motion i from a state on, with the plane as an event."""
         values = self.motions.values[i].tolist()
         if self.plane is None:
-            functions = {PLANE: self.motions.ground.quantities[name] - _exact(value)}
+            exact = se.Rational(*float(value).as_integer_ratio())
+            functions = {PLANE: self.motions.ground.quantities[name] - exact}
             event = Event(PLANE, PLANE, direction)
             made = _switched(
                 self.motions, i, self.method, self.tol, grid, (event,), functions, state
@@ -171,8 +172,3 @@ def _error(run: Run) -> IntegrationError | None:
     if halt is None:
         return None
     return IntegrationError(f"{halt.reason} after t = {halt.time:.12g}", halt.time, halt.state)
-
-
-def _exact(value: float) -> Any:
-    p, q = float(value).as_integer_ratio()
-    return se.Integer(p) / se.Integer(q)

@@ -42,6 +42,8 @@ RIM = 1e-11
 """A radicand of velocities that falls below this part of its value at the start has vanished."""
 GRAZE = 1e-9
 """A wall is touched where its function is smaller than this part of its terms, and turns."""
+CANCELLED = 1e-12
+"""Fields on the sides cancel where so much is left of them, in units of the largest: rounding."""
 TOGETHER = f"more than {MOST} walls meet"
 
 
@@ -323,7 +325,7 @@ class Crossroads:
         matrix = np.vstack([np.array(rows).T, np.ones(len(rows))])
         scale = max(1.0, np.abs(matrix).max())
         _, rest = nnls(matrix / scale, np.array([0.0] * len(state) + [1.0]) / scale)
-        if rest * scale > 1e-12 * scale:
+        if rest > CANCELLED:
             return None
         corner, sides = next(iter(corners.values()))
         zero = Block((), (se.Integer(0),) * len(state))

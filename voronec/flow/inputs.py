@@ -84,42 +84,55 @@ def drive(
     if not original.inputs and not inputs:
         return Drive(original, system if isinstance(system, VoronecEquations) else derive(system))
     values = _named(original, {**getattr(scene, "inputs", {}), **(inputs or {})})
-    meaning: dict[sp.Expr, sp.Expr] = {}
-    constants: dict[str, Any] = {}
-    signals, symbols, shapes = [], [], []
-    for u in original.inputs:
-        name = plain_name(u)
-        if name not in values and unknown:
-            values[name] = Signal(name, derive(original).orders.get(name, 0), "an unknown input")
-        if name not in values:
-            raise DefinitionError(
-                f"system '{original.name}': no value for the input '{name}'; give "
-                f"inputs={{'{name}': ...}}: a number, an expression, a table or a function of t"
-            )
-        read = _read(original, u, values)
-        if isinstance(read, sp.Expr) and not read.is_number:
-            jet = _jet_of_expression(original, u, read)
-            shapes.append((name, read))
-        else:
-            degree = 0 if isinstance(read, sp.Expr) else read.degree
-            own = _symbols(original, u, degree, moving=not isinstance(read, sp.Expr))
-            jet = _polynomial(own, degree)
-            symbols += own
-            shapes.append((name, (degree, len(own))))
-            if isinstance(read, sp.Expr):
-                constants[name] = read
-            else:
-                _require_rates(original, u, read)
-                signals.append(replace(read, parameters=tuple(map(str, own))))
-        meaning |= _rates(u, jet)
+    found = [_stand_in(original, u, values, unknown) for u in original.inputs]
+    signals = tuple(each.signal for each in found if each.signal is not None)
     if signals and steady:
         raise DefinitionError(
             f"system '{original.name}': {steady} takes numbers and expressions of t for inputs, "
             f"not what '{signals[0].name}' is given; integrate the motions one by one"
         )
-    changing = Signals(tuple(signals)) if signals and not unknown else None
-    driven = _driven(original, meaning, symbols, tuple(shapes), bool(signals))
+    meaning = {thing: expr for each in found for thing, expr in each.meaning.items()}
+    constants = {name: x for each in found for name, x in each.constants.items()}
+    symbols = [s for each in found for s in each.symbols]
+    shapes = tuple(each.shape for each in found)
+    changing = Signals(signals) if signals and not unknown else None
+    driven = _driven(original, meaning, symbols, shapes, bool(signals))
     return Drive(original, derive(driven), meaning, constants, changing)
+
+
+@dataclass(frozen=True)
+class _StandIn:
+    """What stands for one input: the ``meaning`` of it and its rates, in ``symbols`` of its own
+    where it is no expression; inputs of one ``shape`` have one meaning."""
+
+    shape: Any
+    meaning: Mapping[sp.Expr, sp.Expr]
+    symbols: Sequence[sp.Symbol] = ()
+    constants: Mapping[str, Any] = field(default_factory=dict)
+    signal: Signal | None = None
+
+
+def _stand_in(system: System, u: sp.Expr, values: Mapping[str, Any], unknown: bool) -> _StandIn:
+    name = plain_name(u)
+    if name not in values and unknown:
+        values = {name: Signal(name, derive(system).orders.get(name, 0), "an unknown input")}
+    if name not in values:
+        raise DefinitionError(
+            f"system '{system.name}': no value for the input '{name}'; give "
+            f"inputs={{'{name}': ...}}: a number, an expression, a table or a function of t"
+        )
+    read = _read(system, u, values)
+    if isinstance(read, Signal):
+        symbols = _symbols(system, u, read.degree)
+        _require_rates(system, u, read)
+        meaning = _rates(u, _polynomial(symbols, read.degree))
+        signal = replace(read, parameters=tuple(map(str, symbols)))
+        return _StandIn((name, (read.degree, len(symbols))), meaning, symbols, signal=signal)
+    if read.is_number:
+        symbol = sp.Symbol(name)
+        meaning = _rates(u, _polynomial([symbol], 0))
+        return _StandIn((name, (0, 1)), meaning, [symbol], {name: read})
+    return _StandIn((name, read), _rates(u, _jet_of_expression(system, u, read)))
 
 
 def _named(system: System, given: Mapping[Any, Any]) -> dict[str, Any]:
@@ -199,12 +212,12 @@ def _rates(u: sp.Expr, jet: Sequence[sp.Expr]) -> dict[sp.Expr, sp.Expr]:
     return found
 
 
-def _symbols(system: System, u: sp.Expr, degree: int, moving: bool) -> list[sp.Symbol]:
+def _symbols(system: System, u: sp.Expr, degree: int) -> list[sp.Symbol]:
     """Parameters for the values of an input and its rates, and for the instant that they are of."""
     name = plain_name(u)
     found = [sp.Symbol(name + "dot" * k) for k in range(degree + 1)]
-    if not moving or not degree:
-        return found[:1]
+    if not degree:
+        return found
     taken = {plain_name(s) for s in system.known_symbols()}
     since = f"{name}_since"
     while since in taken:

@@ -31,7 +31,7 @@ from voronec.flow.modelling import Modelled, modelled, whole
 from voronec.flow.observing import Watch, followed, observed
 from voronec.flow.outset import Outset
 from voronec.flow.poles import POLE, NearPole, PoleGuard
-from voronec.flow.probe import quantities
+from voronec.flow.probe import Probe, quantities
 from voronec.flow.soundness import Breach, Judge
 from voronec.flow.split_models import NEAR, SplitGround
 from voronec.flow.split_run import NearDivisor, SplitRun, guarding, unguarded
@@ -319,11 +319,7 @@ class _Job:
         guard = self._guard()
         if guard is not None:
             guard.check(state, values, time)
-        problem = Problem(
-            made.program, state, values, self.tol, self.events, made.event_program, self.dense,
-            probe.suspect(state), self.progress, self._exact, outset.changing,
-            marked=bool(made.watch.branches),
-        )  # fmt: skip
+        problem = self._problem(state, values, probe)
         switched = through_walls(method, problem, self.grid, made.moving, made.event_functions)
         if switched is not None and switched.corner is not None:
             corner = switched.corner
@@ -338,24 +334,13 @@ class _Job:
         ready, busy = perf_counter(), process_time()
         run = unguarded(stepper(self.grid), watched, self.vocabulary)
         run = run if guard is None else guard.passed(run)
-        if run.held and made.watch.reactions:
-            raise DefinitionError(
-                f"system '{equations.system.name}': reactions are not known while friction holds "
-                "the motion on a wall; leave them out, or end the run before"
-            )
+        self._require_reactions(run)
         cost = Cost(
             **chosen, setup=ready - began + run.prepared,
             run=perf_counter() - ready - run.prepared, cpu=process_time() - busy,
             steps=run.steps, evaluations=run.evaluations, switches=run.switches, level=made.level,
         )  # fmt: skip
-        bits = self._bits(run.states)
-        if run.states.dtype == object:
-            constants = outset.exactly.constants(bits) | made.constants(self._exact(bits)[1])
-        else:
-            constants = {**outset.constants, **made.constants(values)}
-        sight = _Sight(
-            self.vocabulary, made.watch, made.program, constants, cost, bits, outset.changing
-        )
+        sight = self._sight(run, values, cost)
         told = outset.notes + run.notes
         trajectory = replace(sight.trajectory(run), notes=told)
         if run.halt is None and not run.interrupted:
@@ -367,6 +352,34 @@ class _Job:
         if run.halt is not None:
             raise probe.failure(state, run.halt, trajectory)
         return replace(trajectory, notes=(*told, *notes))
+
+    def _problem(self, state: np.ndarray, values: Sequence[float], probe: Probe) -> Problem:
+        """What is to be integrated, as if it were smooth and nobody watched."""
+        made = self.made
+        return Problem(
+            made.program, state, values, self.tol, self.events, made.event_program, self.dense,
+            probe.suspect(state), self.progress, self._exact, self.outset.changing,
+            marked=bool(made.watch.branches),
+        )  # fmt: skip
+
+    def _require_reactions(self, run: Run) -> None:
+        """Refuse reactions of a motion that was held on a wall."""
+        if run.held and self.made.watch.reactions:
+            raise DefinitionError(
+                f"system '{self.vocabulary.equations.system.name}': reactions are not known while "
+                "friction holds the motion on a wall; leave them out, or end the run before"
+            )
+
+    def _sight(self, run: Run, values: Sequence[float], cost: Cost) -> _Sight:
+        """How the states of a run become a trajectory."""
+        made, outset, bits = self.made, self.outset, self._bits(run.states)
+        if run.states.dtype == object:
+            constants = outset.exactly.constants(bits) | made.constants(self._exact(bits)[1])
+        else:
+            constants = {**outset.constants, **made.constants(values)}
+        return _Sight(
+            self.vocabulary, made.watch, made.program, constants, cost, bits, outset.changing
+        )
 
     def judged(
         self, trajectory: Trajectory, run: Run, values: Sequence[Any], smooth: bool

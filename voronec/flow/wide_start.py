@@ -28,6 +28,7 @@ __all__ = ["WideStart"]
 DETERMINED = 1e-9
 """Conditions whose least singular value is below this part of the largest leave w open."""
 ROUNDS = 40
+"""Each round of refinement gains the digits of a double, where conditions are not too bad."""
 
 
 @dataclass(frozen=True)

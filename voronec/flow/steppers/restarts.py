@@ -45,23 +45,28 @@ def in_pieces(make: Callable[[Problem], Stepper], problem: Problem, anew: bool) 
 
         return make(replace(own, exact=exact))(times)
 
-    def run(grid: np.ndarray) -> Run:
-        parts: list[Run] = []
-        state, time = problem.start, grid[0]
-        order = 1.0 if grid[-1] >= grid[0] else -1.0
-        for end in [*changing.knots(float(grid[0]), float(grid[-1])), float(grid[-1])]:
-            inside = grid[(order * grid > order * time) & (order * grid < order * end)]
-            times = [time, *inside, *([end] if end != time else [])]
-            parts.append(on_piece(state, np.array(times)))
-            last = parts[-1]
-            if last.halt is not None or last.interrupted or last.stopped:
-                break
-            time, state = end, last.states[-1]
-            if problem.progress is not None:
-                problem.progress(float((end - grid[0]) / ((grid[-1] - grid[0]) or 1.0)))
-        return _joined(parts, grid, problem)
+    return lambda grid: _run_in_pieces(problem, grid, on_piece)
 
-    return run
+
+def _run_in_pieces(
+    problem: Problem, grid: np.ndarray, on_piece: Callable[[np.ndarray, np.ndarray], Run]
+) -> Run:
+    """Piece after piece, up to the end of the grid; ``on_piece`` goes on from a state (n,)."""
+    assert problem.changing is not None
+    parts: list[Run] = []
+    state, time = problem.start, grid[0]
+    order = 1.0 if grid[-1] >= grid[0] else -1.0
+    for end in [*problem.changing.knots(float(grid[0]), float(grid[-1])), float(grid[-1])]:
+        inside = grid[(order * grid > order * time) & (order * grid < order * end)]
+        times = [time, *inside, *([end] if end != time else [])]
+        parts.append(on_piece(state, np.array(times)))
+        last = parts[-1]
+        if last.halt is not None or last.interrupted or last.stopped:
+            break
+        time, state = end, last.states[-1]
+        if problem.progress is not None:
+            problem.progress(float((end - grid[0]) / ((grid[-1] - grid[0]) or 1.0)))
+    return _joined(parts, grid, problem)
 
 
 def _joined(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
