@@ -2,7 +2,10 @@
 
 import math
 from decimal import Decimal
+from fractions import Fraction
+from functools import cache
 
+import mpmath
 import numpy as np
 import pytest
 import sympy as sp
@@ -13,7 +16,7 @@ from voronec.arguments import COUNT, REAL, accepts
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 from voronec.program.printing import code
 
-x, m = sp.symbols("x m")
+x, m, u = sp.symbols("x m u")
 HUGE = sp.exp(sp.exp(sp.Integer(700000000)))
 
 
@@ -22,6 +25,20 @@ class Untold:
         raise RuntimeError
 
     __repr__ = __str__
+
+
+class Silent:
+    """An object that pretends to have everything."""
+
+    def __getattr__(self, name):
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return self
+
+
+@cache
+def motion(**options):
+    return vo.integrate(system(), times=[0, 0.5, 1], dense=True, **options)
 
 
 def system(**changes):
@@ -67,6 +84,18 @@ DOORS = {
     "is no word": lambda: system(parameters=(m, sp.Symbol("a\nimport os"))),
     "at most": lambda: system(parameters=(m, sp.Symbol("a" * 300))),
     "among its integrals": lambda: system(integrals={"a\nb": x}),
+    "of kind MatrixSymbol": lambda: vo.kinematics.contact_momentum(
+        (1, 2, 3), sp.MatrixSymbol("A", 2, 2), (1, 2, 3), (0, 0, 1)
+    ),
+    "the mass of a ball": lambda: vo.kinematics.RollingBall.on_plane(
+        1, sp.MatrixSymbol("A", 2, 2), (1, 2, 3)
+    ),
+    "a relation: name": lambda: vo.Relation("a", "b", name=np.array([0.0, math.nan])),
+    "a relation: source": lambda: vo.Relation(Untold(), "b"),
+    "a square: a label": lambda: vo.Square((Untold(),), ("a -> b",)),
+    "'x' = ": lambda: vo.derive(system()).acceleration({"x": Silent(), "xdot": 1}),
+    "the point gives 'x'": lambda: vo.derive(system()).acceleration({"x": Untold(), "xdot": 1}),
+    "'xdot' = ": lambda: vo.derive(system()).acceleration({"x": 0, "xdot": "9e999999999"}),
     "a whole number": lambda: vo.HardCase(
         "n", "sleigh", vo.Scene({x: 1}, outputs=(x,)), points="x"
     ),
@@ -79,6 +108,49 @@ def test_a_wrong_kind_is_refused_in_one_line(word):
         DOORS[word]()
     message = str(caught.value)
     assert word in message and message.isprintable() and isinstance(caught.value, DefinitionError)
+
+
+@pytest.mark.parametrize(
+    "times",
+    [
+        [0.0, np.complex128(1j), 1.0], 1j, [sp.I], [HUGE, 0.5], [HUGE, m], [Untold()], [Silent()],
+        [0.0, math.nan], [0, [1, 2]], np.array([0, 1], dtype="datetime64[s]"), (i for i in (0, 1)),
+    ],
+)  # fmt: skip
+def test_every_reader_of_times_refuses_what_is_no_time(times):
+    own = system(inputs=(u,), forces={x: u})
+    for read in (
+        motion().at,
+        motion(method="flint", tol=1e-25).at,
+        lambda t: vo.integrate(system(), times=t),
+        lambda t: vo.integrate(own, times=1, inputs={u: vo.Table(t, t)}),
+    ):
+        with pytest.raises(DefinitionError) as caught:
+            read(times)
+        assert str(caught.value).isprintable()
+
+
+@pytest.mark.parametrize(
+    "third", [mpmath.mpf(1) / 3, sp.Rational(1, 3), Fraction(1, 3), "1/3", np.float64(1 / 3)]
+)
+def test_a_time_of_every_kind_of_number_is_that_time(third):
+    """x'' = -2 x from x = 1 at rest, with m = 1: x = cos(sqrt(2) t)."""
+    assert motion().at(third)["x"][0] == pytest.approx(math.cos(math.sqrt(2) / 3), abs=1e-11)
+    assert motion().at([third, 0.5]).t.dtype == float
+
+
+@pytest.mark.parametrize("third", [sp.Rational(1, 3), Fraction(1, 3), "1/3"])
+def test_an_exact_time_keeps_its_digits_in_a_motion_of_many(third):
+    with mpmath.workdps(50):
+        found = motion(method="flint", tol=1e-30).at([third])["x"][0]
+        assert abs(found - mpmath.cos(mpmath.sqrt(2) / 3)) < 1e-28
+
+
+def test_a_number_of_single_precision_is_the_number_it_is():
+    """0.1 in single precision is 13421773/2^27, and not the tenth that its text says."""
+    equations = vo.derive(system())
+    found = equations.acceleration({"x": np.float32(0.1), "xdot": 0}, 25)
+    assert abs(found[x] + sp.Rational(13421773, 2**26)) < 1e-24
 
 
 def test_messages_are_one_printable_line():

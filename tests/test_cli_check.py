@@ -353,4 +353,22 @@ def test_the_members_of_a_file_are_checked_too(call: Call) -> None:
     assert any(x.endswith(" family@good") and "proved" in x for x in answer.out.splitlines())
     assert "family@bad" in answer.err and "ZeroDivisionError" in answer.err
     Path("family.py").write_text(text + "MEMBERS = 3\n")
-    assert "MEMBERS is no mapping" in refused(call("check", "family.py", "--jobs", "1"))
+    Path("mine.py").write_text(sled("mine"))
+    answer = call("check", "family.py", "mine.py", "--jobs", "1")
+    assert answer.status == 1 and "MEMBERS is no mapping" in answer.err
+    lines = answer.out.splitlines()
+    assert any(x.startswith("  proved") and "mine" in x for x in lines)
+    assert sum("broken" in x and x.rstrip().endswith("family") for x in lines) == 1
+
+
+@pytest.mark.parametrize(
+    "text", [b"# coding: latin-1\ns = '\xe9'\n", b"s = '\xe9'\n", b"print 1\n"]
+)
+def test_a_library_that_cannot_be_read_counts_by_its_bytes(tmp_path: Path, text: bytes) -> None:
+    library, own = tmp_path / "library.py", tmp_path / "mine.py"
+    library.write_bytes(text)
+    own.write_text("import library\n")
+    assert sources.closure([own]) == {own, library}
+    before = sources.digest("", [own, library])
+    library.write_bytes(text + b"# more\n")
+    assert sources.digest("", [own, library]) != before

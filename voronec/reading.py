@@ -7,6 +7,7 @@ from contextlib import suppress
 from types import MappingProxyType
 from typing import Any
 
+import mpmath
 import numpy as np
 import sympy as sp
 
@@ -17,6 +18,7 @@ from voronec.errors import DefinitionError, shown
 __all__ = [
     "doubles",
     "expression",
+    "instants",
     "mapping",
     "quoted",
     "real_number",
@@ -28,6 +30,8 @@ __all__ = [
     "vanishing",
 ]
 
+DIGITS = 1000
+"""Digits of an exact time in a motion of many digits: its tolerance is a double, above 1e-324."""
 _NOT_REAL = (sp.I, sp.nan, sp.zoo, sp.oo, -sp.oo)
 
 
@@ -111,6 +115,26 @@ def doubles(things: Any, place: str) -> np.ndarray:
     except (TypeError, ValueError, OverflowError, RuntimeError, AttributeError):
         pass
     raise DefinitionError(f"{place} = {shown(things)} are no numbers; give some, as [0, 0.5, 1]")
+
+
+def instants(things: Any, place: str, wide: bool = False) -> np.ndarray:
+    """Times as doubles; in a ``wide`` motion, of mpmath's numbers, none of their digits is lost."""
+    try:
+        given = np.array(things)
+    except (TypeError, ValueError, OverflowError, RuntimeError, AttributeError):
+        given = np.empty(0)
+    if not wide or given.dtype.kind not in "OU":
+        return doubles(things, place)
+    found = np.empty(given.shape, dtype=object)
+    for i, thing in np.ndenumerate(given):
+        exact = real_number(thing, place)
+        found[i] = thing if isinstance(thing, mpmath.mpf) else _with_digits(exact)
+    return found
+
+
+def _with_digits(number: sp.Expr) -> mpmath.mpf:
+    """A number with more digits than any motion has been asked for."""
+    return mpmath.mp.make_mpf(sp.Float(number.evalf(DIGITS), DIGITS)._mpf_)
 
 
 def several(

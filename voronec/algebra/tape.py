@@ -12,11 +12,13 @@ from typing import Any
 
 import flint
 import mpmath as mp
+import numpy as np
 import symengine as se
 import sympy as sp
 
 from voronec.algebra.cardinal import EXPREL, SINC, SINHC, cardinal_name
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.algebra.text import exact_number
+from voronec.errors import DefinitionError, EngineLimit, shown
 
 __all__ = ["Tape", "as_ball", "is_atom", "is_flat"]
 
@@ -70,9 +72,12 @@ def as_ball(number: Any) -> Any:
     """A ball around a number, exact for int, Fraction, float, SymPy's and mpmath's numbers."""
     if isinstance(number, (flint.arb, flint.fmpq, flint.fmpz, int, float)):
         return flint.arb(number)
+    if isinstance(number, np.floating) and np.isfinite(number):  # whose text is rounded
+        number = Fraction(*number.as_integer_ratio())
     if isinstance(number, (Fraction, sp.Rational)):
         return flint.arb(flint.fmpq(int(number.numerator), int(number.denominator)))
-    if hasattr(number, "_mpf_"):  # SymPy's and mpmath's binary numbers
+    # SymPy's and mpmath's binary numbers; somebody's object may pretend to have everything
+    if isinstance(getattr(number, "_mpf_", None), tuple):
         if not mp.isfinite(number):
             raise DefinitionError(f"'{number}' is not a finite number")
         sign, mantissa, exponent, _ = number._mpf_
@@ -84,9 +89,10 @@ def as_ball(number: Any) -> Any:
 
         return as_ball(Door().inward(number))
     try:
-        return as_ball(sp.Rational(str(number)))
-    except (TypeError, ValueError, ZeroDivisionError):
-        raise DefinitionError(f"'{number}' is not a number") from None
+        text = str(number)
+    except Exception:  # somebody's own class
+        text = ""
+    return as_ball(exact_number(text, f"'{shown(number)}' is not a number"))
 
 
 class Tape:

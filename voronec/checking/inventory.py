@@ -80,9 +80,20 @@ class Inventory:
 
     def members_of(self, name: str) -> list[str]:
         """The members of one family; those that cannot be made are among them."""
-        own = self.systems.get(name)
-        every = [f"{name}@{m}" for m in self.entries[name].load_members()]
+        own, every = self.systems.get(name), self._families[0].get(name, ())
         return [n for n in every if own is None or not self._stands_for(own, n)]
+
+    @cached_property
+    def _families(self) -> tuple[dict[str, list[str]], list[Trouble]]:
+        """The members of each system that loads, and families that cannot be told apart."""
+        found, troubles = dict[str, list[str]](), []
+        for name in self.systems:
+            entry = self.entries[name]
+            try:
+                found[name] = [f"{name}@{m}" for m in entry.load_members()]
+            except DefinitionError as error:
+                troubles.append(Trouble("system", name, name, entry.place, str(error)))
+        return found, troubles
 
     def _stands_for(self, system: System, member: str) -> bool:
         try:
@@ -129,7 +140,7 @@ class Inventory:
             for name, error in self._loaded.items()
             if isinstance(error, DefinitionError)
         ]
-        return (*self.troubles, *broken, *self._sorted_out[2])
+        return (*self.troubles, *broken, *self._families[1], *self._sorted_out[2])
 
     def entry(self, name: str) -> Entry:
         """Where a system is defined; ``DefinitionError`` where there is none."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from typing import Any, NoReturn
 
 import voronec
+from voronec.errors import printable
 
 __all__ = ["command_parser"]
 
@@ -16,10 +18,16 @@ EXITS = "exit status: 0 good, 1 a check failed, 2 the input is wrong, 130 stoppe
 
 
 class _OneLineParser(argparse.ArgumentParser):
-    """A parser that refuses in one line; overriding ``error`` is argparse's documented way."""
+    """A parser that refuses in one line, and tells of help that cannot be written.
+
+    Overriding ``error`` is argparse's documented way.
+    """
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}; see '{self.prog} --help'\n")
+        self.exit(2, f"{self.prog}: {printable(message)}; see '{self.prog} --help'\n")
+
+    def print_help(self, file: Any = None) -> None:
+        (file or sys.stdout).write(self.format_help())  # argparse would pass over a full disk
 
 
 def command_parser() -> argparse.ArgumentParser:

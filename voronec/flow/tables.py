@@ -11,6 +11,7 @@ import numpy as np
 
 from voronec.errors import DefinitionError
 from voronec.flow.steppers.signals import Signal
+from voronec.reading import doubles
 
 __all__ = ["Table"]
 
@@ -39,10 +40,8 @@ class Table:
             raise DefinitionError(
                 f"a table is of kind '{self.kind}'; kinds are {', '.join(DEGREES)}"
             )
-        try:
-            times, values = (np.array(x, dtype=float) for x in (self.times, self.values))
-        except (TypeError, ValueError):
-            raise DefinitionError("a table holds what is no number; give times, values") from None
+        times = doubles(self.times, "the times of a table")
+        values = doubles(self.values, "the values of a table")
         if times.ndim != 1 or times.shape != values.shape or not len(times):
             raise DefinitionError(
                 f"a table has {times.size} times and {values.size} values; give as many of each"

@@ -16,6 +16,7 @@ from voronec.arguments import PATH, require
 from voronec.errors import DefinitionError
 from voronec.flow.events import Crossings
 from voronec.flow.vocabulary import held_name
+from voronec.reading import instants
 from voronec.system import System
 from voronec.writing import draft
 
@@ -105,13 +106,8 @@ class Trajectory:
             raise DefinitionError("the trajectory knows its own instants only; integrate with "
                                   "dense=True")  # fmt: skip
         ends = sorted((self.t[0], self.t[-1]))
-        try:
-            wanted = np.atleast_1d(np.array(times))
-            if wanted.dtype == object and not all(isinstance(t, mpmath.mpf) for t in wanted.flat):
-                wanted = wanted.astype(float)
-            sound = wanted.ndim == 1 and all(ends[0] <= time <= ends[1] for time in wanted)
-        except (TypeError, ValueError, OverflowError, IndexError):
-            sound = False
+        wanted = np.atleast_1d(instants(times, "times", wide=self.t.dtype == object))
+        sound = wanted.ndim == 1 and all(ends[0] <= time <= ends[1] for time in wanted)
         if not sound or not len(wanted):
             raise DefinitionError(
                 f"the trajectory reaches from t = {float(ends[0]):.12g} to {float(ends[1]):.12g}; "

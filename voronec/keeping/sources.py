@@ -79,7 +79,11 @@ def _libraries() -> tuple[Path, ...]:
 
 def _rested_on(file: Path) -> set[Path]:
     found: set[Path] = set()
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    try:
+        tree = ast.parse(file.read_bytes())
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return found  # a library in another encoding or of another Python: its bytes count alone
+    for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom):
             found |= set(_imported(file, node))
         elif isinstance(node, ast.Import):

@@ -9,13 +9,13 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympified
 from voronec.charts import Chart
 from voronec.kinematics.bodies import kinetic_energy, point_velocity
 from voronec.kinematics.poles import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, cross, dot, three
+from voronec.reading import expression
 from voronec.scene import Scene
 
 __all__ = ["RollingBall", "contact_momentum"]
@@ -69,7 +69,8 @@ class RollingBall:
         """On any surface, in the coordinates u, v, theta and those of the surface."""
         contact = RollingContact(Surface.sphere(radius, _U, _V), fixed, _THETA)
         place = three(offset or (0, 0, 0), "the centre of mass of a ball")
-        return cls(contact, sympified(mass), three(inertia, "the moments of a ball"), place)
+        weight = expression(mass, "the mass of a ball")
+        return cls(contact, weight, three(inertia, "the moments of a ball"), place)
 
     @property
     def base(self) -> tuple[sp.Expr, ...]:
@@ -166,12 +167,9 @@ def contact_momentum(
     ``inertia`` are the principal moments about the centre, ``carried`` is D = m R2^2, the mass
     times the square of the ball's radius, and the ball does not slip [Chaplygin1903].
     """
-    moments = three(inertia, "the moments of a ball")
+    moments, own = three(inertia, "the moments of a ball"), expression(carried, "m R2^2 of a ball")
     spin, normal = three(omega, "an angular velocity"), three(gamma, "a normal")
     twist = dot(spin, normal)
     return sp.ImmutableMatrix(
-        [
-            i * w + sympified(carried) * (w - twist * g)
-            for i, w, g in zip(moments, spin, normal, strict=True)
-        ]
+        [i * w + own * (w - twist * g) for i, w, g in zip(moments, spin, normal, strict=True)]
     )

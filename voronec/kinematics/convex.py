@@ -8,8 +8,8 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympified
 from voronec.kinematics.vectors import Vector, three
+from voronec.reading import expression
 
 __all__ = ["ConvexBody"]
 
@@ -46,7 +46,7 @@ class ConvexBody:
         """
         gamma = _column(normal, "a normal")
         squares = sp.diag(*(x**2 for x in three(axes, "the semi-axes of an ellipsoid")))
-        h, reach = sympified(height), squares * gamma
+        h, reach = expression(height, "a height"), squares * gamma
         radii = squares / h - reach * reach.T / h**3
         return cls(
             sp.ImmutableMatrix(gamma),
@@ -65,7 +65,7 @@ class ConvexBody:
         turning = self.normal.cross(_column(omega, "an angular velocity"))
         if sphere is None:
             return sp.ImmutableMatrix(turning)
-        radius = sympified(sphere)
+        radius = expression(sphere, "the radius of a sphere")
         taken = (radius + self.radii.trace()) * turning - self.radii * turning
         return sp.ImmutableMatrix(radius * taken / self.widened(radius))
 

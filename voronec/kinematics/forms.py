@@ -10,12 +10,12 @@ from typing import Any, NoReturn
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
-from voronec.algebra.text import sympified
 from voronec.arguments import SEQUENCE, require
 from voronec.errors import DefinitionError
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, cross, three
+from voronec.reading import expression
 
 __all__ = ["SurfaceForms"]
 
@@ -220,7 +220,7 @@ class SurfaceForms:
 
 
 def _two(things: Sequence[Any], what: str) -> tuple[sp.Expr, sp.Expr]:
-    found = tuple(sympified(thing) for thing in things)
+    found = tuple(expression(thing, what) for thing in things)
     if len(found) != 2:
         raise DefinitionError(f"a surface in lines of curvature takes two of each: {what}")
     return found[0], found[1]

@@ -12,7 +12,6 @@ import sympy as sp
 from voronec.algebra.door import Door
 from voronec.algebra.normal import shortest
 from voronec.algebra.symbols import time, velocity
-from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import decide_equal
 from voronec.arguments import SEQUENCE, require
 from voronec.errors import DefinitionError, EngineLimit
@@ -108,7 +107,7 @@ class Surface:
         f > 0; the profile may hold unknown functions.  With s = |(f', g')| the normal is
         (-g' cos v, -g' sin v, f')/s: outward where g falls.
         """
-        f, g = (sympified(part) for part in profile)
+        f, g = (expression(part, "a profile") for part in profile)
         reach = sp.sqrt(sp.diff(f, u) ** 2 + sp.diff(g, u) ** 2)
         return cls((u, v), (f * sp.cos(v), f * sp.sin(v), g), (reach, f))
 

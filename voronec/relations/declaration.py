@@ -76,10 +76,10 @@ class Relation:
     note: str = ""
 
     def __post_init__(self) -> None:
+        for name in ("source", "target", "name", "note"):
+            require("a relation", name, getattr(self, name), TEXT)
         place = f"relation '{self.label}'"
         object.__setattr__(self, "clock", expression(self.clock, f"{place}: the clock"))
-        for name in ("name", "note"):
-            require(place, name, getattr(self, name), TEXT)
         for part, entry in (("state", "variable: expression"), ("parameters", "parameter: value")):
             given = getattr(self, part)
             if given is not None:
@@ -111,6 +111,8 @@ class Square:
     def __post_init__(self) -> None:
         for part in ("first", "second"):
             object.__setattr__(self, part, several(getattr(self, part), part, "'label'"))
+        for label in (self.name, self.up_to, *self.first, *self.second):
+            require("a square", "a label", label, TEXT)
 
     @property
     def label(self) -> str:
