@@ -227,3 +227,13 @@ def test_the_reduced_ball_and_its_coordinates_have_one_section():
     assert high.level == "coordinates"
     assert low.t == pytest.approx(high.t, abs=1e-10)
     assert low.points == pytest.approx(high.points[:, :2], abs=1e-10)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_a_plane_of_the_time_alone_is_passed_when_it_is_that_time(method):
+    """No state is needed to see the crossing: the point is the motion at that time."""
+    sleigh = vo.load("sleigh")
+    found = vo.section(sleigh, "t", value=0.5, crossings=1, until=1, outputs=("x",), method=method)
+    there = vo.integrate(sleigh, times=[0, 0.5], outputs=("x",))
+    assert found.t[0] == pytest.approx(0.5, abs=1e-13)
+    assert found["x"][0] == pytest.approx(there["x"][-1], abs=1e-11)

@@ -52,7 +52,9 @@ class Paths:
         parts = np.arange(SAMPLES)[:, None] / SAMPLES
         values = parts ** np.arange(order) @ terms
         states = np.zeros((size, lanes, SAMPLES * steps + 1))
-        states[needed, :, :-1] = values.transpose(1, 3, 0, 2).reshape(len(needed), lanes, -1)
+        states[needed, :, :-1] = values.transpose(1, 3, 0, 2).reshape(
+            len(needed), lanes, SAMPLES * steps
+        )
         states[needed, :, -1] = terms[-1].sum(axis=1)
         times = self.times[:-1, None] + h[:, None] * parts
         return np.concatenate([times.reshape(-1, lanes), self.times[-1:]]), states
