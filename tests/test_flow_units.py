@@ -37,6 +37,27 @@ def test_a_ball_in_other_units(ball: vo.VoronecEquations, method: str) -> None:
     assert max(steps) <= 1.05 * min(steps)
 
 
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_motions_of_many_sizes_at_once(ball: vo.VoronecEquations, method: str) -> None:
+    """An ensemble of balls, and a section, whose units of length differ from motion to motion."""
+    truth = vo.integrate(ball, times=TIMES, outputs=("x", "omega1"), tol=1e-20)
+    true_x, true_spin = (truth[name].astype(float) for name in ("x", "omega1"))
+    sizes = np.array([1.0, 1e9, 1e-9, 1e6, 3e8])
+    given = {f"I{i}": x * sizes**2 for i, x in enumerate((0.4, 0.5, 0.7), 1)} | {"R": sizes}
+    start = {"omega1": 0.5, "omega2": 2.0, "omega3": 0.2, "theta": np.ones(5)}
+    run = vo.ensemble(ball, start, given, TIMES, ("x", "omega1"), method=method)
+    assert not run.errors
+    assert np.abs(run["x"] / sizes[:, None] - true_x).max() < 2e-11
+    assert np.abs(run["omega1"] - true_spin).max() < 2e-12
+    points = vo.section(
+        ball, "omega1", ("x", "omega2"), parameters=given, crossings=3, method=method,
+        starts=start, value=1,
+    )  # fmt: skip
+    for column in (points["x"] / sizes[points.start], points["omega2"], points.t):
+        rows = column.reshape(5, 3)
+        assert np.abs(rows - rows[0]).max() < 2e-11
+
+
 def test_states_of_ordinary_size_have_the_unit_one(ball: vo.VoronecEquations) -> None:
     program = Program.of(ball.form)
     values = [1.0 if str(p) in "mR" else 0.5 for p in program.parameters]

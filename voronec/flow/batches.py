@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.flow.steppers.opening import openings
+from voronec.flow.steppers.units import units_of_many
+from voronec.flow.steppers.winding import angles_among
 from voronec.program import Hoisted, Program, compiled, hoisted, taylor_system
 
 __all__ = ["FINEST", "Lanes", "Stopped", "along", "along_scipy", "chosen", "strides"]
@@ -41,51 +43,77 @@ class Stopped(Exception):
 @dataclass(frozen=True, eq=False)
 class Lanes:
     """heyoka's batch integrator; ``width`` motions at once, ``constants`` parameters of each, those
-    of the ``raised`` program."""
+    of the ``raised`` program.
+
+    ``units`` (n, width) are those of the states of each motion; where some start is ``scaled`` they
+    are parameters too, behind the constants.
+    """
 
     integrator: Any
     width: int
     constants: int
     raised: Hoisted
+    plain: Program
+    scaled: tuple[int, ...]
+    units: np.ndarray
 
     def again(self) -> Lanes:
         """Another integrator of the same compiled code, for another thread."""
-        return Lanes(copy.deepcopy(self.integrator), self.width, self.constants, self.raised)
+        return replace(self, integrator=copy.deepcopy(self.integrator), units=self.units.copy())
+
+    @property
+    def states(self) -> np.ndarray:
+        """Where the motions stand (width, n)."""
+        return np.asarray((self.integrator.state * self.units).T)
 
     def load(self, lane: Any, state: np.ndarray, values: np.ndarray, time: float) -> None:
         """Put motions (k, n) with parameters (k, p) on some lanes."""
         times = self.integrator.time.copy()
         times[lane] = time
         self.integrator.set_time(times.tolist())
-        self.integrator.state[:, lane] = state.T
+        if self.scaled:
+            at = list(self.scaled)
+            found = units_of_many(self.plain, np.atleast_2d(state), np.atleast_2d(values))[:, at]
+            self.units[at, lane] = self.integrator.pars[self.constants :, lane] = (
+                found.T if values.ndim > 1 else found[0]
+            )
+        self.integrator.state[:, lane] = state.T / self.units[:, lane]
         rows = [self.raised.values(row.tolist())[: self.constants] for row in np.atleast_2d(values)]
         own = np.array(rows, dtype=float).reshape(len(rows), self.constants)
-        self.integrator.pars[:, lane] = own.T if values.ndim > 1 else own[0]
+        self.integrator.pars[: self.constants, lane] = own.T if values.ndim > 1 else own[0]
 
 
-def lanes_of(program: Program, tol: float, count: int) -> Lanes:
-    """A batch integrator for up to ``count`` motions.
+def lanes_of(program: Program, tol: float, states: np.ndarray, values: np.ndarray) -> Lanes:
+    """A batch integrator for motions that start at ``states`` (s, n), with parameters (s, p).
 
     Raises ``ImportError`` without heyoka, ``EngineLimit`` for a function it does not know.
     """
     import heyoka as hy
 
     width = 1
-    while width < min(hy.recommended_simd_size(), count):
+    while width < min(hy.recommended_simd_size(), len(states)):
         width *= 2
-    raised = hoisted(program)
+    plain, raised = program, hoisted(program)
     program = raised.program
+    angles = angles_among(plain.state, [plain.derivative])
+    own = units_of_many(plain, states, values, angles)
+    moving = np.array([r != 0 for r in plain.derivative.results])
+    scaled = tuple(np.flatnonzero((own != 1).any(axis=0) & moving).tolist())
     # heyoka wants no more parameters than the equations contain
     used = [i for i, p in enumerate(program.parameters) if p in program.derivative.symbols]
     constants = max(used, default=-1) + 1
+    units: list[Any] = [1.0] * len(program.state)
+    for k, i in enumerate(scaled):
+        units[i] = hy.par[constants + k]
     integrator = hy.taylor_adaptive_batch(
-        taylor_system(program),
+        taylor_system(program, units),
         np.zeros((len(program.state), width)),
-        pars=np.ones((constants, width)),
+        pars=np.ones((constants + len(scaled), width)),
         tol=tol,
         compact_mode=program.weight > COMPACT,
     )
-    return Lanes(integrator, width, constants, raised)
+    ones = np.ones((len(program.state), width))
+    return Lanes(integrator, width, constants, raised, plain, scaled, ones)
 
 
 def along(
@@ -121,7 +149,7 @@ def _pieces(
     import heyoka as hy
 
     ta, at, piece, steps = lanes.integrator, 0, PIECE, 0
-    block[:, 0] = ta.state.T
+    block[:, 0] = lanes.states
     longest = openings(ta, np.full(lanes.width, grid[-1] - grid[0])).tolist()
     if min(longest) < np.inf:
         piece = 1  # steps of the first piece are short where the first one must be
@@ -131,7 +159,7 @@ def _pieces(
         end = min(at + piece, len(grid) - 1)
         times = np.repeat(grid[at : end + 1, None], lanes.width, axis=1)
         found = ta.propagate_grid(times, max_steps=CHUNK, max_delta_t=longest)
-        new = np.moveaxis(found[1] if isinstance(found, tuple) else found, -1, 0)
+        new = np.moveaxis((found[1] if isinstance(found, tuple) else found) * lanes.units, -1, 0)
         taken = max(r[3] for r in ta.propagate_res)
         steps += sum(r[3] for r in ta.propagate_res)
         outcomes = {r[0] for r in ta.propagate_res}
@@ -140,7 +168,7 @@ def _pieces(
             return _broken(ta, block, grid), steps
         if hy.taylor_outcome.step_limit in outcomes:
             ta.set_time(float(grid[at]))
-            ta.state[:] = block[:, at].T
+            ta.state[:] = block[:, at].T / lanes.units
             if piece > 1:
                 piece = max(1, piece // 8)
                 continue
@@ -148,7 +176,7 @@ def _pieces(
             steps += taken
             if collapsed:
                 return collapsed, steps
-            new = np.stack([block[:, at], ta.state.T], axis=1)
+            new = np.stack([block[:, at], lanes.states], axis=1)
         block[:, at : end + 1] = new
         at, longest = end, [np.inf] * lanes.width
         piece = max(1, min(4 * piece, int(piece * CHUNK / (4 * max(taken, 1)))))
@@ -183,13 +211,13 @@ def _one_interval(
         steps += sum(r[3] for r in ta.propagate_res)
         if not np.isfinite(ta.state).all():
             bad = [i for i in range(lanes.width) if not np.isfinite(ta.state[:, i]).all()]
-            return {i: _error(INFINITE, before[i], ta.state[:, i].copy()) for i in bad}, steps
+            return {i: _error(INFINITE, before[i], lanes.states[i]) for i in bad}, steps
         if all(r[0] == hy.taylor_outcome.time_limit for r in ta.propagate_res):
             return {}, steps
         moved = np.abs(ta.time - before) > 1e-13 * np.ptp(ends)
         stuck = [i for i in range(lanes.width) if ta.time[i] != ends[-1] and not moved[i]]
         if stuck:
-            return {i: _error(COLLAPSE, ta.time[i], ta.state[:, i].copy()) for i in stuck}, steps
+            return {i: _error(COLLAPSE, ta.time[i], lanes.states[i]) for i in stuck}, steps
 
 
 def _error(reason: str, time: float, state: np.ndarray) -> IntegrationError:
@@ -212,7 +240,8 @@ def strides(
             return np.full(len(y), np.nan)
 
     finest = max(tol, FINEST)
-    method = DOP853(derivative, time, state, end, rtol=finest, atol=finest)
+    least = finest * units_of_many(program, state[None], values[None])[0]
+    method = DOP853(derivative, time, state, end, rtol=finest, atol=least)
     while method.status == "running":
         good, reached = method.y.copy(), float(method.t)
         with np.errstate(all="ignore"):
@@ -248,7 +277,9 @@ def along_scipy(
     return rows, None, steps
 
 
-def chosen(method: str, program: Program, tol: float, count: int) -> tuple[Lanes | None, str]:
+def chosen(
+    method: str, program: Program, tol: float, states: np.ndarray, values: np.ndarray
+) -> tuple[Lanes | None, str]:
     """heyoka's lanes, or None for scipy; and why."""
     if method not in ("auto", "heyoka", "scipy"):
         raise DefinitionError(
@@ -259,7 +290,7 @@ def chosen(method: str, program: Program, tol: float, count: int) -> tuple[Lanes
     if method == "scipy":
         return None, "asked for"
     try:
-        lanes = lanes_of(program, tol, count)
+        lanes = lanes_of(program, tol, states, values)
     except ImportError:
         if method == "heyoka":
             raise DefinitionError(

@@ -139,7 +139,7 @@ def ensemble(
             raise motions.wrong[0]
         apart = Apart.of(motions, method, tol, grid)
         lanes, reason = (
-            chosen(method, motions.program, tol, len(motions.sound))
+            chosen(method, motions.program, tol, *motions.going)
             if apart is None
             else (None, apart.reason)
         )

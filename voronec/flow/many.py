@@ -113,6 +113,11 @@ class Many:
         """Positions of the starts from which a motion goes."""
         return [i for i in range(len(self)) if i not in self.wrong]
 
+    @property
+    def going(self) -> tuple[np.ndarray, np.ndarray]:
+        """States and parameters of these."""
+        return self.states[self.sound], self.values[self.sound]
+
 
 def many(
     equations: VoronecEquations,

@@ -179,7 +179,8 @@ def _stretch(
     broken = [k for k in busy if not np.isfinite(ta.state[:, k]).all()]
     stuck = [k for k in busy if taken[k] == limit and _stuck(ta.time[k], before[k], origin[k])]
     if output is not None:
-        _collect(motions, watch, passages, Paths(output.times, output.tcs), holds, origin)
+        series = output.tcs * lanes.units[:, None] if lanes.scaled else output.tcs
+        _collect(motions, watch, passages, Paths(output.times, series), holds, origin)
     for k in busy:
         if k in broken or k in stuck:
             _fail(motions, passages, holds[k], lanes, k, INFINITE if k in broken else COLLAPSE)
@@ -240,7 +241,7 @@ def _fail(
     if i is None:
         return
     time = passages.reached[i] if np.isfinite(passages.reached[i]) else motions.time
-    passages.errors[i] = _told(motions, i, reason, float(time), lanes.integrator.state[:, lane])
+    passages.errors[i] = _told(motions, i, reason, float(time), lanes.states[lane])
     # a lane that is not finite would stop all others
     lanes.load(lane, motions.states[i], motions.values[i], motions.time)
 

@@ -95,6 +95,8 @@ class Probe:
         if not self._mass_program.extras.symbols & moving:
             return None
         base = self.masses(np.array([self.time]), start[None, :])[0]
+        if not np.isfinite(base).all():
+            raise self._nowhere("the mass matrix is not defined", start)
         units = np.sqrt(np.abs(np.diag(base)))
         scale = np.outer(units, units) if units.all() else np.ones_like(base)
         negative = int((np.linalg.eigvalsh(base / scale) < 0).sum())

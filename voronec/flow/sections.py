@@ -153,7 +153,7 @@ def section(
     watch = _watch(motions, f"plane {surface}", on_plane)
     apart = Apart.of(motions, method, tol, np.array([0.0, 1.0]))
     lanes, reason = (
-        chosen(method, motions.program, tol, len(motions.sound))
+        chosen(method, motions.program, tol, *motions.going)
         if apart is None
         else (None, apart.reason)
     )

@@ -9,14 +9,13 @@ computed with the same bits as ever.
 from __future__ import annotations
 
 from collections.abc import Collection
-from math import frexp
 
 import numpy as np
 
 from voronec.flow.steppers.run import Problem
-from voronec.program import compiled
+from voronec.program import Program, compiled
 
-__all__ = ["natural_units"]
+__all__ = ["natural_units", "units_of_many"]
 
 SMALL, LARGE = 2.0**-24, 2.0**10
 """Sizes between these are ordinary: their unit is 1."""
@@ -25,23 +24,33 @@ STILL = 2.0**-40
 
 
 def natural_units(problem: Problem, angles: Collection[int] = ()) -> np.ndarray:
-    """The unit of each state (n,): 1, or the power of two next to its size at the start.
+    """The units of the states of a problem (n,).
+
+    ``angles``, positions of states that matter up to turns only, have the unit 1.
+    """
+    start, values = (np.array([x], dtype=float) for x in (problem.start, problem.parameters))
+    return units_of_many(problem.program, start, values, angles)[0]
+
+
+def units_of_many(
+    program: Program, states: np.ndarray, values: np.ndarray, angles: Collection[int] = ()
+) -> np.ndarray:
+    """The units of starts (s, n) with parameters (s, p): 1, or the power of two next to the size.
 
     The size is |x|, or |x'| over the time in which states change by as much as they are, in the
-    median; rates that are rounding do not count.  ``angles``, positions of states that matter up
-    to turns only, have the unit 1.
+    median; rates that are rounding do not count.
     """
-    state = np.array(problem.start, dtype=float)
-    units = np.ones(len(state))
+    rhs = compiled(program)[0]
     with np.errstate(all="ignore"):
-        given = [np.float64(x) for x in problem.parameters]
-        rates = np.array(compiled(problem.program)[0](np.float64(0.0), list(state), given), float)
-    x, slope = np.abs(state), np.abs(rates)
-    if not np.isfinite(slope).all():
-        return units
-    moving = (x > 0) & (slope > STILL * slope.max(initial=0.0))
-    time = float(np.median(x[moving] / slope[moving])) if moving.any() else 0.0
-    for i, size in enumerate(np.maximum(x, slope * time)):
-        if i not in angles and size > 0 and not SMALL <= size <= LARGE:
-            units[i] = 2.0 ** frexp(size)[1]
-    return units
+        rates = [np.asarray(r, dtype=float) for r in rhs(np.float64(0.0), [*states.T], [*values.T])]
+        slope = np.abs(np.stack([np.broadcast_to(r, len(states)) for r in rates], axis=-1))
+        x = np.abs(states)
+        moving = (x > 0) & (slope > STILL * slope.max(axis=1, initial=0.0)[:, None])
+        times = np.sort(np.where(moving, x / slope, np.inf), axis=1)
+        count, rows = moving.sum(axis=1), np.arange(len(x))
+        middle = (times[rows, (count - 1) // 2] + times[rows, count // 2 % times.shape[1]]) / 2
+        size = np.maximum(x, slope * np.where(count > 0, middle, 0.0)[:, None])
+        far = (size > 0) & ~((size >= SMALL) & (size <= LARGE)) & np.isfinite(size)
+    far &= np.isfinite(slope).all(axis=1)[:, None]
+    far[:, list(angles)] = False
+    return np.asarray(np.where(far, np.ldexp(1.0, np.frexp(np.where(far, size, 1.0))[1]), 1.0))

@@ -8,7 +8,7 @@ out of it between steps and added to the results: the motion of the others is th
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,7 +19,7 @@ from voronec.flow.steppers.run import Problem
 from voronec.flow.steppers.units import natural_units
 from voronec.program import Block
 
-__all__ = ["Winding"]
+__all__ = ["Winding", "angles_among"]
 
 TURN = 2 * np.pi
 COARSE = float(np.ldexp(np.round(np.ldexp(TURN, 30)), -30))
@@ -52,13 +52,11 @@ class Winding:
         program, levels = problem.program, problem.levels
         blocks = [program.derivative, *([levels.extras] if levels is not None else [])]
         held = set().union(*(b.symbols for b in blocks))
-        state = program.state
-        turned = _angles(blocks, [s for s in state if s in held])
-        angles = [i for i, s in enumerate(state) if s in turned]
+        angles = angles_among(program.state, blocks)
         return cls(
-            np.array([i for i, s in enumerate(state) if s not in held], dtype=int),
+            np.array([i for i, s in enumerate(program.state) if s not in held], dtype=int),
             np.array(angles, dtype=int),
-            len(state),
+            len(program.state),
             natural_units(problem, angles),
         )
 
@@ -105,6 +103,13 @@ class Winding:
         mine[self.quadratures] = mine[self.angles] = True
         others = np.abs(state[~mine]).max(initial=1.0)
         return float(np.abs(state[mine]).max(initial=0.0) / others)
+
+
+def angles_among(state: Sequence[Any], blocks: Sequence[Block]) -> list[int]:
+    """Positions of the states that blocks hold under sines and cosines only."""
+    held = set().union(*(b.symbols for b in blocks))
+    turned = _angles(blocks, [s for s in state if s in held])
+    return [i for i, s in enumerate(state) if s in turned]
 
 
 def _angles(blocks: Iterable[Block], among: Iterable[Any]) -> set[Any]:
