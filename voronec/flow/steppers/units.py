@@ -40,6 +40,8 @@ def units_of_many(
     The size is |x|, or |x'| over the time in which states change by as much as they are, in the
     median; rates that are rounding do not count.
     """
+    if not states.shape[1]:
+        return np.ones(states.shape)
     rhs = compiled(program)[0]
     with np.errstate(all="ignore"):
         rates = [np.asarray(r, dtype=float) for r in rhs(np.float64(0.0), [*states.T], [*values.T])]
