@@ -50,7 +50,8 @@ def units_of_many(
         moving = (x > 0) & (slope > STILL * slope.max(axis=1, initial=0.0)[:, None])
         times = np.sort(np.where(moving, x / slope, np.inf), axis=1)
         count, rows = moving.sum(axis=1), np.arange(len(x))
-        middle = (times[rows, (count - 1) // 2] + times[rows, count // 2 % times.shape[1]]) / 2
+        # of two in the middle the shorter: a size that is too small costs steps, a large one digits
+        middle = times[rows, (count - 1) // 2]
         size = np.maximum(x, slope * np.where(count > 0, middle, 0.0)[:, None])
         far = (size > 0) & ~((size >= SMALL) & (size <= LARGE)) & np.isfinite(size)
     far &= np.isfinite(slope).all(axis=1)[:, None]
