@@ -45,7 +45,7 @@ def test_run_says_in_a_line_what_has_no_closed_form(
     ("span", "more", "method"),
     [
         (10**6, {}, "closed-form"),
-        (10**6, {"outputs": ("u1",), "initial": {"u1": 1.2, "theta": 0.3}}, "heyoka"),
+        (10**6, {"outputs": ("u1",), "initial": {"u1": 1.2, "theta": 0.3}}, "closed-form"),
         (10**4, {"events": ("tau",)}, "heyoka"),
         (10**3, {}, "heyoka"),
     ],

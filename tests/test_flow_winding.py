@@ -7,7 +7,8 @@ import pytest
 import symengine as se
 
 import voronec as vo
-from voronec.flow.steppers.winding import Winding, _angles
+from voronec.flow.steppers.angles import _angles
+from voronec.flow.steppers.winding import Winding
 from voronec.program import Block
 
 a, b, v = se.symbols("a b v")

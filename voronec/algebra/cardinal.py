@@ -8,7 +8,7 @@ are entire.  They are unknown functions of these names in programs alone: proofs
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from math import ceil, comb, factorial
 from typing import Any
 
@@ -63,18 +63,17 @@ def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
     given = [se.sympify(e) for e in exprs]
     below: set[Any] = set()
     arguments: set[Any] = set()
-    for expr in given:
-        for power in expr.atoms(se.Pow):
-            base, exponent = power.args
+    for node in _nodes(given):
+        if isinstance(node, se.Pow):
+            base, exponent = node.args
             if base == se.E:
                 arguments |= _factors(exponent).keys()
             elif exponent.is_Number and exponent < 0:
                 below.add(base)
+        elif isinstance(node, _KINDS):
+            arguments |= _factors(node.args[0]).keys()
     if not below:
         return given
-    for expr in given:
-        for function in expr.atoms(*_KINDS):
-            arguments |= _factors(function.args[0]).keys()
     sums = {a for a in arguments if isinstance(a, se.Add)}
     if not below & arguments and not any(_ratio(a, b) for a in sums for b in below):
         return given
@@ -83,6 +82,17 @@ def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
 
 
 _KINDS = (se.sin, se.cos, se.tan, se.sinh, se.cosh)
+
+
+def _nodes(exprs: Iterable[Any]) -> Iterator[Any]:
+    """All parts of expressions that share parts, each once."""
+    seen, waiting = set[Any](), list(exprs)
+    while waiting:
+        node = waiting.pop()
+        if node.args and node not in seen:
+            seen.add(node)
+            waiting += node.args
+            yield node
 
 
 def _factors(expr: Any) -> dict[Any, Any]:

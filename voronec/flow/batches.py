@@ -16,7 +16,6 @@ import numpy as np
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.flow.steppers.opening import openings
 from voronec.flow.steppers.units import units_of_many
-from voronec.flow.steppers.winding import angles_among
 from voronec.program import Hoisted, Program, compiled, hoisted, taylor_system
 
 __all__ = ["FINEST", "Lanes", "Stopped", "along", "along_scipy", "chosen", "strides"]
@@ -95,8 +94,7 @@ def lanes_of(program: Program, tol: float, states: np.ndarray, values: np.ndarra
         width *= 2
     plain, raised = program, hoisted(program)
     program = raised.program
-    angles = angles_among(plain.state, [plain.derivative])
-    own = units_of_many(plain, states, values, angles)
+    own = units_of_many(plain, states, values)
     moving = np.array([r != 0 for r in plain.derivative.results])
     scaled = tuple(np.flatnonzero((own != 1).any(axis=0) & moving).tolist())
     # heyoka wants no more parameters than the equations contain

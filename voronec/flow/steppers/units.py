@@ -8,10 +8,9 @@ computed with the same bits as ever.
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 import numpy as np
 
+from voronec.flow.steppers.angles import angles_among
 from voronec.flow.steppers.run import Problem
 from voronec.program import Program, compiled
 
@@ -23,31 +22,38 @@ STILL = 2.0**-40
 """A rate below this part of the largest is mostly rounding, and tells no time."""
 
 
-def natural_units(problem: Problem, angles: Collection[int] = ()) -> np.ndarray:
-    """The units of the states of a problem (n,).
-
-    ``angles``, positions of states that matter up to turns only, have the unit 1.
-    """
+def natural_units(problem: Problem) -> np.ndarray:
+    """The units of the states of a problem (n,)."""
     start, values = (np.array([x], dtype=float) for x in (problem.start, problem.parameters))
-    return units_of_many(problem.program, start, values, angles)[0]
+    return units_of_many(problem.program, start, values)[0]
 
 
-def units_of_many(
-    program: Program, states: np.ndarray, values: np.ndarray, angles: Collection[int] = ()
-) -> np.ndarray:
+def units_of_many(program: Program, states: np.ndarray, values: np.ndarray) -> np.ndarray:
     """The units of starts (s, n) with parameters (s, p): 1, or the power of two next to the size.
 
     The size is |x|, or |x'| over the time in which states change by as much as they are, in the
-    median; rates that are rounding do not count.
+    median; rates that are rounding do not count.  Angles matter up to turns only: they have the
+    unit 1 and tell no time.
     """
     if not states.shape[1]:
         return np.ones(states.shape)
+    found = _units_beside(program, states, values, [])
+    if (found == 1).all():
+        return found
+    return _units_beside(program, states, values, angles_among(program.state, [program.derivative]))
+
+
+def _units_beside(
+    program: Program, states: np.ndarray, values: np.ndarray, angles: list[int]
+) -> np.ndarray:
+    """The same where it is known which states are ``angles``."""
     rhs = compiled(program)[0]
     with np.errstate(all="ignore"):
         rates = [np.asarray(r, dtype=float) for r in rhs(np.float64(0.0), [*states.T], [*values.T])]
         slope = np.abs(np.stack([np.broadcast_to(r, len(states)) for r in rates], axis=-1))
         x = np.abs(states)
         moving = (x > 0) & (slope > STILL * slope.max(axis=1, initial=0.0)[:, None])
+        moving[:, angles] = False
         times = np.sort(np.where(moving, x / slope, np.inf), axis=1)
         count, rows = moving.sum(axis=1), np.arange(len(x))
         # of two in the middle the shorter: a size that is too small costs steps, a large one digits
@@ -55,5 +61,5 @@ def units_of_many(
         size = np.maximum(x, slope * np.where(count > 0, middle, 0.0)[:, None])
         far = (size > 0) & ~((size >= SMALL) & (size <= LARGE)) & np.isfinite(size)
     far &= np.isfinite(slope).all(axis=1)[:, None]
-    far[:, list(angles)] = False
+    far[:, angles] = False
     return np.asarray(np.where(far, np.ldexp(1.0, np.frexp(np.where(far, size, 1.0))[1]), 1.0))
