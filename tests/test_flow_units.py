@@ -63,7 +63,7 @@ def test_states_of_ordinary_size_have_the_unit_one(ball: vo.VoronecEquations) ->
     values = [1.0 if str(p) in "mR" else 0.5 for p in program.parameters]
     start = np.full(len(program.state), 0.7)
     assert (natural_units(Problem(program, start, values, 1e-13)) == 1).all()
-    start[[str(s) for s in program.state].index("x")] = 3e9
+    start[[str(s) for s in program.state].index("omega1")] = 3e9
     units = natural_units(Problem(program, start, values, 1e-13))
     assert sorted(set(units)) == [1.0, 2.0**32]
 

@@ -33,7 +33,7 @@ def units_of_many(program: Program, states: np.ndarray, values: np.ndarray) -> n
 
     The size is |x|, or |x'| over the time in which states change by as much as they are, in the
     median; rates that are rounding do not count.  Angles matter up to turns only: they have the
-    unit 1 and tell no time.
+    unit 1, and tell a time, that of a radian, only where nothing else does.
     """
     if not states.shape[1]:
         return np.ones(states.shape)
@@ -51,10 +51,14 @@ def _units_beside(
     with np.errstate(all="ignore"):
         rates = [np.asarray(r, dtype=float) for r in rhs(np.float64(0.0), [*states.T], [*values.T])]
         slope = np.abs(np.stack([np.broadcast_to(r, len(states)) for r in rates], axis=-1))
-        x = np.abs(states)
-        moving = (x > 0) & (slope > STILL * slope.max(axis=1, initial=0.0)[:, None])
-        moving[:, angles] = False
-        times = np.sort(np.where(moving, x / slope, np.inf), axis=1)
+        # nothing depends on a quadrature, so that its value has no size; its rate has
+        held = [s in program.derivative.symbols for s in program.state]
+        x = np.where(held, np.abs(states), 0.0)
+        own, turning = x.copy(), np.zeros(x.shape, dtype=bool)
+        own[:, angles], turning[:, angles] = 1.0, True
+        moving = _moving(own, slope, ~turning)
+        moving |= _moving(own, slope, turning) & ~moving.any(axis=1, keepdims=True)
+        times = np.sort(np.where(moving, own / slope, np.inf), axis=1)
         count, rows = moving.sum(axis=1), np.arange(len(x))
         # of two in the middle the shorter: a size that is too small costs steps, a large one digits
         middle = times[rows, (count - 1) // 2]
@@ -63,3 +67,12 @@ def _units_beside(
     far &= np.isfinite(slope).all(axis=1)[:, None]
     far[:, angles] = False
     return np.asarray(np.where(far, np.ldexp(1.0, np.frexp(np.where(far, size, 1.0))[1]), 1.0))
+
+
+def _moving(x: np.ndarray, slope: np.ndarray, among: np.ndarray) -> np.ndarray:
+    """Which of some states tell a time: those that are not zero, and whose rates are no rounding.
+
+    Rates of angles near a pole say nothing of the others; where these stand still, they must do.
+    """
+    rates = np.where(among, slope, 0.0)
+    return (x > 0) & (rates > STILL * rates.max(axis=1, initial=0.0)[:, None])
