@@ -179,6 +179,31 @@ def test_a_ball_that_starts_at_a_pole(
     assert np.abs(np.diff(both)).max() < 0.01
 
 
+@pytest.mark.parametrize("theta", [0.0, np.pi])
+def test_a_start_at_a_pole_is_given_by_velocities_of_angles(
+    ball: vo.VoronecEquations, theta: float
+) -> None:
+    # there phi and psi turn the body about one axis, and theta about the line of nodes
+    spin = (0.3 * np.cos(0.2), -0.3 * np.sin(0.2), 0.5 + 0.4 * np.cos(theta))
+    rates = {"phidot": 0.4, "thetadot": 0.3, "psidot": 0.5}
+    times = np.linspace(0, 2, 9)
+    truth, _ = turning(chaplygin, euler(0.3, theta, 0.2), spin, times)
+    motion = vo.integrate(
+        ball, times=times, outputs=(), initial={"phi": 0.3, "theta": theta, "psi": 0.2, **rates}
+    )
+    assert np.abs(matrices(motion) - truth).max() < 1e-11
+
+
+def test_digits_at_a_pole_are_refused_in_one_line(ball: vo.VoronecEquations) -> None:
+    for spin in ({"omega1": 1}, {"phidot": 0, "thetadot": 1}):
+        with pytest.raises(vo.IntegrationError, match=r"starts at a pole .* give tol=1e-16 or"):
+            vo.integrate(ball, times=[0, 1], outputs=(), initial={"theta": 0, **spin}, tol=1e-20)
+    inside = vo.integrate(
+        ball, times=[0, 1], outputs=("omega1",), initial={"theta": 0, "omega1": 1}, tol=1e-20
+    )
+    assert inside.drift["energy"] < 1e-19  # the equations of the invariants have no poles
+
+
 def test_a_ball_that_comes_near_a_pole_on_its_way(ball: vo.VoronecEquations) -> None:
     spins = [f"omega{i}" for i in (1, 2, 3)]
     start = {"theta": 1e-6, **dict(zip(spins, SPIN, strict=True))}

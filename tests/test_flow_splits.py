@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.integrate
 import sympy as sp
 from scipy.integrate import solve_ivp
 
@@ -325,3 +326,21 @@ def test_an_ensemble_passes_too() -> None:
         truth = multiplier_motion(ball.system, whole, times)
         names = [str(q) for q in ball.system.coordinates]
         assert np.abs(many["x"][row] - truth[names.index("x")]).max() < 1e-9
+
+
+def test_a_snakeboard_starts_with_its_wheels_straight() -> None:
+    board = vo.derive(vo.load("snakeboard"))
+    steered = {"psidot": 1, "phidot": "3/10"}
+    # at phi = 0 the board cannot turn, and theta' says nothing of its speed
+    with pytest.raises(vo.DefinitionError, match="such as 'xdot'"):
+        vo.integrate(board, initial=steered, times=[0, 1], outputs=("theta",))
+    motion = vo.integrate(
+        board, initial={"xdot": "1/2", **steered}, times=[0, 1], outputs=("theta",)
+    )
+    # theta' ((J + 2 W) sin(phi)^2 + m l^2 cos(phi)^2)^(1/2) / sin(phi) is constant
+
+    def rate(t: float) -> float:
+        s, c = np.sin(0.3 * t), np.cos(0.3 * t)
+        return float(-0.5 * np.sqrt(6) * s / np.sqrt(0.12 * s**2 + 6 * 0.04 * c**2))
+
+    assert abs(motion["theta"][-1] - scipy.integrate.quad(rate, 0, 1, epsabs=1e-14)[0]) < 1e-12

@@ -188,3 +188,14 @@ def test_parameters_without_which_the_equations_mean_nothing_are_named() -> None
     with pytest.raises(vo.DefinitionError, match="not defined for R1 = -1, R2 = 1") as caught:
         vo.integrate(vo.load("ball-on-sphere"), times=[0, 1], parameters={"R1": -1})
     assert "\n" not in str(caught.value)
+
+
+def test_velocities_of_coordinates_at_a_pole_whose_sine_is_rounding() -> None:
+    # sin(pi) is 1e-16 in doubles, so that rates of angles are finite there, and mean nothing
+    ball = vo.derive(vo.load("demchenko"))
+    given = {"theta": 0.98, "u1": 0.62, "udot": 0.69, "vdot": 0.43, "thetadot": 0.32}
+    ends = []
+    for u in (np.pi, np.pi - 1e-6):
+        run = vo.integrate(ball, times=[0, 1], outputs=("u1", "v1"), initial={"u": u, **given})
+        ends.append([run["u1"][-1], run["v1"][-1]])
+    assert np.abs(np.subtract(*ends)).max() < 1e-4

@@ -36,7 +36,7 @@ from voronec.flow.soundness import Breach, Judge
 from voronec.flow.split_models import NEAR, SplitGround
 from voronec.flow.split_run import NearDivisor, SplitRun, guarding, unguarded
 from voronec.flow.steppers import Problem, Run, Stepper
-from voronec.flow.steppers.choice import CLOSED, is_exact
+from voronec.flow.steppers.choice import CLOSED, EXACT, is_exact
 from voronec.flow.steppers.signals import Signals, in_kind
 from voronec.flow.switching import through_walls
 from voronec.flow.trajectory import Cost, Trajectory
@@ -226,6 +226,22 @@ class _Request:
             return self._in_smallest(self.method, guarded=True)
         except NearPole:
             return first_success((self._beyond_poles, self._past_poles), float(self.grid[0]))
+        except IntegrationError as error:
+            own, start = self.vocabulary.equations, error.time in (None, self.grid[0])
+            if start and is_exact(self.method, self.tol) and self.outset.is_at_pole(own):
+                raise self._no_digits() from error
+            raise
+
+    def _no_digits(self) -> IntegrationError:
+        """The error where digits are asked for at a pole of angles."""
+        own = self.vocabulary.equations
+        return IntegrationError(
+            f"system '{own.system.name}': the motion starts at a pole of its angles, beyond which "
+            f"charts lead in doubles alone; give tol={EXACT:g} or more, and not method='flint', "
+            "or start elsewhere",
+            self.grid[0],
+            self.outset.state,
+        )
 
     def _beyond_poles(self, _: IntegrationError | None) -> Trajectory | None:
         """In charts that are regular at the poles of Euler's angles, where these can be made."""

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from voronec.attitudes import euler_angles, with_attitude_charts
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.flow.conditions import NoFrame, Rates
@@ -29,6 +30,9 @@ from voronec.flow.wide_start import WideStart
 from voronec.program import Program
 
 __all__ = ["Outset", "rates_at"]
+
+POLE = 1e-6
+"""At a pole of angles sines, and parts of unit vectors that vanish there, are below this."""
 
 
 def rates_at(
@@ -64,12 +68,43 @@ def _is_frame(vocabulary: Vocabulary, ground: SplitGround, given: Given) -> bool
         return True
 
 
+def _blind_directions(equations: VoronecEquations, state: np.ndarray) -> np.ndarray:
+    """Directions (N, k), of unit length, in which Euler's angles may change at their poles while
+    the attitude stays; k is zero where a state (coordinates first) is at none.
+
+    Rz(phi) Rx(c) Rz(s psi) knows only phi + s psi where c = 0, and phi - s psi where c = pi.
+    """
+    d, found = equations.definition, []
+    for angles in euler_angles(equations):
+        first, middle, last = (d.coordinates.index(x) for x in angles.symbols)
+        polar = float(state[middle]) + float(angles.shift)
+        if abs(np.sin(polar)) < POLE:
+            direction = np.zeros(len(d.dots))
+            direction[first], direction[last] = 1.0, -angles.sense * np.cos(polar)
+            found.append(direction / np.linalg.norm(direction))
+    return np.array(found).reshape(-1, len(d.dots)).T
+
+
+def _only_angles_fail(ground: SplitGround, wide: np.ndarray) -> bool:
+    """Whether a wide state is at poles of Euler's angles beyond which charts lead, and the
+    velocities v leave nothing open there but what is no motion."""
+    blind = _blind_directions(ground.home, wide)
+    if not blind.shape[1] or with_attitude_charts(ground.home) is None:
+        return False
+    rows = np.vstack(ground.rows(ground.time, wide))[:, :-1]
+    sizes = np.linalg.norm(rows, axis=1, keepdims=True)
+    _, values, basis = np.linalg.svd(rows / np.where(sizes > 0, sizes, 1.0))
+    rank = int((values > POLE * values.max(initial=0.0)).sum())
+    open_ways = basis[rank:].T
+    return bool(np.abs(open_ways - blind @ (blind.T @ open_ways)).max(initial=0.0) < POLE)
+
+
 @dataclass(frozen=True)
 class Outset:
     """The start on the coordinates: ``state`` (n,), coordinates, then velocities; ``constants`` by
     name; ``notes``, what was moved on request; and both again ``exactly``, in any precision.
     Constants that are ``changing`` are those of the start; ``framed`` says whether the velocities
-    of the equations are a frame there."""
+    of the equations are a frame there, but for the poles of angles."""
 
     state: np.ndarray
     constants: Mapping[str, float]
@@ -77,6 +112,10 @@ class Outset:
     exactly: Exactly
     changing: Signals | None = None
     framed: bool = True
+
+    def is_at_pole(self, equations: VoronecEquations) -> bool:
+        """Whether it is at a pole of Euler's angles."""
+        return bool(_blind_directions(equations, self.state).shape[1])
 
     @property
     def steady(self) -> dict[str, float]:
@@ -112,7 +151,8 @@ class Outset:
             ground = SplitGround(equations, constants, time)
             if not isinstance(error, NoFrame) and _is_frame(vocabulary, ground, given):
                 raise
-            start, framed = Start(WideStart.of(vocabulary, ground, given, project).home), False
+            wide = WideStart.of(vocabulary, ground, given, project)
+            start, framed = Start(wide.home), _only_angles_fail(ground, wide.wide)
         exactly = Exactly(
             vocabulary, quantities(form, {}), time, given.parameters, given.scene_initial,
             given.initial, start.state, bool(start.notes),

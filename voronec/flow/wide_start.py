@@ -158,12 +158,13 @@ class _Conditions:
         left, right = left / sizes[:, None], right / sizes
         if before is not None:
             return before + np.linalg.pinv(left, DETERMINED) @ (right - left @ before)
-        values = np.linalg.svd(left, compute_uv=False)
+        _, values, basis = np.linalg.svd(left)
         if len(values) < left.shape[1] or values[-1] < DETERMINED * values[0]:
+            free = self.dots[int(np.argmax(np.abs(basis[-1])))]
             raise DefinitionError(
                 f"system '{self.system.name}': the velocities {', '.join(self.own)} are no frame "
                 "at the initial point, and do not determine the motion; give velocities of "
-                f"coordinates, such as '{self.dots[0]}'"
+                f"coordinates, such as '{free}'"
             )
         return np.linalg.lstsq(left, right, rcond=None)[0]
 
