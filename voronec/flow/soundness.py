@@ -23,6 +23,7 @@ from voronec.errors import VoronecError
 from voronec.flow.defects import WIDTH, Rates, Windows, again
 from voronec.flow.observing import evaluated
 from voronec.flow.steppers.signals import Signals, in_kind
+from voronec.model.special import is_many_valued
 from voronec.program import Program, compiled
 from voronec.vector_field import Motions
 
@@ -230,12 +231,14 @@ def _function(inputs: tuple[Any, ...], exprs: tuple[Any, ...]) -> Any:
 
 
 def proved(equations: VoronecEquations, integral: Any) -> bool:
-    """Whether a claimed integral is proved to be one; where that exceeds the budget, it is not."""
+    """Whether a claimed integral is proved to be one, and no motion can change over to another of
+    its branches; where that exceeds the budget, it is not."""
     function = right_of(integral)
     try:
         field = Motions.of(equations).deciding([function])
-        rate = field.derivative(field.read_named(function))
-        return bool(all_vanish([rate], field.relations))
+        read = field.read_named(function)
+        rate = field.derivative(read)
+        return not is_many_valued(read) and bool(all_vanish([rate], field.relations))
     except VoronecError:
         return False
 

@@ -14,7 +14,14 @@ from voronec.errors import EngineLimit
 from voronec.model.dependence import blocks, restricted
 from voronec.model.level import Level, defined
 
-__all__ = ["at_zero", "by_integrals", "constants", "level_of", "without_parameters"]
+__all__ = [
+    "at_zero",
+    "by_integrals",
+    "constants",
+    "is_many_valued",
+    "level_of",
+    "without_parameters",
+]
 
 AMPLIFICATION = 100.0
 """An integral gives a variable only where it enlarges errors of the others by less than this."""
@@ -133,7 +140,7 @@ def by_integrals(
 def _solvable(level: Level, integral: Any, value: Value) -> Any | None:
     """The variable that an integral gives well, if there is one."""
     inside = integral.free_symbols
-    if _many_valued(integral):
+    if is_many_valued(integral):
         return None
     alone = {level.velocities[block[0]] for block in blocks(level) if len(block) == 1}
     if not inside <= {*level.variables, *level.parameters, level.time}:
@@ -159,7 +166,7 @@ def _short(expr: Any) -> Any:
         return expr
 
 
-def _many_valued(expr: Any) -> bool:
+def is_many_valued(expr: Any) -> bool:
     """Whether an expression may hold a function with branches or steps, on which a motion may
     change over: its rate vanishes, and yet it is not constant along the motion."""
     stack, seen = [expr], set()

@@ -11,7 +11,7 @@ from typing import Any
 import mpmath as mp
 import sympy as sp
 
-from voronec.arguments import COUNT, POINT, accepts
+from voronec.arguments import POINT, accepts
 from voronec.errors import DefinitionError
 from voronec.multipliers.linear import Vector
 from voronec.multipliers.plan import Plan, make_plan
@@ -51,7 +51,7 @@ class Reactions:
     generalized: Mapping[sp.Expr, sp.Float]
 
 
-@accepts(point=POINT, digits=COUNT)
+@accepts(point=POINT)
 def multiplier_acceleration(
     system: System, point: Mapping[Any, Any], digits: int = 30
 ) -> dict[sp.Expr, sp.Float]:
@@ -79,7 +79,7 @@ def multiplier_acceleration(
     return _labelled(things, solution.accelerations, digits)
 
 
-@accepts(point=POINT, digits=COUNT)
+@accepts(point=POINT)
 def reaction_forces(system: System, point: Mapping[Any, Any], digits: int = 30) -> Reactions:
     """The multipliers and reaction forces at a point; see ``multiplier_acceleration``."""
     solution = _confirmed(require_system(system), point, digits)
