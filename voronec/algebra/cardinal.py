@@ -128,8 +128,11 @@ def _rewritten(expr: Any, known: dict[Any, Any]) -> Any:
     return found
 
 
-def _quotient(product: Any) -> Any:
-    """A product in which functions that vanish with w take up the powers of w below."""
+def _quotient(product: Any, spread: bool = True) -> Any:
+    """A product in which functions that vanish with w take up the powers of w below.
+
+    Sums are ``spread`` once: sums within sums would take time that grows with the power of depth.
+    """
     powers = _factors(product)
     below = {u: e for u, e in powers.items() if e.is_Number and e < 0}
     for base, exponent in powers.items():
@@ -146,8 +149,8 @@ def _quotient(product: Any) -> Any:
             times = min(int(exponent), ceil(-e / (order * held)))
             function = se.Function(name)(argument)
             whole = rest * function**order * argument**order / base
-            return _quotient(product * whole**times)
-    for base, exponent in powers.items():
+            return _quotient(product * whole**times, spread)
+    for base, exponent in powers.items() if spread else ():
         if isinstance(base, se.Add) and exponent == 1:
             for u in below:
                 found = _shared_out(base, product / base, u)
@@ -163,11 +166,11 @@ def _shared_out(above: Any, rest: Any, u: Any) -> Any | None:
         terms = expr.args if isinstance(expr, se.Add) else (expr,)
         return all(_factors(t).get(u, 0) >= 0 for t in terms)
 
-    parts = [(term, _quotient(term * rest)) for term in above.args]
+    parts = [(term, _quotient(term * rest, False)) for term in above.args]
     clear = [part for _, part in parts if is_clear(part)]
     left = [term for term, part in parts if not is_clear(part)]
     if left and clear:
-        clear.append(_quotient(se.Add(*left) * rest))
+        clear.append(_quotient(se.Add(*left) * rest, False))
     return se.Add(*clear) if clear and is_clear(clear[-1]) else None
 
 
