@@ -12,7 +12,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import names_in, plain_name
-from voronec.algebra.text import exact_number, formula, in_doubles, sympified
+from voronec.algebra.text import NOT_REAL, exact_number, formula, in_doubles, sympified
 from voronec.errors import DefinitionError, shown
 
 __all__ = [
@@ -32,7 +32,6 @@ __all__ = [
 
 DIGITS = 1000
 """Digits of an exact time in a motion of many digits: its tolerance is a double, above 1e-324."""
-_NOT_REAL = (sp.I, sp.nan, sp.zoo, sp.oo, -sp.oo)
 
 
 def expression(thing: Any, place: str) -> sp.Expr:
@@ -46,7 +45,7 @@ def expression(thing: Any, place: str) -> sp.Expr:
     except OverflowError:
         # printing an expression evaluates its numbers, so this one is not quoted
         raise DefinitionError(f"{place} holds a number beyond doubles; use another unit") from None
-    for number in _NOT_REAL:
+    for number in NOT_REAL:
         if expr.has(number):
             mend = (
                 "a quantity of that name is sympy.Symbol('I')" if number == sp.I else "correct it"

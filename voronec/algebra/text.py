@@ -26,6 +26,7 @@ from voronec.errors import DefinitionError, shown
 
 __all__ = [
     "FUNCTION_NAMES",
+    "NOT_REAL",
     "exact_number",
     "formula",
     "in_doubles",
@@ -73,7 +74,8 @@ _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)|(?P<name>[^\W\d]\w*)"
     r"|(?P<sign>\*\*|[-+*/^(),]))"
 )
-_NOT_NUMBERS = (sp.I, sp.nan, sp.zoo, sp.oo, -sp.oo)
+NOT_REAL = (sp.I, sp.nan, sp.zoo, sp.oo, -sp.oo)
+"""Constants of SymPy that are no real numbers."""
 
 
 class _Value(NamedTuple):
@@ -319,7 +321,7 @@ class _Reader:
         return _Value(expr, size)
 
     def _real(self, expr: Any, at: _Token | None) -> Any:
-        if expr.has(*_NOT_NUMBERS):
+        if expr.has(*NOT_REAL):
             self._wrong("not a finite real number", at)
         return expr
 

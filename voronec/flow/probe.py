@@ -12,7 +12,7 @@ import symengine as se
 
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.flow.steppers.run import Halt, Suspect
-from voronec.flow.steppers.signals import Signals, in_kind
+from voronec.flow.steppers.signals import Signals, values_along
 from voronec.program import Program, compiled, hoisted
 
 __all__ = ["Probe", "quantities", "quiet", "rates_along"]
@@ -87,7 +87,8 @@ class Probe:
             raise self._nowhere("the equations are not defined", start)
 
     def suspect(self, start: np.ndarray) -> Suspect | None:
-        """Finds states with a singular mass matrix, or beyond one; None where it is constant.
+        """Finds states with a singular mass matrix, or beyond one; None where it is constant, and
+        where it is not defined at the start, from which ``check`` lets nothing begin.
 
         Beyond one the number of negative eigenvalues is not that of the start.
         """
@@ -96,7 +97,7 @@ class Probe:
             return None
         base = self.masses(np.array([self.time]), start[None, :])[0]
         if not np.isfinite(base).all():
-            raise self._nowhere("the mass matrix is not defined", start)
+            return None
         units = np.sqrt(np.abs(np.diag(base)))
         scale = np.outer(units, units) if units.all() else np.ones_like(base)
         negative = int((np.linalg.eigvalsh(base / scale) < 0).sum())
@@ -153,9 +154,7 @@ class Probe:
 
     def _values(self, t: np.ndarray) -> list[Any]:
         """The parameters at times (k,)."""
-        along = self.changing.along(t) if self.changing is not None else {}
-        pairs = zip(map(str, self.program.parameters), self.values, strict=True)
-        return [in_kind(along[n], t.dtype) if n in along else np.float64(x) for n, x in pairs]
+        return values_along(self.changing, map(str, self.program.parameters), self.values, t)
 
     def _meaningless(self) -> str:
         """The parameters, with their values, of which the equations hold an expression without a

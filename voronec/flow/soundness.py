@@ -22,7 +22,7 @@ from voronec.equations import VoronecEquations
 from voronec.errors import VoronecError
 from voronec.flow.defects import WIDTH, Rates, Windows, again
 from voronec.flow.observing import evaluated
-from voronec.flow.steppers.signals import Signals, in_kind
+from voronec.flow.steppers.signals import Signals, values_along
 from voronec.model.special import is_many_valued
 from voronec.program import Program, compiled
 from voronec.vector_field import Motions
@@ -95,9 +95,7 @@ class Judge:
 
     def at(self, t: np.ndarray) -> list[Any]:
         """The values of the parameters at times (k,): doubles, or arrays of them."""
-        along = {} if self.changing is None else self.changing.along(t)
-        pairs = zip(map(str, self.program.parameters), self.values, strict=True)
-        return [in_kind(along[n], float) if n in along else np.float64(x) for n, x in pairs]
+        return values_along(self.changing, map(str, self.program.parameters), self.values, t)
 
     def original(
         self, t: np.ndarray, states: np.ndarray, constants: Mapping[str, Any]

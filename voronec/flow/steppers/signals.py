@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -15,7 +15,7 @@ import numpy as np
 
 from voronec.errors import DefinitionError
 
-__all__ = ["Signal", "Signals", "in_kind"]
+__all__ = ["Signal", "Signals", "in_kind", "values_along"]
 
 
 def in_kind(numbers: np.ndarray, kind: Any) -> np.ndarray:
@@ -146,3 +146,12 @@ class Signals:
         for signal in self.signals:
             found |= signal.along(np.asarray(times, dtype=float))
         return found
+
+
+def values_along(
+    changing: Signals | None, names: Iterable[str], values: Iterable[Any], times: np.ndarray
+) -> list[Any]:
+    """Parameters by name at times (k,): those that change as arrays (k,), the others as numbers."""
+    along = {} if changing is None else changing.along(times)
+    pairs = zip(names, values, strict=True)
+    return [in_kind(along[n], times.dtype) if n in along else np.float64(x) for n, x in pairs]
