@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -185,6 +186,8 @@ def grid_of(system: System, scene: Scene | None, times: Any) -> np.ndarray:
         grid = np.linspace(begin, float(grid), POINTS)
     if grid.ndim != 1 or grid.size == 0 or not np.isfinite(grid).all():
         raise wrong
+    if not isfinite(float(grid[-1]) - float(grid[0])):
+        raise DefinitionError("times have a span that no double holds; use another unit of time")
     steps = np.diff(grid)
     if not ((steps > 0).all() or (steps < 0).all()):
         raise wrong

@@ -283,7 +283,7 @@ def original_rates(
         if n:
             mass = rows[:, width : width + n * n].reshape(-1, n, n)
             sizes = np.abs(np.linalg.eigvalsh(mass[sound]))
-            sound[sound] = sizes.max(axis=1) < REGULAR * sizes.min(axis=1)
+            sound[sound] = sizes.max(axis=1) / REGULAR < sizes.min(axis=1)
             force = rows[sound, width + n * n :, None]
             result[sound, width:] = np.linalg.solve(mass[sound], force)[:, :, 0]
         result[~sound] = np.nan

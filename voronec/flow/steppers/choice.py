@@ -10,6 +10,7 @@ closed form is evaluated, where the span is long: ``voronec.flow.motion``.)
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from importlib.util import find_spec
 from typing import Any
 
@@ -99,8 +100,10 @@ def _is_there(library: str) -> bool:
 
 
 def _made(method: str, problem: Problem, reason: str) -> tuple[Stepper, dict[str, Any]]:
-    finest = FINEST if method in ("scipy", "lsoda") else 0.0
-    chosen = {"method": method, "reason": reason, "tolerance": max(problem.tol, finest)}
+    # a finer tolerance would only raise the order of heyoka's series, beyond all bounds
+    finest = {"scipy": FINEST, "lsoda": FINEST, "heyoka": EXACT}.get(method, 0.0)
+    problem = replace(problem, tol=max(problem.tol, finest))
+    chosen = {"method": method, "reason": reason, "tolerance": problem.tol}
     try:
         if problem.changing is not None:
             return in_pieces(_MAKERS[method], problem, anew=method == "flint"), chosen

@@ -139,9 +139,9 @@ class _Walker:
         room = self.room(rows)
         part = min(1 << bits, int(min(room, 1.0) * 2**53) << bits - 53)
         polynomial = _Polynomial(rows, start, step, bits, self.kept)
-        self.guess = int(abs(step) * min(room, 2.0) * 2**20) >> 20
+        self.guess = abs(step) * int(min(room, 2.0) * 2**20) >> 20
         self.time = self.time + (step * part >> bits)
-        if abs(self.time - start) * 2.0**-bits < self.least:
+        if abs(self.time - start) < _units(self.least, bits):
             raise Halted(COLLAPSE)
         self.state = polynomial.state(part)
         return Stride(

@@ -59,8 +59,10 @@ def estimated_steps(problem: Problem, grid: np.ndarray, limit: int) -> int | Non
             return None
     if limit <= TRIAL:
         return None
-    steps = TRIAL + int(abs(float(grid[-1]) - solver.t) / solver.step_size)
-    return steps if steps <= limit else None
+    rest = abs(float(grid[-1]) - solver.t)
+    return (
+        TRIAL + int(rest / solver.step_size) if rest <= (limit - TRIAL) * solver.step_size else None
+    )
 
 
 def _solver(problem: Problem, method: Callable[..., Any], grid: np.ndarray) -> Any:
