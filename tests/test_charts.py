@@ -226,3 +226,28 @@ def test_what_leaves_out_the_sphere_keeps_the_chart_of_the_ball(demchenko):
     whole = run(demchenko, NEAR_POLE, grid)
     assert found.switches == 1
     assert np.abs(found.states[-1] - whole.states[-1][[0, 1, 5, 6, 7]]).max() < 1e-9
+
+
+@pytest.mark.parametrize("chosen", [(0,), (1,), (0, 1)])
+def test_a_run_comes_home_on_the_side_on_which_it_was(demchenko, chosen):
+    """Colatitudes below zero are as good as others: (u, v, theta) is (-u, v + pi, theta + pi)."""
+    system = demchenko.system
+    twins = system.charts["both poles turned"].twin_values(system)
+    names = [*system.coordinates, *system.velocities]
+    plain = dict(zip(names, [0.02, 0.4, 0.03, *NEAR_POLE[3:]], strict=True))
+    other = plain
+    for i in chosen:
+        other = {x: float(e.subs(other)) for x, e in twins[i].items()}
+    runs = [run(demchenko, [*map(s.get, names)], [0, 0.7, 1.5]) for s in (plain, other)]
+    assert runs[1].switches
+    for i, u in enumerate(("u", "u1")):
+        column, sign = names.index(sp.Symbol(u)), -1 if i in chosen else 1
+        assert np.abs(runs[1].states[:, column] - sign * runs[0].states[:, column]).max() < 1e-10
+
+
+def test_a_twin_that_is_another_state_is_refuted():
+    system = vo.load("zhukovsky-ball")
+    name = "pole of the ball turned"
+    (twin,) = system.charts[name].twins
+    wrong = changed(system, name, twins=({**twin, "theta": sp.Symbol("theta")},))
+    assert verdicts(wrong)[name].refuted

@@ -235,7 +235,11 @@ class _Turned:
         out = self.d.door.outward
         there: dict[Any, Any] = {}
         back: dict[Any, Any] = {}
-        twin: dict[Any, Any] = {}
+        twins: list[dict[Any, Any]] = []
+
+        def outside(values: Any) -> dict[Any, Any]:
+            return {out(q): out(e) for q, e in values}
+
         singular = se.Mul(*[t.singular for t in self.triples])
         kept = [t.singular for t in self.triples if t not in self.chosen]
         other = se.Mul(*kept, *[se.sin(t.theta) for t in self.chosen])
@@ -244,14 +248,12 @@ class _Turned:
             there |= zip(t.symbols, _angles_of(_laid_down(upright)), strict=True)
             phi, theta, psi = _angles_of(_stood_up(_matrix(t.symbols)))
             back |= zip(t.symbols, (phi, theta - t.shift, t.sense * psi), strict=True)
-            twin |= {t.phi: t.phi + se.pi, t.theta: -t.theta - 2 * t.shift, t.psi: t.psi - se.pi}
-
-        def outside(values: Any) -> dict[Any, Any]:
-            return {out(q): out(e) for q, e in values.items()}
+            other_side = (t.phi + se.pi, -t.theta - 2 * t.shift, t.psi - se.pi)
+            twins.append(outside(zip(t.symbols, other_side, strict=True)))
 
         return Chart(
-            state=outside(there), singular=out(singular), changes=self._changes(),
-            back=outside(back), singular_there=out(other), twin=outside(twin), near=self._near,
+            state=outside(there.items()), singular=out(singular), changes=self._changes(),
+            back=outside(back.items()), singular_there=out(other), twins=twins, near=self._near,
         )  # fmt: skip
 
     @property

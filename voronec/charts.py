@@ -5,7 +5,7 @@ Declarations only; ``voronec check`` proves them, and a run changes to them near
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -44,9 +44,9 @@ class Chart:
         by default ``state`` itself, a map that is its own inverse.
     singular_there
         the same as ``singular`` for the chart; by default the same function of its coordinates.
-    twin
-        other values of the system's coordinates for the same state, where they cover states twice,
-        as Euler's angles do: {phi: phi + pi, theta: -theta, psi: psi - pi}.
+    twins
+        other values of the system's variables for the same state, a map for each way in which they
+        cover states twice, as Euler's angles do: {phi: phi + pi, theta: -theta, psi: psi - pi}.
     near
         values of coordinates in the chart, where the system's own are singular: there the
         constraints, solved for the chart, should be defined.
@@ -57,17 +57,16 @@ class Chart:
     changes: Mapping[str, Any] = field(default_factory=dict)
     back: Mapping[Any, Any] = field(default_factory=dict)
     singular_there: Any = None
-    twin: Mapping[Any, Any] = field(default_factory=dict)
+    twins: Sequence[Mapping[Any, Any]] = ()
     near: Mapping[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         def store(name: str, value: Any) -> None:
             object.__setattr__(self, name, value)
 
-        for part in ("state", "back", "twin", "near"):
-            given = mapping(getattr(self, part), f"{part} of a chart", "variable: expression")
-            read = {plain_name(k): expression(e, f"'{shown(k)}'") for k, e in given.items()}
-            store(part, mapping(read, part, "variable: expression"))
+        for part in ("state", "back", "near"):
+            store(part, _named_values(getattr(self, part), part))
+        store("twins", tuple(_named_values(twin, "a twin") for twin in self.twins))
         if not self.state:
             raise DefinitionError("a chart maps nothing; write state={variable: expression}")
         if not self.back:
@@ -85,8 +84,15 @@ class Chart:
 
     def values(self, system: System, part: str = "state") -> dict[sp.Expr, sp.Expr]:
         """Every variable of the chart as a function of the system's; with ``back`` the other way
-        round, and with ``twin`` from the system's to the system's."""
-        given = getattr(self, part)
+        round."""
+        return self._values(system, getattr(self, part))
+
+    def twin_values(self, system: System) -> list[dict[sp.Expr, sp.Expr]]:
+        """Every variable of the system as a function of its variables, for each of ``twins``."""
+        return [self._values(system, twin) for twin in self.twins]
+
+    @staticmethod
+    def _values(system: System, given: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
         dots = {velocity(q): q for q in system.coordinates}
         found = {}
         for x in (*system.coordinates, *system.velocities):
@@ -98,6 +104,12 @@ class Chart:
             else:
                 found[x] = given.get(name, x)
         return found
+
+
+def _named_values(values: Any, part: str) -> Mapping[str, sp.Expr]:
+    given = mapping(values, f"{part} of a chart", "variable: expression")
+    read = {plain_name(k): expression(e, f"'{shown(k)}'") for k, e in given.items()}
+    return mapping(read, part, "variable: expression")
 
 
 def system_in(system: System, name: str) -> System:

@@ -195,10 +195,11 @@ def check_charts(system: System) -> None:
     resting = {*system.coordinates, *(p.symbol for p in system.parameters)}
     for name, chart in system.charts.items():
         place = f"system '{system.name}': chart '{name}'"
-        for key in {*chart.state, *chart.back} - {*names}:
+        for key in {*chart.state, *chart.back}.union(*chart.twins) - {*names}:
             wrong = f"{place} maps '{key}', which is no coordinate or velocity"
             raise DefinitionError(wrong + did_you_mean(key, names))
-        for expr in (*chart.state.values(), *chart.back.values(), *chart.twin.values()):
+        maps = (chart.state, chart.back, *chart.twins)
+        for expr in (e for images in maps for e in images.values()):
             require_known(place, expr, {*system.known_symbols()} - {time})
         for expr in (chart.singular, chart.singular_there):
             require_known(f"{place}: singular", expr, resting)

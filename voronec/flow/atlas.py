@@ -57,8 +57,8 @@ class Place:
     """One chart, ready to be integrated in.
 
     ``stepper`` begins at what ``problem.start`` holds when it is called; ``home`` takes times (k,)
-    and states (k, n) to states of the own chart, and ``twin`` takes these to others that are the
-    same.
+    and states (k, n) to states of the own chart, and each of ``twins`` takes these to others that
+    are the same.
     """
 
     name: str
@@ -66,7 +66,15 @@ class Place:
     stepper: Stepper
     chosen: Mapping[str, Any]
     home: Home
-    twin: Home
+    twins: tuple[Home, ...] = ()
+
+    @property
+    def ways_home(self) -> list[Home]:
+        """``home``, and then any of the twins, one after another."""
+        ways = [self.home]
+        for twin in self.twins:
+            ways += [_after(way, twin) for way in ways]
+        return ways
 
     def run(self, state: np.ndarray, times: np.ndarray) -> Run:
         """The motion from a state on."""
@@ -167,7 +175,7 @@ class Atlas:
             coarse=frozenset({LEAVE}),
         )
         made = choose(self.method, problem, self.grid)
-        return Place(HOME, problem, *made, _as_they_are, _as_they_are)
+        return Place(HOME, problem, *made, _as_they_are)
 
     def _other(self, name: str) -> Place:
         chart, given = next(c for c in self.charts if c.name == name), self.problem
@@ -189,8 +197,8 @@ class Atlas:
             coarse=frozenset({LEAVE, RETURN}),
         )
         made = choose(self.place(HOME).chosen["method"], problem, self.grid)
-        twin = self._rows(self.form, chart.twin) if chart.doubled else _as_they_are
-        return Place(name, problem, *made, self._rows(chart.form, chart.back), twin)
+        twins = tuple(self._rows(self.form, twin) for twin in chart.twins)
+        return Place(name, problem, *made, self._rows(chart.form, chart.back), twins)
 
     def _end(self, name: str, direction: int) -> Event:
         """The end of a stretch; the direction is that along the run, which may go backwards."""
@@ -245,6 +253,10 @@ class Atlas:
 
 def _as_they_are(_: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return rows
+
+
+def _after(first: Home, second: Home) -> Home:
+    return lambda times, rows: second(times, first(times, rows))
 
 
 def _beyond(function: Any, size: Any) -> Any:

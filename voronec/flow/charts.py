@@ -28,9 +28,9 @@ __all__ = ["KeptChart", "kept_charts", "own_singular"]
 class KeptChart:
     """One chart on the variables that are kept.
 
-    ``there`` and ``back`` map every variable, of the chart and of the system; ``twin`` gives other
-    values for the same state of the system, where there are some; ``singular`` is a function in the
-    chart.  ``factors`` vanish where the system's own coordinates are singular.
+    ``there`` and ``back`` map every variable, of the chart and of the system; ``twins`` give
+    other values for the same state of the system, where there are some; ``singular`` is a function
+    in the chart.  ``factors`` vanish where the system's own coordinates are singular.
     """
 
     name: str
@@ -38,7 +38,7 @@ class KeptChart:
     kept: FirstOrderForm
     there: Mapping[Any, Any]
     back: Mapping[Any, Any]
-    twin: Mapping[Any, Any]
+    twins: tuple[Mapping[Any, Any], ...]
     singular: Any
     factors: tuple[Any, ...]
 
@@ -66,11 +66,6 @@ class KeptChart:
     def angles(self) -> set[Any]:
         """Variables that are angles, known up to whole turns."""
         return {x for x, e in self.back.items() if holds_angles([Angles().resolved(e)])}
-
-    @property
-    def doubled(self) -> bool:
-        """Whether the system's coordinates give a state twice."""
-        return any(x != e for x, e in self.twin.items())
 
     @cached_property
     def sides(self) -> tuple[Any, ...]:
@@ -110,19 +105,16 @@ def kept_charts(equations: VoronecEquations, form: FirstOrderForm) -> tuple[Kept
     closed = {*state, *dots, *(door.inward(p.symbol) for p in system.parameters)}
     found: dict[Any, KeptChart] = {}
     for name, chart in system.charts.items():
-        maps = []
-        for part in ("state", "back", "twin"):
-            values = chart.values(system, part)
-            maps.append({x: door.inward(values[names[x]]) for x in state})
-        there, back, twin = maps
-        images = [*there.values(), *back.values(), *twin.values()]
+        maps = [chart.values(system), chart.values(system, "back"), *chart.twin_values(system)]
+        there, back, *twins = ({x: door.inward(e[names[x]]) for x in state} for e in maps)
+        images = [*there.values(), *back.values(), *(e for twin in twins for e in twin.values())]
         own, others = (
             tuple(f for f in _factors(door.inward(e)) if f.free_symbols <= closed)
             for e in (chart.singular, chart.singular_there)
         )
         moves = any(x != e for x, e in there.items())
         if own and moves and all(e.free_symbols <= closed for e in images):
-            kept = KeptChart(name, equations, form, there, back, twin, se.Mul(*others), own)
+            kept = KeptChart(name, equations, form, there, back, (*twins,), se.Mul(*others), own)
             found.setdefault(tuple(there.values()), kept)
     return tuple(found.values())
 

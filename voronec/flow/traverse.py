@@ -176,14 +176,14 @@ class _Journey:
     def on_this_side(self, place: Place, time: Any, state: np.ndarray) -> Home:
         """The way home from a chart; of coordinates that give states twice, on the side on which
         the run has been."""
-        here, now = np.array([time]), place.home(np.array([time]), state[None, :])
-        off = [
-            np.abs(self.atlas.without_turns(rows[0] - self.last)).max()
-            for rows in (now, place.twin(here, now))
-        ]
-        if self.atlas.distances(here, self.last[None, :])[0] < APART or not off[1] < off[0]:
+        here, now = np.array([time]), state[None, :]
+        if self.atlas.distances(here, self.last[None, :])[0] < APART:
             return place.home
-        return lambda t, rows: place.twin(t, place.home(t, rows))
+
+        def off(way: Home) -> float:
+            return float(np.abs(self.atlas.without_turns(way(here, now)[0] - self.last)).max())
+
+        return min(place.ways_home, key=off)
 
     def beside_pole(self, place: Place, times: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """States at home, where a stretch sets out from a pole, or stays there, as if it had come

@@ -44,17 +44,20 @@ def turned_poles(
     require("turned_poles", "contact", contact, instance(RollingContact))
     require("turned_poles", "changes", changes, POINT)
     ball, theta = _Pole(*contact.body.coordinates), contact.theta
+    flipped = {**ball.twin, **{x: -x for x in along}, theta: theta + sp.pi}
     turned = {**ball.state, **ball.components(along)}
     if not _is_sphere(contact.fixed):
         state = {**turned, theta: theta - ball.angle}
-        return {"pole of the ball turned": Chart(state, ball.singular, changes)}
+        return {"pole of the ball turned": Chart(state, ball.singular, changes, twins=(flipped,))}
     fixed = _Pole(*contact.fixed.coordinates)
     singular = ball.singular * fixed.singular
     both = {**turned, **fixed.state, theta: theta - ball.angle - fixed.angle}
+    twins = (flipped, {**fixed.twin, theta: theta + sp.pi})
+    own, other = {**turned, theta: theta - ball.angle}, {**fixed.state, theta: theta - fixed.angle}
     return {
-        "pole of the ball turned": Chart({**turned, theta: theta - ball.angle}, singular, changes),
-        "pole of the sphere turned": Chart({**fixed.state, theta: theta - fixed.angle}, singular),
-        "both poles turned": Chart(both, singular, changes),
+        "pole of the ball turned": Chart(own, singular, changes, twins=twins[:1]),
+        "pole of the sphere turned": Chart(other, singular, twins=twins[1:]),
+        "both poles turned": Chart(both, singular, changes, twins=twins),
     }
 
 
@@ -83,6 +86,11 @@ class _Pole:
             self.u: sp.atan2(self.reach, across * sp.cos(self.v)),
             self.v: sp.atan2(-across * sp.sin(self.v), sp.cos(self.u)),
         }
+
+    @property
+    def twin(self) -> dict[sp.Expr, sp.Expr]:
+        """Other values for the same point, in which both coordinate lines run the other way."""
+        return {self.u: -self.u, self.v: self.v + sp.pi}
 
     @property
     def angle(self) -> sp.Expr:

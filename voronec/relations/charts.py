@@ -1,13 +1,14 @@
 """Charts proved: the same motion, in coordinates that go over into one another.
 
 A chart is a relation of a system to itself in other coordinates, DPhi f = g(Phi), together with an
-inverse: Psi(Phi(x)) = x where the factors of ``singular`` are positive.
+inverse: Psi(Phi(x)) = x where the factors of ``singular`` are positive.  Its twins T give the same
+state as x: Phi(T(x)) = Phi(x).
 """
 
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -53,6 +54,10 @@ def _decided(motions: Motions, name: str) -> Verdict:
     inverse = _inverse(motions, chart)
     if not inverse.proved:
         return replace(inverse, method=f"there and back: {inverse.method}")
+    for twin in chart.twin_values(motions.system):
+        same = _same_state(motions, chart, twin)
+        if not same.proved:
+            return replace(same, method=f"twins: {same.method}")
     home = replace(motions.equations, system=_bare(motions.system))
     known = {home.system.name: Motions(home), there.name: Motions.of(there)}
     relation = Relation(
@@ -78,10 +83,25 @@ def _inverse(motions: Motions, chart: Chart) -> Verdict:
     read = {x: field.door.inward(x) for x in (*system.coordinates, *system.velocities)}
     there = {read[x]: field.read(e) for x, e in chart.values(system).items()}
     angles = Angles(field.relations, _factors(field.read(chart.singular)))
+    back = chart.values(system, "back").items()
+    pairs = [(plain_name(x), field.read(e).xreplace(there) - read[x]) for x, e in back]
+    return all_zero(_up_to_turns(pairs, angles), field.relations)
+
+
+def _same_state(motions: Motions, chart: Chart, twin: Mapping[Any, Any]) -> Verdict:
+    """Whether a twin has the same image as what it is a twin of; angles up to whole turns."""
+    field, system = motions.on_coordinates, motions.system
+    other = {field.door.inward(x): field.read(e) for x, e in twin.items()}
+    images = [(plain_name(x), field.read(e)) for x, e in chart.values(system).items()]
+    pairs = [(label, se.expand(e.xreplace(other) - e)) for label, e in images]
+    return all_zero(_up_to_turns(pairs, Angles(field.relations)), field.relations)
+
+
+def _up_to_turns(pairs: Iterable[tuple[str, Any]], angles: Angles) -> list[tuple[str, Any]]:
+    """What must vanish where differences do, those of angles up to whole turns."""
     residuals = []
-    for x, e in chart.values(system, "back").items():
-        off = field.read(e).xreplace(there) - read[x]
-        label, off = plain_name(x), angles.resolved(off)
+    for label, difference in pairs:
+        off = angles.resolved(difference)
         if off.atoms(se.atan2):
             residuals += [
                 (f"sin({label})", angles.resolved(se.sin(off))),
@@ -89,7 +109,7 @@ def _inverse(motions: Motions, chart: Chart) -> Verdict:
             ]
         else:
             residuals.append((label, off))
-    return all_zero(residuals, field.relations)
+    return residuals
 
 
 def _factors(product: Any) -> tuple[Any, ...]:
