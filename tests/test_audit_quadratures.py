@@ -69,8 +69,10 @@ def test_claims_hold_in_the_ranges_in_which_they_are_true(
         for title, several in records.items()
     }
     assert found[QUADRATURES.title] == [outer, outer, everywhere, outer]
-    assert found[KINDS_OF_MOTION.title] == [everywhere, everywhere, outer, *[everywhere] * 5]
-    assert found[SPECIAL_SOLUTIONS.title] == [*[everywhere] * 3, outer, everywhere, everywhere]
+    nowhere = ("refuted",) * 3
+    assert found[KINDS_OF_MOTION.title] == [everywhere] * 2 + [nowhere] + [everywhere] * 7
+    special = [(), everywhere, everywhere, outer, nowhere, nowhere, everywhere, outer]
+    assert found[SPECIAL_SOLUTIONS.title] == [*special, *[everywhere] * 3]
     displayed = formulas(records[SPECIAL_SOLUTIONS.title], "display")
     assert [in_ranges(f) for f in displayed] == [everywhere] * 3 + [outer, everywhere]
 

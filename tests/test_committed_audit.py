@@ -58,7 +58,7 @@ def transcribed(section: Section) -> list[tuple[str, str | None, str, list[str]]
          [formula.printed for formula in several])
         for several in units.values()
     ]  # fmt: skip
-    return found + [("text", None, claim.says, [""]) for claim in section.sentences]
+    return found + [("text", None, claim.quotation, [""]) for claim in section.sentences]
 
 
 def test_every_formula_and_claim_of_the_transcription_has_its_record(

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from voronec.audit import Display, Paper, Section
+from voronec.audit import Display, Paper, Section, Sentence
 from voronec.catalogue import load_paper
 from voronec.errors import DefinitionError
 
@@ -140,6 +140,16 @@ def test_an_inline_formula_that_is_not_in_its_section_is_reported() -> None:
     assert (found.place, found.transcribed) == ("inline formula 2", "$a = b$")
 
 
+def test_a_quotation_that_is_not_in_its_section_is_reported() -> None:
+    whole = paper()
+    for text, count in (("a line\\\\[2pt]\n and", 0), ("Text. \\footnote", 1), ("Text, and", 1)):
+        first = replace(whole.sections[0], sentences=(Sentence(text, unaudited="a trial"),))
+        made = replace(whole, sections=(first, whole.sections[1]))
+        found = [d for d in differences(made) if d.place == "quotation 1"]
+        assert len(found) == count, text
+    assert "differs from this section's text at its character 5" in found[0].what
+
+
 def test_a_section_that_was_forgotten_is_reported() -> None:
     (found,) = differences(replace(paper(), sections=paper().sections[:1]))
     assert (found.section, found.what) == ("Second", "this section is not in the transcription")
@@ -176,7 +186,9 @@ def printed(made: Paper) -> str:
     parts = ["\\begin{document}"]
     for part in made.sections:
         parts += [f"\\section{{{part.title}}}"]
-        parts += [d.latex for d in (*part.inline, *part.displays)]
+        quoted = "\n".join(sentence.quotation for sentence in part.sentences)
+        parts += [d.latex for d in (*part.inline, *part.displays) if d.latex not in quoted]
+        parts.append(quoted)
     return "\n".join([*parts, "\\end{document}"])
 
 

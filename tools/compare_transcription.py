@@ -3,8 +3,8 @@
     python tools/compare_transcription.py FILE [--paper NAME] [--json]
 
 Every display of the file has to be in the transcription, letter for letter and in order, and every
-inline formula of the transcription in its section of the file.  The exit status is 0 where all is
-equal, 1 where something differs, 2 where an argument is wrong.
+inline formula and every quoted sentence in its section of the file.  The exit status is 0 where all
+is equal, 1 where something differs, 2 where an argument is wrong.
 """
 
 from __future__ import annotations
@@ -76,6 +76,7 @@ def compare(source: Sequence[SourceSection], paper: Paper) -> Comparison:
                 found = [Difference(match.title, f"line {match.line}", "the section is elsewhere")]
             last = match.line
         found += [*_displays(match, section), *_inline(match, section)]
+        found += _sentences(match, section)
         rows.append(_row(match, section, found))
         differences += found
     for match in left:
@@ -154,6 +155,27 @@ def _inline(source: SourceSection, section: Section) -> Iterator[Difference]:
         if latex not in known:
             what = "is not a formula of this section's text"
             yield Difference(source.title, f"inline formula {position}", what, "", latex)
+
+
+def _sentences(source: SourceSection, section: Section) -> Iterator[Difference]:
+    """Quotations that do not stand in this section's text, spaces and line ends being alike."""
+    text = tidy(source.text)
+    for position, sentence in enumerate(section.sentences, 1):
+        quotation = tidy(sentence.quotation)
+        if quotation not in text:
+            start = _longest(quotation, text)
+            what = f"differs from this section's text at its character {start + 1}"
+            place = f"quotation {position}"
+            yield Difference(source.title, place, what, "", _cut(quotation, start, start))
+
+
+def _longest(quotation: str, text: str) -> int:
+    """How much of a quotation, from its beginning, stands in a text."""
+    low, high = 0, len(quotation)
+    while low < high:
+        middle = (low + high + 1) // 2
+        low, high = (middle, high) if quotation[:middle] in text else (low, middle - 1)
+    return low
 
 
 def _table(comparison: Comparison) -> str:

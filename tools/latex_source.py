@@ -35,12 +35,16 @@ class Excerpt:
 
 @dataclass(frozen=True)
 class SourceSection:
-    """A section or subsection; ``title`` has single spaces, and is empty before the first."""
+    """A section or subsection; ``title`` has single spaces, and is empty before the first.
+
+    ``text`` is its source without comments.
+    """
 
     title: str
     line: int
     displays: tuple[Excerpt, ...]
     inline: tuple[Excerpt, ...]
+    text: str = ""
 
 
 def read_sections(text: str) -> tuple[SourceSection, ...]:
@@ -54,7 +58,7 @@ def read_sections(text: str) -> tuple[SourceSection, ...]:
         raise DefinitionError("the file has no \\begin{document}; give a whole LaTeX article")
     position = start + len("\\begin{document}")
     end = len(text) if end < 0 else end
-    found = [_Open("", 1, [], [])]
+    found = [_Open("", 1, [], [], position)]
     while match := _MARK.search(text, position, end):
         position = match.end()
         kind, line = match.lastgroup, text.count("\n", 0, match.start()) + 1
@@ -63,7 +67,7 @@ def read_sections(text: str) -> tuple[SourceSection, ...]:
             if heading is None:
                 continue
             title, position = _group(text, heading.end(), line)
-            found.append(_Open(tidy(title), line, [], []))
+            found.append(_Open(tidy(title), line, [], [], position))
         elif kind != "skip":
             closing = _closing(match)
             position = _end_of(text, match.end(), end, closing)
@@ -72,7 +76,11 @@ def read_sections(text: str) -> tuple[SourceSection, ...]:
             excerpt = Excerpt(text[match.start() : position], line)
             inline = kind in ("single", "round")
             (found[-1].inline if inline else found[-1].displays).append(excerpt)
-    return tuple(SourceSection(s.title, s.line, tuple(s.displays), tuple(s.inline)) for s in found)
+    ends = [s.start for s in found[1:]] + [end]
+    return tuple(
+        SourceSection(s.title, s.line, tuple(s.displays), tuple(s.inline), text[s.start : stop])
+        for s, stop in zip(found, ends, strict=True)
+    )
 
 
 def tidy(title: str) -> str:
@@ -88,6 +96,7 @@ class _Open:
     line: int
     displays: list[Excerpt]
     inline: list[Excerpt]
+    start: int
 
 
 def _closing(match: re.Match[str]) -> str:

@@ -9,6 +9,7 @@ from voronec.audit.meaning import direction
 from voronec.audit.paper import Check, Convention, Display, Paper, Section, Sentence
 from voronec.audit.record import Audit, FormulaRecord, Record
 from voronec.audit.run import audit_paper
+from voronec.audit.slots import Interval, Quoted, Reference, one_of, tight
 from voronec.audit.study import Motion, Range, Study
 from voronec.audit.transcript import Transcript
 
@@ -19,10 +20,13 @@ __all__ = [
     "Convention",
     "Display",
     "FormulaRecord",
+    "Interval",
     "Motion",
     "Paper",
+    "Quoted",
     "Range",
     "Record",
+    "Reference",
     "Section",
     "Sentence",
     "Study",
@@ -30,5 +34,7 @@ __all__ = [
     "Verdict",
     "audit_paper",
     "direction",
+    "one_of",
     "shorten",
+    "tight",
 ]

@@ -9,7 +9,7 @@ study reads is not seen.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -33,9 +33,11 @@ class Basis:
     files: tuple[Path, ...]
 
     @classmethod
-    def of(cls, section: Section) -> Basis:
-        """Collect them."""
-        return cls(_declared(section), tuple(sorted(closure(_origins(section)))))
+    def of(cls, section: Section, paper: Iterable[Section] = ()) -> Basis:
+        """Collect them; ``paper`` holds the sections to whose formulas its sentences may refer."""
+        refers = any(slot.kind == "reference" for s in section.sentences for slot in s.slots)
+        others = [d.latex for s in paper for d in s.displays] if refers else []
+        return cls(_declared(section) + _text(others), tuple(sorted(closure(_origins(section)))))
 
     def digest(self) -> str:
         """A digest of everything, with the files as they are now."""
@@ -77,7 +79,8 @@ def _has_source(function: Any) -> bool:
 def _functions(section: Section) -> Iterator[Callable[..., Any]]:
     yield section.studies
     for sentence in section.sentences:
-        yield sentence.decide
+        if sentence.decide is not None:
+            yield sentence.decide
         if sentence.derived is not None:
             yield sentence.derived
     for display in (*section.displays, *section.inline):

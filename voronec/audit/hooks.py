@@ -23,4 +23,6 @@ def asked(hook: Callable[..., Any], *arguments: Any) -> Any:
     except VoronecError:
         raise
     except Exception as error:
-        raise HookError(failure(error, inspect.getsourcefile(hook) or "")) from error
+        raise HookError(
+            failure(error, inspect.getsourcefile(inspect.unwrap(hook)) or "")
+        ) from error

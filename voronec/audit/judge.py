@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import wraps
 from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.verdicts import Verdict
 from voronec.audit.correction import Correction, Spare, closed, correct
 from voronec.audit.derived import derived_latex
 from voronec.audit.hooks import HookError, asked
 from voronec.audit.latex.nodes import Chain
 from voronec.audit.latex.reader import read, read_tokens
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
-from voronec.audit.paper import Check, Sentence
+from voronec.audit.paper import Check, Decision, Sentence
 from voronec.audit.record import FormulaRecord
+from voronec.audit.slots import Labels
 from voronec.audit.structure import free_indices, new_names
-from voronec.audit.study import Study
+from voronec.audit.study import Range, Study
 from voronec.audit.transcript import Formula, Transcript
 from voronec.audit.verify import Finding, by_range, verify
-from voronec.audit.wording import loose_index, method_of, ranges_of, with_note, witness_of
+from voronec.audit.wording import (
+    loose_index,
+    method_of,
+    ranges_of,
+    readable,
+    with_note,
+    witness_of,
+)
 from voronec.errors import DefinitionError, did_you_mean
 
 __all__ = ["Bench", "judge_formula", "judge_sentence"]
@@ -32,6 +42,7 @@ class Bench:
 
     transcript: Transcript
     studies: Mapping[str, Study]
+    labels: Labels = field(default_factory=dict)
 
     def study(self, check: Check | Sentence, name: str = "") -> Study:
         """The dictionary that a check asks for, or the one called ``name``."""
@@ -75,20 +86,34 @@ class Bench:
 
 def judge_sentence(sentence: Sentence, bench: Bench) -> FormulaRecord:
     """A sentence of the running text: the ranges of the parameters in which it holds."""
+    says = readable(sentence.quotation)
+    if sentence.decide is None:
+        return FormulaRecord("", "unaudited", sentence.unaudited, says=says)
     try:
         study = bench.study(sentence)
-        finding = by_range(study, sentence.within, sentence.decide)
+        decide = _bound(sentence.decide, sentence.read(bench.labels))
+        finding = by_range(study, sentence.within, decide)
         derived = asked(sentence.derived, study) if sentence.derived is not None else None
     except HookError:
         raise
     except SENSELESS as error:
-        return FormulaRecord("", "undecided", str(error), says=sentence.says)
-    record = FormulaRecord("", "proved", method_of(finding), derived, says=sentence.says)
+        return FormulaRecord("", "undecided", str(error), says=says)
+    record = FormulaRecord("", "proved", method_of(finding), derived, says=says)
     record = replace(record, ranges=ranges_of(finding), method=with_note(record, study))
     if finding.verdict.proved:
         return replace(record, verdict="convention" if finding.partial else "proved")
     verdict = "undecided" if finding.verdict.undecided else "misprint"
     return replace(record, verdict=verdict, witness=witness_of(finding))
+
+
+def _bound(decide: Callable[..., Verdict], slots: Mapping[str, Any]) -> Decision:
+    """A decision with the values of its slots."""
+
+    @wraps(decide)
+    def bound(study: Study, where: Range) -> Verdict:
+        return decide(study, where, **slots)
+
+    return bound
 
 
 def judge_formula(

@@ -9,6 +9,7 @@ from typing import Any
 
 from voronec.algebra.verdicts import Verdict
 from voronec.audit.latex.displays import Unit, split_display
+from voronec.audit.sentence import Sentence
 from voronec.audit.study import Range, Study
 from voronec.errors import DefinitionError
 
@@ -120,30 +121,6 @@ class Display:
 
 
 @dataclass(frozen=True)
-class Sentence:
-    """A sentence of the running text that can be decided.
-
-    says
-        the sentence in words of our own, with mathematics between dollar signs.
-    decide
-        function of the study and one of its ranges (``Range()`` where there are none); proved,
-        refuted with a witness, or undecided.
-    study
-        which dictionary of the section; the first one by default.
-    within
-        names of the ranges to which the sentence itself is restricted; all where there are none.
-    derived
-        function of the study that returns LaTeX: what was derived instead of, or beside it.
-    """
-
-    says: str
-    decide: Decision
-    study: str = ""
-    within: tuple[str, ...] = ()
-    derived: Callable[[Study], str] | None = None
-
-
-@dataclass(frozen=True)
 class Section:
     """A section or subsection of the paper.
 
@@ -152,7 +129,7 @@ class Section:
     inline
         formulas of the running text, as LaTeX with its dollar signs.
     sentences
-        claims that the running text makes in words.
+        what the running text states in words, quoted letter for letter.
     """
 
     title: str

@@ -8,7 +8,15 @@ from typing import Any
 
 __all__ = ["VERDICTS", "Audit", "FormulaRecord", "Record", "called", "worst"]
 
-VERDICTS = ("definition", "proved", "cited", "convention", "undecided", "misprint")
+VERDICTS = (
+    "definition",
+    "proved",
+    "cited",
+    "unaudited",
+    "convention",
+    "undecided",
+    "misprint",
+)
 """From harmless to worst; a display takes the worst of its formulas."""
 
 

@@ -14,9 +14,10 @@ from voronec.audit.hooks import asked
 from voronec.audit.judge import Bench, judge_formula, judge_sentence
 from voronec.audit.paper import Paper, Section, Sentence
 from voronec.audit.record import Audit, Record, called, worst
+from voronec.audit.slots import Labels
 from voronec.audit.structure import definitions_in, mentions
 from voronec.audit.study import Study
-from voronec.audit.transcript import Formula, Transcript
+from voronec.audit.transcript import Formula, Transcript, formulas_by_label
 from voronec.errors import DefinitionError, did_you_mean
 
 __all__ = ["audit_paper", "audit_section"]
@@ -43,12 +44,13 @@ def audit_paper(
     """
     sections = paper.sections if label is None else _sections_with(paper, label)
     # What verdicts rest on is looked at before any is made: sources may be edited meanwhile.
-    bases = [Basis.of(s) if cache is not None else None for s in sections]
+    bases = [Basis.of(s, paper.sections) if cache is not None else None for s in sections]
     keys = ["" if basis is None else basis.digest() for basis in bases]
+    labels = formulas_by_label(paper.sections)
     records: list[Record] = []
     for section, basis, key in zip(sections, bases, keys, strict=True):
         shelf = None if cache is None or basis is None else _Shelf(cache, basis, key)
-        records += audit_section(section, progress, shelf)
+        records += audit_section(section, progress, shelf, labels)
     if label is not None:
         records = [r for r in records if label in (r.label, _label_of(paper, r.section))]
     return Audit(paper.name, paper.title, tuple(records), paper.references, paper.authors)
@@ -103,15 +105,21 @@ class _Item:
     @property
     def printed(self) -> str:
         if self.sentence is not None:
-            return self.sentence.says
+            return self.sentence.quotation
         return self.formulas[0].unit.source
 
 
 def audit_section(
-    section: Section, progress: Progress | None = None, shelf: _Shelf | None = None
+    section: Section,
+    progress: Progress | None = None,
+    shelf: _Shelf | None = None,
+    labels: Labels | None = None,
 ) -> tuple[Record, ...]:
-    """The records of one section; the dictionaries are made only if something is to be done."""
-    work = _Work(section)
+    """The records of one section; the dictionaries are made only if something is to be done.
+
+    ``labels``: the formulas of the whole paper by their labels, to which sentences may refer.
+    """
+    work = _Work(section, formulas_by_label([section]) if labels is None else labels)
     done: list[tuple[_Item, list[Examined]]] = []
     for item in _items(work.transcript):
         found = shelf.load(item.ordinal) if shelf is not None else None
@@ -150,6 +158,7 @@ class _Work:
     """The work on one section."""
 
     section: Section
+    labels: Labels
 
     @cached_property
     def transcript(self) -> Transcript:
@@ -165,7 +174,9 @@ class _Work:
             if not isinstance(study, Study):
                 raise DefinitionError(f"{where}: the study '{name}' is a {type(study).__name__}")
         bench = Bench(
-            self.transcript, {n: _with_definitions(s, self.transcript) for n, s in found.items()}
+            self.transcript,
+            {n: _with_definitions(s, self.transcript) for n, s in found.items()},
+            self.labels,
         )
         bench.refuse_unknown(where)
         return bench

@@ -131,6 +131,9 @@ class Study:
         expressions that vanish, wherever two values are compared.
     ranges
         ranges of the parameters, for inequalities; the first is the one that the paper has in mind.
+    scope
+        names of those of them of which the section itself speaks; all where there are none.  What
+        holds there is proved, with a remark on the others.
     in_velocities
         quasi-velocity -> its value in coordinate velocities, for print.
     context
@@ -150,6 +153,7 @@ class Study:
     given: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     relations: tuple[sp.Expr, ...] = ()
     ranges: tuple[Range, ...] = ()
+    scope: tuple[str, ...] = ()
     in_velocities: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     context: Any = None
     note: str = ""

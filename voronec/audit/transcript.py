@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -18,7 +18,7 @@ from voronec.audit.structure import free_indices
 from voronec.audit.study import Study
 from voronec.errors import DefinitionError
 
-__all__ = ["Formula", "Transcript", "assignments", "instance", "text_of"]
+__all__ = ["Formula", "Transcript", "assignments", "formulas_by_label", "instance", "text_of"]
 
 
 @dataclass(frozen=True)
@@ -87,6 +87,16 @@ class Transcript:
                     a, b = words[start].start, words[end - 1].end
                     found.setdefault(formula.unit.display[a:b])
         return tuple(found)
+
+
+def formulas_by_label(sections: Iterable[Section]) -> dict[str, list[Formula]]:
+    """The formulas of what bears a number, by its label."""
+    found: dict[str, list[Formula]] = {}
+    for section in sections:
+        for formula in Transcript(section).formulas():
+            if formula.unit.label is not None:
+                found.setdefault(formula.unit.label, []).append(formula)
+    return found
 
 
 def assignments(chain: Chain, study: Study) -> list[dict[str, int]]:

@@ -36,11 +36,13 @@ class Finding:
     comparison: Comparison | None = None
     count: int = 0
     ranges: tuple[tuple[Range, Verdict], ...] = ()
+    scope: tuple[str, ...] = ()
 
     @property
     def partial(self) -> bool:
-        """Whether it is proved in the paper's own range, but not in every range."""
-        return self.verdict.proved and not all(v.proved for _, v in self.ranges)
+        """Whether it is proved in the paper's own range, but not in every range that is meant."""
+        meant = [v for r, v in self.ranges if not self.scope or r.name in self.scope]
+        return self.verdict.proved and not all(v.proved for v in meant)
 
 
 NOTHING = Verdict("undecided", "it claims nothing; give it a relation, or its check a value")
@@ -78,7 +80,7 @@ def by_range(study: Study, within: Sequence[str], decide: Decision) -> Finding:
     for _, outcome in outcomes:
         if not isinstance(outcome, Verdict):
             raise HookError(f"'{decide.__name__}' returns no Verdict")
-    return Finding(outcomes[0][1], None, 1, outcomes if study.ranges else ())
+    return Finding(outcomes[0][1], None, 1, outcomes if study.ranges else (), study.scope)
 
 
 def _compared(chain: Chain, check: Check, study: Study) -> Finding:

@@ -16,7 +16,27 @@ from voronec.audit.study import Range, Study
 from voronec.audit.transcript import Formula
 from voronec.audit.verify import Finding
 
-__all__ = ["loose_index", "method_of", "ranges_of", "with_note", "witness_of"]
+__all__ = ["loose_index", "method_of", "ranges_of", "readable", "with_note", "witness_of"]
+
+_MARKUP = (
+    (r"\\eqref\{([^}]*)\}", r"(\1)"),
+    (r"\\ref\{([^}]*)\}", r"\1"),
+    (r"\\cite\{([^}]*)\}", r"[\1]"),
+    (r"\\(?:emph|text)\{([^{}]*)\}", r"\1"),
+    (r"\\label\{[^}]*\}|\\begin\{aligned\}|\\end\{aligned\}", ""),
+    (r"\\footnote\{", " (footnote: "),
+    (r"\$\$\s*|\s*\$\$", "$"),
+    (r"\\begin\{(?:equation|eqnarray)\*?\}|\\end\{(?:equation|eqnarray)\*?\}", "$"),
+    (r"\\(?:item|medskip)\b", ""),
+)
+"""Commands of running text, and what stands for them where words are read."""
+
+
+def readable(quotation: str) -> str:
+    """A quotation in words, its formulas between dollar signs."""
+    for pattern, plain in _MARKUP:
+        quotation = re.sub(pattern, plain, quotation)
+    return " ".join(quotation.split())
 
 
 def method_of(finding: Finding, chain: Chain | None = None, check: Check | None = None) -> str:
@@ -46,6 +66,12 @@ def _where(finding: Finding) -> str:
     parts = [f"true for {_listed(good)}"] if good else []
     parts += [f"false for {_listed(bad)}"] if bad else []
     parts += [f"undecided for {_listed(open_)}"] if open_ else []
+    if not good:
+        return finding.verdict.method
+    if finding.scope and set(finding.scope) <= set(good) and len(parts) > 1:
+        return f"{parts[0]}, of which the section speaks; it does not extend to " + _listed(
+            bad + open_
+        )
     sources = dict.fromkeys(r.source for r, v in finding.ranges if r.source and not v.proved)
     if sources:
         parts[-1] += f", which ({', '.join(sources)}) admits: the print must say for which it is"

@@ -36,6 +36,7 @@ _HEAD = r"""\documentclass[11pt]{article}
 \definecolor{definition}{RGB}{67,84,154}
 \definecolor{undecided}{RGB}{122,62,157}
 \definecolor{cited}{RGB}{70,96,109}
+\definecolor{unaudited}{RGB}{107,107,79}
 \colorlet{refuted}{misprint}
 \newcommand{\verdict}[1]{{\color{#1}\textsc{#1}}}
 \newcommand{\mended}[1]{{\color{proved}#1}}

@@ -32,6 +32,7 @@ MEANING = {
     "convention": "it is true under a convention, or in a range of the parameters, that is stated",
     "definition": "it introduces a name or a condition; checked by the formulas that use it",
     "cited": "a fact that the paper quotes, and that is not proved here",
+    "unaudited": "a sentence that states something, and that nothing here decides",
     "undecided": "neither proved nor refuted",
 }
 KINDS = {"display": "displayed equations", "text": "in the text"}

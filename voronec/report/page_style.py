@@ -11,10 +11,11 @@ __all__ = ["SCRIPT", "STYLE"]
 STYLE = """
 :root { --ink:#1a1c20; --soft:#5b626c; --line:#dcdfe4; --paper:#fff; --tint:#f5f6f8;
   --misprint:#b3261e; --proved:#17693a; --definition:#43549a; --convention:#8a5a00;
-  --undecided:#7a3e9d; --cited:#46606d; --sans:system-ui,-apple-system,"Segoe UI",sans-serif; }
+  --undecided:#7a3e9d; --cited:#46606d; --unaudited:#6b6b4f;
+  --sans:system-ui,-apple-system,"Segoe UI",sans-serif; }
 @media (prefers-color-scheme:dark) { :root { --ink:#e7e9ec; --soft:#a3abb6; --line:#363c45;
   --paper:#15181c; --tint:#1e2228; --misprint:#ff8a80; --proved:#7bd6a0; --definition:#a9b8ee;
-  --convention:#eebf6d; --undecided:#d3a5f0; --cited:#a8c0cc; } }
+  --convention:#eebf6d; --undecided:#d3a5f0; --cited:#a8c0cc; --unaudited:#c6c6a0; } }
 * { box-sizing:border-box; }
 html { scroll-padding-top:4.5rem; }
 body { font:16px/1.55 "STIX Two Text","Latin Modern Roman",Georgia,"Times New Roman",serif;
@@ -57,6 +58,7 @@ article:target { outline:2px solid var(--definition); }
 .misprint { color:var(--misprint); } .proved { color:var(--proved); }
 .definition { color:var(--definition); } .convention { color:var(--convention); }
 .undecided { color:var(--undecided); } .cited { color:var(--cited); }
+.unaudited { color:var(--unaudited); }
 .refuted { color:var(--misprint); }
 .formula { padding:.5rem .95rem .7rem; } .formula + .formula { border-top:1px solid var(--line); }
 .pair { display:grid; grid-template-columns:minmax(0,1fr) minmax(0,1fr); gap:0 1.6rem; }

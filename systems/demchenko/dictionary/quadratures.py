@@ -223,6 +223,7 @@ class Level:
             functions=HEADS,
             given=given,
             ranges=RANGES,
+            scope=(RANGES[0].name,),
             context=self,
             note=note,
         )

@@ -11,14 +11,14 @@ matters, the ball spins in its place: a stationary motion.
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Range, Study
+from voronec.audit import Range, Sentence, Study
 
 from .. import A, axis, k, momentum, n, s, tau, u, u1, v, v1
 from .kinds_of_motion import (
@@ -64,30 +64,48 @@ def stable(second: int, third: int = 0) -> vo.Verdict:
     return refuted(f"X > 0 on one side of the root: {away.method}", {}, "X > 0", "X < 0")
 
 
-def precession(position: int, claimed: bool) -> Decide:
-    """Whether a precession is stable, or unstable, as claimed, under the condition printed there.
+@dataclass(frozen=True)
+class Printed:
+    """What the section prints: its conditions in order, and its sentences."""
 
-    The context of the study are the conditions of the section as printed, in order; a condition on
-    X''' is one besides X'' = 0.
+    conditions: tuple[str, ...]
+    sentences: tuple[Sentence, ...]
+
+    def word(self, opening: str, slot: str) -> Any:
+        """What stands in a slot of the sentence that begins so."""
+        sentence = next(s for s in self.sentences if s.text.startswith(opening))
+        return sentence.read({})[slot]
+
+
+def precession(position: int, opening: str, slot: str) -> Decide:
+    """Whether a precession is what a sentence calls it, under the condition printed there.
+
+    The context of the study is ``Printed``; a condition on X''' is one besides X'' = 0.
     """
 
     def decide(study: Study, where: Range) -> vo.Verdict:
-        found = condition(study.context[position])
-        if found[0] == 3 and condition(study.context[2]) != (2, "="):
+        found = condition(study.context.conditions[position])
+        claimed = study.context.word(opening, slot)
+        if found[0] == 3 and condition(study.context.conditions[2]) != (2, "="):
             return vo.Verdict("undecided", "the condition on the second derivative is another one")
-        if found == (3, "="):
-            return claimed_of(fourfold(study, where), claimed)
-        signs = {(2, "<"): (-1, 0), (2, ">"): (1, 0), (3, "\\ne"): (0, 1)}
-        if found not in signs:
-            return vo.Verdict("undecided", "the condition as printed leaves the sign open")
-        return claimed_of(stable(*signs[found]), claimed)
+        return claimed_of(of_sign(found, study, where), claimed)
 
     return decide
 
 
+def of_sign(found: tuple[int, str], study: Study, where: Range) -> vo.Verdict:
+    """Whether a precession is stable under a condition; one on X''' is besides X'' = 0."""
+    signs = {(2, "<"): (-1, 0), (2, ">"): (1, 0), (3, "\\ne"): (0, 1)}
+    if found == (3, "="):
+        return fourfold(study, where)
+    if found in signs:
+        return stable(*signs[found])
+    return vo.Verdict("undecided", "the condition as printed leaves the sign open")
+
+
 def left_open(study: Study, _: Range) -> vo.Verdict:
     """Whether the third condition is the case between the first two."""
-    if condition(study.context[2]) == (2, "="):
+    if condition(study.context.conditions[2]) == (2, "="):
         return vo.Verdict("proved", "a number that is neither positive nor negative is zero")
     return vo.Verdict("refuted", "the case that the two before leave open is X'' = 0")
 

@@ -87,12 +87,12 @@ BODY = Section(
     ),
     sentences=(
         Sentence(
-            says=r"The constraints (eq:nosliding2) can be solved for $\dot u_1$ and $\dot v_1$, which may be taken as the dependent velocities.",
+            text=r"The constraints (eq:nosliding2) can be solved for $\dot u_1$ and $\dot v_1$, which may be taken as the dependent velocities.",
             decide=lambda study, _: study.context.surfaces.dependent(),
             derived=determinant,
         ),
         Sentence(
-            says=r"The three equations (jednacine1) and the two constraints (eq:nosliding2) are eight equations of the first order for $u$, $v$, $\vartheta$, $u_1$, $v_1$, $\dot u$, $\dot v$, $\dot\vartheta$; they determine the motion where the relative curvature of the two surfaces has a determinant that is not zero.",
+            text=r"The three equations (jednacine1) and the two constraints (eq:nosliding2) are eight equations of the first order for $u$, $v$, $\vartheta$, $u_1$, $v_1$, $\dot u$, $\dot v$, $\dot\vartheta$; they determine the motion where the relative curvature of the two surfaces has a determinant that is not zero.",
             decide=lambda study, _: study.context.eight(),
             derived=relative_curvature,
         ),

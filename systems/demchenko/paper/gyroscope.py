@@ -72,20 +72,20 @@ GYROSCOPE = Section(
     ),
     sentences=(
         Sentence(
-            says=r"If the forces on the gyroscope have no torque about its axis, the component $\tilde\omega$ of its angular velocity along $\mathbf z$ is constant.",
+            text=r"If the forces on the gyroscope have no torque about its axis, the component $\tilde\omega$ of its angular velocity along $\mathbf z$ is constant.",
             decide=lambda study, _: study.context.constant_speed(),
         ),
         Sentence(
-            says=r"$\beta''$ and $\gamma''$ change by the same rule as $\alpha''$, with the letters exchanged in a cycle.",
+            text=r"$\beta''$ and $\gamma''$ change by the same rule as $\alpha''$, with the letters exchanged in a cycle.",
             decide=lambda study, _: study.context.cosines(),
             study="turning",
         ),
         Sentence(
-            says=r"$s$, $\tau$, $n$ define fields $X_s$, $X_\tau$, $X_n$ on the constraints, along which $U$ is differentiated; $\omega([X_i,X_j])=e_i\times e_j-\omega_1(X_i)\times e_j+\omega_1(X_j)\times e_i$ in the frame $M\mathbf u\mathbf v\mathbf n$.",
+            text=r"$s$, $\tau$, $n$ define fields $X_s$, $X_\tau$, $X_n$ on the constraints, along which $U$ is differentiated; $\omega([X_i,X_j])=e_i\times e_j-\omega_1(X_i)\times e_j+\omega_1(X_j)\times e_i$ in the frame $M\mathbf u\mathbf v\mathbf n$.",
             decide=lambda study, _: study.context.commutators(),
         ),
         Sentence(
-            says=r"There are eight equations of the first order for $u$, $v$, $\vartheta$, $u_1$, $v_1$, $s$, $\tau$, $n$; they determine the motion where the relative curvature of the two surfaces has a determinant that is not zero.",
+            text=r"There are eight equations of the first order for $u$, $v$, $\vartheta$, $u_1$, $v_1$, $s$, $\tau$, $n$; they determine the motion where the relative curvature of the two surfaces has a determinant that is not zero.",
             decide=lambda study, _: study.context.eight(),
             derived=relative_curvature,
         ),

@@ -56,20 +56,20 @@ NEUMANN = Section(
     ),
     sentences=(
         Sentence(
-            says=r"The conditions (eq:nosliding1) and (uobicajeno) are equivalent.",
+            text=r"The conditions (eq:nosliding1) and (uobicajeno) are equivalent.",
             decide=lambda study, _: study.context.same_condition(),
         ),
         Sentence(
-            says=r"$s$, $\tau$, $n$, $\mathfrak m_\mathbf u$, $\mathfrak m_\mathbf v$ are linear and homogeneous in the velocities of Neumann's coordinates, and these in them at every point where the relative curvature of the two surfaces has a determinant that is not zero.",
+            text=r"$s$, $\tau$, $n$, $\mathfrak m_\mathbf u$, $\mathfrak m_\mathbf v$ are linear and homogeneous in the velocities of Neumann's coordinates, and these in them at every point where the relative curvature of the two surfaces has a determinant that is not zero.",
             decide=lambda study, _: study.context.velocities_from_projections(),
             derived=determinant,
         ),
         Sentence(
-            says=r"The reactions of ideal constraints are a force at the body's point $M$: they have no torque about it, and do no work in a virtual displacement.",
+            text=r"The reactions of ideal constraints are a force at the body's point $M$: they have no torque about it, and do no work in a virtual displacement.",
             decide=lambda study, _: study.context.idle(),
         ),
         Sentence(
-            says=r"The energy is written in the projections $\mathfrak m_\mathbf u$, $\mathfrak w_\mathbf v$, $\mathfrak m_\mathbf n$ of $\mathfrak m$, and in $s$, $\tau$, $n$: the second of these letters is a projection of $\mathfrak m$.",
+            text=r"The energy is written in the projections $\mathfrak m_\mathbf u$, $\mathfrak w_\mathbf v$, $\mathfrak m_\mathbf n$ of $\mathfrak m$, and in $s$, $\tau$, $n$: the second of these letters is a projection of $\mathfrak m$.",
             decide=lambda study, _: study.context.slipped(),
             study="energies",
             derived=lambda _: r"\mathfrak m_\mathbf v",

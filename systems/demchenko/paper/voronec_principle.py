@@ -59,12 +59,12 @@ VORONEC_PRINCIPLE = Section(
     ),
     sentences=(
         Sentence(
-            says=r"$K_\nu$ is the derivative of $T$ by $\dot q_\nu$, on the constraints.",
+            text=r"$K_\nu$ is the derivative of $T$ by $\dot q_\nu$, on the constraints.",
             decide=momenta,
             derived=lambda _: r"K_\nu=\frac{\partial T}{\partial\dot q_{n+\nu}}",
         ),
         Sentence(
-            says=r"Where nothing depends on $q_{n+1},\dots,q_{n+k}$, the constraints being stationary and homogeneous, (v4) are the equations of Chaplygin $\frac{d}{dt}\frac{\partial\Theta}{\partial\dot q_i}=\frac{\partial\Theta}{\partial q_i}+Q_i+\sum_{\nu=1}^k a_{\nu i}Q_{n+\nu}+\sum_{\nu=1}^k K_\nu\sum_{j=1}^n\big(\frac{\partial a_{\nu i}}{\partial q_j}-\frac{\partial a_{\nu j}}{\partial q_i}\big)\dot q_j$ in $q_1,\dots,q_n$ alone.",
+            text=r"Where nothing depends on $q_{n+1},\dots,q_{n+k}$, the constraints being stationary and homogeneous, (v4) are the equations of Chaplygin $\frac{d}{dt}\frac{\partial\Theta}{\partial\dot q_i}=\frac{\partial\Theta}{\partial q_i}+Q_i+\sum_{\nu=1}^k a_{\nu i}Q_{n+\nu}+\sum_{\nu=1}^k K_\nu\sum_{j=1}^n\big(\frac{\partial a_{\nu i}}{\partial q_j}-\frac{\partial a_{\nu j}}{\partial q_i}\big)\dot q_j$ in $q_1,\dots,q_n$ alone.",
             decide=chaplygins,
             study="chaplygin",
         ),

@@ -1,0 +1,98 @@
+"""What the decisions of the sentences share: a word of the print against what is derived."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Quoted, Study, one_of, tight
+from voronec.audit.meaning import evaluate
+
+__all__ = ["agreed", "all_of", "constant", "denied", "exists", "sides", "value", "values"]
+
+CONSTANT = {
+    **dict.fromkeys(("constant", "fixed", "a constant", "conserved"), True),
+    **dict.fromkeys(("variable", "not constant", "a variable", "arbitrary"), False),
+}
+
+
+def agreed(printed: Any, derived: Any, what: str) -> vo.Verdict:
+    """Whether the print says what is derived."""
+    if printed == derived:
+        return vo.Verdict("proved", f"{what}: {_told(derived)}")
+    return vo.Verdict("refuted", f"{what}: {_told(derived)} is derived, not {_told(printed)}")
+
+
+def _told(value: Any) -> str:
+    if isinstance(value, (set, frozenset)):
+        value = sorted(value, key=str)
+    if isinstance(value, (tuple, list)):
+        return ", ".join(map(str, value))
+    return {True: "yes", False: "no"}[value] if isinstance(value, bool) else str(value)
+
+
+def denied(claimed: bool, found: vo.Verdict) -> vo.Verdict:
+    """The verdict on what is claimed, or on its denial, where that on the claim was found."""
+    if claimed or found.undecided:
+        return found
+    status = "proved" if found.refuted else "refuted"
+    return vo.Verdict(status, found.method, found.witness)
+
+
+def all_of(*steps: Callable[[], vo.Verdict] | vo.Verdict) -> vo.Verdict:
+    """Proved where every step is, with all that was said; else the first that is not."""
+    said = []
+    for step in steps:
+        found = step if isinstance(step, vo.Verdict) else step()
+        if not found.proved:
+            return found
+        said.append(found.method)
+    return vo.Verdict("proved", "; ".join(dict.fromkeys(said)))
+
+
+def exists(how: str, found: vo.Verdict, exception: vo.Verdict | None = None) -> vo.Verdict:
+    """A claim that there is something, that there is nothing, or that there is nothing else.
+
+    ``found`` shows an instance; ``exception``, if proved, something that is none.
+    """
+    if how in ("some", "none"):
+        return denied(how == "some", found)
+    if exception is not None and exception.proved:
+        return vo.Verdict("refuted", f"not for all: {exception.method}")
+    return vo.Verdict("undecided", f"whether that is so for '{how}' is not decided here")
+
+
+def constant(word: str) -> bool:
+    """Whether a word says that something does not change."""
+    return one_of(word, CONSTANT)
+
+
+def values(formula: Quoted, study: Study) -> list[Any]:
+    """The values of the parts of a formula under a dictionary."""
+    return [evaluate(part, study) for part in formula.tree(study).parts]
+
+
+def value(name: str | Quoted, study: Study) -> Any:
+    """The value of one name or of a formula without a relation."""
+    found = values(name if isinstance(name, Quoted) else Quoted(f"${name}$"), study)
+    if len(found) != 1:
+        raise vo.DefinitionError(f"'{name}' is a formula with a relation, not a value")
+    return sp.sympify(found[0])
+
+
+def sides(formula: Quoted, names: Mapping[str, Any]) -> tuple[list[str], tuple[str, ...]]:
+    """The names of a chain such as a>b>c, and the relations between them."""
+    text = tight(formula.latex.strip("$ .,"))
+    found, relations = [""], []
+    for letter in text:
+        if letter in "<>=":
+            relations.append(letter)
+            found.append("")
+        else:
+            found[-1] += letter
+    for name in found:
+        one_of(name, names)
+    return found, tuple(relations)

@@ -1,0 +1,281 @@
+"""Back to the Demchenko case: how many roots, where the motion runs, what the traces look like."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Interval, Quoted, Range, Sentence, Study, one_of
+
+from .. import k
+from ..dictionary.kinds_of_motion import (
+    at_state,
+    chained,
+    even_count,
+    gaps_printed,
+    outer_gaps,
+    single_gap,
+    without_roots,
+)
+from ..dictionary.quadratures import C5, GAMMA, INERTIA, ROOTS, h, level, p, share, x
+from ..dictionary.trajectories import equal_steps, regular_at_poles, rests, turns
+from .claims import agreed, all_of, constant, denied, exists, sides
+
+CASES = (0, 2, 4)
+"""How many real roots there can be, counted with multiplicity."""
+LARGEST = ("x^{I}", "x^{IV}", "x^{III}", "x^{II}")
+"""The roots in the order that the paper gives them, the largest first."""
+
+
+def counts(_: Study, where: Range, *, how: str, least: int, middle: int, most: int) -> vo.Verdict:
+    """The numbers of real roots that occur, where no two roots coincide."""
+    even = even_count(Study({}), where)
+    if how != "generic":
+        return exists(how, even, _double_root(where))
+    bodies = [body_of(where, ratio) for ratio in (sp.Rational(1, 20), 1, 20)]
+    seen = {_roots(one, constants) for one in bodies for constants in _levels()}
+    return all_of(even, agreed({least, middle, most}, seen, "numbers of real roots that occur"))
+
+
+def _levels() -> list[dict[Any, Any]]:
+    """Values of the constants, for k = 1."""
+    grid = product((0, 1), (sp.Rational(1, 2), 2), (sp.Rational(1, 9), 1, 4))
+    return [{C5: c, h: e, GAMMA: g} for c, e, g in grid]
+
+
+def body_of(where: Range, ratio: Any) -> dict[Any, Any]:
+    """A body of a range with I = 1, by the number that the ratio of the radii comes from."""
+    numbers = {p: sp.sympify(ratio), share: sp.Integer(1), INERTIA: sp.Integer(1)}
+    return {**numbers, **{a: e.xreplace(numbers) for a, e in where.values.items()}, k: 1}
+
+
+def _roots(numbers: dict[Any, Any], constants: dict[Any, Any]) -> int:
+    return int(sp.Poly(level().X.xreplace(constants).xreplace(numbers), x).count_roots())
+
+
+def _double_root(where: Range) -> vo.Verdict:
+    """A motion along a parallel: a double root, so that the number of roots is another one."""
+    from .special_solutions import precession_at
+
+    X = sp.Poly(at_state(level().X, precession_at(where)), x)
+    number = X.count_roots()
+    status = "proved" if number % 2 or sp.discriminant(X, x) == 0 else "undecided"
+    return vo.Verdict(status, f"on a regular precession two roots coincide; {number} are left")
+
+
+def no_motion(study: Study, where: Range, *, case: int, moves: bool) -> vo.Verdict:
+    """Whether a case produces a motion: the first one has no real root."""
+    if not 1 <= case <= len(CASES):
+        return vo.Verdict("refuted", f"there are {len(CASES)} cases")
+    if case == 1:
+        return denied(not moves, without_roots(study, where))
+    return denied(moves, vo.Verdict("proved", f"with {CASES[case - 1]} real roots there is motion"))
+
+
+def gaps(
+    study: Study, where: Range, *, count: int, order: Quoted, upper: Interval, lower: Interval
+) -> vo.Verdict:
+    """Between which roots x runs, and whether the ends are printed the smaller first."""
+    roots, relations = sides(order, ROOTS | dict.fromkeys(LARGEST))
+    if relations != (">",) * (len(roots) - 1) or len(set(roots)) != len(roots):
+        return vo.Verdict("refuted", "the roots are not put in an order")
+    wanted = {frozenset(roots[:2]), frozenset(roots[2:])}
+    found = all_of(
+        agreed(count, len(roots), "roots that are ordered"),
+        agreed({frozenset((i.low, i.high)) for i in (upper, lower)}, wanted, "ends"),
+        lambda: outer_gaps(study, where),
+    )
+    if not found.proved:
+        return found
+    turned = [i for i in (upper, lower) if roots.index(i.low) < roots.index(i.high)]
+    if not turned:
+        return found
+    first = turned[0]
+    about = f"{first.low} > {first.high}, so that no number lies in ({first.low}, {first.high})"
+    return vo.Verdict("refuted", f"{about}; with the ends exchanged it is true: {found.method}")
+
+
+def between_the_roots(_: Study) -> str:
+    """The two intervals as they must be printed, as LaTeX."""
+    return r"x\in(x^{IV},x^{I})\ \text{or}\ x\in(x^{II},x^{III});\quad " + gaps_printed(_)
+
+
+def without_loss(study: Study, where: Range, *, case: int, gap: Interval) -> vo.Verdict:
+    """Turning the axis round exchanges the two intervals: X(-x) with -C_5 is X(x)."""
+    own = level()
+    mirrored = own.X.subs({x: -x, C5: -C5}, simultaneous=True)
+    chosen = LARGEST[:2] if case == 1 else LARGEST[2:]
+    return all_of(
+        agreed({gap.low, gap.high}, set(chosen), f"ends of interval {case}"),
+        agreed(gap.variable, "x", "what lies in it"),
+        lambda: chained(("X(-x) for -C_5 is X(x)", vo.prove_equal(mirrored, own.X))),
+    )
+
+
+def two_roots(study: Study, where: Range, *, count: int, order: Quoted) -> vo.Verdict:
+    """With two real roots x runs between them, as between the two largest of four."""
+    roots, relations = sides(order, ROOTS | dict.fromkeys(LARGEST))
+    return all_of(
+        agreed(count, 2, "roots, for two names"),
+        agreed(tuple(roots), LARGEST[:2], "names, as of the two largest roots of four"),
+        agreed(relations, (">",), "order"),
+        lambda: single_gap(study, where),
+    )
+
+
+IN_TURN = {"alternatively": True, "alternately": True, "once": False, "never": False}
+
+
+def parallels(
+    study: Study, where: Range, *, ends: tuple[str, ...], how: str, distance: str
+) -> vo.Verdict:
+    """x oscillates between the two roots, and v, v_1 grow by the same angle every time."""
+    wanted = tuple(name.replace("x", "u") for name in LARGEST[:2])
+    return all_of(
+        agreed(set(ends), set(wanted), "the parallels of the two roots"),
+        agreed(
+            one_of(how, {"alternatively": True, "once": False, "never": False}), True, "in turn"
+        ),
+        lambda: denied(constant(distance), equal_steps(study, where)),
+    )
+
+
+def trace_cases(
+    study: Study,
+    where: Range,
+    *,
+    cases: int,
+    first: int,
+    second: int,
+    third: int,
+    one: Interval,
+    two: Interval,
+    three: Interval,
+) -> vo.Verdict:
+    """How many roots phi can have between two values of x: its degree is the most."""
+    degree = int(sp.Poly(level().phi, x).degree())
+    ends = {frozenset((i.low, i.high)) for i in (one, two, three)}
+    return all_of(
+        agreed({first, second, third}, set(range(degree + 1)), "numbers of roots of phi"),
+        agreed(cases, degree + 1, "cases"),
+        agreed(ends, {frozenset(LARGEST[:2])}, "the interval in which x runs"),
+        lambda: turns(study, where),
+    )
+
+
+def on_the_fixed_sphere(
+    study: Study, where: Range, *, polynomial: tuple[str, ...], gap: Interval
+) -> vo.Verdict:
+    """The polynomial in the rate of v_1, whose sign is that of the rate."""
+    return all_of(
+        agreed({gap.low, gap.high}, set(LARGEST[:2]), "the interval in which x runs"),
+        agreed(polynomial, ("F(x)",), "the numerator in the rate of v_1"),
+        lambda: turns(study, where),
+    )
+
+
+STOPS = {r"\psi(x)": True, r"\phi(x)": False, "F(x)": False, r"\theta(x)": False, "X(x)": False}
+
+
+def cusps(
+    study: Study,
+    where: Range,
+    *,
+    roots: tuple[str, ...],
+    other: tuple[str, ...],
+    polynomial: tuple[str, ...],
+) -> vo.Verdict:
+    """Where the contact point stops on both surfaces."""
+    ends = set(roots + other)
+    return all_of(
+        agreed(ends, set(LARGEST[:2]), "the ends of the interval in which x runs"),
+        denied(one_of(polynomial[0], STOPS), rests(study, where)),
+    )
+
+
+def smooth(
+    study: Study, where: Range, *, top: Quoted, bottom: Quoted, sphere: str, singular: bool
+) -> vo.Verdict:
+    """Where x = 1 or -1 is a simple root the contact point does not stop."""
+    ends = [tuple(sides_of(one)) for one in (top, bottom)]
+    one_of(sphere, dict.fromkeys(("fixed", "movable", "mobile")))  # the speed on both is the same
+    wanted = [(LARGEST[0], "1"), (LARGEST[1], "-1")]
+    found = agreed(ends, wanted, "the ends at which the ball has a pole")
+    return found if not found.proved else denied(not singular, regular_at_poles(study, where))
+
+
+def sides_of(formula: Quoted) -> list[str]:
+    """Both sides of an equation as they are printed."""
+    return formula.latex.strip("$").replace(" ", "").split("=")
+
+
+SENTENCES = (
+    Sentence(
+        r"@how:quantifier{In  general}, the polynomial $X$ can have @least:number{zero}, "
+        r"@middle:number{two}, or @most:number{four} real roots.",
+        counts,
+    ),
+    Sentence(
+        r"The @case:number{first} case would @moves:affirmed{not produce any} real motion",
+        no_motion,
+    ),
+    Sentence(
+        r"In the case of @count:number{four} real roots, ordered "
+        r"@order:formula{$x^{I}>x^{IV}>x^{III}>x^{II}$} the motion is possible for "
+        r"@upper:interval{$x\in (x^{I}, x^{IV})$} or @lower:interval{$x\in (x^{III}, x^{II})$}.",
+        gaps,
+        derived=between_the_roots,
+    ),
+    Sentence(
+        "Without loosing the generality, Demchenko works with the @case:number{first} case: "
+        r"@gap:interval{$x\in (x^{I}, x^{IV})$}.",
+        without_loss,
+    ),
+    Sentence(
+        "In the case of @count:number{two} real roots, he again denotes them as "
+        r"@order:formula{$x^{I}> x^{IV}$}.",
+        two_roots,
+    ),
+    Sentence(
+        "The trajectory of the point $M$ on the mobile sphere goes between to parallels "
+        r"@ends:names{$u^{I}$ and $u^{IV}$} which it touches @how:word{alternatively}. The "
+        "distance between two consecutive points of contact is @distance:word{constant}.",
+        parallels,
+    ),
+    Sentence(
+        r"""Demchenko distinguishes @cases:number{three} cases:
+
+\begin{itemize}
+\item [1)] The polynomial $\phi(x)$ has @first:number{no} roots in the interval
+@one:interval{$(x^{I}, x^{IV})$}.
+The situation in this case is presented as curve $A$, see Figure \ref{fig:slika4}.
+\item [2)] The polynomial $\phi(x)$ has @second:number{one} root in the interval
+@two:interval{$(x^{I}, x^{IV})$}.
+The situation in this case is presented as curve $B$, see Figure \ref{fig:slika5}.
+\item [3)] The polynomial $\phi(x)$ has @third:number{two} roots in the interval
+@three:interval{$(x^{I}, x^{IV})$}.""",
+        trace_cases,
+    ),
+    Sentence(
+        "The trajectories of the point $M$ on the fixed sphere are similar, where the number of "
+        r"roots of the polynomial @polynomial:names{$F(x)$} in the interval "
+        r"@gap:interval{$(x^{I}, x^{IV})$} now discriminates cases $A$, $B$, and $C$.",
+        on_the_fixed_sphere,
+    ),
+    Sentence(
+        r"If  @roots:names{$x^{I}$} or @other:names{$x^{IV}$} coincides with one of the roots of "
+        r"the polynomial @polynomial:names{$\psi(x)$}, then the curves on the movable and fixed "
+        "sphere have the form $D$",
+        cusps,
+    ),
+    Sentence(
+        r"If, however @top:formula{$x^{I}=1$} or @bottom:formula{$x^{IV}=-1$} the curves "
+        "representing the motion of the point $M$ on the movable sphere are presented as $E_1$ see "
+        r"Figure \ref{fig:slika11} and $E_2$ see  Figure \ref{fig:slika12}. In these cases the "
+        "curves on the @sphere:word{fixed} sphere do @singular:affirmed{not posses} singularities.",
+        smooth,
+    ),
+)
