@@ -38,11 +38,18 @@ __all__ = ["Bench", "judge_formula", "judge_sentence"]
 
 @dataclass(frozen=True)
 class Bench:
-    """What the formulas of one section are checked with."""
+    """What the formulas of one section are checked with; ``corrects``: corrections are sought."""
 
     transcript: Transcript
     studies: Mapping[str, Study]
     labels: Labels = field(default_factory=dict)
+    corrects: bool = True
+
+    def correction(self, formula: Formula, check: Check, study: Study) -> Correction | None:
+        """The smallest change that makes a formula true, if it is to be sought."""
+        if not self.corrects:
+            return None
+        return correct(formula, check, study, Spare.of(self.transcript, study))
 
     def study(self, check: Check | Sentence, name: str = "") -> Study:
         """The dictionary that a check asks for, or the one called ``name``."""
@@ -129,7 +136,7 @@ def judge_formula(
             chain = formula.tree(study.vocabulary)
         except DefinitionError as error:
             return _unreadable(formula, check, bench, error), None
-        record = _judged(formula, chain, check, study, Spare.of(bench.transcript, study))
+        record = _judged(formula, chain, check, study, bench)
         record = _elsewhere(record, formula, check, bench)
         record = replace(record, method=with_note(record, study))
     except HookError:
@@ -147,7 +154,7 @@ def _unreadable(
     if check.role == "cited":
         return FormulaRecord(formula.printed, "cited", "quoted")
     study = bench.study(check)
-    correction = correct(formula, check, study, Spare.of(bench.transcript, study))
+    correction = bench.correction(formula, check, study)
     if correction is None:
         return FormulaRecord(formula.printed, "undecided", f"it cannot be read: {error}")
     return FormulaRecord(
@@ -189,9 +196,7 @@ def _elsewhere(
     good = ("proved", "definition")
     for name in check.also if record.verdict in good else ():
         study = bench.study(check, name)
-        other = _judged(
-            formula, formula.tree(study.vocabulary), check, study, Spare.of(bench.transcript, study)
-        )
+        other = _judged(formula, formula.tree(study.vocabulary), check, study, bench)
         if other.verdict not in good:
             return other
         record = replace(record, method=f"{record.method}; proved for '{name}' too")
@@ -199,7 +204,7 @@ def _elsewhere(
 
 
 def _judged(
-    formula: Formula, chain: Chain, check: Check, study: Study, spare: Spare
+    formula: Formula, chain: Chain, check: Check, study: Study, bench: Bench
 ) -> FormulaRecord:
     printed = formula.printed
     if check.role == "condition" and check.value is None and check.truth is None:
@@ -208,7 +213,7 @@ def _judged(
     proved = finding.verdict.proved
     derived = derived_latex(chain, formula.unit.display, check, study, proved)
     if finding.verdict.refuted:
-        return _refuted(formula, chain, check, study, finding, derived, spare)
+        return _refuted(formula, chain, check, study, finding, derived, bench)
     if not proved:
         status = "cited" if check.role == "cited" else "undecided"
         record = FormulaRecord(printed, status, finding.verdict.method, derived)
@@ -260,7 +265,7 @@ def _refuted(
     study: Study,
     finding: Finding,
     derived: str | None,
-    spare: Spare,
+    bench: Bench,
 ) -> FormulaRecord:
     """Not an identity as printed: another reading, another convention, or a misprint."""
     record = FormulaRecord(formula.printed, "misprint", "", derived, witness=witness_of(finding))
@@ -275,7 +280,7 @@ def _refuted(
         if verify(chain, check, other).verdict.proved:
             method = f"true if {check.convention.statement}; against ({against})"
             return replace(record, verdict="convention", method=method)
-        mended = correct(formula, check, other, spare)
+        mended = bench.correction(formula, check, other)
         if mended is not None and len(mended.changes) == 1:
             method = f"refuted as printed, even if {check.convention.statement}, as against "
             method += f"({against}); with that, the corrected formula is proved ({mended.method})"
@@ -283,7 +288,7 @@ def _refuted(
     loose = loose_index(formula, chain, study)
     if finding.verdict.witness is None:
         loose += f": {finding.verdict.method}"
-    correction = correct(formula, check, study, spare)
+    correction = bench.correction(formula, check, study)
     if correction is None:
         method = f"refuted as printed{loose}; no correction by a small change was found"
         return replace(record, method=method)

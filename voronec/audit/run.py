@@ -20,7 +20,7 @@ from voronec.audit.study import Study
 from voronec.audit.transcript import Formula, Transcript, formulas_by_label
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["audit_paper", "audit_section"]
+__all__ = ["Item", "Work", "audit_paper", "audit_section", "items"]
 
 Progress = Callable[[str, str], None]
 
@@ -86,7 +86,7 @@ class _Shelf:
 
 
 @dataclass(frozen=True)
-class _Item:
+class Item:
     """What gets one record: the formulas of a unit, or a sentence."""
 
     kind: str
@@ -96,14 +96,17 @@ class _Item:
 
     @property
     def label(self) -> str | None:
+        """The label in print."""
         return self.formulas[0].unit.label if self.formulas else None
 
     @property
     def called(self) -> str:
+        """The label in parentheses, or the place."""
         return called(self.label, self.kind, self.ordinal)
 
     @property
     def printed(self) -> str:
+        """What stands in print."""
         if self.sentence is not None:
             return self.sentence.quotation
         return self.formulas[0].unit.source
@@ -119,9 +122,9 @@ def audit_section(
 
     ``labels``: the formulas of the whole paper by their labels, to which sentences may refer.
     """
-    work = _Work(section, formulas_by_label([section]) if labels is None else labels)
-    done: list[tuple[_Item, list[Examined]]] = []
-    for item in _items(work.transcript):
+    work = Work(section, formulas_by_label([section]) if labels is None else labels)
+    done: list[tuple[Item, list[Examined]]] = []
+    for item in items(work.transcript):
         found = shelf.load(item.ordinal) if shelf is not None else None
         if found is None:
             found = work.examine(item)
@@ -134,60 +137,65 @@ def audit_section(
     return tuple(_record(section, item, found, everything) for item, found in done)
 
 
-def _items(transcript: Transcript) -> Iterator[_Item]:
+def items(transcript: Transcript) -> Iterator[Item]:
     """Units in the order of print, then the formulas of the text, then the sentences."""
     units: dict[int, list[Formula]] = {}
     for formula in transcript.formulas():
         units.setdefault(id(formula.unit), []).append(formula)
     ordinal = 0
     for ordinal, formulas in enumerate(units.values(), start=1):
-        yield _Item(formulas[0].kind, ordinal, tuple(formulas))
+        yield Item(formulas[0].kind, ordinal, tuple(formulas))
     for number, sentence in enumerate(transcript.section.sentences, start=ordinal + 1):
-        yield _Item("text", number, sentence=sentence)
+        yield Item("text", number, sentence=sentence)
 
 
 def _record(
-    section: Section, item: _Item, found: Sequence[Examined], everything: Sequence[Examined]
+    section: Section, item: Item, found: Sequence[Examined], everything: Sequence[Examined]
 ) -> Record:
     formulas = tuple(with_uses(e, everything) for e in found)
     return Record(item.label, section.title, item.ordinal, item.printed, formulas, item.kind)
 
 
 @dataclass(frozen=True)
-class _Work:
-    """The work on one section."""
+class Work:
+    """The work on one section.
+
+    ``labels`` are the formulas of the whole paper; ``studies`` the dictionaries, where they are made already; ``corrects`` tells whether
+    corrections are sought for what is refuted.
+    """
 
     section: Section
     labels: Labels
+    studies: Mapping[str, Study] | None = None
+    corrects: bool = True
 
     @cached_property
     def transcript(self) -> Transcript:
+        """The formulas of the section."""
         return Transcript(self.section)
 
     @cached_property
     def bench(self) -> Bench:
-        found = asked(self.section.studies, self.transcript)
+        """The dictionaries, with the names that the section defines."""
+        found = self.studies or asked(self.section.studies, self.transcript)
         where = f"section '{self.section.title}'"
         if not isinstance(found, Mapping) or not found:
             raise DefinitionError(f"{where}: 'studies' must return a dict of name -> Study")
         for name, study in found.items():
             if not isinstance(study, Study):
                 raise DefinitionError(f"{where}: the study '{name}' is a {type(study).__name__}")
-        bench = Bench(
-            self.transcript,
-            {n: _with_definitions(s, self.transcript) for n, s in found.items()},
-            self.labels,
-        )
+        studies = {n: _with_definitions(s, self.transcript) for n, s in found.items()}
+        bench = Bench(self.transcript, studies, self.labels, self.corrects)
         bench.refuse_unknown(where)
         return bench
 
-    def examine(self, item: _Item) -> list[Examined]:
+    def examine(self, item: Item) -> list[Examined]:
         """The verdicts of an item."""
         if item.sentence is not None:
             return [Examined(judge_sentence(item.sentence, self.bench), item.called)]
         return [self._formula(formula, item) for formula in item.formulas]
 
-    def _formula(self, formula: Formula, item: _Item) -> Examined:
+    def _formula(self, formula: Formula, item: Item) -> Examined:
         check = formula.display.check(formula.position)
         record, chain = judge_formula(formula, check, self.bench)
         marks = formula.piece.quantifiers

@@ -1,0 +1,331 @@
+"""One section of a paper with its misprints corrected, and audited again with an error in it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
+
+from latex_errors import Slip, slips
+
+from voronec.algebra.verdicts import prove_equal
+from voronec.audit import Display, Section, Study, Transcript
+from voronec.audit.comparisons import value_of
+from voronec.audit.consistency import Examined
+from voronec.audit.latex.nodes import Chain, Node
+from voronec.audit.latex.reader import read
+from voronec.audit.meaning import SENSELESS, evaluate
+from voronec.audit.record import VERDICTS, FormulaRecord
+from voronec.audit.run import Item, Work, items
+from voronec.audit.transcript import Formula, assignments
+from voronec.errors import VoronecError
+
+__all__ = ["Page", "Trial", "same_claim"]
+
+FAULTS = ("convention", "misprint")
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What became of an error; ``said`` is the verdict with its method, ``proposed`` a correction.
+
+    ``correction`` is "restored", "equivalent" (proved to say what stood there), "other" or empty.
+    """
+
+    outcome: str
+    said: str = ""
+    correction: str = ""
+    proposed: str = ""
+
+
+@dataclass(frozen=True)
+class _Spy(Transcript):
+    """A transcript that takes note of what is read in it; "" stands for everything."""
+
+    seen: set[str] = field(default_factory=set)
+
+    def formulas(self) -> Iterator[Formula]:
+        self.seen.add("")
+        return super().formulas()
+
+    def labelled(self, label: str) -> Formula:
+        self.seen.add(label)
+        return Transcript(self.section).labelled(label)
+
+
+@dataclass(frozen=True)
+class Page:
+    """A section; its places are the displays and then the formulas of the text."""
+
+    source: Section
+
+    @cached_property
+    def _spied(self) -> tuple[Mapping[str, Study], set[str]]:
+        spy = _Spy(self.source)
+        return self.source.studies(spy), spy.seen
+
+    @cached_property
+    def section(self) -> Section:
+        """The section as its corrections would have it printed."""
+        work = Work(self.source, self._spied[0], corrects=False)
+        wrong = [
+            item
+            for item in items(work.transcript)
+            if item.formulas and any(e.record.verdict == "misprint" for e in work.examine(item))
+        ]
+        section, seeking = self.source, Work(self.source, self._spied[0])
+        for item in wrong:
+            for formula, examined in zip(item.formulas, seeking.examine(item), strict=True):
+                if examined.record.correction is not None:
+                    section = _mended(section, formula, examined.record)
+        return section
+
+    @cached_property
+    def _whole(self) -> Work:
+        """The work on the corrected section."""
+        mended = self.section != self.source and bool(self._spied[1])
+        return Work(self.section, None if mended else self._spied[0], corrects=False)
+
+    @cached_property
+    def _before(self) -> dict[int, list[Examined]]:
+        return {}
+
+    def before(self, item: Item) -> list[Examined]:
+        """The verdicts of a record without an error."""
+        if item.ordinal not in self._before:
+            self._before[item.ordinal] = self._whole.examine(item)
+        return self._before[item.ordinal]
+
+    @property
+    def _displays(self) -> tuple[Display, ...]:
+        return (*self.section.displays, *self.section.inline)
+
+    def latex(self, place: int) -> str:
+        """What is printed at a place."""
+        return self._displays[place].latex
+
+    def called(self, place: int) -> str:
+        """How the records of a place are called, and in which section."""
+        here = [i.called for i in items(self._whole.transcript) if self._at(i, place)]
+        return f"{', '.join(here)} of '{self.section.title}'"
+
+    def _at(self, item: Item, place: int) -> bool:
+        return bool(item.formulas) and item.formulas[0].display is self._displays[place]
+
+    def slips(self) -> Iterator[tuple[int, Slip]]:
+        """All errors in formulas, each with its place; words in place of a formula are no part."""
+        for place, display in enumerate(self._displays):
+            if any(check.role != "words" for check in display.checks):
+                yield from ((place, slip) for slip in slips(display.latex))
+
+    def trial(self, place: int, slip: Slip, corrections: bool = False) -> Trial:
+        """Audit again what depends on a place, with an error in it."""
+        try:
+            work, display = self._changed(place, slip)
+            pairs = self._pairs(work, place, display)
+        except SENSELESS as error:
+            return Trial("undecided", f"refused: {error}")
+        trial = self._judged(work, pairs, corrections)
+        if trial is not None:
+            return trial
+        for item in self._dependents(place, display):
+            twin = next(i for i in items(work.transcript) if i.ordinal == item.ordinal)
+            after, before = work.examine(twin), self.before(item)
+            if _worst(after) != _worst(before) and _worst(after) in ("undecided", *FAULTS):
+                outcome = "undecided" if _worst(after) == "undecided" else "noticed elsewhere"
+                return Trial(outcome, f"{item.called}: {_told(after)}")
+        return self._survivor(work, pairs, slip)
+
+    def _changed(self, place: int, slip: Slip) -> tuple[Work, Display]:
+        """The work on the section with the error, and the display that bears it."""
+        old = self._displays[place]
+        display = replace(old, latex=slip.latex)
+        displays = tuple(display if d is old else d for d in self.section.displays)
+        inline = tuple(display if d is old else d for d in self.section.inline)
+        section = replace(self.section, displays=displays, inline=inline)
+        studies = None if self._is_read(old) else self._whole_studies
+        return Work(section, studies, corrects=False), display
+
+    @cached_property
+    def _whole_studies(self) -> Mapping[str, Study]:
+        if self._whole.studies is not None:
+            return self._whole.studies
+        return self.section.studies(self._whole.transcript)
+
+    def _is_read(self, display: Display) -> bool:
+        """Whether the dictionaries are made from a display."""
+        labels = {unit.label for unit in display.units}
+        return "" in self._spied[1] or bool(labels & self._spied[1])
+
+    def _pairs(self, work: Work, place: int, display: Display) -> list[tuple[Item | None, Item]]:
+        """The records at a place before and now, as far as the error is in them."""
+        old = [i for i in items(self._whole.transcript) if self._at(i, place)]
+        new = [i for i in items(work.transcript) if i.formulas and i.formulas[0].display is display]
+        if len(old) != len(new):
+            return [(None, item) for item in new]
+        return [(a, b) for a, b in zip(old, new, strict=True) if a.printed != b.printed]
+
+    def _judged(
+        self, work: Work, pairs: list[tuple[Item | None, Item]], corrections: bool
+    ) -> Trial | None:
+        """The trial, where the verdict of a record at the place itself has become worse."""
+        for old, item in pairs:
+            found = work.examine(item)
+            before = "proved" if old is None else _worst(self.before(old))
+            if _worst(found) == "undecided" or (corrections and _worst(found) == "misprint"):
+                found = replace(work, corrects=True).examine(item)
+            if _worst(found) in FAULTS and _worst(found) != before:
+                return self._corrected(work, old, item, found)
+            if _worst(found) == "undecided" != before:
+                return Trial("undecided", _told(found))
+        return None
+
+    def _corrected(self, work: Work, old: Item | None, item: Item, found: list[Examined]) -> Trial:
+        """The trial of an error that is noticed, with what is said of the correction."""
+        at = next(i for i, e in enumerate(found) if e.record.verdict == _worst(found))
+        proposed = found[at].record.correction
+        said = _told(found)
+        if proposed is None or old is None or len(old.formulas) != len(item.formulas):
+            return Trial("noticed at the right record", said)
+        formula = old.formulas[at]
+        kind = "restored" if _bare(proposed) == _bare(formula.printed) else "other"
+        if kind == "other":
+            check = formula.display.check(formula.position)
+            study = work.bench.study(check)
+            if same_claim(formula.tree(study.vocabulary), read(proposed, study.vocabulary), study):
+                kind = "equivalent"
+        return Trial("noticed at the right record", said, kind, proposed)
+
+    def _dependents(self, place: int, display: Display) -> Iterator[Item]:
+        """The other records that rest on a place, directly or through definitions."""
+        every = [i for i in items(self._whole.transcript) if not self._at(i, place)]
+        if self._is_read(self._displays[place]):
+            yield from every
+            return
+        roles = {check.role for check in display.checks}
+        if not roles & {"definition", "condition"}:
+            return
+        here = [i for i in items(self._whole.transcript) if self._at(i, place)]
+        known = {e.defines for i in here for e in self.before(i)} - {""}
+        labels = {i.label for i in here} - {None}
+        for item in every:
+            checks = [f.display.check(f.position) for f in item.formulas]
+            uses = {name for e in self.before(item) for name in e.uses} if item.formulas else set()
+            if known & uses or any(labels & set(c.given) for c in checks):
+                yield item
+
+    def _survivor(self, work: Work, pairs: list[tuple[Item | None, Item]], slip: Slip) -> Trial:
+        """Whether an error that changes no verdict is one at all."""
+        verdicts = "; ".join(_told(work.examine(item)) for _, item in pairs) or "nothing changed"
+        if slip.kind != "repeated" and all(
+            old is not None and _same_record(old, item, work) for old, item in pairs
+        ):
+            return Trial("became true", verdicts)
+        return Trial("survived", verdicts)
+
+
+def _mended(section: Section, formula: Formula, record: FormulaRecord) -> Section:
+    """The section with one formula as it is corrected."""
+    start, end = formula.piece.at
+    old = next(d for d in (*section.displays, *section.inline) if d.latex == formula.display.latex)
+    latex = old.latex[:start] + (record.correction or "") + old.latex[end:]
+    new = replace(old, latex=latex)
+    return replace(
+        section,
+        displays=tuple(new if d is old else d for d in section.displays),
+        inline=tuple(new if d is old else d for d in section.inline),
+    )
+
+
+def _worst(found: list[Examined]) -> str:
+    return max((e.record.verdict for e in found), key=VERDICTS.index, default="undecided")
+
+
+def _told(found: list[Examined]) -> str:
+    record = next((e.record for e in found if e.record.verdict == _worst(found)), None)
+    return "no formula" if record is None else f"{record.verdict}, {record.method}"
+
+
+def _bare(latex: str) -> str:
+    """Without spacing, brackets' sizes and braces around one word."""
+    return re.sub(r"\s|\\[bB]igg?|&|\\\\|\\,|\{(?=\w\})|(?<=\{\w)\}", "", latex)
+
+
+def _same_record(old: Item, item: Item, work: Work) -> bool:
+    """Whether every formula of a record is proved to say what it said before."""
+    if len(old.formulas) != len(item.formulas):
+        return False
+    for before, after in zip(old.formulas, item.formulas, strict=True):
+        study = work.bench.study(after.display.check(after.position))
+        words = [[w.text for q in f.piece.quantifiers for w in q] for f in (before, after)]
+        if words[0] != words[1]:
+            return False
+        try:
+            chains = [f.tree(study.vocabulary) for f in (before, after)]
+        except VoronecError:
+            return False
+        if not same_claim(*chains, study):
+            return False
+    return True
+
+
+def same_claim(old: Chain, new: Chain, study: Study) -> bool:
+    """Whether two formulas are proved to claim the same: part by part, or link by link.
+
+    What no longer says anything, because it is true off the constraints too, is not the same.
+    """
+    if old == new:
+        return True
+    if old.relations != new.relations:
+        return False
+    try:
+        wheres = assignments(old, study)
+        if wheres != assignments(new, study):
+            return False
+        same = all(
+            _equal(a, b, study, w)
+            for w in wheres
+            for a, b in zip(old.parts, new.parts, strict=True)
+        )
+        links = list(zip(pairwise(old.parts), pairwise(new.parts), strict=True))
+        if any(_empty(b, study, w) and not _empty(a, study, w) for w in wheres for a, b in links):
+            return False
+        return same or (
+            set(old.relations) == {"="}
+            and all(_proportional(a, b, study, w) for w in wheres for a, b in links)
+        )
+    except SENSELESS:
+        return False
+
+
+def _equal(a: Node, b: Node, study: Study, where: Mapping[str, int]) -> bool:
+    if a == b:
+        return True
+    one, two = (study.motion.along(value_of(x, study, dict(where))) for x in (a, b))
+    if hasattr(one, "shape") != hasattr(two, "shape"):
+        return False
+    if hasattr(one, "shape"):
+        return one.shape == two.shape and all(
+            prove_equal(x, y, study.relations).proved for x, y in zip(one, two, strict=True)
+        )
+    return prove_equal(one, two, study.relations).proved
+
+
+def _empty(link: tuple[Node, Node], study: Study, where: Mapping[str, int]) -> bool:
+    """Whether the two sides are equal without any constraint."""
+    left, right = (evaluate(part, study, where) for part in link)
+    if hasattr(left, "shape") or hasattr(right, "shape"):
+        return bool(left == right)
+    return prove_equal(left, right).proved
+
+
+def _proportional(
+    old: tuple[Node, Node], new: tuple[Node, Node], study: Study, where: Mapping[str, int]
+) -> bool:
+    """Whether left minus right has only changed by a number, before anything is put in."""
+    (a, b), (c, d) = ([evaluate(part, study, where) for part in link] for link in (old, new))
+    if any(hasattr(x, "shape") for x in (a, b, c, d)):
+        return False
+    return any(prove_equal(c - d, factor * (a - b)).proved for factor in (1, -1, 2))
