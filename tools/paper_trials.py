@@ -17,7 +17,7 @@ from voronec.audit.consistency import Examined
 from voronec.audit.latex.nodes import Chain, Node
 from voronec.audit.latex.reader import read
 from voronec.audit.meaning import SENSELESS, evaluate
-from voronec.audit.record import VERDICTS, FormulaRecord
+from voronec.audit.record import VERDICTS
 from voronec.audit.run import Item, Work, items
 from voronec.audit.transcript import Formula, assignments
 from voronec.errors import VoronecError
@@ -75,12 +75,16 @@ class Page:
             for item in items(work.transcript)
             if item.formulas and any(e.record.verdict == "misprint" for e in work.examine(item))
         ]
-        section, seeking = self.source, Work(self.source, self._spied[0])
+        seeking = Work(self.source, self._spied[0])
+        mends: dict[str, list[tuple[int, int, str]]] = {}
         for item in wrong:
             for formula, examined in zip(item.formulas, seeking.examine(item), strict=True):
                 if examined.record.correction is not None:
-                    section = _mended(section, formula, examined.record)
-        return section
+                    mend = (*formula.piece.at, examined.record.correction)
+                    mends.setdefault(formula.display.latex, []).append(mend)
+        displays = tuple(_mended(d, mends) for d in self.source.displays)
+        inline = tuple(_mended(d, mends) for d in self.source.inline)
+        return replace(self.source, displays=displays, inline=inline)
 
     @cached_property
     def _whole(self) -> Work:
@@ -226,17 +230,12 @@ class Page:
         return Trial("survived", verdicts)
 
 
-def _mended(section: Section, formula: Formula, record: FormulaRecord) -> Section:
-    """The section with one formula as it is corrected."""
-    start, end = formula.piece.at
-    old = next(d for d in (*section.displays, *section.inline) if d.latex == formula.display.latex)
-    latex = old.latex[:start] + (record.correction or "") + old.latex[end:]
-    new = replace(old, latex=latex)
-    return replace(
-        section,
-        displays=tuple(new if d is old else d for d in section.displays),
-        inline=tuple(new if d is old else d for d in section.inline),
-    )
+def _mended(display: Display, mends: Mapping[str, list[tuple[int, int, str]]]) -> Display:
+    """A display with its formulas as they are corrected."""
+    latex = display.latex
+    for start, end, correction in sorted(mends.get(display.latex, ()), reverse=True):
+        latex = latex[:start] + correction + latex[end:]
+    return display if latex == display.latex else replace(display, latex=latex)
 
 
 def _worst(found: list[Examined]) -> str:
