@@ -180,6 +180,18 @@ def test_what_cannot_be_read_or_decided_is_undecided_and_says_why():
     assert one(r"x+\heartsuit=y").verdict == "undecided"
 
 
+def test_a_name_that_nothing_introduces_is_a_misprint_where_a_small_change_is_proved():
+    formula = one(r"E=\frac12mw^2+\frac12cz^2")
+    assert (formula.verdict, formula.correction) == ("misprint", r"E=\frac12mw^2+\frac12cx^2")
+    assert "'z' is not in the dictionary" in formula.method
+    assert one(r"E=\frac12mz^2+y").verdict == "undecided"  # no small change makes it true
+
+
+def test_what_the_study_leaves_out_is_no_misprint_of_the_print():
+    still = Study({"x": x, "y": y})
+    assert one(r"\dot x-\dot x=x-x", study=still).verdict == "undecided"
+
+
 def test_a_display_takes_the_worst_of_its_formulas():
     checks = (Check(), Check(), DEFINITION)
     (record,) = audit(Display(r"\[ x+x=2x, \quad x+x=3x, \quad D=x \]", checks))
@@ -197,7 +209,7 @@ def test_a_loose_index_is_named():
 def test_a_list_of_arguments_must_name_what_the_function_depends_on():
     assert one("E(x,w)=E(w,x)").verdict == "proved"
     formula = one("E(x,t)=E")
-    assert formula.verdict == "undecided"
+    assert (formula.verdict, formula.correction) == ("misprint", "E(x,w)=E")
     assert "'E' depends on 'w'" in formula.method
 
 
@@ -224,6 +236,13 @@ def test_what_claims_nothing_is_not_proved():
     assert "it claims nothing" in one("x+y").method
     with pytest.raises(DefinitionError, match="holds no formula"):
         Display(r"\[ \]")
+
+
+def test_what_is_set_equal_to_itself_says_nothing():
+    formula = one("E=E")
+    assert (formula.verdict, formula.correction) == ("misprint", None)
+    assert "it says nothing" in formula.method
+    assert one("xw=wx").verdict == "proved"
 
 
 def test_a_value_is_compared_with_every_part():

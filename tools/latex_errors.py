@@ -370,7 +370,8 @@ def _terms(formula: Formula) -> Iterator[Slip]:
 
 def _stretches(formula: Formula) -> Iterator[tuple[int, int, bool]]:
     """From, to, and whether a term is the only one of its sum, outside scripts and accents."""
-    stack, sums = [[[]]], list[list[list[int]]]()  # a sum is a list of terms, a term [from, to]
+    stack: list[list[list[list[int]]]] = [[[]]]  # brackets, sums, terms, from and to
+    sums: list[list[list[int]]] = []
     for i, word in enumerate(formula.words):
         if i in formula.scripted:
             continue

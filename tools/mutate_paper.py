@@ -23,13 +23,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from latex_errors import Slip
-from paper_trials import Page, Trial
+from paper_trials import NOTICED, Page, Trial
 
 from voronec.catalogue import load_paper
 
 HANG = 60
 """Seconds after which a trial is given up, and counts as undecided."""
-NOTICED = "noticed at the right record"
 OUTCOMES = (NOTICED, "noticed elsewhere", "undecided", "survived", "became true")
 AROUND = 30
 """Characters that are shown on each side of a change."""

@@ -7,14 +7,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
+import sympy as sp
 from latex_errors import Slip, slips
 
 from voronec.algebra.verdicts import prove_equal
 from voronec.audit import Display, Section, Study, Transcript
 from voronec.audit.comparisons import value_of
 from voronec.audit.consistency import Examined
-from voronec.audit.latex.nodes import Chain, Node
+from voronec.audit.latex.nodes import Chain, Node, Number, Power, Product, Quotient, Sum
 from voronec.audit.latex.reader import read
 from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.record import VERDICTS
@@ -22,9 +24,10 @@ from voronec.audit.run import Item, Work, items
 from voronec.audit.transcript import Formula, assignments
 from voronec.errors import VoronecError
 
-__all__ = ["Page", "Trial", "same_claim"]
+__all__ = ["NOTICED", "Page", "Trial", "same_claim"]
 
 FAULTS = ("convention", "misprint")
+NOTICED = "noticed at the right record"
 
 
 @dataclass(frozen=True)
@@ -129,18 +132,22 @@ class Page:
         try:
             work, display = self._changed(place, slip)
             pairs = self._pairs(work, place, display)
+            trial = self._judged(work, pairs, corrections) or self._elsewhere(work, place, display)
+            return trial or self._survivor(work, pairs, slip)
         except SENSELESS as error:
-            return Trial("undecided", f"refused: {error}")
-        trial = self._judged(work, pairs, corrections)
-        if trial is not None:
-            return trial
+            labels = {f"({unit.label})" for unit in self._displays[place].units}
+            named = any(str(error).startswith(label) for label in labels)
+            return Trial(NOTICED if named else "undecided", f"refused: {error}")
+
+    def _elsewhere(self, work: Work, place: int, display: Display) -> Trial | None:
+        """The trial, where another record that rests on the place has become worse."""
         for item in self._dependents(place, display):
             twin = next(i for i in items(work.transcript) if i.ordinal == item.ordinal)
             after, before = work.examine(twin), self.before(item)
             if _worst(after) != _worst(before) and _worst(after) in ("undecided", *FAULTS):
                 outcome = "undecided" if _worst(after) == "undecided" else "noticed elsewhere"
                 return Trial(outcome, f"{item.called}: {_told(after)}")
-        return self._survivor(work, pairs, slip)
+        return None
 
     def _changed(self, place: int, slip: Slip) -> tuple[Work, Display]:
         """The work on the section with the error, and the display that bears it."""
@@ -192,7 +199,7 @@ class Page:
         proposed = found[at].record.correction
         said = _told(found)
         if proposed is None or old is None or len(old.formulas) != len(item.formulas):
-            return Trial("noticed at the right record", said)
+            return Trial(NOTICED, said)
         formula = old.formulas[at]
         kind = "restored" if _bare(proposed) == _bare(formula.printed) else "other"
         if kind == "other":
@@ -200,7 +207,7 @@ class Page:
             study = work.bench.study(check)
             if same_claim(formula.tree(study.vocabulary), read(proposed, study.vocabulary), study):
                 kind = "equivalent"
-        return Trial("noticed at the right record", said, kind, proposed)
+        return Trial(NOTICED, said, kind, proposed)
 
     def _dependents(self, place: int, display: Display) -> Iterator[Item]:
         """The other records that rest on a place, directly or through definitions."""
@@ -262,10 +269,10 @@ def _same_record(old: Item, item: Item, work: Work) -> bool:
         if words[0] != words[1]:
             return False
         try:
-            chains = [f.tree(study.vocabulary) for f in (before, after)]
+            one, two = (f.tree(study.vocabulary) for f in (before, after))
         except VoronecError:
             return False
-        if not same_claim(*chains, study):
+        if not same_claim(one, two, study):
             return False
     return True
 
@@ -289,7 +296,7 @@ def same_claim(old: Chain, new: Chain, study: Study) -> bool:
             for a, b in zip(old.parts, new.parts, strict=True)
         )
         links = list(zip(pairwise(old.parts), pairwise(new.parts), strict=True))
-        if any(_empty(b, study, w) and not _empty(a, study, w) for w in wheres for a, b in links):
+        if any(_empty(b) and not _empty(a) for a, b in links):
             return False
         return same or (
             set(old.relations) == {"="}
@@ -312,12 +319,25 @@ def _equal(a: Node, b: Node, study: Study, where: Mapping[str, int]) -> bool:
     return prove_equal(one, two, study.relations).proved
 
 
-def _empty(link: tuple[Node, Node], study: Study, where: Mapping[str, int]) -> bool:
-    """Whether the two sides are equal without any constraint."""
-    left, right = (evaluate(part, study, where) for part in link)
-    if hasattr(left, "shape") or hasattr(right, "shape"):
-        return bool(left == right)
-    return prove_equal(left, right).proved
+def _empty(link: tuple[Node, Node]) -> bool:
+    """Whether two sides are equal whatever their letters mean."""
+    left, right = (_free(part) for part in link)
+    return link[0] == link[1] or bool(sp.expand(left - right) == 0)
+
+
+def _free(node: Node) -> Any:
+    """The value of a tree with its names as free letters."""
+    if isinstance(node, Number):
+        return sp.Rational(node.text)
+    if isinstance(node, Sum):
+        return sp.Add(*(sign * _free(term) for sign, term in node.terms))
+    if isinstance(node, Product):
+        return sp.Mul(*map(_free, node.factors))
+    if isinstance(node, Quotient):
+        return _free(node.top) / _free(node.bottom)
+    if isinstance(node, Power):
+        return _free(node.base) ** _free(node.exponent)
+    return sp.Symbol(repr(node))
 
 
 def _proportional(

@@ -8,7 +8,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import time
-from voronec.audit.latex.nodes import Call, Dot, Dots, Name, Node, Variation
+from voronec.audit.latex.nodes import Call, Dot, Dots, Name, Node, Variation, walk
 from voronec.audit.latex.vocabulary import APPLIED
 from voronec.audit.structure import free_indices
 from voronec.audit.study import Study, key_of
@@ -34,6 +34,8 @@ ELEMENTARY: dict[str, Callable[[Any], Any]] = {
 
 def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
     """The value of a function of the dictionary, or of an expression that lists what it holds."""
+    if any(part == node.function for argument in node.arguments for part in walk(argument)):
+        raise DefinitionError(f"'{called(node.function)}' stands among its own arguments")
     function = _function(node.function, study)
     value: Any = evaluate(node.function, study, where) if function is None else None
     if callable(value) and not isinstance(value, sp.Basic):

@@ -20,7 +20,7 @@ from voronec.audit.paper import Check, Decision, Sentence
 from voronec.audit.record import FormulaRecord
 from voronec.audit.slots import Labels
 from voronec.audit.structure import free_indices, new_names
-from voronec.audit.study import Range, Study
+from voronec.audit.study import Range, Study, UnknownRate
 from voronec.audit.transcript import Formula, Transcript
 from voronec.audit.verify import Finding, by_range, verify
 from voronec.audit.wording import (
@@ -142,8 +142,7 @@ def judge_formula(
     except HookError:
         raise
     except SENSELESS as error:
-        verdict = "cited" if check.role == "cited" else "undecided"
-        record = FormulaRecord(formula.printed, verdict, str(error))
+        record = _senseless(formula, check, bench, error)
     return replace(record, says=check.says), chain
 
 
@@ -153,15 +152,34 @@ def _unreadable(
     """What cannot be read as printed is a misprint where a small change makes it true."""
     if check.role == "cited":
         return FormulaRecord(formula.printed, "cited", "quoted")
+    found = _made_true(formula, check, bench, f"it cannot be read as printed ({error})")
+    return found or FormulaRecord(formula.printed, "undecided", f"it cannot be read: {error}")
+
+
+def _senseless(formula: Formula, check: Check, bench: Bench, error: Exception) -> FormulaRecord:
+    """The same for what has no value as printed, such as a name that nothing introduces."""
+    if check.role == "cited":
+        return FormulaRecord(formula.printed, "cited", str(error))
+    found = None
+    if isinstance(error, PRINTED) and not isinstance(error, UnknownRate):
+        found = _made_true(formula, check, bench, f"it has no value as printed ({error})")
+    return found or FormulaRecord(formula.printed, "undecided", str(error))
+
+
+PRINTED = (DefinitionError, TypeError, ValueError, AttributeError)
+"""What may be wrong in print: a name, a vector in the place of a number; no limit of the engine."""
+
+
+def _made_true(formula: Formula, check: Check, bench: Bench, fault: str) -> FormulaRecord | None:
+    """The record of a misprint, where a small change makes true what says nothing as printed."""
     study = bench.study(check)
     correction = bench.correction(formula, check, study)
     if correction is None:
-        return FormulaRecord(formula.printed, "undecided", f"it cannot be read: {error}")
+        return None
     return FormulaRecord(
         formula.printed,
         "misprint",
-        f"it cannot be read as printed ({error}); the corrected formula is proved "
-        f"({correction.method})",
+        f"{fault}; the corrected formula is proved ({correction.method})",
         derived=_derived_of(correction.latex, check, study),
         correction=correction.latex,
         changes=correction.changes,

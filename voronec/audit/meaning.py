@@ -47,7 +47,7 @@ from voronec.audit.latex.nodes import (
     Variation,
     Wedge,
 )
-from voronec.audit.study import Study, key_of, spell
+from voronec.audit.study import Study, UnknownRate, key_of, spell
 from voronec.errors import DefinitionError, VoronecError
 
 __all__ = ["SENSELESS", "UnknownName", "direction", "evaluate", "rate"]
@@ -191,7 +191,7 @@ def _differential(node: Differential, study: Study, where: Where) -> Any:
         return sp.Symbol(f"{{\\partial {called(node.body)}}}")
     value = _dot(Dot(node.body), study, where)
     if value == 0:
-        raise DefinitionError(f"'d{called(node.body)}' has no value: its rate is not known")
+        raise UnknownRate(f"'d{called(node.body)}' has no value: its rate is not known")
     return value
 
 

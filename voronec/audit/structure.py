@@ -28,6 +28,7 @@ __all__ = [
     "mentions",
     "names_constant",
     "new_names",
+    "says_nothing",
     "whole_name",
 ]
 
@@ -103,3 +104,9 @@ def new_names(chain: Chain, study: Study) -> set[str]:
     """The names that this formula, and no earlier one, defines."""
     found = definitions_in(chain, study)
     return {key for key, node in found.items() if study.defined.get(key, node) == node}
+
+
+def says_nothing(chain: Chain) -> bool:
+    """Whether a formula sets something equal to itself."""
+    links = zip(pairwise(chain.parts), chain.relations, strict=True)
+    return any(relation == "=" and a == b for (a, b), relation in links)

@@ -21,7 +21,11 @@ from voronec.audit.latex.reader import read_name
 from voronec.audit.latex.vocabulary import Vocabulary
 from voronec.errors import DefinitionError
 
-__all__ = ["Motion", "Range", "Study", "key_of", "spell"]
+__all__ = ["Motion", "Range", "Study", "UnknownRate", "key_of", "spell"]
+
+
+class UnknownRate(DefinitionError):
+    """The study does not say how something changes in time: no fault of the print."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +92,7 @@ class Motion:
         """The total time derivative, on the constraints."""
         value = self.restrict(value)
         if not self.rates:
-            raise DefinitionError("no rates are known; give Study(..., motion=Motion(rates=...))")
+            raise UnknownRate("no rates are known; give Study(..., motion=Motion(rates=...))")
         if isinstance(value, sp.MatrixBase):
             return value.applyfunc(self.derivative)
         inside = self.door.inward(value)

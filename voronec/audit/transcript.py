@@ -66,10 +66,16 @@ class Transcript:
 
     def residuals(self, label: str, study: Study) -> list[Any]:
         """Left minus right of a labelled equation, for all values of its free indices."""
-        chain = self.labelled(label).tree(study.vocabulary)
-        left, right = chain.parts
-        values = assignments(chain, study)
-        return [evaluate(left, study, w) - evaluate(right, study, w) for w in values]
+        try:
+            chain = self.labelled(label).tree(study.vocabulary)
+            if len(chain.parts) != 2:
+                raise DefinitionError("an equation has two sides, one '=' between them")
+            left, right = chain.parts
+            values = assignments(chain, study)
+            return [evaluate(left, study, w) - evaluate(right, study, w) for w in values]
+        except DefinitionError as error:
+            said = f"({label}), from which others are derived, has no value as printed: {error}"
+            raise DefinitionError(said) from None
 
     def left(self, label: str, where: Mapping[str, int], study: Study) -> str:
         """The left side of a labelled formula as printed, with values for its index letters."""

@@ -17,7 +17,7 @@ from voronec.audit.comparisons import Comparison, accelerations, comparisons, va
 from voronec.audit.hooks import HookError, asked
 from voronec.audit.latex.nodes import Chain, Integral, Number
 from voronec.audit.paper import Check, Decision
-from voronec.audit.structure import integrand
+from voronec.audit.structure import integrand, says_nothing
 from voronec.audit.study import Range, Study
 from voronec.errors import EngineLimit
 
@@ -46,6 +46,7 @@ class Finding:
 
 
 NOTHING = Verdict("undecided", "it claims nothing; give it a relation, or its check a value")
+EMPTY = Verdict("refuted", "it says nothing: the two sides of an equality are the same")
 UNSOLVED = Verdict(
     "undecided", "it depends on accelerations that are not known; give Motion.of(eqs).solved(eqs)"
 )
@@ -64,6 +65,8 @@ def verify(chain: Chain, check: Check, study: Study) -> Finding:
     if unsaid:
         return Finding(Verdict("refuted", unsaid))
     finding = _compared(chain, check, study)
+    if finding.verdict.proved and says_nothing(chain):
+        return Finding(EMPTY, None, finding.count)
     gaps = list(_inequalities(chain, study))
     if not gaps or not finding.verdict.proved:
         return finding if finding.count or check.role == "definition" else Finding(NOTHING)

@@ -16,7 +16,7 @@ from voronec.audit.paper import Check
 from voronec.audit.structure import names_constant, new_names, whole_name
 from voronec.audit.study import Study
 
-__all__ = ["Where", "along", "slots_of"]
+__all__ = ["Where", "along", "holds", "slots_of"]
 
 Where = dict[str, int]
 
@@ -32,13 +32,28 @@ def slots_of(
     if check.value is not None:
         return _against_value(chain, check, sampler, where)
     for left, right in _links(chain, study):
-        a, b = value(left), value(right)
-        goals = [0.0 * a] if check.truth is None else _truths(left, right, check, sampler, where)
-        if any(close(a - b, goal, a) for goal in goals):
-            continue
-        found = plant(left, [b + goal for goal in goals], value)
-        return found + plant(right, [a - goal for goal in goals], value)
+        goals = _goals(left, right, check, sampler, where)
+        if goals is not None:
+            found = plant(left, [value(right) + goal for goal in goals], value)
+            return found + plant(right, [value(left) - goal for goal in goals], value)
     return None
+
+
+def holds(chain: Chain, check: Check, study: Study, sampler: Sampler, where: Where) -> bool:
+    """Whether all equalities of a formula hold at a point, as far as numbers tell."""
+    if check.value is not None:
+        return _against_value(chain, check, sampler, where) is None
+    links = _links(chain, study)
+    return all(_goals(left, right, check, sampler, where) is None for left, right in links)
+
+
+def _goals(
+    left: Node, right: Node, check: Check, sampler: Sampler, where: Where
+) -> list[Any] | None:
+    """What left minus right should be, where it is not."""
+    a, b = sampler.value(left, where), sampler.value(right, where)
+    goals = [0.0 * a] if check.truth is None else _truths(left, right, check, sampler, where)
+    return None if any(close(a - b, goal, a) for goal in goals) else goals
 
 
 def along(check: Check) -> bool:

@@ -10,18 +10,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
-from itertools import pairwise
 
 from voronec.audit.correction.changes import Change, Spare, applied
 from voronec.audit.correction.edits import single_changes
 from voronec.audit.correction.missing import repairs
+from voronec.audit.correction.screening import Screen, unknown_places
 from voronec.audit.correction.search import Search
 from voronec.audit.latex.nodes import Chain, Node, Number, Sum, walk
 from voronec.audit.latex.reader import read
 from voronec.audit.latex.tokens import Token, tokenize
 from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.paper import Check
-from voronec.audit.structure import free_indices, free_names, new_names
+from voronec.audit.structure import free_indices, free_names, new_names, says_nothing
 from voronec.audit.study import Study
 from voronec.audit.transcript import Formula, assignments
 from voronec.audit.verify import verify
@@ -53,13 +53,17 @@ class Correction:
 
 @dataclass(frozen=True)
 class _Case:
-    """A formula to be mended; ``new`` are the names that it defines, ``terms`` what it adds."""
+    """A formula to be mended; ``new`` are the names that it defines, ``terms`` what it adds.
+
+    ``empty`` says that it sets something equal to itself.
+    """
 
     printed: str
     check: Check
     study: Study
     new: frozenset[str] = frozenset()
     terms: frozenset[Node] = frozenset()
+    empty: bool = False
 
     def prove(self, change: Change) -> Correction | None:
         """The correction that a change makes, if the changed formula is proved."""
@@ -72,7 +76,7 @@ class _Case:
         """How a formula is proved that says something and leaves no new name open."""
         try:
             chain = read(latex, self.study.vocabulary)
-            if any(a == b for a, b in pairwise(chain.parts)):
+            if says_nothing(chain):
                 return None  # true, but it says nothing
             if not new_names(chain, self.study) <= self.new:
                 return None
@@ -85,11 +89,11 @@ class _Case:
             return None  # the changed formula has no meaning
         return finding.verdict.method
 
-    def first(self, changes: Iterable[Change]) -> Correction | None:
+    def first(self, changes: Iterable[Change], most: int = PROOFS) -> Correction | None:
         """The first change that is proved."""
         for position, change in enumerate(changes):
             found = self.prove(change)
-            if found is not None or position == PROOFS:
+            if found is not None or position == most:
                 return found
         return None
 
@@ -106,6 +110,8 @@ def correct(
         return None
     printed = formula.printed
     case = _case(printed, check, study)
+    if case.empty:
+        return None  # what it should have said cannot be seen
     spare = spare or Spare()
     changes = _ordered(formula, study, spare)
     found = _searched(case, changes, spare)
@@ -132,7 +138,8 @@ def _case(printed: str, check: Check, study: Study) -> _Case:
         chain = read(printed, study.vocabulary)
     except VoronecError:
         return _Case(printed, check, study)
-    return _Case(printed, check, study, frozenset(new_names(chain, study)), _terms(chain))
+    new, empty = frozenset(new_names(chain, study)), says_nothing(chain)
+    return _Case(printed, check, study, new, _terms(chain), empty)
 
 
 def _ordered(formula: Formula, study: Study, spare: Spare) -> list[Change]:
@@ -175,12 +182,26 @@ def _searched(case: _Case, changes: Sequence[Change], spare: Spare) -> Correctio
         if found is not None or len(tokenize(case.printed)) < WORDS_FOR_TWO:
             return found
         return case.first(search.pairs(changes))
-    mending = [*repairs(case.printed), *changes[:SINGLES]]
-    for change in mending:
-        found = case.prove(change)
-        if found is not None:
-            return found
-    return _after_repair(case, mending, spare)
+    mending = [*repairs(case.printed), *changes]
+    if case.check.stationary:
+        mending = mending[:SINGLES]  # it has no numbers to go by
+        found = case.first(mending, SINGLES)
+    else:
+        mending = _at_unknown(case, mending)
+        found = case.first(Screen(case.check, case.study).fitting(case.printed, mending))
+    return found or _after_repair(case, mending[:SINGLES], spare)
+
+
+def _at_unknown(case: _Case, changes: Sequence[Change]) -> list[Change]:
+    """The changes that concern the first name that means nothing; all, where each has a meaning."""
+    places = unknown_places(case.printed, case.study)
+    if not places:
+        return list(changes)
+    return [
+        change
+        for change in changes
+        if any(a <= end and start <= b for start, end, _ in change.pieces for a, b in places)
+    ]
 
 
 def _after_repair(case: _Case, mending: Sequence[Change], spare: Spare) -> Correction | None:

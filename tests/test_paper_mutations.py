@@ -1,0 +1,116 @@
+"""The machine that puts errors into a paper: what it makes, and what it says of an audit."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Check, Display, Motion, Section, Study
+
+TOOLS = Path(__file__).parents[1] / "tools"
+
+
+def tool(name):
+    """A module of the folder of tools, which is no package."""
+    sys.path.insert(0, str(TOOLS))
+    try:
+        spec = importlib.util.find_spec(name)
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[name] = module
+        spec.loader.exec_module(module)
+        return module
+    finally:
+        sys.path.remove(str(TOOLS))
+
+
+latex_errors = tool("latex_errors")
+paper_trials = tool("paper_trials")
+
+
+def made(latex, kind):
+    return {slip.latex for slip in latex_errors.slips(latex) if slip.kind == kind}
+
+
+@pytest.mark.parametrize(
+    ("kind", "latex", "slip"),
+    [
+        ("sign", r"$a=b-c$", r"$a=b+c$"),
+        ("sign", r"$a=b-c$", r"$a=-b-c$"),
+        ("index", r"$a_{n+\nu}=0$", r"$a_{n-\nu}=0$"),
+        ("index", r"$a_1+b$", r"$a_2+b$"),
+        ("index", r"$a_1+b$", r"$a+b$"),
+        ("prime", r"$\mu'+\mu$", r"$\mu+\mu$"),
+        ("prime", r"$\mu'+\mu$", r"$\mu'+\mu'$"),
+        ("dot", r"$\dot u=u$", r"$ u=u$"),
+        ("dot", r"$\dot{u}=u$", r"$\dot{u}=\dot u$"),
+        ("factor", r"$abc=d$", r"$a c=d$"),
+        ("factor", r"$a=bc$", r"$a=2bc$"),
+        ("factor", r"$\sqrt{a}+b$", r"${a}+b$"),
+        ("exponent", r"$a^2+b$", r"$a^3+b$"),
+        ("exponent", r"$a^2+b$", r"$a+b$"),
+        ("dropped term", r"$a=b+c_1-d$", r"$a=b-d$"),
+        ("dropped term", r"$a=b+c_1-d$", r"$a=c_1-d$"),
+        ("doubled term", r"$a=b-c_1$", r"$a=b-c_1-c_1$"),
+        ("sin/cos", r"$\sin u$", r"$\cos u$"),
+        ("swapped letters", r"$\dot u+v_1$", r"$\dot v+u_1$"),
+        ("inequality", r"$a<b$", r"$a>b$"),
+        ("repeated", r"$a=b,\quad c=d$", r"$a=b,\quad a=b$"),
+        ("number", r"$\frac12a$", r"$\frac13a$"),
+        ("bracket", r"$(a+b)c$", r"$(a+bc)$"),
+        ("fraction", r"$\frac{a+1}{b}c$", r"$\frac {b} {a+1}c$"),
+        ("differential", r"$\frac{\partial a}{\partial b}$", r"$\frac{ a}{\partial b}$"),
+        ("font", r"$\mathbf M=m$", r"$ M=m$"),
+    ],
+)
+def test_each_kind_of_error_is_made(kind, latex, slip):
+    assert slip in made(latex, kind)
+
+
+def test_labels_and_words_stay_and_no_error_is_made_twice():
+    latex = r"\begin{equation}\label{a1} a=b_1+b_1 \quad\text{for a}\end{equation}"
+    slips = [slip.latex for slip in latex_errors.slips(latex)]
+    assert len(set(slips)) == len(slips)
+    assert all(r"\label{a1}" in slip and r"\text{for a}" in slip for slip in slips)
+
+
+m, J, x, w, a = sp.symbols("m J x w a")
+
+
+def page(*displays):
+    """A section on a mass on a spring, x' = w, with a number N that the dictionary holds."""
+    names = {"m": m, "x": x, "w": w, "a": a, "t": vo.time, "N": m * a}
+    study = Study(names, motion=Motion({x: w}))
+    return paper_trials.Page(Section("spring", tuple(displays), lambda _: {"one": study}))
+
+
+def outcome(section, latex, kind="letter", place=0):
+    return section.trial(place, latex_errors.Slip(kind, latex, 0)).outcome
+
+
+def test_the_outcome_of_an_error_is_told():
+    section = page(Display("$N=ma$"), Display(r"$\dot x=w$"))
+    assert outcome(section, "$N=mx$") == "noticed at the right record"
+    assert outcome(section, "$N=QwQ+x^3$") == "undecided"
+    assert outcome(section, "$N=am$") == "became true"
+    assert outcome(section, "$-N=-ma$") == "became true"
+    assert outcome(section, "$N=N$") == "noticed at the right record"
+    assert outcome(section, "$N-N=N-N$") == "noticed at the right record"
+    assert outcome(section, "$N-N=0$") == "survived"  # true, but not what it said
+    assert outcome(section, r"$\dot x=w+$", place=1) == "noticed at the right record"
+
+
+def test_an_error_in_a_definition_is_noticed_where_it_is_used():
+    definition = Display("$P=2m$", (Check("definition"),))
+    section = page(definition, Display("$Pa=2N$"))
+    assert outcome(section, "$P=3m$") == "noticed elsewhere"
+
+
+def test_what_stands_in_print_is_corrected_before_errors_are_made():
+    section = page(Display("$N=mx$"))
+    assert section.latex(0) == "$N=ma$"
+    assert outcome(section, "$N=mx$") == "noticed at the right record"
