@@ -188,7 +188,8 @@ def _searched(case: _Case, changes: Sequence[Change], spare: Spare) -> Correctio
         found = case.first(mending, SINGLES)
     else:
         mending = _at_unknown(case, mending)
-        found = case.first(Screen(case.check, case.study).fitting(case.printed, mending))
+        fitting = Screen(case.check, case.study).fitting(case.printed, mending)
+        found = case.first(fitting, SINGLES)
     return found or _after_repair(case, mending[:SINGLES], spare)
 
 
