@@ -195,7 +195,7 @@ def _searched(case: _Case, changes: Sequence[Change], spare: Spare) -> Correctio
 
 def _at_unknown(case: _Case, changes: Sequence[Change]) -> list[Change]:
     """The changes that concern the first name that means nothing; all, where each has a meaning."""
-    places = unknown_places(case.printed, case.study)
+    places = unknown_places(case.printed, case.study, case.new)
     if not places:
         return list(changes)
     return [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 from voronec.audit.correction.changes import Change, applied
 from voronec.audit.correction.goals import along, holds
@@ -11,6 +11,7 @@ from voronec.audit.latex.nodes import Name, walk
 from voronec.audit.latex.reader import read
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.paper import Check
+from voronec.audit.structure import names_constant, whole_name
 from voronec.audit.study import Study, key_of
 from voronec.audit.transcript import assignments
 from voronec.errors import DefinitionError
@@ -50,13 +51,14 @@ class Screen:
             return False
 
 
-def unknown_places(printed: str, study: Study) -> list[tuple[int, int]]:
-    """Where the first name stands that the dictionary does not hold; else nothing."""
+def unknown_places(printed: str, study: Study, new: Collection[str] = ()) -> list[tuple[int, int]]:
+    """Where the first name stands that is unknown, and is none of the ``new`` ones; else nothing."""
     try:
         chain = read(printed, study.vocabulary)
         (where, *_) = assignments(chain, study)
         for part in chain.parts:
-            evaluate(part, study, where)
+            if not names_constant(part) and whole_name(part, study) not in new:
+                evaluate(part, study, where)
     except UnknownName as unknown:
         names = [part for part in walk(chain) if isinstance(part, Name)]
         return [name.at for name in names if _called(name) == unknown.name]
