@@ -52,7 +52,7 @@ class Screen:
 
 
 def unknown_places(printed: str, study: Study, new: Collection[str] = ()) -> list[tuple[int, int]]:
-    """Where the first name stands that is unknown, and is none of the ``new`` ones; else nothing."""
+    """Where the first name stands that is unknown and none of the ``new`` ones; else nothing."""
     try:
         chain = read(printed, study.vocabulary)
         (where, *_) = assignments(chain, study)
