@@ -28,7 +28,7 @@ from paper_trials import NOTICED, Page, Trial
 from voronec.catalogue import load_paper
 
 HANG = 60
-"""Seconds after which a trial is given up, and counts as undecided."""
+"""Seconds of CPU after which a trial is given up, and counts as undecided."""
 OUTCOMES = (NOTICED, "noticed elsewhere", "undecided", "survived", "became true")
 AROUND = 30
 """Characters that are shown on each side of a change."""
@@ -40,17 +40,17 @@ def main() -> int:
     """Make the errors, print a line for each that is not noticed where it is, and the counts."""
     chosen = _arguments()
     pages = _pages(chosen)
-    signal.signal(signal.SIGALRM, _give_up)
+    signal.signal(signal.SIGPROF, _give_up)
     print(f"seed {chosen.seed}", flush=True)
     begun, trials = time.process_time(), list[tuple[Slip, Trial]]()
     for number, page, place, slip in _chosen(chosen, pages):
-        signal.alarm(HANG)
+        signal.setitimer(signal.ITIMER_PROF, HANG)
         try:
             trial = page.trial(place, slip, chosen.corrections)
         except TimeoutError:
             trial = Trial("undecided", f"given up after {HANG} s")
         finally:
-            signal.alarm(0)
+            signal.setitimer(signal.ITIMER_PROF, 0)
         trials.append((slip, trial))
         if trial.outcome != NOTICED or trial.correction == "other" or chosen.only:
             print(_line(number, page, place, slip, trial), flush=True)
