@@ -29,6 +29,7 @@ def tool(name):
 
 
 latex_errors = tool("latex_errors")
+english_errors = tool("english_errors")
 paper_trials = tool("paper_trials")
 
 
@@ -76,6 +77,24 @@ def test_labels_and_words_stay_and_no_error_is_made_twice():
     slips = [slip.latex for slip in latex_errors.slips(latex)]
     assert len(set(slips)) == len(slips)
     assert all(r"\label{a1}" in slip and r"\text{for a}" in slip for slip in slips)
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "slip"),
+    [
+        ("number", "it has two roots", "it has three roots"),
+        ("quantifier", "for all motions", "for some motions"),
+        ("negation", "it is stable", "it is not stable"),
+        ("negation", "it is not stable", "it is stable"),
+        ("order", "$a$ is larger", "$a$ is smaller"),
+        ("reference", r"follows from \eqref{a}", r"follows from \eqref{b}"),
+        ("condition", "it is stable if $k>0$, always", "it is stable, always"),
+        ("inequality", "stable if $k>0$", "stable if $k<0$"),
+    ],
+)
+def test_each_kind_of_error_is_made_in_a_sentence(kind, text, slip):
+    found = english_errors.sentence_slips(text, ("a", "b"))
+    assert (kind, slip) in {(s.kind, s.latex) for s in found}
 
 
 m, J, x, w, a = sp.symbols("m J x w a")

@@ -1,12 +1,14 @@
 """Errors put into a paper one at a time, and whether its audit notices them.
 
     python tools/mutate_paper.py [--paper NAME] [--seed N] [--count N] [--seconds S]
-                                 [--section K] [--only K.N] [--corrections] [--least SHARE]
+                                 [--section K] [--only K.N] [--sentences] [--corrections]
+                                 [--least SHARE]
 
 An error is made on the LaTeX of the paper, which is first corrected where the audit found a
 misprint, so that every formula is true before.  Then what depends on it is audited again.  An error
 leaves the count only if the changed formula is proved to say the same as before.  ``--only K.N``
-makes error N of section K again, ``--corrections`` looks at the corrections that are proposed, and
+makes error N of section K again, ``--sentences`` changes sentences of the text in place of
+formulas, ``--corrections`` looks at the corrections that are proposed, and
 with ``--least`` the exit status is 1 where a smaller share is noticed at the right record.
 """
 
@@ -25,6 +27,7 @@ from typing import Any
 from latex_errors import Slip
 from paper_trials import NOTICED, Page, Trial
 
+from voronec.audit.transcript import formulas_by_label
 from voronec.catalogue import load_paper
 
 HANG = 60
@@ -68,6 +71,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--seconds", type=float, default=0.0, help="of CPU; 0 for no limit")
     parser.add_argument("--section", type=int, default=0, help="its number; 0 for all")
     parser.add_argument("--only", default="", help="one error, as it is numbered in the output")
+    parser.add_argument("--sentences", action="store_true")
     parser.add_argument("--corrections", action="store_true")
     parser.add_argument("--least", type=float, default=0.0)
     return parser.parse_args()
@@ -76,7 +80,8 @@ def _arguments() -> argparse.Namespace:
 def _pages(chosen: argparse.Namespace) -> dict[int, Page]:
     sections = load_paper(chosen.paper).sections
     wanted = int(chosen.only.split(".")[0]) if chosen.only else chosen.section
-    return {k: Page(s) for k, s in enumerate(sections, start=1) if wanted in (0, k)}
+    labels = formulas_by_label(sections)
+    return {k: Page(s, labels) for k, s in enumerate(sections, start=1) if wanted in (0, k)}
 
 
 def _chosen(
@@ -86,7 +91,9 @@ def _chosen(
     every = [
         ((k, n), page, place, slip)
         for k, page in pages.items()
-        for n, (place, slip) in enumerate(page.slips(), start=1)
+        for n, (place, slip) in enumerate(
+            page.sentence_slips() if chosen.sentences else page.slips(), start=1
+        )
     ]
     if chosen.only:
         wanted = tuple(int(x) for x in chosen.only.split("."))

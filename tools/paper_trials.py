@@ -10,6 +10,7 @@ from itertools import pairwise
 from typing import Any
 
 import sympy as sp
+from english_errors import sentence_slips
 from latex_errors import Slip, slips
 
 from voronec.algebra.verdicts import prove_equal
@@ -21,6 +22,7 @@ from voronec.audit.latex.reader import read
 from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.record import VERDICTS
 from voronec.audit.run import Item, Work, items
+from voronec.audit.slots import Labels
 from voronec.audit.transcript import Formula, assignments
 from voronec.errors import VoronecError
 
@@ -60,9 +62,18 @@ class _Spy(Transcript):
 
 @dataclass(frozen=True)
 class Page:
-    """A section; its places are the displays and then the formulas of the text."""
+    """A section; its places are the displays, the formulas of the text, and the sentences.
+
+    ``labels`` are the formulas of the whole paper by their labels.
+    """
 
     source: Section
+    labels: Labels = field(default_factory=dict)
+
+    def _work(
+        self, section: Section, studies: Mapping[str, Study] | None, corrects: bool = False
+    ) -> Work:
+        return Work(section, self.labels, studies, corrects)
 
     @cached_property
     def _spied(self) -> tuple[Mapping[str, Study], set[str]]:
@@ -72,13 +83,13 @@ class Page:
     @cached_property
     def section(self) -> Section:
         """The section as its corrections would have it printed."""
-        work = Work(self.source, self._spied[0], corrects=False)
+        work = self._work(self.source, self._spied[0])
         wrong = [
             item
             for item in items(work.transcript)
             if item.formulas and any(e.record.verdict == "misprint" for e in work.examine(item))
         ]
-        seeking = Work(self.source, self._spied[0])
+        seeking = self._work(self.source, self._spied[0], True)
         mends: dict[str, list[tuple[int, int, str]]] = {}
         for item in wrong:
             for formula, examined in zip(item.formulas, seeking.examine(item), strict=True):
@@ -93,7 +104,7 @@ class Page:
     def _whole(self) -> Work:
         """The work on the corrected section."""
         mended = self.section != self.source and bool(self._spied[1])
-        return Work(self.section, None if mended else self._spied[0], corrects=False)
+        return self._work(self.section, None if mended else self._spied[0])
 
     @cached_property
     def _before(self) -> dict[int, list[Examined]]:
@@ -109,13 +120,23 @@ class Page:
     def _displays(self) -> tuple[Display, ...]:
         return (*self.section.displays, *self.section.inline)
 
+    @cached_property
+    def _sentences(self) -> list[Item]:
+        return [i for i in items(self._whole.transcript) if i.sentence is not None]
+
     def latex(self, place: int) -> str:
         """What is printed at a place."""
-        return self._displays[place].latex
+        displays = self._displays
+        if place < len(displays):
+            return displays[place].latex
+        return self._sentences[place - len(displays)].printed
 
     def called(self, place: int) -> str:
         """How the records of a place are called, and in which section."""
-        here = [i.called for i in items(self._whole.transcript) if self._at(i, place)]
+        if place >= len(self._displays):
+            here = [self._sentences[place - len(self._displays)].called]
+        else:
+            here = [i.called for i in items(self._whole.transcript) if self._at(i, place)]
         return f"{', '.join(here)} of '{self.section.title}'"
 
     def _at(self, item: Item, place: int) -> bool:
@@ -127,8 +148,31 @@ class Page:
             if any(check.role != "words" for check in display.checks):
                 yield from ((place, slip) for slip in slips(display.latex))
 
+    def sentence_slips(self) -> Iterator[tuple[int, Slip]]:
+        """All errors in sentences, each with its place."""
+        for place, item in enumerate(self._sentences, start=len(self._displays)):
+            found = sentence_slips(item.printed, tuple(self.labels))
+            yield from ((place, slip) for slip in found)
+
+    def sentence_trial(self, place: int, slip: Slip) -> Trial:
+        """Audit a sentence again with an error in it: its verdict must change, or what is wrong."""
+        item = self._sentences[place - len(self._displays)]
+        assert item.sentence is not None
+        if item.sentence.decide is None:
+            return Trial("survived", "not audited")
+        changed = replace(item, sentence=replace(item.sentence, quotation=slip.latex))
+        try:
+            before, after = self.before(item), self._whole.examine(changed)
+        except SENSELESS as error:
+            return Trial("undecided", f"refused: {error}")
+        told = _told if _worst(before) == "misprint" else _worst  # wrong already, and how
+        same = told(before) == told(after)
+        return Trial("survived" if same else NOTICED, _told(after))
+
     def trial(self, place: int, slip: Slip, corrections: bool = False) -> Trial:
         """Audit again what depends on a place, with an error in it."""
+        if place >= len(self._displays):
+            return self.sentence_trial(place, slip)
         try:
             work, display = self._changed(place, slip)
             pairs = self._pairs(work, place, display)
@@ -157,7 +201,7 @@ class Page:
         inline = tuple(display if d is old else d for d in self.section.inline)
         section = replace(self.section, displays=displays, inline=inline)
         studies = None if self._is_read(old) else self._whole_studies
-        return Work(section, studies, corrects=False), display
+        return self._work(section, studies), display
 
     @cached_property
     def _whole_studies(self) -> Mapping[str, Study]:

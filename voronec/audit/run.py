@@ -160,8 +160,8 @@ def _record(
 class Work:
     """The work on one section.
 
-    ``labels`` are the formulas of the whole paper; ``studies`` the dictionaries, where they are made already; ``corrects`` tells whether
-    corrections are sought for what is refuted.
+    ``labels`` are the formulas of the whole paper; ``studies`` the dictionaries, where they are
+    made already; ``corrects`` tells whether corrections are sought for what is refuted.
     """
 
     section: Section
