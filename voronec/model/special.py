@@ -11,6 +11,7 @@ import symengine as se
 from voronec.algebra.normal import canonical
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import EngineLimit
+from voronec.model.denominators import with_positive_denominators
 from voronec.model.dependence import blocks, restricted
 from voronec.model.level import Level, defined
 
@@ -188,7 +189,7 @@ def _finite(level: Level) -> bool:
 
 
 def _tidied(level: Level) -> Level:
-    """Normal forms again, after something was put in."""
+    """Normal forms again, after something was put in; rates without denominators that cancel."""
     if not level.exact or level.stages:
         return level
     flat = [*level.rates, *level.force, *(e for row in level.mass for e in row)]
@@ -200,7 +201,7 @@ def _tidied(level: Level) -> Level:
     rows = flat[k + n :]
     return replace(
         level,
-        rates=tuple(flat[:k]),
+        rates=tuple(with_positive_denominators(e, level.relations) for e in flat[:k]),
         force=tuple(flat[k : k + n]),
         mass=tuple(tuple(rows[i * n : (i + 1) * n]) for i in range(n)),
     )
