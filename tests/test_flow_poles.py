@@ -273,3 +273,80 @@ def test_a_body_without_a_frame_in_angles_of_another_sequence() -> None:
     found = np.array([matrix(*row) for row in zip(*(motion[str(q)] for q in angles), strict=True)])
     assert motion.cost.switches >= 1
     assert np.abs(found.reshape(-1, 3, 3) - truth).max() < 1e-9
+
+
+def test_rates_keep_their_denominators_where_parameters_are_zero() -> None:
+    ball = vo.derive(vo.load("displaced-rubber-ball"))
+    start = {"u": 1e-6, "v": 1.046, "theta": 0.443, "omega1": 0.645, "omega2": 0.668}
+    times = [0, -0.5, -1]
+    angles = ("u", "v", "theta")
+    inside = vo.integrate(ball, times=times, outputs=(), initial=start, method="heyoka")
+    charted = vo.integrate(ball, times=times, outputs=(*angles, "reaction 1"), initial=start)
+    # invariants with angles beside them, and, for the reaction, angles in another chart
+    assert (inside.cost.level, charted.cost.level) == ("invariants", "coordinates")
+    assert charted.cost.switches == 1
+    for angle in angles:
+        assert inside[angle] == pytest.approx(charted[angle], abs=1e-11)
+
+
+def irregular(rough: bool) -> tuple[vo.System, Callable[[np.ndarray, np.ndarray], float]]:
+    """A ball with a torque f (e3 - gamma3 gamma) that is no polynomial in the attitude, or jumps, so
+    that no chart leads past a pole; and f."""
+    ball = vo.load("chaplygin-ball")
+    theta, psi = (next(q for q in ball.coordinates if str(q) == x) for x in ("theta", "psi"))
+    size = (
+        -sp.sign(sp.Symbol("omega3") - sp.Rational(9, 10)) / 10
+        if rough
+        else 1 / (10 + sp.cos(theta / 3))
+    )
+    # what turns psi alone has no moment about the vertical and the line of nodes
+    system = replace(ball, name="torque", forces={psi: size * sp.sin(theta) ** 2}, integrals={})
+    if rough:
+        return system, lambda _, omega: -0.1 * np.sign(omega[2] - 0.9)
+    return system, lambda R, _: 1 / (10 + np.cos(np.arccos(R[2, 2]) / 3))
+
+
+@pytest.mark.parametrize(("rough", "method"), [(False, "heyoka"), (True, "scipy")])
+def test_a_pole_beyond_which_no_chart_leads(rough: bool, method: str) -> None:
+    system, size = irregular(rough)
+    equations = vo.derive(system)
+    assert rough or with_attitude_charts(equations) is None
+
+    def rates(attitude: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        normal = attitude[2]
+        torque = size(attitude, omega) * (np.array([0, 0, 1]) - normal[2] * normal)
+        inertia = np.diag([1.4, 1.5, 1.7]) - np.outer(normal, normal)
+        return chaplygin(attitude, omega) + np.linalg.solve(inertia, torque)
+
+    start = {"phi": 0.2, "psi": 0.3, **{f"omega{i}": x for i, x in enumerate(SPIN, 1)}}
+    end = 0.4 if rough else 1.0  # before omega3 comes to its wall
+    times = np.linspace(0, end, 5)
+    motion = vo.integrate(
+        equations, times=times, outputs=(), initial={**start, "theta": 1e-5}, method=method
+    )
+    truth, _ = turning(rates, euler(0.2, 1e-5, 0.3), SPIN, times)
+    assert np.abs(matrices(motion) - truth).max() < 1e-10
+    for theta in (0.0, 1e-8):
+        with pytest.raises(vo.IntegrationError, match=r"within 1e-06 of a pole .* start elsewhere"):
+            vo.integrate(
+                equations, times=times, initial={**start, "theta": theta}, method=method,
+                outputs=("phi",),
+            )  # fmt: skip
+    # about the line of nodes, straight to the pole
+    upright = {"theta": 1e-3, "phi": 0, "psi": 0, "omega1": -1, "omega2": 0, "omega3": 0}
+    with pytest.raises(vo.IntegrationError, match=r"within 1e-06 of a pole") as found:
+        vo.integrate(equations, times=[0, 5e-4, 2], outputs=(), initial=upright, method=method)
+    assert found.value.trajectory is not None and found.value.trajectory.t[-1] >= 5e-4
+
+
+def test_what_switches_is_not_defined_at_a_pole_without_charts() -> None:
+    theta, phi = sp.symbols("theta phi")
+    td, pd = vo.velocity(theta), vo.velocity(phi)
+    pendulum = vo.System(
+        name="spherical-pendulum",
+        fibration=vo.Fibration(base=(theta, phi)),
+        lagrangian=(td**2 + sp.sin(theta) ** 2 * pd**2) / 2 + sp.cos(theta),
+        forces={theta: -sp.sign(td - sp.cot(theta))},
+    )
+    with pytest.raises(vo.IntegrationError, match="are not defined"):
+        vo.integrate(pendulum, initial={theta: 0, td: 1}, times=[0, 1])

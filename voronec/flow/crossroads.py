@@ -44,6 +44,9 @@ GRAZE = 1e-9
 """A wall is touched where its function is smaller than this part of its terms, and turns."""
 CANCELLED = 1e-12
 """Fields on the sides cancel where so much is left of them, in units of the largest: rounding."""
+UNDEFINED = (ZeroDivisionError, ValueError, TypeError)
+"""What mpmath raises where a function has no value, or none that is real."""
+SENSELESS = "the equations, or what switches in them, are not defined"
 TOGETHER = f"more than {MOST} walls meet"
 
 
@@ -118,6 +121,14 @@ class Crossroads:
 
         ``sides`` are those of the mode that ended, ``hit`` the surfaces at which it did.
         """
+        try:
+            return self._way_on(time, state, sides, hit)
+        except UNDEFINED:
+            return SENSELESS
+
+    def _way_on(
+        self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[Surface]
+    ) -> Mode | str:
         met, corners = self._corners(time, state, sides, hit)
         if len(met) > MOST:
             return TOGETHER
@@ -224,7 +235,7 @@ class Crossroads:
         """
         try:
             later, there = self._followed(program, time, state, sides, self.order)
-        except (ZeroDivisionError, ValueError, TypeError):
+        except UNDEFINED:
             return [0] * len(surfaces)
         found = []
         for surface in surfaces:

@@ -57,6 +57,14 @@ class Modelled:
         """The form that the program is made of."""
         return self.form if self.model is None else self.model.form
 
+    @property
+    def is_rough(self) -> bool:
+        """Whether rates or functions of events may hold what is not smooth."""
+        program, events = self.program, self.event_program
+        return program.derivative.is_rough(program.parameters, program.velocities) or (
+            events is not None and events.extras.is_rough(events.parameters)
+        )
+
     @cached_property
     def event_program(self) -> Program | None:
         """Computes the functions of events; None where there are none."""

@@ -21,6 +21,7 @@ from voronec.arguments import CALLABLE, FLAG, REAL, SEVERAL, TEXT, VALUES, accep
 from voronec.attitudes import with_attitude_charts
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.flow.atlas import NEAR as CHANGE
 from voronec.flow.attempts import Way, first_success, other_method
 from voronec.flow.branches import Untold, require_told
 from voronec.flow.divisors import Divisor
@@ -30,7 +31,7 @@ from voronec.flow.inputs import drive
 from voronec.flow.modelling import Modelled, modelled, whole
 from voronec.flow.observing import Watch, followed, observed
 from voronec.flow.outset import Outset
-from voronec.flow.poles import POLE, NearPole, PoleGuard
+from voronec.flow.poles import LAST, POLE, NearPole, PoleGuard
 from voronec.flow.probe import Probe, quantities
 from voronec.flow.soundness import Breach, Judge
 from voronec.flow.split_models import NEAR, SplitGround
@@ -38,7 +39,7 @@ from voronec.flow.split_run import NearDivisor, SplitRun, guarding, unguarded
 from voronec.flow.steppers import Problem, Run, Stepper
 from voronec.flow.steppers.choice import CLOSED, EXACT, is_exact
 from voronec.flow.steppers.signals import Signals, in_kind
-from voronec.flow.switching import through_walls
+from voronec.flow.switching import Switched, through_walls
 from voronec.flow.trajectory import Cost, Trajectory
 from voronec.flow.traverse import through_charts
 from voronec.flow.vocabulary import Vocabulary
@@ -223,7 +224,7 @@ class _Request:
     def in_smallest(self, _: IntegrationError | None) -> Trajectory:
         """By the method asked for, in the smallest model; near poles of angles beyond them."""
         try:
-            return self._in_smallest(self.method, guarded=True)
+            return self._in_smallest(self.method, CHANGE)
         except NearPole:
             return first_success((self._beyond_poles, self._past_poles), float(self.grid[0]))
         except IntegrationError as error:
@@ -246,7 +247,8 @@ class _Request:
     def _beyond_poles(self, _: IntegrationError | None) -> Trajectory | None:
         """In charts that are regular at the poles of Euler's angles, where these can be made."""
         own = self.vocabulary.equations
-        charted = with_attitude_charts(own)
+        # what is not smooth goes on in one chart alone
+        charted = None if self.smallest.is_rough else with_attitude_charts(own)
         if charted is None:
             return None
         there = replace(self, vocabulary=Vocabulary.of(charted))
@@ -254,8 +256,9 @@ class _Request:
         return replace(there._moved(made, self.method), system=own.system)
 
     def _past_poles(self, _: IntegrationError | None) -> Trajectory:
-        """In the own coordinates after all, where nothing better is to be had."""
-        return self._in_smallest(self.method)
+        """In the own coordinates after all, where nothing better is to be had: on invariants more
+        digits are lost."""
+        return self._moved(whole(self.vocabulary, self.outputs, self.functions), self.method)
 
     def otherwise(self, error: IntegrationError | None) -> Trajectory | None:
         """By another method, where the choice is ours."""
@@ -283,38 +286,39 @@ class _Request:
             float(self.grid[0]), followed,
         )  # fmt: skip
 
-    def _in_smallest(self, method: str, guarded: bool = False) -> Trajectory:
+    def _in_smallest(self, method: str, near: Any = LAST) -> Trajectory:
         made, grid = self.smallest, self.grid
         # where a grid is too coarse to tell branches of angles apart, its beginning mostly says so
         parts = (grid[: len(grid) // 50 + 2], grid) if made.watch.branches else (grid,)
         try:
             for part in parts:
-                trajectory = self._moved(made, method, part, guarded)
+                trajectory = self._moved(made, method, part, near)
                 if trajectory.interrupted:
                     break
             return trajectory
         except Untold:
-            return self._moved(self._modelled(True), method, guarded=guarded)
+            return self._moved(self._modelled(True), method, near=near)
 
     def _moved(
         self,
         made: Modelled,
         method: str,
         times: np.ndarray | None = None,
-        guarded: bool = False,
+        near: Any = LAST,
     ) -> Trajectory:
         whole_way = times is None or times is self.grid
         job = _Job(
             self.vocabulary, made, self.outset, self.grid if times is None else times, self.tol,
             self.events, self.dense, self.progress if whole_way else None,
-            guarded and not is_exact(method, self.tol),
+            None if is_exact(method, self.tol) else near,
         )  # fmt: skip
         return job.trajectory(method, self.began)
 
 
 @dataclass(frozen=True)
 class _Job:
-    """A model to be integrated, and how."""
+    """A model to be integrated, and how; ``near`` is how near to poles of angles, if that is to be
+    watched."""
 
     vocabulary: Vocabulary
     made: Modelled
@@ -324,7 +328,7 @@ class _Job:
     events: tuple[Event, ...]
     dense: bool
     progress: Callable[[float], Any] | None
-    guarded: bool = False
+    near: Any = None
 
     def trajectory(self, method: str, began: float) -> Trajectory:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
@@ -333,10 +337,12 @@ class _Job:
         equations = self.vocabulary.equations
         probe = made.probe(equations.system.name, values, time, outset.changing)
         guard = self._guard()
+        problem = self._problem(state, values, probe)
+        switched = self._switched(method, problem, guard)
+        if switched is None and equations.system.charts:
+            guard = None
         if guard is not None:
             guard.check(state, values, time)
-        problem = self._problem(state, values, probe)
-        switched = through_walls(method, problem, self.grid, made.moving, made.event_functions)
         if switched is not None and switched.corner is not None:
             corner = switched.corner
             probe = replace(probe, form=corner.form, program=corner.program, values=switched.values)
@@ -344,7 +350,7 @@ class _Job:
         if switched is not None or not (made.model is None and equations.system.charts):
             probe.check(state)
         if switched is not None:
-            guard, stepper, chosen = None, switched.stepper, switched.chosen
+            stepper, chosen = switched.stepper, switched.chosen
         else:
             stepper, chosen = self._smooth(method, problem, guard, watched)
         ready, busy = perf_counter(), process_time()
@@ -377,6 +383,13 @@ class _Job:
             probe.suspect(state), self.progress, self._exact, self.outset.changing,
             marked=bool(made.watch.branches),
         )  # fmt: skip
+
+    def _switched(self, method: str, problem: Problem, guard: PoleGuard | None) -> Switched | None:
+        """The integrator of a problem that is not smooth, poles watched; None where it is."""
+        made = self.made
+        watched = problem if guard is None else guard.watching(problem, self.grid)
+        functions = {**made.event_functions, **({} if guard is None else {POLE: guard.level})}
+        return through_walls(method, watched, self.grid, made.moving, functions)
 
     def _require_reactions(self, run: Run) -> None:
         """Refuse reactions of a motion that was held on a wall."""
@@ -456,13 +469,14 @@ class _Job:
         return tuple(found)
 
     def _guard(self) -> PoleGuard | None:
-        """What watches the poles of Euler's angles, where the model is singular there."""
-        if not self.guarded:
+        """What watches the poles of Euler's angles, where the model is singular there and no chart
+        leads on."""
+        outset, charts = self.outset, self.vocabulary.equations.system.charts
+        if self.near is None or (charts and not self.made.is_rough):
             return None
-        outset = self.outset
         return PoleGuard.of(
             self.vocabulary.equations, self.made, outset.state, outset.constants,
-            float(self.grid[0]),
+            float(self.grid[0]), self.near if not charts else LAST,
         )  # fmt: skip
 
     def _bits(self, states: np.ndarray) -> int:

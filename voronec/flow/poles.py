@@ -13,17 +13,20 @@ from voronec.algebra.verdicts import all_vanish
 from voronec.attitudes import EulerAngles, euler_angles
 from voronec.equations import VoronecEquations
 from voronec.errors import IntegrationError
-from voronec.flow.atlas import NEAR
 from voronec.flow.events import Event
 from voronec.flow.modelling import Modelled
 from voronec.flow.probe import quantities, quiet
-from voronec.flow.steppers import Problem, Run
+from voronec.flow.steppers import Halt, Problem, Run
 from voronec.program import Program, compiled
 
-__all__ = ["POLE", "NearPole", "PoleGuard"]
+__all__ = ["LAST", "POLE", "NearPole", "PoleGuard"]
 
 POLE = "a pole of the angles is near"
 """The name of the event."""
+LAST = se.Rational(1, 10**6)
+"""No run passes a pole nearer than this in coordinates that are singular there: what is lost in
+digits is the inverse of such a number."""
+BEYOND = f"the motion comes within {float(LAST):g} of a pole of its angles, where no chart leads on"
 LARGE = 1e12
 """Rates beyond this, for a state of ordinary size, are a division by zero."""
 
@@ -34,13 +37,15 @@ class NearPole(IntegrationError):
 
 @dataclass(frozen=True)
 class PoleGuard:
-    """Stops a run where ``level``, a function on its model, is no longer positive."""
+    """Stops a run where ``level``, a function on its model, is no longer positive: so ``near`` to a
+    pole is the polar angle's sine."""
 
     name: str
     program: Program
     level: Any
     functions: Mapping[str, Any]
     form: Any
+    near: Any
 
     @classmethod
     def of(
@@ -50,33 +55,39 @@ class PoleGuard:
         start: np.ndarray,
         constants: Mapping[str, float],
         time: float,
+        near: Any,
     ) -> PoleGuard | None:
-        """None where no equation of the model is singular at a pole, and where charts are declared.
+        """None where no equation of the model is singular at a pole.
 
         ``start`` (n,) is on the coordinates.
         """
-        if equations.system.charts:
-            return None
         levels = [
             _distance(equations, made, angles)
             for angles in euler_angles(equations)
             if _is_singular(equations, made, angles, start, constants, time)
         ]
-        found = [d - NEAR**2 for d in levels if d is not None]
+        found = [d - near**2 for d in levels if d is not None]
         if not found:
             return None
         return cls(
-            equations.system.name, made.program, se.Mul(*found), made.event_functions, made.form
-        )
+            equations.system.name, made.program, se.Mul(*found), made.event_functions, made.form,
+            near,
+        )  # fmt: skip
 
     def check(self, state: np.ndarray, values: Sequence[float], time: float) -> None:
-        """Raise ``NearPole`` for a start that is near one."""
+        """Raise an error for a start that is near one: ``NearPole`` where charts are still to be
+        tried."""
         program = quantities(self.form, {POLE: self.level})
         own = dict(zip(map(str, self.program.parameters), values, strict=True))
         given = [own[str(p)] for p in program.parameters]
         (value,) = quiet(compiled(program)[1], given)(time, list(state))
-        if not value > 0:
+        if value > 0:
+            return
+        if self.near != LAST:
             raise self._near(time, state)
+        raise IntegrationError(
+            f"system '{self.name}': {BEYOND}, at the initial point; start elsewhere", time, state
+        )
 
     def watching(self, problem: Problem, grid: np.ndarray) -> Problem:
         """The problem, with the poles among its events."""
@@ -89,10 +100,14 @@ class PoleGuard:
         )
 
     def passed(self, run: Run) -> Run:
-        """The run as if nobody had watched; raises ``NearPole`` where it has come near one."""
-        if run.stopped == POLE:
+        """The run as if nobody had watched; raises ``NearPole`` where it has come near one, and
+        charts are still to be tried."""
+        if run.stopped != POLE:
+            return run.without({POLE})
+        if self.near != LAST:
             raise self._near(run.t[-1], run.states[-1])
-        return run.without({POLE})
+        halt = Halt(BEYOND, run.t[-1], run.states[-1])
+        return replace(run.without({POLE}), stopped="", halt=halt)
 
     def _near(self, time: float, state: np.ndarray) -> NearPole:
         return NearPole(
