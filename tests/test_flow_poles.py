@@ -290,8 +290,8 @@ def test_rates_keep_their_denominators_where_parameters_are_zero() -> None:
 
 
 def irregular(rough: bool) -> tuple[vo.System, Callable[[np.ndarray, np.ndarray], float]]:
-    """A ball with a torque f (e3 - gamma3 gamma) that is no polynomial in the attitude, or jumps, so
-    that no chart leads past a pole; and f."""
+    """A ball with a torque f (e3 - gamma3 gamma) that is no polynomial in the attitude, or jumps:
+    no chart leads past a pole; and f."""
     ball = vo.load("chaplygin-ball")
     theta, psi = (next(q for q in ball.coordinates if str(q) == x) for x in ("theta", "psi"))
     size = (
