@@ -11,7 +11,15 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from voronec import DefinitionError, prove_equal
+from voronec import (
+    DefinitionError,
+    Equation,
+    Fibration,
+    System,
+    check_claims,
+    prove_equal,
+    velocity,
+)
 from voronec.algebra.normal import shorten
 
 x, y, z, a, b, k = sp.symbols("x y z a b k")
@@ -118,6 +126,43 @@ LATE_TRAPS = {
 @pytest.mark.parametrize("sides", LATE_TRAPS.values(), ids=LATE_TRAPS)
 def test_what_fails_only_far_away_is_not_proved(sides):
     assert not prove_equal(*sides).proved
+
+
+BESIDE_WALLS = {
+    "right up to fifty": (sp.sqrt((x - 50) ** 2), 50 - x),
+    "two roots": (sp.sqrt((x - 50) ** 2) + sp.sqrt((x - 60) ** 2), 110 - 2 * x),
+    "a small angle": (sp.atan(sp.tan(y / 20)), y / 20),
+    "a small arcsine": (sp.asin(sp.sin(x / 100)), x / 100),
+    "the cosine of a small angle": (sp.sqrt(1 - sp.sin(x / 20) ** 2), sp.cos(x / 20)),
+    "a sum of arctangents": (sp.atan(x) + sp.atan(y), sp.atan((x + y) / (1 - x * y))),
+    "between two walls": (sp.sqrt((1 - x) ** 2 * (1 - 2 * x) ** 2), (1 - x) * (1 - 2 * x)),
+    "on a wall": (sp.sign(x) ** 2, 1),
+    "on a wall of two roots": (
+        sp.sqrt(x * y) + sp.sqrt(x * z) + sp.Abs(y * z), sp.sqrt(x * y) + sp.sqrt(x * z) + y * z,
+    ),
+    "a limit that is far": (sp.Max(x, -1000), x),
+    "a small domain": (sp.log((sp.cos(5 * x) + 2) ** 2 - (x**2 + 2) ** 2), 1),
+    "the orthant of two signs": (sp.sign(x) * sp.sign(y), sp.sign(x + y)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("sides", BESIDE_WALLS.values(), ids=BESIDE_WALLS)
+def test_what_fails_beyond_a_wall_is_refuted_there(sides):
+    verdict = prove_equal(*sides)
+    assert verdict.refuted and separated(verdict, *sides)
+
+
+def test_a_jump_is_no_witness_against_a_rate():
+    """|v|' = -1 where v is not zero, and has no value where it is: friction stops there."""
+    v = velocity(x)
+    system = System(
+        name="brake",
+        fibration=Fibration(base=(x,)),
+        lagrangian=v**2 / 2,
+        forces={x: -sp.sign(v)},
+        equations={"speed": Equation(sp.sign(v) * v, -1)},
+    )
+    assert not check_claims(system)[0].verdict.refuted
 
 
 @pytest.mark.parametrize(("p", "q"), [*itertools.permutations(sp.symbols("a b c d u w"), 2)])

@@ -12,7 +12,7 @@ import symengine as se
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
-__all__ = ["sample_evaluable", "sample_point"]
+__all__ = ["consistent", "lifted", "sample_evaluable", "sample_point"]
 
 
 def sample_point(
@@ -28,6 +28,12 @@ def sample_point(
     for atom in [*atoms, *(a for a in Tape(relations).atoms if a not in atoms)]:
         value = flint.fmpq(source.randint(120, 1400), 1009) * (1 if seed < 6 else 9)
         point[atom] = -value if seed % 2 and source.random() < 0.5 else value
+    return lifted(point, relations, bits)
+
+
+def lifted(point: dict[Any, Any], relations: Sequence[Any], bits: int) -> dict[Any, Any]:
+    """The point itself, or balls around a solution of relations near it; ``EngineLimit`` where
+    none is found."""
     return _onto_relations(point, relations, bits) if relations else point
 
 
@@ -93,7 +99,7 @@ def _independent(
     scale = np.max(np.abs(matrix))
     while True:
         r, c = np.unravel_index(np.argmax(np.abs(matrix)), matrix.shape)
-        if abs(matrix[r, c]) < 1e-9 * scale:
+        if not abs(matrix[r, c]) > 1e-9 * scale:  # nothing at all where the scale is zero
             return rows, columns
         rows.append(int(r))
         columns.append(int(c))
@@ -103,6 +109,8 @@ def _independent(
 def _enclose(square: Tape, free: dict[Any, Any], bound: list[Any], bits: int) -> dict[Any, Any]:
     """Newton's method, then Krawczyk's proof that a ball around the result holds a solution."""
     n = len(bound)
+    if n == 0:
+        return {}
     with flint.ctx.workprec(2 * bits):
         middle = flint.arb_mat(n, 1, [flint.arb(free[b]) for b in bound])
         for _ in range(2 * bits):
@@ -142,14 +150,14 @@ def sample_evaluable(
         except EngineLimit:
             continue
         values = tape.arb(point, bits)
-        if all(v.is_finite() for v in values) and _consistent(tape.atoms, point, bits):
+        if all(v.is_finite() for v in values) and consistent(tape.atoms, point, bits):
             found.append((point, values))
         if len(found) == count:
             break
     return found
 
 
-def _consistent(atoms: Sequence[Any], point: dict[Any, Any], bits: int) -> bool:
+def consistent(atoms: Sequence[Any], point: dict[Any, Any], bits: int) -> bool:
     """Whether the values given to unknown functions are those of some functions.
 
     f(a) and f(b) were given values of their own, which is right only where a and b differ.

@@ -15,12 +15,14 @@ from voronec.algebra.points import sample_evaluable
 from voronec.algebra.ring import Ring
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import sympified
+from voronec.algebra.witnesses import Search
 from voronec.arguments import SEVERAL, accepts
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Verdict", "Witness", "all_vanish", "decide_equal", "decide_zero", "prove_equal"]
 
 DIGITS = 30
+NO_POINT = "no point was found at which both sides have real values"
 PROOF_LIMIT = 20_000_000
 """The work a proof may cost: more than a normal form, since nothing has to be written out."""
 
@@ -85,7 +87,7 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
         ideal = door.inward_all((relations,) if single else relations)
         if any(r.is_Number and r != 0 for r in ideal):
             raise DefinitionError("one of the relations is a nonzero number: nothing satisfies it")
-        return decide_equal(door.inward(a), door.inward(b), ideal)
+        return decide_equal(door.inward(a), door.inward(b), ideal, pointwise=True)
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))
 
@@ -96,12 +98,17 @@ def decide_zero(expr: Any, relations: Sequence[Any] = ()) -> Verdict:
 
 
 def decide_equal(
-    a: Any, b: Any, relations: Sequence[Any] = (), work_limit: int = PROOF_LIMIT
+    a: Any,
+    b: Any,
+    relations: Sequence[Any] = (),
+    work_limit: int = PROOF_LIMIT,
+    pointwise: bool = False,
 ) -> Verdict:
     """Decide equality of two symengine expressions, modulo relations that vanish.
 
     A witness is looked for first, in ball arithmetic at sample points; then the normal form of
-    the difference is made, within a bound on the work.
+    the difference is made, within a bound on the work; then witnesses are looked for where branches
+    change, on a jump of a sign or a floor only where ``pointwise``.
     """
     a, b = se.sympify(a), se.sympify(b)
     if a == b:
@@ -122,14 +129,21 @@ def decide_equal(
         reason = "the normal form of the difference is not zero"
     except EngineLimit as limit:
         reason = str(limit)
-    if tape is not None:
-        for point, (left, right) in sample_evaluable(tape, relations, 800, 24, 12):
-            if not left.overlaps(right):
-                return Verdict("refuted", "ball arithmetic", _witness(point, left, right))
+    if tape is None:
+        return Verdict("undecided", f"{reason}; {NO_POINT}")
+    search = Search(a, b, relations, pointwise)
+    agreeing = 0 if search.run() else search.agreeing()
+    if search.found is None:
+        for point, values in sample_evaluable(tape, relations, 800, 24, 12):
+            if not values[0].overlaps(values[1]):
+                search.found = point, values
+    if search.found is not None:
+        point, (left, right) = search.found
+        return Verdict("refuted", "ball arithmetic", _witness(point, left, right))
     evidence = (
-        f"the two sides agree to 200 digits at {len(samples)} points (no proof)"
-        if samples
-        else "no point was found at which both sides have real values"
+        f"the two sides agree to 200 digits at {agreeing} points (no proof)"
+        if agreeing
+        else NO_POINT
     )
     return Verdict("undecided", f"{reason}; {evidence}")
 
