@@ -24,8 +24,8 @@ from voronec.errors import EngineLimit
 
 __all__ = ["Search", "walls_of"]
 
-WORK = 400_000
-"""Nodes of expressions that a search may evaluate: a second, whatever the size of the graph."""
+WORK = 120_000
+"""Nodes of expressions that a search may evaluate: a part of a second, whatever the size of the graph."""
 NEWTON = 200
 """How often relations are evaluated for a point on them, with their derivatives."""
 FAILURE = 20
