@@ -135,6 +135,7 @@ def decide_equal(
     agreeing = 0 if search.run() else search.agreeing()
     if search.found is None:
         for point, values in sample_evaluable(tape, relations, 800, 24, 12):
+            agreeing += 1
             if not values[0].overlaps(values[1]):
                 search.found = point, values
     if search.found is not None:

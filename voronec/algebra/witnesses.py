@@ -25,7 +25,7 @@ from voronec.errors import EngineLimit
 __all__ = ["Search", "walls_of"]
 
 WORK = 120_000
-"""Nodes of expressions that a search may evaluate: a part of a second, whatever the size of the graph."""
+"""Nodes that a search may evaluate: a part of a second, whatever the size of the graph."""
 NEWTON = 200
 """How often relations are evaluated for a point on them, with their derivatives."""
 FAILURE = 20
