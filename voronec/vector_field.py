@@ -90,6 +90,14 @@ class VectorField:
         """The same with the determinant of the mass by its name."""
         return self._own(self.door.inward(expr).xreplace(self.meaning).xreplace(self.momenta))
 
+    def read_branches(self, expr: sp.Expr) -> Any:
+        """The same where the determinant is raised to powers only: it is nowhere zero, and has no
+        branches; else spelled out."""
+        named = self.read_density(expr)
+        inside = [p for p in named.atoms(se.Pow) if self.determinant == p.args[0]]
+        rest = named.xreplace(dict.fromkeys(inside, se.Integer(1)))
+        return self.read(expr) if self.determinant in rest.free_symbols else named
+
     def express(self, expr: Any) -> Any:
         """A function inside the door, with everything that has a meaning spelled out."""
         return self._own(self._spelled(expr).xreplace(self.meaning).xreplace(self.momenta))

@@ -25,7 +25,7 @@ from voronec.algebra.verdicts import PROOF_LIMIT, Verdict
 from voronec.arguments import SEVERAL, TEXT, accepts
 from voronec.errors import DefinitionError, EngineLimit, shown
 
-__all__ = ["RELATIONS", "prove_inequality"]
+__all__ = ["RELATIONS", "known_sign", "prove_inequality"]
 
 _MEANT = {"<": ((-1,), True), ">": ((1,), True), "<=": ((-1, 0), False), ">=": ((1, 0), False)}
 _DEPTH = 8
@@ -160,7 +160,7 @@ class _Signs:
         if sign is None and depth < tried:
             self.known[key] = None, depth  # what is being asked for is no reason
             self.known[key] = self._of_factors(poly, depth), depth
-        return self.known[key][0]
+        return self.known.get(key, (None, depth))[0]  # beyond the depth nothing is kept
 
     def _of_factors(self, poly: Any, depth: int) -> _Sign | None:
         if poly == 0:
@@ -300,3 +300,18 @@ class _Signs:
                     value = -self.ring.polynomial(above) / self.ring.polynomial(below)
                     found.append((self.ring.meaning[place], value))
         return found
+
+
+def known_sign(
+    expr: Any, relations: Sequence[Any] = (), positive: Iterable[str] = (), strict: bool = False
+) -> int:
+    """1 or -1 where an expression inside the door is proved to have nowhere the other sign, or 0.
+
+    ``relations`` vanish, and symbols of the names ``positive`` are so; ``strict``: nor is it zero.
+    """
+    try:
+        ring = Ring([expr], relations)
+        found = _Signs.of(ring, positive).of_fraction(ring.fraction(expr))
+    except EngineLimit:
+        return 0
+    return found.value if found is not None and (found.strict or not strict) else 0

@@ -19,7 +19,15 @@ from voronec.algebra.witnesses import Search
 from voronec.arguments import SEVERAL, accepts
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Verdict", "Witness", "all_vanish", "decide_equal", "decide_zero", "prove_equal"]
+__all__ = [
+    "Verdict",
+    "Witness",
+    "all_vanish",
+    "decide_equal",
+    "decide_zero",
+    "prove_equal",
+    "witness_at",
+]
 
 DIGITS = 30
 NO_POINT = "no point was found at which both sides have real values"
@@ -46,12 +54,21 @@ class Verdict:
 
     ``status`` is ``proved`` (the difference is zero in an exact normal form), ``refuted`` (with a
     ``witness``: ball arithmetic separates the two sides) or ``undecided``.  ``method`` says how,
-    and for an undecided question what the numbers suggest.
+    and for an undecided question what the numbers suggest.  A proof about motions may stand up to
+    multiples of a period, ``modulo``, and where a ``domain`` bounds what is real.
     """
 
     status: str
     method: str
     witness: Witness | None = None
+    modulo: str = ""
+    domain: str = ""
+
+    @property
+    def limits(self) -> str:
+        """The period and the domain of a proof, in words."""
+        period = f"up to multiples of {self.modulo}" if self.modulo else ""
+        return " ".join(filter(None, (period, f"where {self.domain}" if self.domain else "")))
 
     @property
     def proved(self) -> bool:
@@ -121,7 +138,7 @@ def decide_equal(
         reason = str(limit)
     for point, (left, right) in samples:
         if not left.overlaps(right):
-            return Verdict("refuted", "ball arithmetic", _witness(point, left, right))
+            return Verdict("refuted", "ball arithmetic", witness_at(point, left, right))
     try:
         ring = Ring([a, b], relations, work_limit)
         if ring.fraction(a - b).num == 0:
@@ -140,7 +157,7 @@ def decide_equal(
                 search.found = point, values
     if search.found is not None:
         point, (left, right) = search.found
-        return Verdict("refuted", "ball arithmetic", _witness(point, left, right))
+        return Verdict("refuted", "ball arithmetic", witness_at(point, left, right))
     evidence = (
         f"the two sides agree to 200 digits at {agreeing} points (no proof)"
         if agreeing
@@ -166,7 +183,8 @@ def all_vanish(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> bool:
     return True
 
 
-def _witness(point: dict[Any, Any], left: Any, right: Any) -> Witness:
+def witness_at(point: dict[Any, Any], left: Any, right: Any) -> Witness:
+    """A point with two values there."""
     named = {str(atom): _digits(value, DIGITS) for atom, value in point.items()}
     digits = DIGITS
     while _digits(left, digits) == _digits(right, digits) and digits < 300:

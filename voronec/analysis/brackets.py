@@ -19,6 +19,7 @@ from voronec.algebra.elimination import solve_linear
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.verdicts import Verdict
 from voronec.analysis.decision import Decision, all_zero
+from voronec.analysis.walls import across_walls
 from voronec.claims import Poisson
 from voronec.vector_field import Motions, VectorField
 
@@ -38,7 +39,10 @@ def decide_poisson(motions: Motions, claim: Poisson) -> Decision:
         words = f"the {len(claim.variables)} variables do not determine the state"
         why = f"{words} on the {field.level}, of {field.dimension} dimensions"
         return Decision(Verdict("refuted", why), field.level)
-    return Decision(all_zero(structure.residuals(), field.relations), field.level)
+    found = all_zero(structure.residuals(), field.relations)
+    found = across_walls(found, field, [*structure.named_variables()])
+    found = across_walls(found, field, [*structure.named_functions()], periods=False)
+    return Decision(found, field.level)
 
 
 @dataclass(frozen=True)
@@ -105,6 +109,19 @@ class _Structure:
     def along(self, i: int, slopes: list[Any]) -> Any:
         """{z_i, F} from the derivatives of F."""
         return se.Add(*[b * d for b, d in zip(self.table[i], slopes, strict=True)])
+
+    def named_variables(self) -> Iterator[tuple[str, Any]]:
+        """The variables as functions of the state."""
+        names = map(plain_name, self.claim.variables)
+        yield from zip(names, self.meaning.values(), strict=True)
+
+    def named_functions(self) -> Iterator[tuple[str, Any]]:
+        """The Hamiltonian, the clock and the entries of the bracket as functions of the state."""
+        yield "the Hamiltonian", self.read(self.claim.hamiltonian).xreplace(self.meaning)
+        yield "the clock", self.read(self.claim.clock).xreplace(self.meaning)
+        for (a, b), entry in self.claim.bracket.items():
+            name = f"the bracket of {plain_name(a)} with {plain_name(b)}"
+            yield name, self.read(entry).xreplace(self.meaning)
 
     def residuals(self) -> Iterator[tuple[str, Any]]:
         """What has to vanish, with its name."""

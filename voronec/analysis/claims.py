@@ -17,6 +17,7 @@ from voronec.analysis.integrability import decide_integrable
 from voronec.analysis.measures import decide_measure
 from voronec.analysis.multiplier import decide_multiplier
 from voronec.analysis.rates import decide_equation, decide_integral
+from voronec.analysis.walls import across_walls
 from voronec.claims import Corrected, right_of
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit
@@ -69,7 +70,7 @@ class Claim:
     @property
     def standing(self) -> str:
         """The verdict in words for a table."""
-        words = self.verdict.status
+        words = " ".join(filter(None, (self.verdict.status, self.verdict.limits)))
         if self.printed is not None and self.verdict.proved:
             words += f"; refuted as printed in {self.source}"
         if self.admitted:
@@ -161,7 +162,10 @@ def _descends(motions: Motions, _: Any) -> Decision:
         _ = motions.reduction
     except DefinitionError as refusal:
         return Decision(Verdict("refuted", str(refusal)))
-    return Decision(Verdict("proved", "equations closed in the invariants, by elimination"))
+    found = Verdict("proved", "equations closed in the invariants, by elimination")
+    field = motions.on_coordinates
+    inside = [(f"'{name}'", field.read(g)) for name, g in motions.system.invariants.items()]
+    return Decision(across_walls(found, field, inside))
 
 
 def _decided(kind: str, name: str, decide: Decide, motions: Motions, claim: Any) -> Claim:

@@ -26,6 +26,7 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.analysis.closure import foreign_rate
 from voronec.analysis.decision import Decision, all_zero, zero_everywhere
+from voronec.analysis.walls import across_walls
 from voronec.arguments import POINT, accepts
 from voronec.claims import Measure
 from voronec.errors import DefinitionError, EngineLimit
@@ -66,6 +67,8 @@ def decide_measure(motions: Motions, measure: Measure) -> Decision:
     if found is None:
         residual = defect(field, field.read_density(measure.density), chosen)
         found = all_zero([("", residual)], field.relations)
+        inside = [("the density", field.read_branches(measure.density))]
+        found = across_walls(found, field, inside, periods=False)
     return Decision(found, field.level)
 
 

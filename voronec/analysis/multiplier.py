@@ -28,6 +28,7 @@ from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.analysis.decision import Decision, all_zero, zero_everywhere
+from voronec.analysis.walls import across_walls
 from voronec.errors import EngineLimit
 from voronec.vector_field import Motions, VectorField
 
@@ -41,7 +42,10 @@ def decide_multiplier(motions: Motions, multiplier: sp.Expr) -> Decision:
     field = motions.on_coordinates
     n = field.read(multiplier)
     found = zero_everywhere(n, "the multiplier", field.relations)
-    return Decision(_verdict(motions, field, n) if found is None else found, field.level)
+    if found is None:
+        found = _verdict(motions, field, n)
+        found = across_walls(found, field, [("the multiplier", n)], periods=False)
+    return Decision(found, field.level)
 
 
 def _verdict(motions: Motions, field: VectorField, n: Any) -> Verdict:

@@ -7,6 +7,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.analysis.decision import Decision, all_zero
+from voronec.analysis.walls import across_walls
 from voronec.claims import Equation, expressions_of
 from voronec.vector_field import Motions
 
@@ -17,7 +18,9 @@ def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
     """dF/dt = 0 along the motion."""
     field = motions.deciding([function])
     rate = field.derivative(field.read_named(function))
-    return Decision(all_zero([("", rate)], field.relations), field.level)
+    found = all_zero([("", rate)], field.relations)
+    inside = [("", field.read_branches(function))]
+    return Decision(across_walls(found, field, inside, constant=True), field.level)
 
 
 def decide_equation(motions: Motions, equation: Equation) -> Decision:
@@ -27,7 +30,9 @@ def decide_equation(motions: Motions, equation: Equation) -> Decision:
     found = field.derivatives(functions)
     claimed = [field.read(g) for g in equation.rate]
     residuals = [a - b for a, b in zip(found, claimed, strict=True)]
-    return Decision(all_zero(_numbered(residuals), field.relations), field.level)
+    verdict = all_zero(_numbered(residuals), field.relations)
+    inside = _numbered([field.read_branches(f) for f in equation.function])
+    return Decision(across_walls(verdict, field, inside), field.level)
 
 
 def _numbered(residuals: list[Any]) -> list[tuple[str, Any]]:

@@ -18,7 +18,8 @@ class Finding:
     """One statement with its status.
 
     ``admitted`` is the reason why it may stay undecided; where it is decided all the same, that
-    is out of date, and a failure.  ``remark`` says that it corrects a print.
+    is out of date, and a failure.  ``remark`` says that it corrects a print,
+    or that it stands up to a period, or on a domain.
     """
 
     kind: str

@@ -110,7 +110,8 @@ def _claim(claim: Claim, reason: str, carried: str = "") -> Finding:
         found = replace(found, admitted="")
     if claim.printed is None or not claim.printed.refuted:
         return found
-    return replace(found, remark=f"refuted as printed in {claim.source}")
+    remark = "; ".join(filter(None, (found.remark, f"refuted as printed in {claim.source}")))
+    return replace(found, remark=remark)
 
 
 def _finding(kind: str, name: str, verdict: Verdict, reason: str) -> Finding:
@@ -120,4 +121,4 @@ def _finding(kind: str, name: str, verdict: Verdict, reason: str) -> Finding:
         status = "numeric"
     if verdict.witness is not None:
         how = f"{verdict.witness}" + ("" if how == "ball arithmetic" else f"; {how}")
-    return Finding(kind, name, status, how, reason)
+    return Finding(kind, name, status, how, reason, verdict.limits)

@@ -14,6 +14,7 @@ from voronec.algebra.elimination import solve_linear
 from voronec.algebra.generic import generic_rank
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.analysis.claims import Claim
+from voronec.analysis.walls import across_walls
 from voronec.errors import EngineLimit
 from voronec.relations.declaration import Relation
 from voronec.relations.dependence import unsound_functions
@@ -129,7 +130,17 @@ def _decided(statemap: StateMap) -> Verdict:
         verdict = _decide(statemap, residual)
         if not verdict.proved:
             return replace(verdict, method=f"{place}: {verdict.method}")
-    return Verdict("proved", "zero in exact normal form")
+    return _across_walls(statemap, Verdict("proved", "zero in exact normal form"))
+
+
+def _across_walls(statemap: StateMap, verdict: Verdict) -> Verdict:
+    """The proof with the walls of the map: positions and the time may jump by periods."""
+    target, field = statemap.target, statemap.scaled_source
+    places = [*target.positions, target.time]
+    at = [(f"the image '{x}'", statemap.state[x]) for x in places]
+    verdict = across_walls(verdict, field, at)
+    fast = [(f"the image '{v}'", statemap.state[v]) for v in target.velocities]
+    return across_walls(verdict, field, [*fast, ("the clock", statemap.clock)], periods=False)
 
 
 def _grounds(statemap: StateMap) -> Iterator[Verdict]:

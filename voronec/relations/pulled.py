@@ -11,6 +11,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.analysis.claims import Claim
 from voronec.analysis.measures import defect
+from voronec.analysis.walls import across_walls
 from voronec.claims import Equation, Measure, right_of
 from voronec.errors import EngineLimit
 from voronec.relations.dependence import foreign
@@ -34,17 +35,24 @@ def pulled_claims(statemap: StateMap) -> Iterator[Claim]:
     for name, claim in system.integrals.items():
         function = right_of(claim)
         if _is_mapped(statemap, function):
-            yield from _claim(statemap, "integral", name, _rates(statemap, function))
+            images = _images(statemap, function)
+            yield from _claim(statemap, "integral", name, _rates(statemap, function), images)
     for name, claim in system.equations.items():
         equation: Equation = right_of(claim)
         if _is_mapped(statemap, *equation.function, *equation.rate):
-            yield from _claim(statemap, "equation", name, _defects(statemap, equation))
+            images = _images(statemap, *equation.function)
+            yield from _claim(statemap, "equation", name, _defects(statemap, equation), images)
     if system.measure is not None and _is_measured(statemap, right_of(system.measure)):
-        yield from _claim(statemap, "measure", "density", _dilation(statemap, system.measure))
+        density = _densities(statemap, system.measure)
+        dilation = _dilation(statemap, system.measure)
+        yield from _claim(statemap, "measure", "density", dilation, density)
 
 
-def _claim(statemap: StateMap, kind: str, name: str, residuals: Iterator[Any]) -> Iterator[Claim]:
-    """The claim that residuals vanish, unless it has no meaning on the image."""
+def _claim(
+    statemap: StateMap, kind: str, name: str, residuals: Iterator[Any], functions: Iterator[Any]
+) -> Iterator[Claim]:
+    """The claim that residuals vanish, unless it has no meaning on the image; ``functions`` are
+    what must not jump."""
     limit = statemap.relation.limit
     order = 1 if limit is None else limit.order
     verdict = Verdict("proved", "nothing to decide")
@@ -53,6 +61,10 @@ def _claim(statemap: StateMap, kind: str, name: str, residuals: Iterator[Any]) -
             verdict = vanishes(residual, statemap.relations, statemap.small, order)
             if not verdict.proved:
                 break
+        if verdict.proved:
+            field, is_constant = statemap.scaled_source, kind == "integral"
+            inside = [("", f) for f in functions]
+            verdict = across_walls(verdict, field, inside, kind != "measure", is_constant)
     except Infinite:
         return
     except EngineLimit as reached:
@@ -79,6 +91,10 @@ def _has_time(statemap: StateMap) -> bool:
 
 def _pulled(statemap: StateMap, expr: sp.Expr) -> Any:
     return statemap.pull_back(statemap.target.read(expr))
+
+
+def _images(statemap: StateMap, *functions: sp.Expr) -> Iterator[Any]:
+    yield from (_pulled(statemap, f) for f in functions)
 
 
 def _rates(statemap: StateMap, function: sp.Expr) -> Iterator[Any]:
@@ -115,8 +131,13 @@ def _has_plain_clock(statemap: StateMap) -> bool:
     return not moved and not any(source.time in e.free_symbols for e in timed)
 
 
-def _dilation(statemap: StateMap, claim: Any) -> Iterator[Any]:
+def _densities(statemap: StateMap, claim: Any) -> Iterator[Any]:
     density = _pulled(statemap, right_of(claim).density) * volume_factor(statemap)
     if statemap.clock.free_symbols & {*statemap.source.variables}:
         density = density / statemap.clock  # a clock that only the time drives keeps volumes
-    yield statemap.scale(defect(statemap.source, density))
+    yield density
+
+
+def _dilation(statemap: StateMap, claim: Any) -> Iterator[Any]:
+    for density in _densities(statemap, claim):
+        yield statemap.scale(defect(statemap.source, density))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -94,6 +94,20 @@ class StateMap:
     def derivative(self, function: Any) -> Any:
         """d/dt along the motion of the source."""
         return self._resolved(self.scale(self.source.derivative(function)))
+
+    @cached_property
+    def scaled_source(self) -> VectorField:
+        """The field of the source, its parameters as functions of the small one."""
+        source = self.source
+        if not self.scaled:
+            return source
+        return replace(
+            source,
+            rates=tuple(map(self.scale, source.rates)),
+            mass=tuple(tuple(map(self.scale, row)) for row in source.mass),
+            force=tuple(map(self.scale, source.force)),
+            relations=self.relations,
+        )
 
     @cached_property
     def _angles(self) -> Angles | None:

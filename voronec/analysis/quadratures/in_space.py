@@ -12,6 +12,7 @@ import symengine as se
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.verdicts import Verdict
 from voronec.analysis.quadratures.ground import Ground, Residuals
+from voronec.analysis.walls import across_walls
 from voronec.quadratures import Space
 
 __all__ = ["InSpace"]
@@ -47,7 +48,9 @@ class InSpace:
     def constant(self) -> Verdict:
         """d(E m)/dt = 0."""
         rates = self.ground.field.derivatives([_dot(row, self.vector) for row in self.frame])
-        return self.ground.zero([(f"component {i + 1}", r) for i, r in enumerate(rates)])
+        found = self.ground.zero([(f"component {i + 1}", r) for i, r in enumerate(rates)])
+        parts = [(f"component {i + 1}", _dot(row, self.vector)) for i, row in enumerate(self.frame)]
+        return across_walls(found, self.ground.field, parts, constant=True)
 
     def free(self) -> Verdict:
         """Nothing else, nor how the frame turns along itself, depends on coordinates in space."""

@@ -15,6 +15,7 @@ from voronec.analysis.claims import Claim
 from voronec.analysis.quadratures.ground import Ground
 from voronec.analysis.quadratures.in_space import InSpace
 from voronec.analysis.quadratures.residues import decide_residues
+from voronec.analysis.walls import across_walls
 from voronec.errors import EngineLimit
 from voronec.quadratures import Plane, Trace
 from voronec.reading import shown
@@ -61,11 +62,14 @@ def statements(ground: Ground) -> Iterator[tuple[str, Callable[[], Verdict]]]:
 
 def _constant(ground: Ground, symbol: sp.Symbol) -> Verdict:
     function = ground.level[ground.field.door.inward(symbol)]
-    return ground.zero([("", ground.field.derivative(function))])
+    found = ground.zero([("", ground.field.derivative(function))])
+    return across_walls(found, ground.field, [("", function)], constant=True)
 
 
 def _quartic(ground: Ground) -> Verdict:
-    return ground.zero([("", ground.run**2 - ground.on_level(ground.motion.quartic))])
+    found = ground.zero([("", ground.run**2 - ground.on_level(ground.motion.quartic))])
+    variable = [("the variable", ground.field.read(ground.motion.meaning))]
+    return across_walls(found, ground.field, variable, periods=False)
 
 
 def _rate(ground: Ground, q: sp.Expr) -> Verdict:
@@ -100,7 +104,8 @@ def _direction(ground: Ground, plane: Plane) -> Verdict:
         for e, rate in zip(plane.direction, ground.field.derivatives([a, b]), strict=True)
     ]
     found.append(("the length", a**2 + b**2 - ground.on_level(plane.length) ** 2))
-    return ground.zero(found)
+    parts = [(shown(e), part) for e, part in zip(plane.direction, (a, b), strict=True)]
+    return across_walls(ground.zero(found), ground.field, parts, constant=True)
 
 
 def _along(ground: Ground, plane: Plane) -> Verdict:

@@ -1,0 +1,302 @@
+"""Walls: what is constant off them, but jumps where motions cross, is not proved.
+
+The truth comes from exact motions: of the spring x = A sin(t + a), evaluated on both sides of the
+instant at which it crosses a wall.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import pairwise
+
+import mpmath as mp
+import pytest
+import symengine as se
+import sympy as sp
+
+import voronec as vo
+from voronec import Case, Equation, Measure, Parameter, Poisson
+from voronec.algebra.branches import product_of
+from voronec.algebra.simple_zeros import has_simple_zeros
+from voronec.analysis import check_claims
+
+x, y, q, p, k, m, mu = sp.symbols("x y q p k m mu")
+v, w = vo.velocity(x), vo.velocity(y)
+t = vo.time
+energy = x**2 + v**2
+root = sp.Rational(1, 2)
+
+
+def spring(**claims):
+    return vo.System(
+        name="spring", fibration=vo.Fibration((x,)), lagrangian=(v**2 - x**2) / 2, **claims
+    )
+
+
+def verdict(function):
+    (claim,) = check_claims(spring(integrals={"F": function}))
+    return claim.verdict
+
+
+def jumps(function, period=None):
+    """Whether a function jumps along an exact motion, but for multiples of a period."""
+    given = sp.lambdify((x, v, t), function, "mpmath")
+    for amplitude, phase in ((mp.mpf(13) / 10, mp.mpf(1) / 5), (mp.mpf(7) / 10, mp.mpf(2))):
+        values = []
+        for step in range(1, 700):
+            time = mp.mpf(step) / 100
+            at = amplitude * mp.sin(time + phase), amplitude * mp.cos(time + phase), time
+            values.append(given(*at))
+        for a, b in pairwise(values):
+            off = (b - a) / period if period else b - a
+            if abs(off - (mp.nint(off) if period else 0)) > mp.mpf(1) / 10**6:
+                return True
+    return False
+
+
+VACUOUS = [
+    sp.sign(x),
+    sp.sqrt(x**2) / x,
+    sp.atan(sp.tan(10 * x)) - 10 * x,
+    sp.Heaviside(v),
+    sp.floor(x),
+    sp.atan(x) + sp.atan(1 / x),
+    sp.sign(sp.sin(x)),
+]
+FALSE = [
+    energy * (1 + sp.sign(x)),
+    energy * sp.sqrt(x**2) / x,
+    x * sp.sqrt(energy / x**2),
+    energy * (x**4) ** sp.Rational(1, 4) / x,
+    energy * sp.sqrt(1 - sp.cos(x)) / sp.sin(x / 2),
+    energy
+    * sp.sqrt(5 - 3 * sp.cos(x) - 4 * sp.sin(x))
+    * sp.sqrt(5 + 3 * sp.cos(x) + 4 * sp.sin(x))
+    / (4 * sp.cos(x) - 3 * sp.sin(x)),
+    energy * sp.atan2(x * v, x * v**2) - energy * sp.atan2(1, v),
+]
+PHASES = [
+    (t - sp.atan2(x, v), 2 * sp.pi),
+    (t - sp.atan(x / v), sp.pi),
+    (t / 2 - sp.atan2(x, v) / 2, sp.pi),
+    (energy + sp.sign(x), 2),
+    (2 * t - sp.atan2(x, v) - sp.atan(x / v), sp.pi),
+]
+TRUE = [
+    energy,
+    sp.sqrt(energy),
+    1 / sp.sqrt(energy),
+    sp.sqrt(x**2 * energy) / sp.sqrt(x**2),
+    sp.log(energy),
+    sp.Max(0, energy - 1),
+    energy ** sp.Rational(2, 3) * sp.sign(energy - 2),
+    energy + (sp.tan(x) * sp.cos(x) - sp.sin(x)),
+]
+
+
+@pytest.mark.parametrize("function", VACUOUS + FALSE)
+def test_what_jumps_along_a_motion_is_refuted_with_a_state_on_the_wall(function):
+    found = verdict(function)
+    assert jumps(function)
+    assert found.refuted and "it jumps where" in found.method
+    with mp.workdps(40):
+        _stands(found, function)
+
+
+def _stands(found, function):
+    """Whether the two values of a witness are those before and after its state."""
+    exact = {name: sp.Rational(value) for name, value in found.witness.point.items()}
+    point = {name: mp.mpf(int(e.p)) / int(e.q) for name, e in exact.items()}
+    left, right = (mp.mpf(e) for e in (found.witness.left, found.witness.right))
+    step = mp.mpf(10) ** -8
+    given = sp.lambdify((x, v), function, "mpmath")
+    at = point.get("x", mp.mpf(1)), point.get("xdot", mp.mpf(1))
+    sides = [given(at[0] + s * step * at[1], at[1] - s * step * at[0]) for s in (1, -1)]
+    for side, value in ((min(sides), min(left, right)), (max(sides), max(left, right))):
+        assert abs(side - value) < 1e-4 * (1 + abs(side))
+
+
+@pytest.mark.parametrize("function", VACUOUS)
+def test_what_is_constant_but_for_its_jumps_says_nothing(function):
+    assert "constant but for jumps" in verdict(function).method
+
+
+@pytest.mark.parametrize(("function", "period"), PHASES)
+def test_phases_are_proved_up_to_multiples_of_their_period(function, period):
+    found = verdict(function)
+    assert found.proved and sp.sympify(found.modulo) == period
+    assert jumps(function) and not jumps(function, period=mp.mpf(sp.N(period, 20)))
+
+
+@pytest.mark.parametrize("function", TRUE)
+def test_kinks_and_what_motions_keep_are_proved(function):
+    found = verdict(function)
+    assert found.proved and not found.modulo
+    assert not jumps(function)
+
+
+def test_the_domain_is_named():
+    assert verdict(sp.sqrt(energy - 1)).limits == "where x**2 + xdot**2 - 1 > 0"
+    assert verdict(sp.sign(energy - 1)).limits == "where x**2 + xdot**2 - 1 != 0"
+    (claim,) = (c for c in check_claims(vo.load("sleigh")) if c.name == "heading")
+    assert claim.standing == "proved where w != 0"
+
+
+def test_declared_signs_leave_no_wall():
+    positive = [Parameter(s, 1, positive=True) for s in (k, m)]
+    size = k * x**2 + m * v**2
+    system = vo.System(
+        name="spring",
+        fibration=vo.Fibration((x,)),
+        lagrangian=(m * v**2 - k * x**2) / 2,
+        parameters=positive,
+        integrals={"inverse": 1 / sp.sqrt(size), "side": sp.sign(size), "wall": sp.sign(k * x)},
+    )
+    inverse, side, wall = check_claims(system)
+    assert inverse.standing == side.standing == "proved"
+    assert wall.verdict.refuted
+    assert all(sp.sympify(wall.verdict.witness.point[str(s)]) > 0 for s in (k, m) if str(s) in
+               wall.verdict.witness.point)  # fmt: skip
+
+
+def test_equations_may_have_kinks_and_no_jumps():
+    claims = {
+        "kink": Equation(sp.Abs(x), v * x / sp.Abs(x)),
+        "jump": Equation(sp.sign(x) * (1 + x), v * sp.sign(x)),
+        "saturated": Equation(sp.tanh(1 / x), -v / x**2 / sp.cosh(1 / x) ** 2),
+    }
+    kink, jump, saturated = check_claims(spring(equations=claims))
+    assert kink.verdict.proved
+    assert jump.verdict.refuted and jump.verdict.witness.point["x"] == "0"
+    assert saturated.verdict.undecided
+
+
+def test_what_has_its_walls_in_the_field_is_judged_piece_by_piece():
+    system = vo.System(
+        name="friction",
+        fibration=vo.Fibration((x,)),
+        lagrangian=(v**2 - x**2) / 2,
+        forces={x: -mu * sp.sign(v)},
+        parameters=(Parameter(mu, 1, positive=True),),
+        integrals={"half": (x + mu * sp.sign(v)) ** 2 + v**2},
+        equations={"energy": Equation(energy / 2, -mu * v * sp.sign(v))},
+    )
+    for claim in check_claims(system):
+        assert claim.verdict.proved
+
+
+def test_densities_hamiltonians_and_multipliers_may_not_jump():
+    plane = vo.System(
+        name="plane",
+        fibration=vo.Fibration((x, y)),
+        lagrangian=(v**2 + w**2 - x**2 - y**2) / 2,
+        measure=sp.sign(x) * sp.sign(y),
+    )
+    (density,) = check_claims(plane)
+    assert density.verdict.refuted and "jumps where" in density.verdict.method
+    found = [
+        check_claims(spring(measure=Measure(rho, (x, v))))[0].verdict.status
+        for rho in (sp.sqrt(energy), 1 / sp.sqrt(energy), 2 + sp.sign(v))
+    ]
+    assert found == ["proved", "proved", "refuted"]
+    for extra, status in ((0, "proved"), (sp.sign(x), "refuted")):
+        bracket = Poisson({x: x, v: v}, {(x, v): 1}, hamiltonian=energy / 2 + extra)
+        assert check_claims(spring(poisson=bracket))[0].verdict.status == status
+
+
+def test_cases_have_walls_too():
+    system = vo.System(
+        name="spring",
+        fibration=vo.Fibration((x,)),
+        lagrangian=(v**2 - k * x**2) / 2,
+        parameters=(k,),
+        cases={"free": Case({k: 0}, integrals={"side": sp.sign(x) * v, "way": sp.sign(v)})},
+    )
+    side, way = check_claims(system)
+    assert side.verdict.refuted
+    assert way.standing == "proved where xdot != 0"
+
+
+@cache
+def _systems():
+    target = vo.System(
+        name="other",
+        fibration=vo.Fibration((q,)),
+        lagrangian=(vo.velocity(q) ** 2 - q**2) / 2,
+        integrals={"energy": q**2 + vo.velocity(q) ** 2, "phase": t - sp.atan2(q, vo.velocity(q))},
+    )
+    plane = vo.System(name="plane", fibration=vo.Fibration((x, y)), lagrangian=(v**2 + w**2) / 2)
+    polar = vo.System(
+        name="polar",
+        fibration=vo.Fibration((q, p)),
+        lagrangian=(vo.velocity(q) ** 2 + q**2 * vo.velocity(p) ** 2) / 2,
+    )
+    return spring(), target, plane, polar
+
+
+def related(source, target, **state):
+    pairs = dict(zip((q, p), state.values(), strict=False))
+    return vo.check_relation(vo.Relation(source, target, state=pairs), systems=_systems())
+
+
+def test_a_bounce_is_no_relation():
+    found = related("spring", "other", q=sp.sqrt(x**2)).verdict
+    assert found.refuted and "'qdot': it jumps where x = 0" in found.method
+    assert found.witness.point["x"] == "0"
+    values = sp.Float(found.witness.left), sp.Float(found.witness.right)
+    assert abs(values[0] + values[1]) < 1e-20 < abs(values[0])  # the velocity is turned around
+
+
+def test_polar_coordinates_are_a_relation_up_to_whole_turns():
+    found = related("plane", "polar", q=sp.sqrt(x**2 + y**2), p=sp.atan2(y, x)).verdict
+    assert found.proved and found.modulo == "2*pi"
+    wrong = related("plane", "polar", q=sp.sqrt(x**2 + y**2) * sp.sign(x), p=sp.atan(y / x))
+    assert wrong.verdict.refuted
+
+
+def test_claims_carried_along_have_their_walls():
+    found = related("spring", "other", q=-x)
+    assert found.verdict.proved and not found.verdict.limits
+    carried = {c.name: c.verdict.modulo for c in found.pulled if c.verdict.proved}
+    assert carried == {"energy": "", "phase": "2*pi"}
+
+
+X, Y, Z, A = se.symbols("x y z a")
+SPHERE, CIRCLE = (X**2 + Y**2 + Z**2 - 1,), (X**2 + Y**2 - 1,)
+
+
+@pytest.mark.parametrize(
+    ("function", "relations", "simple"),
+    [
+        (X, (), True),
+        (X**2, (), False),
+        (1 + 1 / X**2, (), False),
+        (5 - 3 * se.cos(X) - 4 * se.sin(X), (), False),
+        (6 - 3 * se.cos(X) - 4 * se.sin(X), (), True),
+        (1 + se.cos(X), (), False),
+        (se.sin(X) ** 2 * se.sin(Y) ** 2 + se.cos(X) ** 2, (), True),
+        (1 - X**2, CIRCLE, False),
+        (1 - X**2, SPHERE, True),
+        (1 - X**2 - Y**2, SPHERE, False),
+        (1 - A * X**2, SPHERE, True),
+        (X**2 - se.sin(X) ** 2, (), False),
+        (se.sqrt(X**2 + 1) - Y, (), True),
+    ],
+)
+def test_zeros_of_the_first_order_are_certified(function, relations, simple):
+    assert has_simple_zeros(function, relations) is simple
+
+
+@pytest.mark.parametrize(
+    ("function", "powers"),
+    [
+        (5 - 3 * se.cos(X) - 4 * se.sin(X), [2]),
+        (se.tan(X), [-1, -1, 1, 1]),
+        (X**2 * (Y - 1) / Z, [-1, 1, 2]),
+        (1 - se.cos(X) ** 2, [2, 2]),
+    ],
+)
+def test_factors_in_half_angles_multiply_to_the_function(function, powers):
+    found = product_of(function)
+    assert sorted(found.powers.values()) == powers
+    assert vo.prove_equal(str(found.expression), str(function)).proved

@@ -1,0 +1,454 @@
+"""Walls of a function of many branches, and what the function is on either side of one.
+
+Signs, floors, roots of even order, arctangents are analytic but for walls h = 0: there what stands
+inside vanishes, or becomes infinite.  With h = s |h|, s = 1 or -1 the side, and g = c h^k u there
+
+    sign(g) = s^k sign(c u),    g^e = |h|^(k e) (s^k c u)^e,    atan(g) = pi/2 sign(g) - atan(1/g)
+
+are functions of s, analytic where h = 0 [Theory, eq. (13b)].  In the half angles C = cos(a/2),
+S = sin(a/2) all polynomials in cos(a) = C^2 - S^2, sin(a) = 2 S C, 1 = C^2 + S^2 factor uniquely.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import flint
+import symengine as se
+
+from voronec.algebra.groebner import groebner_basis, reduce_by
+from voronec.algebra.ring import Ring
+from voronec.algebra.simple_zeros import composed, has_simple_zeros
+
+__all__ = ["Branches", "Product", "Wall", "bounds_of", "has_branches", "is_plain", "product_of"]
+
+HALF_PI = se.pi / 2
+_ESSENTIAL = (
+    se.sin, se.cos, se.tan, se.cot, se.sec, se.csc, se.sinh, se.cosh, se.tanh, se.coth,
+    se.FunctionSymbol,
+)  # fmt: skip
+_OPEN = (se.asin, se.acos, se.acosh)
+_MANY = (se.sign, se.floor, se.atan, se.acot, se.atan2, se.log, se.atanh, se.Abs, *_OPEN)
+
+
+# -- products of irreducible functions --------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Product:
+    """content * product of h^k over ``powers``; the h are irreducible, and differ.
+
+    ``roots`` are those of the h that are roots themselves, and nowhere negative.
+    """
+
+    content: Any
+    powers: dict[Any, int]
+    roots: frozenset[Any] = frozenset()
+
+    def without(self, h: Any) -> Any:
+        """The product without one of its factors, as an expression."""
+        return se.Mul(self.content, *[f**k for f, k in self.powers.items() if f != h])
+
+    @property
+    def expression(self) -> Any:
+        """The product itself."""
+        return self.without(None)
+
+    @property
+    def odd(self) -> Any:
+        """The product of the factors of odd powers: what a square root cannot be taken of."""
+        kept = [f ** (1 if k > 0 else -1) for f, k in self.powers.items() if k % 2]
+        return se.Mul(self.content, *kept)
+
+
+@lru_cache(maxsize=4096)
+def product_of(expr: Any, relations: tuple[Any, ...] = ()) -> Product:
+    """The factors of an expression where relations vanish; ``EngineLimit`` where it is too large.
+
+    Several products are the same there: one is taken without further multiple zeros, if possible.
+    """
+    ring = Ring([expr, *relations])
+    value = ring.fraction(expr)
+    below = ring.field.denominator(value.den)
+    plain = _factored(ring, value.num, below)
+    if not relations or has_simple_zeros(plain.odd, relations):
+        return plain
+    for turned in _turned(ring, (value.num, below), [ring.fraction(r).num for r in relations]):
+        found = _factored(ring, *turned)
+        if has_simple_zeros(found.odd, relations):
+            return found
+    return plain
+
+
+def _turned(ring: Ring, polys: Sequence[Any], ideal: Sequence[Any]) -> Iterator[list[Any]]:
+    """Polynomials reduced by the relations in other orders of the generators."""
+    context = ring.field.context
+    names = context.names()
+    for last in sorted({i for p in ideal for i, d in enumerate(p.degrees()) if d}):
+        order = [i for i in range(len(names)) if i != last] + [last]
+        other = flint.fmpq_mpoly_ctx.get([names[i] for i in order], flint.Ordering.lex)
+        back = sorted(range(len(order)), key=order.__getitem__)
+        basis = groebner_basis([_moved(p, order, other) for p in ideal], other)
+        reduced = (reduce_by(_moved(p, order, other), basis) for p in polys)
+        yield [_moved(p, back, context) for p in reduced]
+
+
+def _moved(poly: Any, order: Sequence[int], context: Any) -> Any:
+    return context.from_dict({tuple(m[i] for i in order): c for m, c in poly.to_dict().items()})
+
+
+def _factored(ring: Ring, above: Any, below: Any) -> Product:
+    """The factors of a quotient of polynomials, in half angles."""
+    halves = _Halves.of(ring)
+    content, powers = se.Integer(1), dict[Any, int]()
+    for poly, side in ((above, 1), (below, -1)):
+        unit, factors = halves.poly(poly).factor()
+        number = se.Integer(int(unit.p)) / se.Integer(int(unit.q))
+        content = content * number if side > 0 else content / number
+        for factor, e in factors:
+            h = halves.expression(factor)
+            if h != 1:
+                powers[h] = powers.get(h, 0) + side * int(e)
+    roots = frozenset(powers) & {ring.meaning[ring.index(r)] for r in ring.roots.values()}
+    return Product(content, {h: k for h, k in powers.items() if k}, roots)
+
+
+@dataclass(frozen=True)
+class _Halves:
+    """A ring with free generators cos(a/2), sin(a/2) in the place of cos(a), sin(a)."""
+
+    context: Any
+    values: list[Any]
+    below: dict[int, Any]
+    meaning: list[Any]
+
+    @classmethod
+    def of(cls, ring: Ring) -> _Halves:
+        names = ring.field.context.names()
+        context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.lex)
+        gens = context.gens()
+        values, meaning, below = list(gens), list(ring.meaning), dict[int, Any]()
+        pairs = zip(ring.pairs.values(), ring.angle_indices(), strict=True)
+        for (cosine, _), (s, c) in pairs:
+            half = cosine.args[0] / 2 if cosine.args else se.Integer(0)
+            meaning[c], meaning[s] = se.cos(half), se.sin(half)
+            values[c] = gens[c] ** 2 - gens[s] ** 2
+            values[s] = 2 * gens[s] * gens[c]
+            below[s] = below[c] = gens[c] ** 2 + gens[s] ** 2
+        return cls(context, values, below, meaning)
+
+    def poly(self, given: Any) -> Any:
+        """A polynomial of the ring in the half angles."""
+        return composed(given, self.values, self.below, self.context)
+
+    def expression(self, factor: Any) -> Any:
+        """A factor as an expression; 1 = C^2 + S^2."""
+        if any(factor == one for one in self.below.values()):
+            return se.Integer(1)
+        terms = []
+        for monomial, c in factor.to_dict().items():
+            number = se.Integer(int(c.p)) / se.Integer(int(c.q))
+            powers = [self.meaning[i] ** int(e) for i, e in enumerate(monomial) if e]
+            terms.append(se.Mul(number, *powers))
+        return se.Add(*terms)
+
+
+# -- walls --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A piece of the zeros of ``function``.
+
+    ``above`` and ``below`` are an expression on its sides, ``function`` > 0 and < 0, as functions
+    that go on to the wall; the piece is where all of ``positive`` are so.  An ``edge`` is one
+    beyond which the expression is not real.  Where ``whole`` is a symbol, it stands for any whole
+    number.
+    """
+
+    function: Any
+    above: Any
+    below: Any
+    positive: tuple[Any, ...] = ()
+    edge: bool = False
+    whole: Any = None
+
+
+@dataclass
+class Branches:
+    """The branches of one expression; ``moving`` are the symbols of the state and the time.
+
+    ``unclear`` are the functions of which it is open whether they make walls.  ``meets_poles`` asks
+    for essential singularities too.
+    """
+
+    expr: Any
+    moving: frozenset[Any]
+    relations: tuple[Any, ...] = ()
+    meets_poles: bool = True
+    unclear: dict[Any, None] = field(default_factory=dict)
+    _found: dict[Any, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for node in _nodes(self.expr):
+            if node.free_symbols & self.moving:
+                self._look(node)
+
+    def walls(self) -> Iterator[Wall]:
+        """Every piece of every wall."""
+        for h, whole in self._found.items():
+            yield from self._pieces(h, whole)
+
+    @property
+    def functions(self) -> list[Any]:
+        """What vanishes on the walls."""
+        return list(self._found)
+
+    def _look(self, node: Any) -> None:
+        """The walls of one node."""
+        if isinstance(node, se.Pow):
+            self._look_at_power(*node.args)
+        elif isinstance(node, se.sign):
+            self._add(node.args[0])
+        elif isinstance(node, se.floor):
+            count = sum(found is not None for found in self._found.values())
+            whole = se.Symbol("a whole number" + f" {count + 1}" * (count > 0))
+            self._found[node.args[0] - whole] = (node, whole)
+        elif isinstance(node, se.atan2):
+            self._add(node.args[0])
+        elif isinstance(node, se.acot):
+            self._add(node.args[0], 1)
+        elif isinstance(node, se.atan):
+            self._add(node.args[0], -1)
+        elif isinstance(node, _OPEN):
+            rest = 1 - node.args[0] ** 2
+            if not has_simple_zeros(rest, self.relations):
+                self.unclear.setdefault(rest)
+        elif isinstance(node, _ESSENTIAL):
+            for argument in node.args:
+                self._look_at_pole(argument)
+
+    def _look_at_power(self, base: Any, exponent: Any) -> None:
+        if base == se.E:
+            self._look_at_pole(exponent)
+            return
+        if isinstance(exponent, se.Integer) or not base.free_symbols & self.moving:
+            return
+        if not isinstance(exponent, se.Rational) or has_simple_zeros(base, self.relations):
+            return
+        found = product_of(base, self.relations)
+        for h, k in found.powers.items():
+            if k % 2 == 0 and h.free_symbols & self.moving:
+                self._found.setdefault(h)
+        if found.odd.free_symbols & self.moving and not has_simple_zeros(found.odd, self.relations):
+            self.unclear.setdefault(found.odd)
+
+    def _look_at_pole(self, argument: Any) -> None:
+        if self.meets_poles and any(_divides(n) for n in _nodes(argument)):
+            for h, k in product_of(argument, self.relations).powers.items():
+                if k < 0 and h.free_symbols & self.moving:
+                    self.unclear.setdefault(h)
+
+    def _add(self, inside: Any, side: int = 0) -> None:
+        """The zeros (1), the poles (-1), or both, of what stands inside."""
+        found = product_of(inside, self.relations)
+        for h, k in found.powers.items():
+            if h not in found.roots and h.free_symbols & self.moving and (not side or side * k > 0):
+                self._found.setdefault(h)
+
+    def _pieces(self, h: Any, whole: Any) -> Iterator[Wall]:
+        waiting: list[dict[Any, int]] = [{}]
+        while waiting:
+            assumed = waiting.pop()
+            above, below = (_Side(self, h, s, assumed, whole) for s in (1, -1))
+            try:
+                sides = above(self.expr), below(self.expr)
+            except _SignNeeded as needed:
+                waiting += [{**assumed, needed.expr: s} for s in (1, -1)]
+                continue
+            edge = any((above.inside[n] + e).expand() == 0 for n, e in below.inside.items())
+            where = tuple(s * e for e, s in assumed.items())
+            yield Wall(h, *sides, where, edge, whole and whole[1])
+
+
+class _SignNeeded(Exception):
+    """The sign of an expression decides which branch there is."""
+
+    def __init__(self, expr: Any) -> None:
+        super().__init__(str(expr))
+        self.expr = expr
+
+
+@dataclass
+class _Side:
+    """Rewrites expressions as they are on one side of a wall."""
+
+    branches: Branches
+    h: Any
+    side: int
+    assumed: dict[Any, int]
+    floor: Any = None
+    inside: dict[Any, Any] = field(default_factory=dict)
+    _known: dict[Any, Any] = field(default_factory=dict)
+
+    def __call__(self, expr: Any) -> Any:
+        found = self._known.get(expr)
+        if found is None:
+            found = self._known[expr] = self._written(expr)
+        return found
+
+    def _written(self, expr: Any) -> Any:
+        if not expr.free_symbols & self.branches.moving or not expr.args:
+            return expr
+        args = [self(a) for a in expr.args]
+        if isinstance(expr, se.Pow) and not isinstance(args[1], se.Integer):
+            return self._power(expr, *args)
+        if isinstance(expr, se.sign):
+            return self._sign(args[0])
+        if isinstance(expr, se.floor) and self.floor and expr == self.floor[0]:
+            return self.floor[1] if self.side > 0 else self.floor[1] - 1
+        if isinstance(expr, se.acot):
+            return self._angle(1 / args[0])
+        if isinstance(expr, se.atan):
+            return self._angle(args[0])
+        if isinstance(expr, se.atan2):
+            return self._turn(*args)
+        if isinstance(expr, se.log):
+            k, rest = self._split(args[0])
+            if k:
+                self.inside[expr] = rest
+                return k * self._logarithm + se.log(rest)
+        return expr if args == list(expr.args) else expr.func(*args)
+
+    @property
+    def _logarithm(self) -> Any:
+        """log |h|, the same on both sides."""
+        return se.Symbol("logarithm of the distance")
+
+    def _split(self, inside: Any) -> tuple[int, Any]:
+        """(k, s^k u) with g = h^k u: the sign of what is left is that of g."""
+        if self.floor or not inside.free_symbols & self.branches.moving:
+            return 0, inside
+        found = product_of(inside, self.branches.relations)
+        k = found.powers.get(self.h, 0)
+        return k, se.Integer(self.side ** abs(k)) * found.without(self.h) if k else inside
+
+    def _sign(self, inside: Any) -> Any:
+        k, rest = self._split(inside)
+        return self._assumed(rest) if k else se.sign(inside)
+
+    def _assumed(self, expr: Any) -> Any:
+        """The sign of an expression on this piece of the wall."""
+        if expr.is_Number:
+            return se.sign(expr)
+        for known, sign in self.assumed.items():
+            for turn in (1, -1):
+                if (expr - turn * known).expand() == 0:
+                    return se.Integer(turn * sign)
+        raise _SignNeeded(expr)
+
+    def _power(self, node: Any, base: Any, exponent: Any) -> Any:
+        if base == se.E:
+            return se.exp(exponent)
+        k, rest = self._split(base)
+        if not k:
+            return base**exponent
+        self.inside[node] = rest
+        order = k * exponent
+        if not isinstance(order, se.Rational):
+            return se.exp(order * self._logarithm) * rest**exponent
+        if isinstance(order, se.Integer):
+            return se.Integer(self.side) ** order * self.h**order * rest**exponent
+        if order.p % 2 == 0:
+            return (self.h**2) ** (order / 2) * rest**exponent
+        return (self.side * self.h) ** order * rest**exponent
+
+    def _angle(self, inside: Any) -> Any:
+        """atan(g) = pi/2 sign(g) - atan(1/g)."""
+        k, rest = self._split(inside)
+        if k >= 0:
+            return se.atan(inside)
+        inverse = se.Integer(self.side**-k) / (self.h**k * rest)
+        return HALF_PI * self._assumed(rest) - se.atan(inverse)
+
+    def _turn(self, y: Any, x: Any) -> Any:
+        """atan2(y, x) = pi sign(y) + atan2(-y, -x) where x < 0; both over a power of |h|."""
+        (k, up), (m, right) = self._split(y), self._split(x)
+        least = min(k, m)
+        if not least and not k:
+            return se.atan2(y, x)
+        h = self.side * self.h
+        y, x = h ** (k - least) * up, h ** (m - least) * right
+        if k == least or self._assumed(x) > 0:
+            return se.atan2(y, x)
+        return se.pi * self._assumed(up) + se.atan2(-y, -x)
+
+
+def _nodes(expr: Any) -> Iterator[Any]:
+    """What an expression is made of, inner parts first, each once."""
+    seen: set[Any] = set()
+    stack = [(expr, False)]
+    while stack:
+        node, done = stack.pop()
+        if done:
+            yield node
+        elif node not in seen and node.args:
+            seen.add(node)
+            stack.append((node, True))
+            stack += [(a, False) for a in node.args]
+
+
+def _divides(node: Any) -> bool:
+    powers = isinstance(node, se.Pow) and node.args[0] != se.E
+    return (powers and not _is_positive(node.args[1])) or isinstance(
+        node, (se.tan, se.cot, se.sec, se.csc, se.coth, se.log)
+    )
+
+
+def _is_positive(exponent: Any) -> bool:
+    return isinstance(exponent, se.Rational) and exponent > 0
+
+
+def is_plain(expr: Any, moving: frozenset[Any], essential: bool) -> bool:
+    """Whether an expression is seen to be continuous wherever it is real.
+
+    It is made of roots, powers and functions without a jump, and divides by nothing that moves; or,
+    where singularities that are ``essential`` do no harm, it is of one branch.
+    """
+    if not essential and not has_branches([expr], moving):
+        return True
+    jumps = (se.sign, se.floor, se.atan2, se.acot, se.log)
+    return not any(
+        node.free_symbols & moving and (isinstance(node, jumps) or _divides(node))
+        for node in _nodes(expr)
+    )
+
+
+def bounds_of(expr: Any, moving: frozenset[Any]) -> list[Any]:
+    """The functions of what moves that have to be positive for an expression to be real."""
+    found: dict[Any, None] = {}
+    for node in _nodes(expr):
+        if isinstance(node, (se.asin, se.acos, se.atanh)):
+            found.setdefault(1 - node.args[0] ** 2)
+        elif isinstance(node, se.acosh):
+            found.setdefault(node.args[0] - 1)
+        elif isinstance(node, se.log) or (
+            isinstance(node, se.Pow)
+            and node.args[0] != se.E
+            and not isinstance(node.args[1], se.Integer)
+        ):
+            found.setdefault(node.args[0])
+    return [b for b in found if b.free_symbols & moving]
+
+
+def has_branches(exprs: Iterable[Any], moving: frozenset[Any]) -> bool:
+    """Whether one of some expressions has more branches than one, or may be not real."""
+    for expr in exprs:
+        for node in _nodes(expr):
+            is_root = isinstance(node, se.Pow) and not isinstance(node.args[1], se.Integer)
+            if node.free_symbols & moving and (isinstance(node, _MANY) or is_root):
+                return True
+    return False

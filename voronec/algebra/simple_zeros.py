@@ -1,0 +1,183 @@
+"""Zeros and poles of the first order only: a certificate by a random section.
+
+What is no multiple zero on one section is none at all: a component of the zero set along which a
+function vanishes to a higher order would meet every section, with that order.  So one section with
+rational numbers, on which numerator and denominator have no multiple zero, is a proof, for real and
+complex zeros alike [Theory, eq. (13c)].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from random import Random
+from typing import Any
+
+import flint
+import symengine as se
+
+from voronec.algebra.groebner import groebner_basis
+from voronec.algebra.ring import Ring
+from voronec.errors import DefinitionError, EngineLimit
+
+__all__ = ["composed", "has_simple_zeros", "is_algebraic"]
+
+_TRIES = 2
+"""How many sections are tried: all but a set of measure zero serve."""
+_MOST_BOUND = 4
+"""With more relations and roots than this a section costs too much."""
+
+
+def has_simple_zeros(expr: Any, relations: Sequence[Any] = ()) -> bool:
+    """Whether it is proved that zeros and poles of an expression are of the first order.
+
+    False says nothing.
+    """
+    return _certified(expr, tuple(relations))
+
+
+@lru_cache(maxsize=4096)
+def _certified(expr: Any, relations: tuple[Any, ...]) -> bool:
+    try:
+        ring = Ring([expr, *relations])  # the relations as polynomials, which vanish in their ring
+        value = ring.fraction(expr)
+        if not is_algebraic(ring):
+            return False
+        poly = value.num * ring.field.denominator(value.den)
+        ideal = [ring.fraction(r).num for r in relations]
+        return any(_Section(ring, seed).is_transverse(poly, ideal) for seed in range(_TRIES))
+    except (DefinitionError, EngineLimit):
+        return False
+
+
+def is_algebraic(ring: Ring) -> bool:
+    """Whether the generators of a ring are independent but for its rules and relations.
+
+    A sine of what occurs outside of it too is not: x^2 - sin(x)^2 has a zero of higher order.
+    """
+    taken: set[Any] = set()
+    inner = [(angle, angle.free_symbols) for angle in ring.pairs]
+    inner += [(unit, unit.free_symbols) for unit in ring.units.values()]
+    functions = (se.FunctionSymbol, se.Derivative, se.Subs)
+    for atom in ring.found.atoms:
+        if isinstance(atom, se.Symbol):
+            inner.append((atom, {atom}))
+        elif not isinstance(atom, functions):
+            inner.append((atom, atom.free_symbols))
+    for _, symbols in inner:
+        if taken & symbols:
+            return False
+        taken |= symbols
+    return True
+
+
+@dataclass(frozen=True)
+class _Section:
+    """Random rational values of all generators, along as many lines as there are conditions."""
+
+    ring: Ring
+    seed: int
+
+    def is_transverse(self, poly: Any, ideal: Sequence[Any]) -> bool:
+        """Whether the zeros of a polynomial on the section are simple."""
+        ring, source = self.ring, Random(f"voronec section {self.seed}")
+        roots = [ring.index(r) for r in ring.roots.values()]
+        used = _support([poly, *ideal])
+        while True:  # roots inside of roots
+            rules = [(i, p) for i, _, p in ring.field.rules if i in used and i in roots]
+            grown = used | _support([p for _, p in rules])
+            if grown == used:
+                break
+            used = grown
+        bound = [p for _, p in rules] + [p for p in ideal if p != 0]
+        if len(bound) > _MOST_BOUND:
+            return False
+        names = [f"y{i}" for i in range(len(bound) + 1)]
+        context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.degrevlex)
+        lines, below = self._lines(context, source, {i for i, _ in rules})
+        if not rules and not bound:
+            numerator = composed(poly, lines, below, context)
+            return bool(numerator != 0 and _squarefree(numerator, [*below.values()]))
+        if below:
+            return False  # angles and relations together are left to other means
+        cut = [composed(p, lines, {}, context) for p in (*bound, poly)]
+        if cut[-1] == 0:
+            return False
+        jacobian = [[p.derivative(name) for name in names] for p in cut]
+        basis = groebner_basis([*cut, _determinant(jacobian)], context)
+        return any(p.is_constant() and p != 0 for p in basis)
+
+    def _lines(self, context: Any, source: Random, roots: set[int]) -> tuple[list[Any], Any]:
+        """A value for each generator; for sines and cosines numerators, and their denominators.
+
+        An angle runs along tan(a/2), turned by a rational angle, so that no place is special.
+        """
+        gens, count = context.gens(), len(self.ring.meaning)
+        free = iter(gens)
+        values = [_line(gens, source) for _ in range(count)]
+        for i in sorted(roots):
+            values[i] = next(free) + _number(source)
+        below: dict[int, Any] = {}
+        for s, c in self.ring.angle_indices():
+            t, k = _line(gens, source), _number(source)
+            scale = (1 + k**2) * (1 + t**2)
+            cosine, sine = (1 - k**2) * (1 - t**2), 2 * t * (1 - k**2)
+            values[c] = cosine - 4 * k * t
+            values[s] = sine + 2 * k * (1 - t**2)
+            below[s] = below[c] = scale
+        return values, below
+
+
+def _line(gens: Sequence[Any], source: Random) -> Any:
+    total = gens[0] * _number(source)
+    for g in gens[1:]:
+        total = total + g * _number(source)
+    return total + _number(source)
+
+
+def _number(source: Random) -> Any:
+    return flint.fmpq(source.choice((1, -1)) * source.randint(2, 40), source.randint(1, 7))
+
+
+def _support(polys: Sequence[Any]) -> set[int]:
+    return {i for p in polys for i, degree in enumerate(p.degrees()) if degree}
+
+
+def composed(poly: Any, values: Sequence[Any], below: dict[int, Any], context: Any) -> Any:
+    """A polynomial on a section, times the powers of denominators that clear it."""
+    if not below:
+        return poly.compose(*values, ctx=context)
+    groups: dict[str, tuple[Any, list[int]]] = {}
+    for i, scale in below.items():
+        groups.setdefault(str(scale), (scale, []))[1].append(i)
+    terms = list(poly.to_dict().items())
+    total = context.constant(0)
+    most = {k: max(sum(m[i] for i in g) for m, _ in terms) for k, (_, g) in groups.items()}
+    for monomial, coefficient in terms:
+        part = context.constant(coefficient)
+        for i, e in enumerate(monomial):
+            if e:
+                part = part * values[i] ** int(e)
+        for k, (scale, g) in groups.items():
+            part = part * scale ** int(most[k] - sum(monomial[i] for i in g))
+        total = total + part
+    return total
+
+
+def _squarefree(poly: Any, positive: Sequence[Any]) -> bool:
+    """Whether a polynomial has no multiple factor but for those without zeros."""
+    for factor in positive:
+        while (parts := divmod(poly, factor))[1] == 0:
+            poly = parts[0]
+    return all(e == 1 for _, e in poly.factor_squarefree()[1])
+
+
+def _determinant(rows: list[list[Any]]) -> Any:
+    if len(rows) == 1:
+        return rows[0][0]
+    total = 0 * rows[0][0]
+    for i, entry in enumerate(rows[0]):
+        minor = [row[:i] + row[i + 1 :] for row in rows[1:]]
+        total = total + (-1) ** i * entry * _determinant(minor)
+    return total
