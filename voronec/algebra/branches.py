@@ -65,20 +65,24 @@ class Product:
 
 
 @lru_cache(maxsize=4096)
-def product_of(expr: Any, relations: tuple[Any, ...] = ()) -> Product:
+def product_of(
+    expr: Any, relations: tuple[Any, ...] = (), moving: frozenset[Any] = frozenset()
+) -> Product:
     """The factors of an expression where relations vanish; ``EngineLimit`` where it is too large.
 
     Several products are the same there: one is taken without further multiple zeros, if possible.
     """
     ring = Ring([expr, *relations])
     value = ring.fraction(expr)
+    if value.num == 0:
+        return Product(se.Integer(0), {})
     below = ring.field.denominator(value.den)
     plain = _factored(ring, value.num, below)
-    if not relations or has_simple_zeros(plain.odd, relations):
+    if not relations or has_simple_zeros(plain.odd, relations, moving):
         return plain
     for turned in _turned(ring, (value.num, below), [ring.fraction(r).num for r in relations]):
         found = _factored(ring, *turned)
-        if has_simple_zeros(found.odd, relations):
+        if has_simple_zeros(found.odd, relations, moving):
             return found
     return plain
 
@@ -202,6 +206,13 @@ class Branches:
         for h, whole in self._found.items():
             yield from self._pieces(h, whole)
 
+    def product(self, expr: Any) -> Product:
+        """The factors of an expression."""
+        return product_of(expr, self.relations, self.moving)
+
+    def _is_simple(self, expr: Any) -> bool:
+        return has_simple_zeros(expr, self.relations, self.moving)
+
     @property
     def functions(self) -> list[Any]:
         """What vanishes on the walls."""
@@ -225,7 +236,7 @@ class Branches:
             self._add(node.args[0], -1)
         elif isinstance(node, _OPEN):
             rest = 1 - node.args[0] ** 2
-            if not has_simple_zeros(rest, self.relations):
+            if not self._is_simple(rest):
                 self.unclear.setdefault(rest)
         elif isinstance(node, _ESSENTIAL):
             for argument in node.args:
@@ -237,24 +248,24 @@ class Branches:
             return
         if isinstance(exponent, se.Integer) or not base.free_symbols & self.moving:
             return
-        if not isinstance(exponent, se.Rational) or has_simple_zeros(base, self.relations):
+        if not isinstance(exponent, se.Rational) or self._is_simple(base):
             return
-        found = product_of(base, self.relations)
+        found = self.product(base)
         for h, k in found.powers.items():
             if k % 2 == 0 and h.free_symbols & self.moving:
                 self._found.setdefault(h)
-        if found.odd.free_symbols & self.moving and not has_simple_zeros(found.odd, self.relations):
+        if found.odd.free_symbols & self.moving and not self._is_simple(found.odd):
             self.unclear.setdefault(found.odd)
 
     def _look_at_pole(self, argument: Any) -> None:
         if self.meets_poles and any(_divides(n) for n in _nodes(argument)):
-            for h, k in product_of(argument, self.relations).powers.items():
+            for h, k in self.product(argument).powers.items():
                 if k < 0 and h.free_symbols & self.moving:
                     self.unclear.setdefault(h)
 
     def _add(self, inside: Any, side: int = 0) -> None:
         """The zeros (1), the poles (-1), or both, of what stands inside."""
-        found = product_of(inside, self.relations)
+        found = self.product(inside)
         for h, k in found.powers.items():
             if h not in found.roots and h.free_symbols & self.moving and (not side or side * k > 0):
                 self._found.setdefault(h)
@@ -332,7 +343,7 @@ class _Side:
         """(k, s^k u) with g = h^k u: the sign of what is left is that of g."""
         if self.floor or not inside.free_symbols & self.branches.moving:
             return 0, inside
-        found = product_of(inside, self.branches.relations)
+        found = self.branches.product(inside)
         k = found.powers.get(self.h, 0)
         return k, se.Integer(self.side ** abs(k)) * found.without(self.h) if k else inside
 

@@ -29,16 +29,19 @@ _MOST_BOUND = 4
 """With more relations and roots than this a section costs too much."""
 
 
-def has_simple_zeros(expr: Any, relations: Sequence[Any] = ()) -> bool:
+def has_simple_zeros(
+    expr: Any, relations: Sequence[Any] = (), moving: frozenset[Any] = frozenset()
+) -> bool:
     """Whether it is proved that zeros and poles of an expression are of the first order.
 
-    False says nothing.
+    It is a function of the symbols ``moving``, of all where none are given; others are generic
+    constants.  False says nothing.
     """
-    return _certified(expr, tuple(relations))
+    return _certified(expr, tuple(relations), moving)
 
 
 @lru_cache(maxsize=4096)
-def _certified(expr: Any, relations: tuple[Any, ...]) -> bool:
+def _certified(expr: Any, relations: tuple[Any, ...], moving: frozenset[Any]) -> bool:
     try:
         ring = Ring([expr, *relations])  # the relations as polynomials, which vanish in their ring
         value = ring.fraction(expr)
@@ -46,7 +49,10 @@ def _certified(expr: Any, relations: tuple[Any, ...]) -> bool:
             return False
         poly = value.num * ring.field.denominator(value.den)
         ideal = [ring.fraction(r).num for r in relations]
-        return any(_Section(ring, seed).is_transverse(poly, ideal) for seed in range(_TRIES))
+        still = {i for i, e in enumerate(ring.meaning) if moving and not e.free_symbols & moving}
+        still -= {i for i, _, _ in ring.field.rules}  # bound, as a root of two is
+        sections = (_Section(ring, frozenset(still), seed) for seed in range(_TRIES))
+        return any(section.is_transverse(poly, ideal) for section in sections)
     except (DefinitionError, EngineLimit):
         return False
 
@@ -74,9 +80,11 @@ def is_algebraic(ring: Ring) -> bool:
 
 @dataclass(frozen=True)
 class _Section:
-    """Random rational values of all generators, along as many lines as there are conditions."""
+    """Random rational values of all generators, along as many lines as there are conditions;
+    those that are ``still`` are numbers."""
 
     ring: Ring
+    still: frozenset[int]
     seed: int
 
     def is_transverse(self, poly: Any, ideal: Sequence[Any]) -> bool:
@@ -115,7 +123,10 @@ class _Section:
         """
         gens, count = context.gens(), len(self.ring.meaning)
         free = iter(gens)
-        values = [_line(gens, source) for _ in range(count)]
+        values = [
+            context.constant(_number(source)) if i in self.still else _line(gens, source)
+            for i in range(count)
+        ]
         for i in sorted(roots):
             values[i] = next(free) + _number(source)
         below: dict[int, Any] = {}

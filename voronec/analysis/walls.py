@@ -230,7 +230,7 @@ class _Ground:
                     yield point, above, below
             if met:
                 return
-            sides = [product_of(e, self.relations).expression for e in sides]
+            sides = [product_of(e, self.relations, self.moving).expression for e in sides]
 
     def _states(
         self, exprs: Sequence[Any], relations: Sequence[Any], whole: Any = None
