@@ -207,3 +207,53 @@ def test_bad_input_is_refused_in_one_line(oscillator):
     found = vo.ensemble(oscillator, {"x": [1.0]}, times=GRID)
     with pytest.raises(vo.DefinitionError, match="did you mean 'xdot'"):
         found["xdo"]
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_starts_at_poles_and_near_them_move_as_if_alone(method):
+    ball = vo.derive(vo.load("chaplygin-ball"))
+    starts = {"theta": [0.0, 1e-9, 0.3], "omega1": 0.5, "omega2": 1.0, "omega3": 1.0}
+    times = np.linspace(0, 2, 5)
+    # and one that comes to a pole on its way
+    begin = vo.integrate(
+        ball, times=[0, -1], outputs=(), method=method,
+        initial={"theta": 1e-8, "omega1": 0.5, "omega2": 1, "omega3": 1},
+    )  # fmt: skip
+    names = ("phi", "theta", "psi", "x", "y", "omega1", "omega2", "omega3")
+    rows = [
+        {**{k: x for k, x in starts.items() if k != "theta"}, "theta": x} for x in starts["theta"]
+    ]
+    rows.append({name: begin[name][-1] for name in names})
+    turns = vo.ensemble(ball, starts=rows, times=times, outputs=names, method=method)
+    assert not turns.errors and turns.finished.all() and turns.cost.switches >= 3
+    for i, row in enumerate(rows):
+        alone = vo.integrate(ball, initial=row, times=times, outputs=names, method=method)
+        for name in names:
+            assert turns[name][i] == pytest.approx(alone[name], abs=1e-11)
+
+
+def test_where_every_start_is_at_a_pole_each_goes_alone():
+    ball = vo.derive(vo.load("chaplygin-ball"))
+    times = np.linspace(0, 1, 3)
+    turns = vo.ensemble(
+        ball,
+        starts={"theta": 0.0, "omega1": [0.5, 0.2], "omega2": 1.0},
+        times=times,
+        outputs=("phi",),
+    )
+    assert turns.finished.all() and "alone" in turns.cost.reason
+
+
+def test_a_motion_through_its_singular_split_is_as_if_alone():
+    ball = vo.derive(vo.load("rubber-ball-on-plane"))
+    times = np.linspace(0, 6, 13)
+    start = {"v": 0.5, "theta": 0.3, "omega1": 0.7, "omega2": [-0.2, 0.3], "u": [1.2, 1.0]}
+    for method, tol in (("scipy", 1e-13), ("heyoka", 1e-16)):
+        turns = vo.ensemble(ball, starts=start, times=times, outputs=(), method=method, tol=tol)
+        assert not turns.errors
+        for i in range(2):
+            row = {k: x[i] if isinstance(x, list) else x for k, x in start.items()}
+            alone = vo.integrate(ball, initial=row, times=times, outputs=(), tol=tol)
+            assert alone.cost.switches
+            for name in alone.outputs:
+                assert turns[name][i] == pytest.approx(alone[name], abs=1e-10)

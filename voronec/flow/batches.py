@@ -18,7 +18,17 @@ from voronec.flow.steppers.opening import openings
 from voronec.flow.steppers.units import units_of_many
 from voronec.program import Hoisted, Program, compiled, hoisted, taylor_system
 
-__all__ = ["FINEST", "Lanes", "Stopped", "along", "along_scipy", "chosen", "strides"]
+__all__ = [
+    "FINEST",
+    "Lanes",
+    "StepSizes",
+    "Stopped",
+    "along",
+    "along_scipy",
+    "chosen",
+    "note_step",
+    "strides",
+]
 
 CHUNK = 20_000
 """Steps of all lanes between two looks at the keyboard."""
@@ -26,6 +36,9 @@ COMPACT = 60.0
 """Above this weight heyoka compiles in its compact mode: seconds sooner, then half as fast."""
 FINEST = 2.3e-14
 """scipy's DOP853 refuses finer relative tolerances."""
+COLLAPSED = 1e-3
+"""Steps are about as long as the way to the next singularity of a motion in complex time, so that
+this share of the longest one tells how near it passed, and how many digits were lost."""
 PIECE = 64
 """Points of the grid in the first piece; later ones follow the steps it took."""
 INFINITE = "the state is no longer finite"
@@ -37,6 +50,29 @@ Look = Callable[[], bool]
 
 class Stopped(Exception):
     """Somebody asked to stop; what a batch had begun is not finished."""
+
+
+@dataclass(frozen=True, eq=False)
+class StepSizes:
+    """The shortest and the longest step of each of some motions."""
+
+    shortest: np.ndarray
+    longest: np.ndarray
+
+    @classmethod
+    def of(cls, count: int) -> StepSizes:
+        """No steps yet."""
+        return cls(np.full(count, np.inf), np.zeros(count))
+
+    def note(self, which: int, shortest: float, longest: float) -> None:
+        """Further steps of one motion."""
+        self.shortest[which] = min(self.shortest[which], shortest)
+        self.longest[which] = max(self.longest[which], longest)
+
+    def collapsed(self, which: int) -> bool:
+        """Whether the steps of a motion became so short that it must have passed a place where its
+        equations are singular, or nearly: a pole of coordinates, a zero of a divisor."""
+        return bool(self.shortest[which] < COLLAPSED * self.longest[which])
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,10 +91,22 @@ class Lanes:
     plain: Program
     scaled: tuple[int, ...]
     units: np.ndarray
+    steps: StepSizes
 
     def again(self) -> Lanes:
         """Another integrator of the same compiled code, for another thread."""
-        return replace(self, integrator=copy.deepcopy(self.integrator), units=self.units.copy())
+        return replace(
+            self,
+            integrator=copy.deepcopy(self.integrator),
+            units=self.units.copy(),
+            steps=StepSizes.of(self.width),
+        )
+
+    def note_steps(self) -> None:
+        """Take down the steps since the last call of the integrator; those that were cut to end at
+        a given time are not counted by heyoka."""
+        for lane, result in enumerate(self.integrator.propagate_res):
+            self.steps.note(lane, abs(result[1]), abs(result[2]))
 
     @property
     def states(self) -> np.ndarray:
@@ -67,6 +115,7 @@ class Lanes:
 
     def load(self, lane: Any, state: np.ndarray, values: np.ndarray, time: float) -> None:
         """Put motions (k, n) with parameters (k, p) on some lanes."""
+        self.steps.shortest[lane], self.steps.longest[lane] = np.inf, 0.0
         times = self.integrator.time.copy()
         times[lane] = time
         self.integrator.set_time(times.tolist())
@@ -111,13 +160,14 @@ def lanes_of(program: Program, tol: float, states: np.ndarray, values: np.ndarra
         compact_mode=program.weight > COMPACT,
     )
     ones = np.ones((len(program.state), width))
-    return Lanes(integrator, width, constants, raised, plain, scaled, ones)
+    return Lanes(integrator, width, constants, raised, plain, scaled, ones, StepSizes.of(width))
 
 
 def along(
     lanes: Lanes, states: np.ndarray, values: np.ndarray, grid: np.ndarray, stopped: Look
-) -> tuple[np.ndarray, dict[int, IntegrationError], int]:
-    """Up to ``width`` motions along one grid: states (m, k, n), errors, steps.
+) -> tuple[np.ndarray, dict[int, IntegrationError], int, list[int]]:
+    """Up to ``width`` motions along one grid: states (m, k, n), errors, how many steps, and those
+    whose steps collapsed.
 
     A motion that breaks down keeps its states up to there, the rest are not numbers; the others
     are run again without it.
@@ -134,10 +184,11 @@ def along(
         rows[left] = block[: len(left)]
         steps += taken
         if not broken:
-            break
+            collapsed = [int(i) for lane, i in enumerate(left) if lanes.steps.collapsed(lane)]
+            return rows, errors, steps, collapsed
         errors |= {int(pick[lane]): error for lane, error in broken.items() if lane < len(left)}
         left = np.array([i for i in left if i not in errors], dtype=int)
-    return rows, errors, steps
+    return rows, errors, steps, []
 
 
 def _pieces(
@@ -158,6 +209,7 @@ def _pieces(
         times = np.repeat(grid[at : end + 1, None], lanes.width, axis=1)
         found = ta.propagate_grid(times, max_steps=CHUNK, max_delta_t=longest)
         new = np.moveaxis((found[1] if isinstance(found, tuple) else found) * lanes.units, -1, 0)
+        lanes.note_steps()
         taken = max(r[3] for r in ta.propagate_res)
         steps += sum(r[3] for r in ta.propagate_res)
         outcomes = {r[0] for r in ta.propagate_res}
@@ -206,6 +258,7 @@ def _one_interval(
             raise Stopped
         before = ta.time.copy()
         ta.propagate_until(float(ends[-1]), max_steps=CHUNK, max_delta_t=longest)
+        lanes.note_steps()
         steps += sum(r[3] for r in ta.propagate_res)
         if not np.isfinite(ta.state).all():
             bad = [i for i in range(lanes.width) if not np.isfinite(ta.state[:, i]).all()]
@@ -254,25 +307,34 @@ def strides(
 def along_scipy(
     program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray, tol: float,
     stopped: Look,
-) -> tuple[np.ndarray, IntegrationError | None, int]:  # fmt: skip
-    """One motion along a grid: states (k, n), the error that ended it, steps."""
+) -> tuple[np.ndarray, IntegrationError | None, int, bool]:  # fmt: skip
+    """One motion along a grid: states (k, n), the error that ended it, steps, and whether these
+    collapsed."""
     rows = np.full((len(grid), len(state)), np.nan)
     rows[0], done, steps = state, 1, 0
     if len(grid) == 1:
-        return rows, None, 0
-    order = np.sign(grid[-1] - grid[0])
+        return rows, None, 0, False
+    order, sizes = np.sign(grid[-1] - grid[0]), StepSizes.of(1)
     try:
         for method in strides(program, state, values, float(grid[0]), float(grid[-1]), tol):
             steps += 1
             if stopped():
                 raise Stopped
+            note_step(sizes, method)
             reached = int(np.searchsorted(order * grid, order * method.t, side="right"))
             if reached > done:
                 rows[done:reached] = method.dense_output()(grid[done:reached]).T
                 done = reached
     except IntegrationError as error:
-        return rows, error, steps
-    return rows, None, steps
+        return rows, error, steps, False
+    return rows, None, steps, sizes.collapsed(0)
+
+
+def note_step(sizes: StepSizes, method: Any) -> None:
+    """Take down a step of scipy's; the last one is cut."""
+    if method.status == "running":
+        length = abs(method.t - method.t_old)
+        sizes.note(0, length, length)
 
 
 def chosen(

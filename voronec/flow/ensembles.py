@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
-from contextlib import suppress
 from dataclasses import dataclass, field
 from queue import SimpleQueue
 from threading import Event
@@ -30,7 +29,7 @@ from voronec.flow.given import (
 from voronec.flow.inputs import drive
 from voronec.flow.many import Many, at_each, drifts, many
 from voronec.flow.soundness import JudgeOfMany
-from voronec.flow.trajectory import Cost
+from voronec.flow.trajectory import Cost, Trajectory
 from voronec.flow.vocabulary import Vocabulary, held_name
 from voronec.scene import Scene
 from voronec.system import System, require_system
@@ -118,6 +117,8 @@ def ensemble(
     inputs
         values of the system's inputs, numbers or expressions, as for ``integrate``.
 
+    Motions that start at poles of coordinates, or pass near one or near a singular split of the
+    velocities, are integrated again alone, as by ``integrate``.
     A start or a parameter from which no motion goes, and a motion that breaks down, loses a proved
     integral or does not obey the equations, is noted in ``errors``, and the others go on; where
     every start is wrong, the first error is raised.
@@ -135,13 +136,11 @@ def ensemble(
     wanted = dict(quantity(vocabulary, k) for k in keys or (*own.coordinates, *own.velocities))
     try:
         motions = many(equations, chosen_scene, single, columns, wanted, float(grid[0]))
-        if len(motions.wrong) == len(motions):
-            raise motions.wrong[0]
         apart = Apart.of(motions, method, tol, grid)
         lanes, reason = (
             chosen(method, motions.program, tol, *motions.going)
-            if apart is None
-            else (None, apart.reason)
+            if apart is None and motions.sound
+            else (None, "each start alone" if apart is None else apart.reason)
         )
     except KeyboardInterrupt:
         return _nothing_done(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
@@ -149,12 +148,17 @@ def ensemble(
     finest = tol if lanes else max(tol, FINEST)
     filled = _Filled.empty(motions, tuple(wanted), grid, apart, finest)
     interrupted = _run(filled, lanes, tol, jobs, progress)
-    if apart is None and not interrupted:
-        filled.through_splits(keys, method, tol)
+    if not interrupted:
+        filled.go_on_alone(single, chosen_scene, keys, method, tol)
+    if not motions.sound and not filled.alone:
+        raise motions.wrong[0]
+    steps = sum(filled.steps) + sum(cost.steps for cost in filled.alone)
+    used = filled.alone[0].method if not motions.sound else "scipy" if lanes is None else "heyoka"
     cost = Cost(
-        method=apart.method if apart else "scipy" if lanes is None else "heyoka", reason=reason,
+        method=apart.method if apart else used, reason=reason,
         tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
-        run=perf_counter() - ready, steps=sum(filled.steps), evaluations=sum(filled.steps),
+        run=perf_counter() - ready, steps=steps, evaluations=steps,
+        switches=sum(cost.switches for cost in filled.alone),
     )  # fmt: skip
     return filled.ensemble(cost, interrupted)
 
@@ -187,6 +191,8 @@ class _Filled:
     apart: Apart | None = None
     errors: dict[int, VoronecError] = field(default_factory=dict)
     steps: list[int] = field(default_factory=list)
+    collapsed: list[int] = field(default_factory=list)
+    alone: list[Cost] = field(default_factory=list)
 
     @classmethod
     def empty(
@@ -234,32 +240,60 @@ class _Filled:
         self.errors.update({int(where[i]): error for i, error in failed.items()})
         self.finished[[int(i) for i in where if int(i) not in self.errors]] = True
 
-    def through_splits(self, keys: Sequence[Any], method: str, tol: float) -> None:
-        """Motions that went wrong, once more, each alone, where the equations divide by what may
-        vanish on the way: ``integrate`` then goes on in other splits of the velocities."""
+    def go_on_alone(
+        self, starts: Sequence[Values], scene: Scene | None, keys: Sequence[Any], method: str,
+        tol: float,
+    ) -> None:  # fmt: skip
+        """Motions that went wrong, did not start, or came near a place where the equations are
+        singular, once more, each alone: ``integrate`` goes on in other charts and splits.
+
+        ``starts`` are as they were given.
+        """
         from voronec.flow.motion import integrate
 
         motions, equations = self.motions, self.motions.vocabulary.equations
         own = [*equations.system.coordinates, *equations.system.velocities]
-        for i in sorted(set(self.errors) & set(motions.sound)):
+        for i in sorted({*self.errors, *self.collapsed}):
+            sound = i not in motions.wrong
+            if sound and i in self.errors and not motions.may_go_on:
+                continue
             given = {name: float(x[i]) for name, x in motions.parameters.items()}
-            if not motions.divides(i, given):
-                return
-            start = dict(zip(own, motions.full[i].tolist(), strict=True))
-            with suppress(VoronecError):
+            start: Values = dict(zip(own, motions.full[i].tolist(), strict=True))
+            at = Scene({}, (0.0, 1.0)) if sound or scene is None else scene
+            try:
                 run = integrate(
-                    equations, Scene({}, (0.0, 1.0)), self.grid, keys, given, start, method, tol
+                    equations, at, self.grid, keys, given, start if sound else starts[i], method,
+                    tol,
                 )  # fmt: skip
-                if len(run) == len(self.grid):
-                    for name, array in self.series.items():
-                        array[i] = run[name]
-                    for name in self.changes.keys() & run.integrals.keys():
-                        values = run.integrals[name]
-                        self.first[name][i] = values[0]
-                        self.changes[name][i] = np.abs(values - values[0]).max()
-                    self.steps.append(run.cost.steps)
-                    self.finished[i] = True
-                    del self.errors[i]
+            except VoronecError as error:
+                self.fails(i, error)
+            else:
+                self.replaces(i, run)
+
+    def fails(self, i: int, error: VoronecError) -> None:
+        """A motion that fails alone too: its first error stays, if it had one."""
+        if i in self.errors:
+            return
+        time = getattr(error, "time", None)
+        late = np.abs(self.grid - self.grid[0]) > abs(float(time or self.grid[0]) - self.grid[0])
+        for array in self.series.values():
+            array[i, late] = np.nan
+        self.errors[i] = error
+        self.finished[i] = False
+
+    def replaces(self, i: int, run: Trajectory) -> None:
+        """The motion of a start, integrated alone."""
+        if len(run) != len(self.grid):
+            return
+        for name, array in self.series.items():
+            array[i] = run[name]
+        for name in self.changes.keys() & run.integrals.keys():
+            values = run.integrals[name]
+            self.first[name][i] = values[0]
+            self.changes[name][i] = np.abs(values - values[0]).max()
+        self.alone.append(run.cost)
+        self.finished[i] = True
+        self.errors.pop(i, None)
 
     def ensemble(self, cost: Cost, interrupted: bool) -> Ensemble:
         drift = {name: drifts(x, self.first[name]) for name, x in self.changes.items()}
@@ -343,26 +377,30 @@ def _block(
                 rows, error, steps = filled.apart.along(int(where[0]), filled.grid, halt.is_set)
                 rows, failed = rows[None], {} if error is None else {0: error}
             elif lanes is None:
-                rows, error, steps = along_scipy(
+                rows, error, steps, short = along_scipy(
                     motions.program, states[0], values[0], filled.grid, tol, halt.is_set
                 )
+                filled.collapsed.extend(where[:short].tolist())
                 rows, failed = rows[None], {} if error is None else {0: error}
             else:
-                rows, failed, steps = along(lanes, states, values, filled.grid, halt.is_set)
+                rows, failed, steps, near = along(lanes, states, values, filled.grid, halt.is_set)
+                filled.collapsed.extend(where[near].tolist())
             taken += steps
             over.append((where, rows, failed))
     except Stopped:
         return
     finally:
-        _judged(filled, over, taken)
+        _judged(filled, over, taken, lanes is None)
 
 
 def _judged(
     filled: _Filled,
     over: list[tuple[np.ndarray, np.ndarray, dict[int, IntegrationError]]],
     steps: int,
+    stepwise: bool,
 ) -> None:
-    """Fill in what is done of a block, after a look at whether it went well."""
+    """Fill in what is done of a block, after a look at whether it went well; ``stepwise`` says that
+    it was by scipy."""
     if not over:
         return
     where = np.concatenate([w for w, _, _ in over])
@@ -379,6 +417,8 @@ def _judged(
         time, state = float(filled.grid[breach.row]), rows[i, breach.row].copy()
         failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
         rows[i, breach.row + 1 :] = np.nan
+    if smooth and stepwise:  # steps of Taylor's method grow short there, others may go across
+        filled.collapsed.extend(where[filled.motions.passes_divisor(filled.grid, rows, values)])
     filled.steps.append(steps)
     filled.put(where, rows, _told(filled.motions, where, failed))
 

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
+from voronec.attitudes import euler_angles
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.flow.divisors import Divisor
 from voronec.flow.inertia import require_inertia
 from voronec.flow.probe import quantities, quiet, rates_along
-from voronec.flow.split_models import SplitGround
+from voronec.flow.split_models import NEAR, SplitGround
 from voronec.flow.start import named, parameter_values, start_of
 from voronec.flow.vocabulary import Vocabulary
 from voronec.model import smallest_model
@@ -98,15 +100,45 @@ class Many:
     def __len__(self) -> int:
         return len(self.states)
 
-    def divides(self, i: int, constants: Mapping[str, float]) -> bool:
-        """Whether the equations of motion i divide by what may vanish while the motion goes on."""
-        equations, ground = self.vocabulary.equations, self.ground
+    @cached_property
+    def divisors(self) -> tuple[Divisor, ...]:
+        """What the equations divide by and what may vanish while the motion goes on, as it is found
+        around the first sound start."""
+        if not self.sound:
+            return ()
+        equations, ground, i = self.vocabulary.equations, self.ground, self.sound[0]
         named = zip(self.program.state, ground.start, strict=True)
         below = {f"start {x}": e for x, e in named}
         below |= {f"frozen {name}": e for name, e in ground.frozen.items()}
+        constants = {name: float(x[i]) for name, x in self.parameters.items()}
         places = SplitGround(equations, constants, self.time)
         program = quantities(equations.raw.form, below)
-        return bool(places.watched(ground.form, program, self.full[i]))
+        return tuple(places.watched(ground.form, program, self.full[i]))
+
+    def passes_divisor(self, t: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Of motions (m, k, n) with parameters (m, p), which came near a zero of a divisor (m,), as
+        far as the instants ``t`` tell."""
+        found = np.zeros(len(states), dtype=bool)
+        if not self.divisors:
+            return found
+        names = [str(i) for i in range(len(self.divisors))]
+        functions = [d.function for d in self.divisors]
+        program = quantities(self.ground.form, dict(zip(names, functions, strict=True)))
+        order = [self.program.parameters.index(p) for p in program.parameters]
+        each = np.broadcast_to(values[:, None, order], (*states.shape[:2], len(program.parameters)))
+        sizes = at_each(compiled(program)[1], program.names, t, states, each)
+        for divisor, size in zip(self.divisors, sizes.values(), strict=True):
+            found |= (np.abs(size) < NEAR * divisor.scale).any(axis=1)
+            found |= (np.diff(np.sign(size), axis=1) != 0).any(axis=1)
+        return found
+
+    @property
+    def may_go_on(self) -> bool:
+        """Whether a motion, where its equations fail, may go on in other charts or splits."""
+        equations = self.vocabulary.equations
+        if equations.system.charts or euler_angles(equations):
+            return True
+        return bool(self.divisors)
 
     @property
     def sound(self) -> list[int]:

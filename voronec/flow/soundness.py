@@ -49,7 +49,7 @@ MOST, FEW, EACH = 128, 12, 4
 those of each of many motions."""
 DISOBEDIENT = "the states do not obey the equations"
 WORST = 3
-"""Windows in doubt that are integrated again."""
+"""Windows in doubt, of each motion, that are integrated again."""
 SLOPE = 6e-6
 """The step of difference quotients: the cube root of the rounding."""
 
@@ -389,11 +389,16 @@ class JudgeOfMany:
             return result
 
         times, found = np.tile(t, count), {}
-        for w in windows.doubtful(times, joined, rates)[:WORST]:
+        looks = dict.fromkeys(range(count), WORST)
+        for w in windows.doubtful(times, joined, rates):
             rows = windows.rows[w]
+            i = int(rows[0] // size)
+            looks[i] -= 1
+            if i in found or looks[i] < 0:
+                continue
             off = again(rates, times[rows], joined[rows], self.tol)
             if off is not None and off.max() > 1:
-                found[int(rows[0] // size)] = Breach(DISOBEDIENT, int(rows[0] % size))
+                found[i] = Breach(DISOBEDIENT, int(rows[0] % size))
         return found
 
 
