@@ -11,6 +11,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.bounded import bounded, holds_exponentials
+from voronec.algebra.conditions import condition
 from voronec.algebra.door import Door
 from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, time, velocity
 from voronec.connection import AffineForms, FibreSolution
@@ -67,7 +68,14 @@ class Definition:
     def positive(self) -> tuple[Any, ...]:
         """The parameters that are declared to be positive."""
         pairs = zip(self.parameters, self.system.parameters, strict=True)
-        return tuple(p for p, declared in pairs if declared.positive)
+        return tuple(p for p, declared in pairs if declared.is_positive)
+
+    @cached_property
+    def conditions(self) -> tuple[Any, ...]:
+        """What is known of parameters, and of whatever SymPy knows the sign: hypotheses beside the
+        relations."""
+        declared = [condition(c, self.door.inward) for c in self.system.conditions]
+        return (*declared, *self.door.hypotheses)
 
     @property
     def split(self) -> tuple[list[str], list[str]]:

@@ -22,8 +22,9 @@ class Parameter:
     """A constant of a system: its symbol, a default value, the range it may take.
 
     ``lower`` and ``upper`` are bounds that a value must not pass; ``positive`` asks for a value
-    above zero.  ``meaning`` says in words what the constant is.  An unknown function of the time,
-    ``f(t)``, is a parameter too: it is carried along exactly, and has no value.
+    above zero, as ``sympy.Symbol(name, positive=True)`` does.  Claims are proved, and refuted, for
+    such values only.  ``meaning`` says in words what the constant is.  An unknown function of the
+    time, ``f(t)``, is a parameter too: it is carried along exactly, and has no value.
     """
 
     symbol: sp.Expr
@@ -37,6 +38,13 @@ class Parameter:
         if not is_symbolic_name(self.symbol):
             raise DefinitionError(
                 f"parameter '{shown(self.symbol)}' is not a symbol; use sympy.Symbol"
+            )
+        if self.symbol.is_real is False:
+            raise DefinitionError(f"parameter '{self.name}' is not real for SymPy; use a real one")
+        if self.positive and self.symbol.is_positive is False:
+            raise DefinitionError(
+                f"parameter '{self.name}' is declared positive, and its symbol is not; declare it "
+                "once"
             )
         for bound in ("lower", "upper"):
             if getattr(self, bound) is not None:
@@ -56,10 +64,26 @@ class Parameter:
         """The parameter's name."""
         return plain_name(self.symbol)
 
+    @property
+    def is_positive(self) -> bool:
+        """Whether it is declared positive, here or with its symbol."""
+        return self.positive or bool(self.symbol.is_positive)
+
+    @property
+    def conditions(self) -> tuple[Any, ...]:
+        """The declared range as relations of SymPy's; of what these know already nothing is left.
+
+        What SymPy knows of the symbol itself is not among them.
+        """
+        found = [self.symbol > 0] if self.positive else []
+        found += [] if self.lower is None else [self.symbol >= sympified(self.lower)]
+        found += [] if self.upper is None else [self.symbol <= sympified(self.upper)]
+        return tuple(c for c in found if c != sp.true)
+
     def check(self, value: Any) -> None:
         """Raise ``DefinitionError`` where ``value`` lies outside the declared range."""
         number = real_number(value, f"parameter '{self.name}'")
-        if self.positive and not number > 0:
+        if self.is_positive and not number > 0:
             raise DefinitionError(f"parameter '{self.name}' = {value} must be positive")
         if self.lower is not None and number < sympified(self.lower):
             raise DefinitionError(f"parameter '{self.name}' = {value} is below {self.lower}")

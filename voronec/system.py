@@ -39,6 +39,7 @@ class System:
     possible
         in words, what parameters must meet together for such a body to exist -> the condition, a
         relation of SymPy's or several joined: ``{"3 A < 2 m R^2, as ...": 3*A < 2*m*R**2}``.
+        Claims are proved, and refuted, for such bodies only.
     forces
         coordinate -> generalized force, for what does not come from the Lagrangian.
     frame
@@ -218,6 +219,12 @@ class System:
     def coordinates(self) -> tuple[sp.Expr, ...]:
         """Base coordinates, then fibre coordinates."""
         return self.fibration.base + self.fibration.fibre
+
+    @property
+    def conditions(self) -> tuple[Any, ...]:
+        """What parameters meet, as relations of SymPy's: their ranges, and what is ``possible``."""
+        ranges = tuple(c for p in self.parameters for c in p.conditions)
+        return (*ranges, *self.possible.values())
 
     @property
     def velocities(self) -> tuple[sp.Expr, ...]:

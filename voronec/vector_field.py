@@ -47,7 +47,8 @@ class VectorField:
     velocities, and ``definitions`` give the velocities of the equations in terms of them;
     ``momenta`` are named in functions, dLc/dv, and ``determinant`` is a name of that of the mass.
     On a group ``turning[i][k]`` is C_ab^k h_i^a w^b, k over the independent velocities.
-    ``level`` is ``coordinates`` or ``invariants``.
+    ``level`` is ``coordinates`` or ``invariants``.  ``conditions`` are what is known besides, as
+    signs of parameters.
     """
 
     system: System
@@ -67,11 +68,17 @@ class VectorField:
     momenta: dict[Any, Any] = field(default_factory=dict)
     determinant: Any = None
     turning: tuple[tuple[Any, ...], ...] = ()
+    conditions: tuple[Any, ...] = ()
 
     @property
     def variables(self) -> tuple[Any, ...]:
         """Positions, then velocities."""
         return self.positions + self.velocities
+
+    @property
+    def hypotheses(self) -> tuple[Any, ...]:
+        """What is taken for granted where something is decided: relations and conditions."""
+        return self.relations + self.conditions
 
     @property
     def dimension(self) -> int:
@@ -128,7 +135,7 @@ class VectorField:
         """mass^-1 times the columns of a matrix given by rows."""
         if not self.velocities:
             return []
-        return solve_linear(self.mass, columns, self.relations).values
+        return solve_linear(self.mass, columns, self.hypotheses).values
 
     @cached_property
     def accelerations(self) -> tuple[Any, ...]:
@@ -158,7 +165,7 @@ class VectorField:
         slopes = [self._slopes(f) for f in functions]
         moving = [k for k, row in enumerate(slopes) if any(s != 0 for s in row)]
         momenta = slopes[moving[0]] if len(moving) == 1 else ()
-        if momenta and is_product(momenta, self.mass, self.velocities, self.relations):
+        if momenta and is_product(momenta, self.mass, self.velocities, self.hypotheses):
             power = [v * f for v, f in zip(self.velocities, self.force, strict=True)]
             found[moving[0]] = se.Add(found[moving[0]], *power)
         elif moving:
@@ -202,7 +209,7 @@ class VectorField:
             return ()
         slopes = [r.diff(q) for r in self.relations for q in self.positions]
         width = len(self.positions)
-        for _, values in sample_evaluable(Tape(slopes), self.relations, BITS, count=1):
+        for _, values in sample_evaluable(Tape(slopes), self.hypotheses, BITS, count=1):
             rows = [values[i : i + width] for i in range(0, len(values), width)]
             return tuple(self.relations[i] for i in independent_rows(rows, BITS))
         raise EngineLimit("no point was found on the relations between the variables")
@@ -281,6 +288,7 @@ class Motions:
             momenta=dict(d.named_momenta),
             determinant=own.determinant,
             turning=d.turning,
+            conditions=own.conditions,
         )
 
     @cached_property
@@ -302,6 +310,7 @@ class Motions:
             relations=tuple(door.inward_all(found.relations)),
             meaning={},
             determinant=own.determinant,
+            conditions=own.conditions,
         )
 
     def at(self, level: str) -> VectorField:

@@ -1,7 +1,8 @@
 """The door: SymPy expressions in, symengine expressions inside, SymPy expressions out.
 
 Inside, every coordinate, velocity and parameter is a plain symengine symbol that bears the
-user's name; so assumptions and ``dynamicsymbols`` stay outside and come back on the way out.
+user's name; so ``dynamicsymbols`` stay outside and come back on the way out.  What SymPy knows of
+a symbol, its sign above all, stands in ``hypotheses``, which go along with what is to be decided.
 Decimal numbers are read as the decimals they were written as: ``9.81`` is ``981/100``.
 """
 
@@ -15,6 +16,7 @@ import symengine as se
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from voronec.algebra.conditions import known_of
 from voronec.algebra.piecewise import written_with_signs
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.text import shown, sympified
@@ -177,6 +179,22 @@ class Door:
         inner = self._enter(renamed)
         taken = {d: _taken_at(d, at) for d in inner.atoms(se.Derivative)}
         return inner.xreplace(taken).xreplace(at)
+
+    @property
+    def hypotheses(self) -> list[Any]:
+        """What SymPy knows of the symbols and functions that have come in, on their symbols inside.
+
+        One that is not real is an error.
+        """
+        found: list[Any] = []
+        for thing, inside in self._inward.items():
+            if isinstance(thing, sp.Symbol | AppliedUndef):
+                if thing.is_real is False:
+                    raise DefinitionError(
+                        f"'{thing}' is not real; equalities are between real numbers"
+                    )
+                found += known_of(thing, inside)
+        return found
 
     def outward(self, expr: Any) -> sp.Expr:
         """The SymPy expression, in the user's symbols, of a symengine expression."""

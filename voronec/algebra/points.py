@@ -9,10 +9,16 @@ from typing import Any
 import flint
 import symengine as se
 
+from voronec.algebra.conditions import Domain, domain_of, parted
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
-__all__ = ["consistent", "lifted", "sample_evaluable", "sample_point"]
+__all__ = ["consistent", "is_possible", "lifted", "sample_evaluable", "sample_point"]
+
+DRAWS = 40
+"""How many points are drawn, at most, for one at which conditions hold."""
+SEEDS = 12
+"""How many seeds are tried for a point."""
 
 
 def sample_point(
@@ -21,20 +27,55 @@ def sample_point(
     """Random values for atoms: rationals, and where relations bind them, balls around a solution.
 
     Even seeds give positive values, odd ones either sign.  Each ball is proved to contain a
-    solution of the relations (Krawczyk's test); ``EngineLimit`` where none is found.
+    solution of the relations (Krawczyk's test), and conditions among them hold there;
+    ``EngineLimit`` where no such point is found.
     """
     source = random.Random(f"voronec {seed}")
-    point: dict[Any, Any] = {}
-    for atom in [*atoms, *(a for a in Tape(relations).atoms if a not in atoms)]:
-        value = flint.fmpq(source.randint(120, 1400), 1009) * (1 if seed < 6 else 9)
-        point[atom] = -value if seed % 2 and source.random() < 0.5 else value
-    return lifted(point, relations, bits)
+    equations, conditions = parted(relations)
+    domain = domain_of(tuple(conditions))
+    bound = [*atoms, *(a for a in Tape(equations).atoms if a not in atoms)]
+    for _ in range(DRAWS if conditions else 1):
+        point: dict[Any, Any] = {}
+        for atom in [*bound, *domain.linked(bound)]:
+            value = flint.fmpq(source.randint(120, 1400), 1009) * (1 if seed < 6 else 9)
+            point[atom] = -value if seed % 2 and source.random() < 0.5 else value
+        found = _lifted(point, equations, domain, bits)
+        if found is not None:
+            return found
+    raise EngineLimit(_BEYOND)
 
 
 def lifted(point: dict[Any, Any], relations: Sequence[Any], bits: int) -> dict[Any, Any]:
-    """The point itself, or balls around a solution of relations near it; ``EngineLimit`` where
-    none is found."""
-    return _onto_relations(point, relations, bits) if relations else point
+    """The point itself, or balls around a solution of relations near it, with numbers brought
+    into their ranges; ``EngineLimit`` where none is found, or conditions do not hold there."""
+    equations, conditions = parted(relations)
+    found = _lifted(point, equations, domain_of(tuple(conditions)), bits)
+    if found is None:
+        raise EngineLimit(_BEYOND)
+    return found
+
+
+_BEYOND = "no point was found at which the conditions on its coordinates hold"
+
+
+def _lifted(
+    point: dict[Any, Any], equations: Sequence[Any], domain: Domain, bits: int
+) -> dict[Any, Any] | None:
+    moved = domain.moved(point)
+    found = _onto_relations(moved, equations, bits) if equations else moved
+    return found if domain.admits(found, bits) else None
+
+
+def is_possible(conditions: Sequence[Any]) -> bool:
+    """Whether a point is found at which conditions hold."""
+    atoms = sorted(set[Any]().union(*(c.free_symbols for c in conditions)), key=str)
+    for seed in range(SEEDS):
+        try:
+            sample_point(atoms, conditions, seed)
+            return True
+        except EngineLimit:
+            continue
+    return not conditions
 
 
 def _onto_relations(point: dict[Any, Any], relations: Sequence[Any], bits: int) -> dict[Any, Any]:
@@ -138,7 +179,7 @@ def sample_evaluable(
     tape: Tape,
     relations: Sequence[Any] = (),
     bits: int = 160,
-    tries: int = 12,
+    tries: int = SEEDS,
     first: int = 0,
     count: int = 3,
 ) -> list[tuple[dict[Any, Any], list[Any]]]:

@@ -15,6 +15,7 @@ import flint
 import symengine as se
 from flint.utils.flint_exceptions import DomainError
 
+from voronec.algebra.conditions import parted
 from voronec.algebra.field import WORK_LIMIT, Field, Fraction
 from voronec.algebra.generators import (
     HYPERBOLIC,
@@ -25,6 +26,7 @@ from voronec.algebra.generators import (
     prime_factors,
 )
 from voronec.algebra.groebner import groebner_basis
+from voronec.algebra.roots import Roots
 from voronec.algebra.tape import is_flat
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -48,24 +50,33 @@ def sparse_terms(poly: Any) -> dict[Monomial, Any]:
 class Ring:
     """The field of fractions of Q[generators]/relations that holds ``exprs``.
 
-    ``relations`` are expressions that vanish.  ``field`` does the arithmetic; ``meaning[i]`` is the
-    expression that generator i stands for.
+    ``relations`` are expressions that vanish, and conditions: with these the roots of products are
+    products of roots.  ``field`` does the arithmetic; ``meaning[i]`` is the expression that
+    generator i stands for.
     """
 
     def __init__(
         self, exprs: Iterable[Any], relations: Sequence[Any] = (), work_limit: int = WORK_LIMIT
     ) -> None:
+        exprs = [*exprs]
+        equations, conditions = parted(relations)
+        self._split = Roots.of([*exprs, *equations], conditions) if conditions else None
+        exprs, equations = [self._apart(e) for e in exprs], [self._apart(e) for e in equations]
         self.found = Generators()
         self.found.scan(exprs)
-        self.found.scan(relations)
+        self.found.scan(equations)
         self.found.settle()
-        self.field = Field(self._named(bool(relations)), work_limit)
+        self.field = Field(self._named(bool(equations)), work_limit)
         self._memo: dict[Any, Fraction] = {}
         self._roots: dict[Any, Fraction] = {}
         self._radicands: list[tuple[int, Any, Any, Any, Any]] = []
         for c, s in self.pairs.values():
             self.field.add_rule(self._index[s], 2, 1 - self._gen(c) ** 2)
-        self._declare(relations)
+        self._declare(equations)
+
+    def _apart(self, expr: Any) -> Any:
+        """An expression with its roots apart, where conditions allow it."""
+        return expr if self._split is None else self._split.apart(expr)
 
     def _named(self, bound: bool) -> Any:
         """The context, radicals (outermost first) before sines before everything else.
@@ -122,7 +133,7 @@ class Ring:
     def _declare(self, relations: Sequence[Any]) -> None:
         if not relations:
             return
-        polynomials = [self.fraction(r).num for r in relations]
+        polynomials = [self._element(r).num for r in relations]
         polynomials = [p for p in polynomials if p != 0]
         polynomials += [relation for _, _, relation in self.field.rules]
         self.field.ideal = groebner_basis(polynomials, self.field.context)
@@ -132,6 +143,9 @@ class Ring:
 
     def fraction(self, expr: Any) -> Fraction:
         """The element that a symengine expression stands for."""
+        return self._element(self._apart(expr))
+
+    def _element(self, expr: Any) -> Fraction:
         known = self._memo.get(expr)
         if known is None:
             known = self._memo[expr] = self._convert(expr)
@@ -145,18 +159,20 @@ class Ring:
         if expr.is_Number:
             return self.field.constant(int(expr.p), int(expr.q))
         if isinstance(expr, se.Add):
-            return self.field.add([self.fraction(a) for a in expr.args])
+            return self.field.add([self._element(a) for a in expr.args])
         if isinstance(expr, se.Mul):
-            return self.field.mul([self.fraction(a) for a in expr.args])
+            return self.field.mul([self._element(a) for a in expr.args])
         if isinstance(expr, TRIGONOMETRIC):
             return self._trigonometric(expr)
         if isinstance(expr, HYPERBOLIC):
             return self._hyperbolic(expr)
+        if not isinstance(expr, se.Pow):
+            raise EngineLimit(f"'{expr}' is none of the quantities that are computed with")
         base, exponent = expr.args
         if base == se.E or not exponent.is_Number:
             return self._symbolic_power(base, exponent)
         if exponent.q == 1:
-            return self.field.power(self.fraction(base), int(exponent.p))
+            return self.field.power(self._element(base), int(exponent.p))
         return self._root(base, exponent)
 
     def _root(self, base: Any, exponent: Any) -> Fraction:
@@ -181,7 +197,7 @@ class Ring:
 
         ``scale`` takes a perfect power out of the numbers, so that sqrt(4x + 4) is 2 sqrt(x + 1).
         """
-        field, value = self.field, self.fraction(base)
+        field, value = self.field, self._element(base)
         den = field.denominator(value.den)
         power = field.reduce(value.num * den ** (q - 1))
         scale = _root_of_content(power, q)
@@ -203,7 +219,7 @@ class Ring:
             if term == 1 and base != se.E:
                 whole = coefficient.q == 1
                 parts.append(
-                    self.field.power(self.fraction(base), int(coefficient))
+                    self.field.power(self._element(base), int(coefficient))
                     if whole
                     else self._root(base, coefficient)
                 )
@@ -218,7 +234,7 @@ class Ring:
         cosine, sine = self.field.one, self.field.zero
         for term, coefficient in linear_terms(angle).items():
             if term == se.pi:
-                c, s = (self.fraction(v).num for v in pi_multiple(coefficient))
+                c, s = (self._element(v).num for v in pi_multiple(coefficient))
                 steps, sign = 1, 1
             else:
                 c, s = (self._gen(g) for g in self.pairs[term])

@@ -9,12 +9,16 @@ from typing import Any
 import flint
 import symengine as se
 import sympy as sp
+from sympy.logic.boolalg import Boolean
 
+from voronec.algebra.conditions import condition
 from voronec.algebra.door import Door
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.ring import Ring
+from voronec.algebra.roots import defined_where
+from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
-from voronec.algebra.text import sympified
+from voronec.algebra.text import shown, sympified
 from voronec.algebra.witnesses import Search
 from voronec.arguments import SEVERAL, accepts
 from voronec.errors import DefinitionError, EngineLimit
@@ -93,20 +97,51 @@ class Verdict:
 def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
     """Decide whether two SymPy expressions are equal wherever both are defined.
 
-    ``relations`` are expressions that vanish.  Unknown functions stand for arbitrary ones, and a
-    square root for its non-negative value.  Never "equal up to 1e-6": see ``Verdict``.
+    ``relations`` are expressions that vanish, or conditions, as x > 0.  Symbols are real numbers
+    with the signs that SymPy knows; unknown functions stand for arbitrary ones, and a square root
+    for its non-negative value.  Never "equal up to 1e-6": see ``Verdict``.
     """
     door = Door()
-    if sympified(a) == sympified(b):
+    a, b = sympified(a), sympified(b)
+    if a == b:
+        if a.has(*_NO_NUMBERS):
+            return Verdict("undecided", f"'{shown(a)}' has no value that could be equal to another")
         return Verdict("proved", "identical expressions")
     try:
         single = isinstance(relations, str) or not isinstance(relations, Iterable)
-        ideal = door.inward_all((relations,) if single else relations)
-        if any(r.is_Number and r != 0 for r in ideal):
+        ideal = [_taken_in(r, door) for r in ((relations,) if single else relations)]
+        if any(r == se.false or (r.is_Number and r != 0) for r in ideal):
             raise DefinitionError("one of the relations is a nonzero number: nothing satisfies it")
-        return decide_equal(door.inward(a), door.inward(b), ideal, pointwise=True)
+        left, right = door.inward(a), door.inward(b)
+        verdict = decide_equal(left, right, [*ideal, *door.hypotheses], pointwise=True)
+        return _possible(verdict, a.free_symbols | b.free_symbols)
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))
+
+
+_NO_NUMBERS = (sp.nan, sp.zoo, sp.oo, -sp.oo)
+
+
+def _taken_in(relation: Any, door: Door) -> Any:
+    """A relation, or a condition, inside the door."""
+    holds = isinstance(relation, Boolean) and not relation.is_Symbol
+    return condition(relation, door.inward) if holds else door.inward(relation)
+
+
+def _possible(verdict: Verdict, symbols: Iterable[Any]) -> Verdict:
+    """The verdict, unless SymPy knows of a symbol what the number in the witness contradicts: that
+    it is prime, or irrational."""
+    if verdict.witness is None:
+        return verdict
+    for symbol in symbols:
+        value = sp.Rational(verdict.witness.point.get(plain_name(symbol), "0"))
+        facts = symbol.assumptions0.items()
+        if str(symbol) in verdict.witness.point and any(
+            getattr(value, f"is_{fact}", holds) not in (holds, None) for fact, holds in facts
+        ):
+            why = f"no witness was found with what is known of '{symbol}'"
+            return Verdict("undecided", why)
+    return verdict
 
 
 def decide_zero(expr: Any, relations: Sequence[Any] = ()) -> Verdict:
@@ -121,7 +156,8 @@ def decide_equal(
     work_limit: int = PROOF_LIMIT,
     pointwise: bool = False,
 ) -> Verdict:
-    """Decide equality of two symengine expressions, modulo relations that vanish.
+    """Decide equality of two symengine expressions, modulo relations that vanish, on states that
+    meet the conditions among them.
 
     A witness is looked for first, in ball arithmetic at sample points; then the normal form of
     the difference is made, within a bound on the work; then witnesses are looked for where branches
@@ -140,7 +176,7 @@ def decide_equal(
         if not left.overlaps(right):
             return Verdict("refuted", "ball arithmetic", witness_at(point, left, right))
     try:
-        ring = Ring([a, b], relations, work_limit)
+        ring = Ring([a, b], [*relations, *defined_where([a, b])], work_limit)
         if ring.fraction(a - b).num == 0:
             return Verdict("proved", "zero in exact normal form")
         reason = "the normal form of the difference is not zero"

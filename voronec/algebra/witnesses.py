@@ -17,6 +17,7 @@ from typing import Any
 import flint
 import symengine as se
 
+from voronec.algebra.conditions import domain_of, parted
 from voronec.algebra.points import consistent, lifted
 from voronec.algebra.ring import Ring
 from voronec.algebra.tape import Tape, is_atom
@@ -47,7 +48,8 @@ _SMALL = [flint.fmpq(p, q) for p, q in ((1, 1), (-1, 1), (0, 1), (1, 2), (2, 1),
 
 @dataclass
 class Search:
-    """A search for a point at which two symengine expressions differ, where relations vanish.
+    """A search for a point at which two symengine expressions differ, where relations vanish
+    and conditions hold.
 
     ``found`` is the point and the two values there, if there is one; ``kinds`` has a point for each
     pattern of signs of the walls at which both sides have values.  Points on a jump count where
@@ -70,10 +72,13 @@ class Search:
         self._steps = Tape([n.args[0] for n in nodes if isinstance(n, se.floor)])
         self._source = Random("voronec witnesses")
         self.atoms = [*self._sides.atoms]
-        for atom in (*self._signs.atoms, *Tape(self.relations).atoms):
+        equations, conditions = parted(self.relations)
+        for atom in (*self._signs.atoms, *Tape(equations).atoms):
             if atom not in self.atoms:
                 self.atoms.append(atom)
-        bound = Tape(self.relations).size * len(self.relations)
+        self.atoms += domain_of(tuple(conditions)).linked(self.atoms)
+        bound = Tape(equations).size * len(equations)
+        self._equations = equations
         self._cost = self._sides.size + self._signs.size + NEWTON * bound
         self._work = min(WORK, MOST_POINTS * self._cost)
         self._tried: list[tuple[Point, list[int]]] = []
@@ -208,7 +213,7 @@ class Search:
 
     def _climbed(self) -> Iterator[Point]:
         """Walks into the domain, where none of the points lies in it."""
-        if self.kinds or not self.edges or self.relations:
+        if self.kinds or not self.edges or self._equations:
             return
         tape = Tape(self.edges)
         for _ in range(CLIMBS):

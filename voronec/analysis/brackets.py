@@ -39,7 +39,7 @@ def decide_poisson(motions: Motions, claim: Poisson) -> Decision:
         words = f"the {len(claim.variables)} variables do not determine the state"
         why = f"{words} on the {field.level}, of {field.dimension} dimensions"
         return Decision(Verdict("refuted", why), field.level)
-    found = all_zero(structure.residuals(), field.relations)
+    found = all_zero(structure.residuals(), field.hypotheses)
     found = across_walls(found, field, [*structure.named_variables()])
     found = across_walls(found, field, [*structure.named_functions()], periods=False)
     return Decision(found, field.level)
@@ -93,7 +93,7 @@ class _Structure:
             return None
         rows = [[f.diff(x) for x in field.variables] for f in functions]
         unit = [[se.Integer(int(i == j)) for j in range(size)] for i in range(size)]
-        solved = solve_linear(rows, unit, field.relations)
+        solved = solve_linear(rows, unit, field.hypotheses)
         return None if solved.free else solved.values
 
     def slopes(self, function: Any) -> list[Any]:

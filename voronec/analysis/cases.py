@@ -36,6 +36,7 @@ def specialised(
         lagrangian=system.lagrangian.xreplace(at),
         constraints=tuple(c.xreplace(at) for c in system.constraints),
         parameters=(*kept, *new),
+        possible=_still_possible(system, at),
         forces={q: e.xreplace(at) for q, e in system.forces.items()},
         frame=_replaced_frame(system.frame, at),
         invariants={k: e.xreplace(at) for k, e in system.invariants.items()},
@@ -52,6 +53,16 @@ def specialised(
         drawing=None,
         motion=None,
     )
+
+
+def _still_possible(system: System, at: Mapping[Any, Any]) -> dict[str, Any]:
+    """What the remaining parameters must meet, the ranges of the replaced ones among it.
+
+    What a value contradicts, as a mass of zero, is dropped: it is the case that says so.
+    """
+    ranges = {f"{c}": c for p in system.parameters if p.symbol in at for c in p.conditions}
+    moved = {words: c.xreplace(at) for words, c in (*system.possible.items(), *ranges.items())}
+    return {words: c for words, c in moved.items() if c not in (sp.true, sp.false)}
 
 
 def case_of(system: System, case: Case) -> System:

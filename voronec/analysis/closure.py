@@ -39,7 +39,7 @@ def foreign_rate(field: VectorField, own: Sequence[Any]) -> Verdict:
     if not others & _occurring(field, own):
         return Verdict("proved", "the equations hold no other variable")
     rates = dict(zip(field.variables, field.components, strict=True))
-    short = canonical([rates[x] for x in own], field.relations)
+    short = canonical([rates[x] for x in own], field.hypotheses)
     for x, rate in zip(own, short, strict=True):
         met = sorted(rate.free_symbols & others, key=str)
         if met:
@@ -63,14 +63,14 @@ def _refuted(
     bound = {s for r in field.relations for s in r.free_symbols}
     for y in met:
         if y not in bound:
-            verdict = decide_zero(rate.diff(y), field.relations)
+            verdict = decide_zero(rate.diff(y), field.hypotheses)
             if verdict.refuted:
                 why = f"the rate of '{x}' changes with '{y}': its derivative"
                 return Verdict("refuted", why, verdict.witness)
     unit = [[int(a == b) for b in field.variables] for a in own]
     slopes = [e.diff(b) for e in (*field.relations, rate) for b in field.variables]
     width = len(field.variables)
-    for _, values in sample_evaluable(Tape(slopes), field.relations, BITS):
+    for _, values in sample_evaluable(Tape(slopes), field.hypotheses, BITS):
         rows = [values[i : i + width] for i in range(0, len(values), width)]
         given = [[0 * values[0] + e for e in row] for row in unit] + rows[:-1]
         if proved_rank([*given, rows[-1]], BITS) > proved_rank(given, BITS):

@@ -59,7 +59,7 @@ def _counted(
         count = f"{len(functions)} integrals in {dimension} dimensions"
         return Verdict("refuted", f"{count}; the theorem asks for {dimension - 2}")
     slopes = [[f.diff(x) for x in chosen] for f in (*relations, *functions)]
-    rank = generic_rank(slopes, field.relations) if slopes else 0
+    rank = generic_rank(slopes, field.hypotheses) if slopes else 0
     independent = rank - len(relations)
     if independent >= dimension - 2:
         why = f"a measure and {independent} independent integrals in {dimension} dimensions"

@@ -63,10 +63,10 @@ def decide_measure(motions: Motions, measure: Measure) -> Decision:
         closed = foreign_rate(field, chosen)
         if not closed.proved:
             return Decision(closed, field.level)
-    found = zero_everywhere(field.read(measure.density), "the density", field.relations)
+    found = zero_everywhere(field.read(measure.density), "the density", field.hypotheses)
     if found is None:
         residual = defect(field, field.read_density(measure.density), chosen)
-        found = all_zero([("", residual)], field.relations)
+        found = all_zero([("", residual)], field.hypotheses)
         inside = [("the density", field.read_branches(measure.density))]
         found = across_walls(found, field, inside, periods=False)
     return Decision(found, field.level)
@@ -114,7 +114,7 @@ def binding(field: VectorField, chosen: Sequence[Any]) -> list[Any]:
         return inside
     slopes = [[r.diff(x) for x in field.variables] for r in field.independent_relations]
     slopes += [[se.Integer(int(x == y)) for x in field.variables] for y in chosen]
-    rank = generic_rank(slopes, field.relations)
+    rank = generic_rank(slopes, field.hypotheses)
     if rank != len(field.independent_relations) + len(chosen) - len(inside):
         raise EngineLimit("relations with other variables bind those of the measure")
     return inside
@@ -130,7 +130,7 @@ def _relative_defect(field: VectorField, density: Any) -> Any:
     if any(e.free_symbols & {*field.velocities} for row in field.mass for e in row):
         raise EngineLimit("the mass matrix holds velocities; write the density out")
     power, still = canonical(
-        [density.diff(name) * name / density, field.derivative(density) / density], field.relations
+        [density.diff(name) * name / density, field.derivative(density) / density], field.hypotheses
     )
     changes = [
         [
@@ -162,7 +162,7 @@ def _trace(field: VectorField, x: Sequence[Sequence[Any]]) -> Any:
         ]
         table = [[x[i][j] - turned[i][j] for j in size] for i in size]
         parts = [(table[i][j] + table[j][i]) / 2 for i in size for j in size if i <= j]
-        symmetric = canonical(parts, field.relations)
+        symmetric = canonical(parts, field.hypotheses)
         if all(e == 0 for e in symmetric):
             return sign * se.Add(*[field.turning[i][i] for i in size]) if sign else se.Integer(0)
     solved = field.solve(x)
@@ -197,13 +197,13 @@ def _drift(field: VectorField, relations: Sequence[Any]) -> Any:
     if all(decide_zero(rate).proved for rate in rates):
         return se.Integer(0)
     for r, rate in zip(relations, rates, strict=True):
-        if not decide_zero(rate, field.relations).proved:
+        if not decide_zero(rate, field.hypotheses).proved:
             raise EngineLimit(f"the field was not proved to keep the relation '{r} = 0'")
     y = _transverse(field, relations)
     # The transposed system: (dR/dy)^T X = (d(f(R))/dy)^T, so that X = C^T.
     rows = [[r.diff(x) for r in relations] for x in y]
     right = [[rate.diff(x) for rate in rates] for x in y]
-    solved = solve_linear(rows, right, field.relations).values
+    solved = solve_linear(rows, right, field.hypotheses).values
     return se.Add(*[solved[i][i] for i in range(len(relations))])
 
 
@@ -211,7 +211,7 @@ def _transverse(field: VectorField, relations: Sequence[Any]) -> list[Any]:
     """Variables along which the relations change independently."""
     slopes = [r.diff(q) for q in field.positions for r in relations]
     width = len(relations)
-    for _, values in sample_evaluable(Tape(slopes), field.relations, BITS, count=1):
+    for _, values in sample_evaluable(Tape(slopes), field.hypotheses, BITS, count=1):
         rows = [values[i : i + width] for i in range(0, len(values), width)]
         return [field.positions[i] for i in independent_rows(rows, BITS)]
     raise EngineLimit("no point was found on the relations between the variables")

@@ -41,7 +41,7 @@ def decide_multiplier(motions: Motions, multiplier: sp.Expr) -> Decision:
     """Whether N is a reducing multiplier, dtau = N dt."""
     field = motions.on_coordinates
     n = field.read(multiplier)
-    found = zero_everywhere(n, "the multiplier", field.relations)
+    found = zero_everywhere(n, "the multiplier", field.hypotheses)
     if found is None:
         found = _verdict(motions, field, n)
         found = across_walls(found, field, [("the multiplier", n)], periods=False)
@@ -58,7 +58,9 @@ def _verdict(motions: Motions, field: VectorField, n: Any) -> Verdict:
     base, fibre = own.coordinates[: own.base], own.coordinates[own.base :]
     dots = own.coordinate_velocities[: own.base]
     lagrangian = _constrained(motions, dots)
-    foreign = _foreign(lagrangian, n, (*fibre, own.time), (*dots, *own.velocities), own.relations)
+    foreign = _foreign(
+        lagrangian, n, (*fibre, own.time), (*dots, *own.velocities), field.hypotheses
+    )
     if foreign is not None:
         return foreign
     rates = dict(zip(dots, field.rates, strict=False))
@@ -72,7 +74,7 @@ def _verdict(motions: Motions, field: VectorField, n: Any) -> Verdict:
         )
         for r, p, pdot in zip(base, momenta, field.derivatives(momenta), strict=True)
     ]
-    return all_zero(residuals, field.relations)
+    return all_zero(residuals, field.hypotheses)
 
 
 def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
@@ -80,7 +82,7 @@ def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
     derivation = motions.equations.best
     own, connection = derivation.definition, derivation.connection
     lagrangian, momenta = derivation.constrained_lagrangian, derivation.quasi_momenta
-    foreign = _foreign(lagrangian, n, (own.time,), own.velocities, own.relations)
+    foreign = _foreign(lagrangian, n, (own.time,), own.velocities, field.hypotheses)
     if foreign is not None:
         return foreign
     chosen = _moved(field, [list(row[: connection.n]) for row in connection.coordinate_lift])
@@ -91,7 +93,7 @@ def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
     size, rates = range(connection.n), derivation.rates
     rows = [connection.coordinate_lift[a] for a in chosen]
     columns = [[row[i] for row in rows] for i in size]
-    weights = [w[0] for w in solve_linear(columns, [[p] for p in momenta], own.relations).values]
+    weights = [w[0] for w in solve_linear(columns, [[p] for p in momenta], field.hypotheses).values]
     power = se.Add(*[p * v for p, v in zip(momenta, own.velocities, strict=True)])
     growth = field.derivative(n) / n
     residuals = []
@@ -112,14 +114,14 @@ def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
                 ),
             )
         )
-    return all_zero(residuals, field.relations)
+    return all_zero(residuals, field.hypotheses)
 
 
 def _moved(field: VectorField, rows: Sequence[Sequence[Any]]) -> list[int]:
     """As many coordinates as velocities, with independent rates; none where there are not."""
     width = len(rows[0]) if rows else 0
     tape = Tape([e for row in rows for e in row])
-    for _, values in sample_evaluable(tape, field.relations, BITS, count=1):
+    for _, values in sample_evaluable(tape, field.hypotheses, BITS, count=1):
         table = [values[i : i + width] for i in range(0, len(values), width)]
         found = independent_rows(table, BITS)
         return found if len(found) == width else []

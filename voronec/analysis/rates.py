@@ -18,7 +18,7 @@ def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
     """dF/dt = 0 along the motion."""
     field = motions.deciding([function])
     rate = field.derivative(field.read_named(function))
-    found = all_zero([("", rate)], field.relations)
+    found = all_zero([("", rate)], field.hypotheses)
     inside = [("", field.read_branches(function))]
     return Decision(across_walls(found, field, inside, constant=True), field.level)
 
@@ -30,7 +30,7 @@ def decide_equation(motions: Motions, equation: Equation) -> Decision:
     found = field.derivatives(functions)
     claimed = [field.read(g) for g in equation.rate]
     residuals = [a - b for a, b in zip(found, claimed, strict=True)]
-    verdict = all_zero(_numbered(residuals), field.relations)
+    verdict = all_zero(_numbered(residuals), field.hypotheses)
     inside = _numbered([field.read_branches(f) for f in equation.function])
     return Decision(across_walls(verdict, field, inside), field.level)
 

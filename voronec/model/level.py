@@ -66,7 +66,7 @@ class Level:
     @property
     def positive(self) -> tuple[Any, ...]:
         """The parameters that are declared to be positive."""
-        return tuple(se.Symbol(p.name) for p in self.system.parameters if p.positive)
+        return tuple(se.Symbol(p.name) for p in self.system.parameters if p.is_positive)
 
     @property
     def form(self) -> FirstOrderForm:

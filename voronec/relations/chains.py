@@ -10,6 +10,7 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.conditions import moved_hypotheses
 from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import Verdict, decide_equal
 from voronec.errors import DefinitionError, EngineLimit
@@ -17,7 +18,7 @@ from voronec.relations.checking import completed, decided_at_limit
 from voronec.relations.declaration import Relation, Square
 from voronec.relations.families import Course, carried_back
 from voronec.relations.functions import Functions, formal
-from voronec.relations.orders import at_zero
+from voronec.relations.orders import all_at_zero, at_zero
 from voronec.relations.parameters import applications
 from voronec.relations.statemap import StateMap
 from voronec.relations.substitution import substituted
@@ -41,7 +42,7 @@ class CheckedSquare:
 class _Chain:
     """Several maps one after the other: the end's variables and parameters by the start's.
 
-    ``relations`` vanish on the start's states.  ``small`` is the small parameter of a single
+    ``hypotheses`` hold on the start's states.  ``small`` is the small parameter of a single
     limit, not yet taken, and ``scaled`` the parameters that it moves.  ``family`` tells how those
     of the start depend on small ones, in the limits that have been taken, in their order.
     """
@@ -51,7 +52,7 @@ class _Chain:
     state: dict[Any, Any]
     parameters: dict[Any, Any]
     clock: Any
-    relations: tuple[Any, ...]
+    hypotheses: tuple[Any, ...]
     limits: tuple[str, ...] = ()
     family: tuple[tuple[Any, dict[Any, Any]], ...] = ()
     small: Any = None
@@ -68,9 +69,9 @@ class _Chain:
 
     def within(self, small: Any, scaled: dict[Any, Any]) -> _Chain:
         """The limit where parameters of the start depend on a small one, which vanishes."""
-        rules = tuple(r.xreplace(scaled) for r in self.relations)
+        rules = moved_hypotheses(self.hypotheses, scaled)
         found = self.mapped(lambda e: at_zero(e.xreplace(scaled), rules, small))
-        return replace(found, relations=tuple(at_zero(r, rules, small) for r in rules))
+        return replace(found, hypotheses=all_at_zero(rules, small))
 
 
 def check_square(square: Square, relations: Mapping[str, Relation], motions: Find) -> CheckedSquare:
@@ -108,12 +109,12 @@ def _agreement(first: _Chain, second: _Chain) -> Verdict:
     for part in ("state", "parameters"):
         ours, theirs = getattr(first, part), getattr(second, part)
         for x, image in ours.items():
-            verdict = decide_equal(image, theirs[x], first.relations)
+            verdict = decide_equal(image, theirs[x], first.hypotheses)
             if not verdict.proved and not x.is_Symbol:
                 verdict = _where_taken(x, first, second) or verdict
             if not verdict.proved:
                 return Verdict(verdict.status, f"'{x}': {verdict.method}", verdict.witness)
-    return decide_equal(first.clock, second.clock, first.relations)
+    return decide_equal(first.clock, second.clock, first.hypotheses)
 
 
 def _where_taken(function: Any, first: _Chain, second: _Chain) -> Verdict | None:
@@ -126,7 +127,7 @@ def _where_taken(function: Any, first: _Chain, second: _Chain) -> Verdict | None
     images = [substituted(a, first.state) for a in places[0].args]
     at = dict(zip(function.args, images, strict=True))
     left, right = (substituted(v, at) for v in values)
-    return decide_equal(left, right, first.relations)
+    return decide_equal(left, right, first.hypotheses)
 
 
 def _chain(labels: Sequence[str], relations: Mapping[str, Relation], motions: Find) -> _Chain:
@@ -195,7 +196,7 @@ def _identity(start: VectorField) -> _Chain:
     state = {x: x for x in (*start.variables, start.time)}
     own = {p: p for p in start.parameters}
     own |= {f: f for f in starmap(formal, applications(start).items())}
-    return _Chain(start, start, state, own, se.Integer(1), tuple(start.relations))
+    return _Chain(start, start, state, own, se.Integer(1), tuple(start.hypotheses))
 
 
 def _descent(motions: Motions) -> _Chain:
@@ -216,12 +217,12 @@ def _then(first: _Chain, second: _Chain) -> _Chain:
     moved = {x: e.xreplace(moving) for x, e in first.state.items()}
     mapping = {**moved, **functions.plain}
     found = second.mapped(lambda e: functions.replaced(e, mapping))
-    rules = tuple(r.xreplace(moving) for r in first.relations)
+    rules = moved_hypotheses(first.hypotheses, moving)
     found = replace(
         found,
         start=first.start,
         clock=first.clock.xreplace(moving) * found.clock,
-        relations=rules,
+        hypotheses=rules,
         limits=first.limits + second.limits,
         family=family if small is None else (*family, (small, moving)),
         small=None,

@@ -82,10 +82,12 @@ def _inverse(motions: Motions, chart: Chart) -> Verdict:
     field, system = motions.on_coordinates, motions.system
     read = {x: field.door.inward(x) for x in (*system.coordinates, *system.velocities)}
     there = {read[x]: field.read(e) for x, e in chart.values(system).items()}
-    angles = Angles(field.relations, _factors(field.read(chart.singular)))
+    positive = _factors(field.read(chart.singular))
+    angles = Angles(field.relations, positive)
     back = chart.values(system, "back").items()
     pairs = [(plain_name(x), field.read(e).xreplace(there) - read[x]) for x, e in back]
-    return all_zero(_up_to_turns(pairs, angles), field.relations)
+    known = (*field.hypotheses, *(f > 0 for f in positive if f.free_symbols))
+    return all_zero(_up_to_turns(pairs, angles), known)
 
 
 def _same_state(motions: Motions, chart: Chart, twin: Mapping[Any, Any]) -> Verdict:
@@ -94,7 +96,7 @@ def _same_state(motions: Motions, chart: Chart, twin: Mapping[Any, Any]) -> Verd
     other = {field.door.inward(x): field.read(e) for x, e in twin.items()}
     images = [(plain_name(x), field.read(e)) for x, e in chart.values(system).items()]
     pairs = [(label, se.expand(e.xreplace(other) - e)) for label, e in images]
-    return all_zero(_up_to_turns(pairs, Angles(field.relations)), field.relations)
+    return all_zero(_up_to_turns(pairs, Angles(field.relations)), field.hypotheses)
 
 
 def _up_to_turns(pairs: Iterable[tuple[str, Any]], angles: Angles) -> list[tuple[str, Any]]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.conditions import parted
 from voronec.algebra.determinant import determinant
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.generic import generic_rank
@@ -19,7 +20,7 @@ from voronec.errors import EngineLimit
 from voronec.relations.declaration import Relation
 from voronec.relations.dependence import unsound_functions
 from voronec.relations.kinds import kinds_of
-from voronec.relations.orders import at_zero, vanishes
+from voronec.relations.orders import all_at_zero, at_zero, vanishes
 from voronec.relations.pulled import pulled_claims
 from voronec.relations.residuals import residuals
 from voronec.relations.statemap import StateMap
@@ -95,7 +96,7 @@ def _stated(statemap: StateMap, decided: StateMap) -> StateMap:
 
 def at_limit(statemap: StateMap) -> StateMap:
     """The relation where the small parameter vanishes; ``EngineLimit`` where that is singular."""
-    source, small, rules = statemap.source, statemap.small, statemap.relations
+    source, small, rules = statemap.source, statemap.small, statemap.hypotheses
 
     def there(exprs: Iterable[Any]) -> tuple[Any, ...]:
         return tuple(at_zero(statemap.scale(e), rules, small) for e in exprs)
@@ -106,9 +107,10 @@ def at_limit(statemap: StateMap) -> StateMap:
         mass=tuple(map(there, source.mass)),
         force=there(source.force),
         relations=there(source.relations),
+        conditions=tuple(c for c in parted(rules)[1] if small not in c.free_symbols),
     )
     unit = [[se.Integer(0)] for _ in field.velocities]
-    if unit and solve_linear(field.mass, unit, field.relations).free:
+    if unit and solve_linear(field.mass, unit, field.hypotheses).free:
         raise EngineLimit(f"the mass matrix is singular where '{small}' vanishes")
     return replace(
         statemap,
@@ -145,7 +147,7 @@ def _across_walls(statemap: StateMap, verdict: Verdict) -> Verdict:
 
 def _grounds(statemap: StateMap) -> Iterator[Verdict]:
     """Whether the clock runs and the target is determined, at the limit where there is one."""
-    small, rules = statemap.small, statemap.relations
+    small, rules = statemap.small, statemap.hypotheses
     where = "" if small is None else f" where '{small}' vanishes"
     try:
         clock_there = at_zero(statemap.clock, rules, small)
@@ -153,7 +155,7 @@ def _grounds(statemap: StateMap) -> Iterator[Verdict]:
             [at_zero(statemap.pull_back(e), rules, small) for e in row]
             for row in statemap.target.mass
         ]
-        there = [at_zero(r, rules, small) for r in rules]
+        there = all_at_zero(rules, small)
     except EngineLimit as limit:
         yield Verdict("undecided", f"the clock or the mass of the target: {limit}")
         return
@@ -183,7 +185,7 @@ def _decide(statemap: StateMap, residual: Any) -> Verdict:
     limit = statemap.relation.limit
     order = 1 if limit is None else limit.order
     try:
-        return vanishes(residual, statemap.relations, statemap.small, order)
+        return vanishes(residual, statemap.hypotheses, statemap.small, order)
     except EngineLimit as error:
         return Verdict("undecided", str(error))
 

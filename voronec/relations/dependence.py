@@ -53,7 +53,7 @@ def unsound_functions(statemap: StateMap) -> Iterator[Verdict]:
 
 
 def _is_constant(statemap: StateMap, variable: Any) -> bool:
-    return decide_zero(statemap.derivative(variable), statemap.relations).proved
+    return decide_zero(statemap.derivative(variable), statemap.hypotheses).proved
 
 
 def _unsound(statemap: StateMap, function: Any, value: Any, held: Sequence[Any]) -> Verdict | None:
@@ -83,8 +83,8 @@ def _is_spanned(
     """Whether a differential is a combination of those of functions and of the relations."""
     rows = [[f.diff(x) for f in (*functions, *statemap.relations)] for x in variables]
     if not rows[0]:
-        return all(decide_zero(e).proved for e in part)
-    solved = solve_linear(rows, [[e] for e in part], statemap.relations)
+        return all(decide_zero(e, statemap.hypotheses).proved for e in part)
+    solved = solve_linear(rows, [[e] for e in part], statemap.hypotheses)
     return not solved.contradictory
 
 

@@ -34,7 +34,7 @@ def kinds_of(statemap: StateMap) -> tuple[str, ...]:
     is_limit = statemap.relation.limit is not None
     if is_limit:
         words.append("limit")
-    if not decide_equal(statemap.clock, 1).proved:
+    if not decide_equal(statemap.clock, 1, statemap.hypotheses).proved:
         words.append("change of time")
     if not is_limit and _is_special(statemap):
         words.append("specialisation")
@@ -69,7 +69,7 @@ def state_rank(statemap: StateMap) -> int:
     gradients = [[f.diff(x) for x in source.variables] for f in images]
     kept = [statemap.scale(r) for r in source.independent_relations]
     bound = [[r.diff(x) for x in source.variables] for r in kept]
-    return generic_rank([*bound, *gradients], statemap.relations) - len(bound)
+    return generic_rank([*bound, *gradients], statemap.hypotheses) - len(bound)
 
 
 def _is_special(statemap: StateMap) -> bool:

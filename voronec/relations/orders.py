@@ -7,12 +7,13 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.conditions import parted
 from voronec.algebra.normal import quotient
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.errors import EngineLimit
 from voronec.relations.substitution import Infinite, substituted
 
-__all__ = ["at_zero", "vanishes"]
+__all__ = ["all_at_zero", "at_zero", "vanishes"]
 
 
 def vanishes(expr: Any, relations: Sequence[Any], small: Any = None, order: int = 1) -> Verdict:
@@ -23,11 +24,12 @@ def vanishes(expr: Any, relations: Sequence[Any], small: Any = None, order: int 
     numerator are decided one by one.  Where relations hold the small parameter, a coefficient is
     refuted only on their zero set at the limit.
     """
-    bound = small is not None and any(small in r.free_symbols for r in relations)
+    equations, _ = parted(relations)
+    bound = small is not None and any(small in r.free_symbols for r in equations)
     if small is None or not (bound or small in expr.free_symbols):
         return decide_zero(expr, relations)
     try:
-        there = _all_at_zero(relations, relations, small)
+        there = all_at_zero(relations, small)
         above, below = quotient(expr, relations)
         pole = decide_zero(_put(below, small, there), there)
         is_rough = any(small in f.free_symbols for f in above.atoms(se.Function))
@@ -68,7 +70,7 @@ def at_zero(expr: Any, relations: Sequence[Any], small: Any) -> Any:
     """
     if small is None or small not in expr.free_symbols:
         return expr
-    there = _all_at_zero(relations, relations, small)
+    there = all_at_zero(relations, small)
     try:
         return _put(expr, small, there)
     except Infinite:
@@ -78,9 +80,11 @@ def at_zero(expr: Any, relations: Sequence[Any], small: Any) -> Any:
         return above / below
 
 
-def _all_at_zero(exprs: Sequence[Any], relations: Sequence[Any], small: Any) -> tuple[Any, ...]:
-    """Several expressions, such as relations, where the small parameter vanishes."""
-    return tuple(_put(e, small, relations) if small in e.free_symbols else e for e in exprs)
+def all_at_zero(hypotheses: Sequence[Any], small: Any) -> tuple[Any, ...]:
+    """Relations where the small parameter vanishes, and the conditions that do not hold it."""
+    equations, conditions = parted(hypotheses)
+    there = [_put(e, small, hypotheses) if small in e.free_symbols else e for e in equations]
+    return (*there, *(c for c in conditions if small not in c.free_symbols))
 
 
 def _put(expr: Any, small: Any, relations: Sequence[Any]) -> Any:

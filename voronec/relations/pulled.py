@@ -58,7 +58,7 @@ def _claim(
     verdict = Verdict("proved", "nothing to decide")
     try:
         for residual in residuals:
-            verdict = vanishes(residual, statemap.relations, statemap.small, order)
+            verdict = vanishes(residual, statemap.hypotheses, statemap.small, order)
             if not verdict.proved:
                 break
         if verdict.proved:
@@ -86,7 +86,7 @@ def _is_mapped(statemap: StateMap, *exprs: sp.Expr) -> bool:
 def _has_time(statemap: StateMap) -> bool:
     """Whether the map gives the time of the target: one that runs with the rate nu."""
     rate = statemap.derivative(statemap.state[statemap.target.time])
-    return decide_zero(rate - statemap.clock, statemap.relations).proved
+    return decide_zero(rate - statemap.clock, statemap.hypotheses).proved
 
 
 def _pulled(statemap: StateMap, expr: sp.Expr) -> Any:

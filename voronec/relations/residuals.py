@@ -74,7 +74,7 @@ def _factor(statemap: StateMap, slopes: Sequence[Any], row: Sequence[Any]) -> An
     factor = se.Integer(1) if slopes[at] == scaled[at] else slopes[at] / scaled[at]
     try:
         for s, e in zip(slopes, scaled, strict=True):
-            if not decide_zero(s - factor * e, statemap.relations).proved:
+            if not decide_zero(s - factor * e, statemap.hypotheses).proved:
                 return None
     except EngineLimit:
         return None

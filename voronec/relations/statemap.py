@@ -12,6 +12,8 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.angles import Angles, holds_angles
+from voronec.algebra.conditions import substituted_conditions
+from voronec.algebra.points import is_possible
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError, did_you_mean
@@ -121,6 +123,17 @@ class StateMap:
     def relations(self) -> tuple[Any, ...]:
         """What vanishes on the states of the source."""
         return tuple(self.scale(r) for r in self.source.relations)
+
+    @cached_property
+    def hypotheses(self) -> tuple[Any, ...]:
+        """What vanishes on the states of the source, and what is known of its parameters and of
+        the images of the target's."""
+        own = substituted_conditions(self.source.conditions, self.scaled)
+        images = {**self.state, **{p: v for p, v in self.parameters.items() if p.is_Symbol}}
+        mapped = (c for c in self.target.conditions if c.free_symbols <= images.keys())
+        both = (*own, *substituted_conditions(mapped, images))
+        # a map to values that the target declares impossible is no reason to know anything
+        return self.relations + (both if is_possible(both) else own)
 
     @property
     def is_identity(self) -> bool:

@@ -49,7 +49,7 @@ def volume_factor(statemap: StateMap) -> Any:
     ]
     above = [*moved, *([statemap.pull_back(e) for e in n] for n in _normals(target))]
     below = [*tangents, *([statemap.scale(e) for e in n] for n in _normals(source))]
-    return _determinant(above, statemap.relations) / _determinant(below, statemap.relations)
+    return _determinant(above, statemap.hypotheses) / _determinant(below, statemap.hypotheses)
 
 
 def _tangents(variables: Sequence[Any], relations: Sequence[Any]) -> Matrix:
@@ -94,7 +94,7 @@ def _normals(field: Any) -> Matrix:
     gradient = [[r.diff(x) for x in field.variables] for r in field.independent_relations]
     gram = [[_dot(p, q) for q in gradient] for p in gradient]
     unit = [[se.Integer(int(i == j)) for j in range(len(gram))] for i in range(len(gram))]
-    inverse = solve_linear(gram, unit, field.relations).values
+    inverse = solve_linear(gram, unit, field.hypotheses).values
     columns = zip(*inverse, strict=True)
     return [[_dot(column, across) for across in zip(*gradient, strict=True)] for column in columns]
 

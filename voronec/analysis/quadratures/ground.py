@@ -85,7 +85,7 @@ class Ground:
         rest = dict.fromkeys(field.velocities, se.Integer(0))
         matrix = [[m.diff(v) for v in field.velocities] for m in vector]
         right = [[LENGTH * e - m.xreplace(rest)] for e, m in zip(third, vector, strict=True)]
-        solution = solve_linear(matrix, right, field.relations)
+        solution = solve_linear(matrix, right, field.hypotheses)
         if solution.free or len(field.velocities) != len(vector):
             raise EngineLimit("the vector of the space does not determine the velocities")
         values = [row[0] for row in solution.values]
@@ -97,4 +97,4 @@ class Ground:
 
     def zero(self, residuals: Residuals) -> Verdict:
         """Whether all residuals vanish."""
-        return all_zero(residuals, self.field.relations)
+        return all_zero(residuals, self.field.hypotheses)

@@ -92,7 +92,7 @@ def _shares(ground: Ground, poles: Sequence[_Pole]) -> dict[_Pole, int]:
     """The poles at which the fraction has one, each place once; and how many weights the residue
     is there, -1, 0 or 1, as numbers suggest."""
     seen = [ground.at_level(e) for p in poles for e in (p.place, p.bottom, p.share)]
-    for _, values in sample_evaluable(Tape(seen), ground.field.relations, BITS, count=1):
+    for _, values in sample_evaluable(Tape(seen), ground.field.hypotheses, BITS, count=1):
         found: dict[_Pole, int] = {}
         places: list[Any] = []
         for i, pole in enumerate(poles):

@@ -9,6 +9,7 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.conditions import substituted_conditions
 from voronec.algebra.normal import shortest
 from voronec.algebra.ring import Ring
 from voronec.algebra.text import sympified
@@ -235,5 +236,6 @@ def _specialized(field: VectorField, values: Mapping[sp.Symbol, sp.Expr]) -> Vec
         mass=tuple(enter(row) for row in field.mass),
         force=enter(field.force),
         relations=enter(field.relations),
+        conditions=substituted_conditions(field.conditions, inside),
         meaning={k: v.xreplace(inside) for k, v in field.meaning.items()},
     )

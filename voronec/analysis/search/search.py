@@ -207,7 +207,7 @@ class _Run:
             by_factor.setdefault(factor, []).append(monomial)
         short = se.Add(*[c * se.Add(*group) for c, group in by_factor.items()])
         spelled = short.xreplace({a: x.value for a, x in zip(plain, letters, strict=True)})
-        verdict = _proof(mechanics.derivative(spelled), mechanics.relations)
+        verdict = _proof(mechanics.derivative(spelled), mechanics.hypotheses)
         named = {door_symbol: x.name for door_symbol, x in zip(plain, letters, strict=True)}
         door = mechanics.door
         shown = door.outward(short).xreplace({door.outward(a): n for a, n in named.items()})

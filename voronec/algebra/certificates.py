@@ -1,0 +1,340 @@
+"""Signs of polynomials with a certificate, on all states that hypotheses admit.
+
+A polynomial has a sign where its factors have one; a factor where it is known to have one, where it
+is a sum of terms of one sign, a quadratic form that its discriminant makes definite, a polynomial
+in one variable without roots, or where the bounds of a sine or a cosine decide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import flint
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.conditions import comparisons
+from voronec.algebra.field import Fraction
+from voronec.errors import EngineLimit
+
+if TYPE_CHECKING:
+    from voronec.algebra.ring import Ring
+
+__all__ = ["Sign", "Signs"]
+
+_MEANT = {"<": ((-1,), True), ">": ((1,), True), "<=": ((-1, 0), False), ">=": ((1, 0), False)}
+_DEPTH = 8
+"""How deep certificates may rest on others."""
+_KINDS = {1: ("nonnegative", "positive"), -1: ("nonpositive", "negative")}
+"""What a generator is by the sign it is known to have: not strictly, and strictly."""
+_ONE_SIGN = {"positive": 1, "nonnegative": 1, "negative": -1, "nonpositive": -1}
+_STRICT = ("positive", "negative")
+
+
+@dataclass(frozen=True)
+class Sign:
+    """value 1, -1 or 0; not ``strict``: the polynomial may vanish as well."""
+
+    value: int
+    strict: bool
+    reason: str
+
+    @property
+    def in_words(self) -> str:
+        """What it says of the polynomial."""
+        if self.value == 0:
+            return "zero"
+        if self.strict:
+            return "positive" if self.value > 0 else "negative"
+        return "nowhere negative" if self.value > 0 else "nowhere positive"
+
+    def settles(self, relation: str) -> bool:
+        """Whether it proves the relation to zero."""
+        if relation == "!=":
+            return self.value != 0 and self.strict
+        values, strict = _MEANT[relation]
+        return self.value in values and (self.strict or not strict)
+
+    def times(self, other: Sign) -> Sign:
+        """The sign of a product."""
+        reason = "; ".join(r for r in (self.reason, other.reason) if r)
+        return Sign(self.value * other.value, self.strict and other.strict, reason)
+
+
+@dataclass(frozen=True)
+class Signs:
+    """Signs of the polynomials of a ring; ``kinds`` has an entry for each generator.
+
+    ``facts`` are polynomials whose sign hypotheses give, by their text.  ``known`` keeps what was
+    found, and at which depth of the search.  Sines and cosines are free numbers unless
+    ``bounded``.
+    """
+
+    ring: Ring
+    kinds: list[str]
+    known: dict[str, tuple[Sign | None, int]]
+    facts: dict[str, tuple[Any, Sign]] = field(default_factory=dict)
+    bounded: bool = False
+
+    @classmethod
+    def of(cls, ring: Ring, hypotheses: Iterable[Any] = (), bounded: bool = False) -> Signs:
+        """Signs where hypotheses hold.
+
+        An even root is not negative, and a root is positive where its radicand is; so are
+        exponentials.
+        """
+        kinds = ["positive" if _is_positive(m) else "real" for m in ring.meaning]
+        signs = cls(ring, kinds, {}, {}, bounded)
+        for expr, strict in sorted(comparisons(hypotheses), key=lambda c: len(c[0].free_symbols)):
+            signs._learn(expr, strict)
+        for base, root in ring.roots.items():
+            inside = signs.of_fraction(ring.fraction(base))
+            good = inside is not None and inside.value == 1 and inside.strict
+            even = ring.found.radicals[base] % 2 == 0
+            if ring.meaning[ring.index(root)] == root and (good or even):
+                kinds[ring.index(root)] = "positive" if good else "nonnegative"
+                signs.known.clear()
+        return signs
+
+    def _learn(self, expr: Any, strict: bool) -> None:
+        """Take in that an expression of the ring is positive, or not negative: what that says of
+        the one factor of it whose sign is not known."""
+        try:
+            fraction = self.ring.fraction(expr)
+        except (KeyError, EngineLimit):  # the hypothesis is about something else
+            return
+        unit, factors = fraction.num.factor()
+        factors = [*factors, *self.ring.field.factors(fraction.den)]
+        value, open_ones = (1 if unit > 0 else -1), []
+        for factor, exponent in factors:
+            sign = self.of_polynomial(factor)
+            if sign is not None and sign.strict and sign.value:
+                value *= sign.value**exponent
+            elif exponent % 2:
+                open_ones.append(factor)
+            elif not strict:  # where it vanishes nothing is said of the others
+                return
+        if len(open_ones) == 1:
+            self._note(open_ones[0], Sign(value, strict, "by hypothesis"))
+
+    def _note(self, poly: Any, sign: Sign) -> None:
+        places = self._used(poly)
+        if len(poly) == 1 and len(places) == 1 and poly.total_degree() == 1:
+            value = sign.value if poly.leading_coefficient() > 0 else -sign.value
+            weak, strict = _KINDS[value]
+            if sign.strict or self.kinds[places[0]] == "real":
+                self.kinds[places[0]] = strict if sign.strict else weak
+        else:
+            self.facts[str(poly)] = poly, sign
+        self.known.clear()
+
+    def of_fraction(self, fraction: Fraction) -> Sign | None:
+        """The sign of a fraction wherever it is defined."""
+        found = self.of_polynomial(fraction.num)
+        for factor, exponent in self.ring.field.factors(fraction.den):
+            below = self.of_polynomial(factor**exponent)
+            if found is None or below is None:
+                return None
+            found = found.times(Sign(below.value, True, below.reason))
+        return found
+
+    def of_polynomial(self, poly: Any, depth: int = 0) -> Sign | None:
+        """The sign of a polynomial, by its factors."""
+        key = str(poly)
+        sign, tried = self.known.get(key, (None, _DEPTH + 1))
+        if sign is None and depth < tried:
+            self.known[key] = None, depth  # what is being asked for is no reason
+            self.known[key] = self._of_factors(poly, depth), depth
+        return self.known[key][0]
+
+    def _of_factors(self, poly: Any, depth: int) -> Sign | None:
+        if poly == 0:
+            return Sign(0, True, "the normal form is zero")
+        unit, factors = poly.factor()
+        found = Sign(1 if unit > 0 else -1, True, "")
+        for factor, exponent in factors:
+            sign = self._of_irreducible(factor, depth)
+            if exponent % 2 == 0:
+                strict = sign is not None and sign.strict
+                sign = Sign(1, strict, f"({self.spelled(factor)})^{exponent} is no less than 0")
+            elif sign is None:
+                return None
+            found = found.times(sign)
+        if not found.reason:
+            return replace(found, reason="a number")
+        return replace(found, reason=f"minus a product: {found.reason}") if unit < 0 else found
+
+    def _of_irreducible(self, poly: Any, depth: int) -> Sign | None:
+        """The first certificate of a strict sign, else the first of any."""
+        weak: Sign | None = None
+        for sign in self._certificates(poly, depth):
+            if sign is not None and sign.strict:
+                return sign
+            weak = weak or sign
+        return weak
+
+    def _certificates(self, poly: Any, depth: int) -> Iterator[Sign | None]:
+        yield self._of_terms(poly)
+        yield self._by_facts(poly, depth)
+        yield self._at_ends(poly, depth)
+        yield self._without_roots(poly)
+        places = self._used(poly)
+        yield from (self._by_coefficients(poly, place, depth) for place in places)
+        yield from (self._by_discriminant(poly, place, depth) for place in places)
+
+    def _of_terms(self, poly: Any) -> Sign | None:
+        """All terms have one sign: even powers of real symbols, any of those that have one."""
+        value, strict = 0, False
+        for exponents, coefficient in poly.to_dict().items():
+            used = [(self.kinds[i], e) for i, e in enumerate(exponents) if e]
+            if any(kind == "real" and e % 2 for kind, e in used):
+                return None
+            sign = 1 if coefficient > 0 else -1
+            for kind, e in used:
+                sign *= _ONE_SIGN.get(kind, 1) ** int(e)
+            if value == -sign:
+                return None
+            value, strict = sign, strict or all(kind in _STRICT for kind, _ in used)
+        found = Sign(value, strict, "")
+        each = "" if len(poly) == 1 else "every term of "
+        return replace(found, reason=f"{each}{self.spelled(poly)} is {found.in_words}")
+
+    def _by_facts(self, poly: Any, depth: int) -> Sign | None:
+        """It is a polynomial whose sign is known, up to a factor, or more than one."""
+        for fact, known in self.facts.values():
+            ratio = poly.leading_coefficient() / fact.leading_coefficient()
+            value = known.value if ratio > 0 else -known.value
+            rest = poly - ratio * fact
+            if rest == 0:
+                return replace(known, value=value)
+            if len(rest) < len(poly):
+                beyond = self.of_polynomial(rest, depth + 1)
+                if beyond is not None and beyond.value == value:
+                    reason = f"{self.spelled(fact)} is {known.in_words} by hypothesis"
+                    return Sign(value, known.strict or beyond.strict, reason)
+        return None
+
+    def _at_ends(self, poly: Any, depth: int) -> Sign | None:
+        """Linear in a sine or a cosine between -1 and 1, or in its square: the signs at the ends
+        agree."""
+        for pair in self.ring.angle_indices() if self.bounded else ():
+            there = [place for place in pair if poly.degrees()[place]]
+            powers = {int(e[there[0]]) for e in poly.to_dict()} if len(there) == 1 else set[int]()
+            if not powers or not powers <= {0, max(powers)} or max(powers) > 2:
+                continue
+            ends = [-1, 1] if max(powers) == 1 else [0, 1]
+            at = [self._with(poly, there[0], end) for end in ends]
+            signs = [self.of_polynomial(p, depth + 1) for p in at]
+            found = [sign for sign in signs if sign is not None]
+            values = {sign.value for sign in found} - {0}
+            if len(found) == 2 and len(values) == 1:
+                strict = all(sign.strict and sign.value for sign in found)
+                reason = f"{self.spelled(poly)} has one sign at the ends of "
+                reason += f"{self.ring.meaning[there[0]]}"
+                return Sign(values.pop(), strict, reason)
+        return None
+
+    def _with(self, poly: Any, place: int, value: int) -> Any:
+        """A polynomial with a number for a generator."""
+        gens = self.ring.field.gens
+        number = self.ring.field.context.constant(value)
+        return poly.compose(*[number if i == place else g for i, g in enumerate(gens)])
+
+    def _without_roots(self, poly: Any) -> Sign | None:
+        """A polynomial in one variable that has no root in the range of the variable."""
+        places = self._used(poly)
+        if len(places) != 1 or self._is_bound(places[0]):
+            return None
+        (place,) = places
+        powers = {e[place]: c for e, c in poly.to_dict().items()}
+        terms = [powers.get(i, 0) for i in range(max(powers), -1, -1)]
+        exact = [sp.Rational(int(flint.fmpq(c).p), int(flint.fmpq(c).q)) for c in terms]
+        side = _ONE_SIGN.get(self.kinds[place], 0)
+        one = sp.Poly(exact, sp.Symbol("x"))
+        if one.count_roots(0 if side > 0 else None, 0 if side < 0 else None):
+            return None
+        at = side or 1
+        text = f"{self.spelled(poly)} has no root there (Sturm), and its sign at {at}"
+        return Sign(1 if one.eval(at) > 0 else -1, True, text)
+
+    def _by_coefficients(self, poly: Any, place: int, depth: int) -> Sign | None:
+        """Collected in one variable, all coefficients have one sign."""
+        parts = self._collected(poly, place)
+        if _ONE_SIGN.get(self.kinds[place]) != 1 and any(power % 2 for power in parts):
+            return None
+        signs = {power: self.of_polynomial(c, depth + 1) for power, c in parts.items()}
+        found = [(power, s) for power, s in signs.items() if s is not None]
+        if len(found) < len(parts) or len({s.value for _, s in found}) > 1:
+            return None
+        positive = self.kinds[place] == "positive"
+        strict = any(s.strict and (positive or not power) for power, s in found)
+        reasons = "; ".join(dict.fromkeys(s.reason for _, s in found))
+        text = f"its coefficients in {self.ring.meaning[place]} agree in sign ({reasons})"
+        return Sign(found[0][1].value, strict, text)
+
+    def _by_discriminant(self, poly: Any, place: int, depth: int) -> Sign | None:
+        """a y^2 + b y + c for y = x^k: definite where 4ac > b^2, semidefinite where a > 0, too."""
+        parts = self._collected(poly, place)
+        half, odd = divmod(max(parts), 2)
+        if odd or self._is_bound(place) or not parts.keys() <= {0, half, 2 * half}:
+            return None
+        zero = self.ring.field.zero
+        a, b, c = parts[2 * half], parts.get(half, zero), parts.get(0, zero)
+        below = self.of_polynomial(4 * a * c - b * b, depth + 1)
+        first = self.of_polynomial(a, depth + 1)
+        if below is None or first is None or below.value < 0:
+            return None
+        definite = below.value > 0 and below.strict
+        if not (definite or first.strict or self._agrees(c, first, depth)):
+            return None
+        name = str(self.ring.meaning[place]) + (f"^{half}" if half > 1 else "")
+        text = f"{self.spelled(poly)} as a quadratic in {name}: its leading coefficient is "
+        text += f"{first.in_words} ({first.reason}), 4ac - b^2 is {below.in_words} "
+        return Sign(first.value, definite, text + f"({below.reason})")
+
+    def _agrees(self, poly: Any, other: Sign, depth: int) -> bool:
+        """Whether a polynomial has the sign of another one, or none."""
+        sign = self.of_polynomial(poly, depth + 1)
+        return sign is not None and sign.value in (0, other.value)
+
+    # -- polynomials ----------------------------------------------------------------------
+
+    def _used(self, poly: Any) -> list[int]:
+        return [i for i, degree in enumerate(poly.degrees()) if degree]
+
+    def _is_bound(self, place: int) -> bool:
+        """Whether a generator is no free variable, but a root or a sine."""
+        return any(place == rule for rule, _, _ in self.ring.field.rules)
+
+    def _collected(self, poly: Any, place: int) -> dict[int, Any]:
+        """Coefficients by powers of one generator."""
+        parts: dict[int, dict[tuple[int, ...], Any]] = {}
+        for exponents, coefficient in poly.to_dict().items():
+            rest = tuple(0 if i == place else int(e) for i, e in enumerate(exponents))
+            parts.setdefault(int(exponents[place]), {})[rest] = coefficient
+        context = self.ring.field.context
+        return {power: context.from_dict(terms) for power, terms in parts.items()}
+
+    def spelled(self, poly: Any) -> str:
+        """A polynomial in the user's names; a long one is cut short."""
+        text = str(self.ring.polynomial(poly)).replace("**", "^")
+        return text if len(text) <= 120 else f"a polynomial of {len(poly)} terms"
+
+    def vanishing(self, poly: Any) -> list[tuple[Any, Any]]:
+        """(variable, value): where factors that are linear in a variable vanish."""
+        found = []
+        for factor, _ in poly.factor()[1] if poly != 0 else ():
+            for place in self._used(factor):
+                parts = self._collected(factor, place)
+                if max(parts) == 1 and not self._is_bound(place):
+                    above, below = parts.get(0, self.ring.field.zero), parts[1]
+                    value = -self.ring.polynomial(above) / self.ring.polynomial(below)
+                    found.append((self.ring.meaning[place], value))
+        return found
+
+
+def _is_positive(meaning: Any) -> bool:
+    """Whether a generator stands for a positive number, or an exponential."""
+    return meaning in (se.pi, se.E) or (isinstance(meaning, se.Pow) and meaning.args[0] == se.E)

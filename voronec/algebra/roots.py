@@ -1,0 +1,226 @@
+"""Roots, powers and logarithms of products, taken factor by factor where signs allow it.
+
+Where p and q are not negative, sqrt(p q) = sqrt(p) sqrt(q) and log(p q) = log p + log q; the root
+of the square of what has a sign is that itself, or its opposite: so one function has one form.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import symengine as se
+
+from voronec.algebra.certificates import Signs
+from voronec.algebra.conditions import comparisons
+from voronec.algebra.field import Fraction
+from voronec.algebra.generators import prime_factors
+from voronec.algebra.tape import is_atom
+from voronec.errors import EngineLimit
+
+if TYPE_CHECKING:
+    from voronec.algebra.ring import Ring
+
+__all__ = ["Roots", "defined_where"]
+
+TERMS = 60
+"""The sign of a factor with more terms is not asked for."""
+_WALLED = (se.sign, se.floor)
+_Power = tuple[Any, int]
+"""A polynomial and its exponent."""
+
+
+def defined_where(exprs: Iterable[Any]) -> list[Any]:
+    """What holds wherever expressions have real values: radicands are not negative.
+
+    Nothing where one of them has walls: a piece of a function may be undefined where it is not
+    taken.
+    """
+    nodes = [*_nodes(exprs)]
+    if any(isinstance(n, _WALLED) for n in nodes):
+        return []
+    powers = [n.args for n in nodes if isinstance(n, se.Pow) and n.free_symbols]
+    radicands = [(b, e) for b, e in powers if isinstance(e, se.Rational) and e.q != 1]
+    return [base > 0 if exponent < 0 else base >= 0 for base, exponent in radicands]
+
+
+@dataclass(frozen=True)
+class _Factors:
+    """content * product of ``known``, which are not negative, and of ``others``, with powers."""
+
+    content: Any
+    known: dict[Any, int]
+    others: dict[Any, int]
+
+
+@dataclass(frozen=True)
+class Roots:
+    """Takes roots, powers and logarithms apart in expressions over a ring."""
+
+    ring: Ring
+    signs: Signs
+    _found: dict[Any, Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, exprs: Sequence[Any], conditions: Sequence[Any]) -> Roots | None:
+        """For given expressions; None where there is nothing to be taken apart."""
+        from voronec.algebra.ring import Ring
+
+        inner = [*dict.fromkeys(_arguments(exprs))]
+        if not any(a.args for a in inner):
+            return None
+        try:
+            held = set[Any]().union(*(a.free_symbols for a in inner))
+            told = [e for e, _ in comparisons(conditions) if not held.isdisjoint(e.free_symbols)]
+            ring = Ring([*exprs, *inner, *told])
+        except EngineLimit:
+            return None
+        return cls(ring, Signs.of(ring, conditions, bounded=True))
+
+    def apart(self, expr: Any) -> Any:
+        """The expression with every root, power and logarithm taken apart."""
+        found = self._found.get(expr)
+        if found is None:
+            found = self._found[expr] = self._rebuilt(expr)
+            self._found.setdefault(found, found)
+        return found
+
+    def _rebuilt(self, expr: Any) -> Any:
+        if not expr.args or is_atom(expr):
+            return expr
+        if isinstance(expr, se.log):
+            return self._logarithm(expr.args[0])
+        if isinstance(expr, se.Pow) and not isinstance(expr.args[1], se.Integer):
+            base, exponent = expr.args[0], self.apart(expr.args[1])
+            return self._exponential(exponent) if base == se.E else self._power(base, exponent)
+        arguments = [self.apart(a) for a in expr.args]
+        return expr if arguments == [*expr.args] else expr.func(*arguments)
+
+    def _power(self, base: Any, exponent: Any) -> Any:
+        """p**a q**a for (p q)**a; |p| for the root of the square of a p of either sign."""
+        found = self._factors(base)
+        if found is None:
+            return se.Pow(self.apart(base), exponent)
+        parts = [se.Pow(n, e * exponent) for n, e in _primes(found.content)]
+        parts += [se.Pow(p, e * exponent) for p, e in found.known.items()]
+        if exponent.is_Number and exponent.q == 2:
+            parts += [se.Pow(p**2, e // 2 * exponent) for p, e in found.others.items()]
+            rest = [p for p, e in found.others.items() if e % 2]
+        else:
+            rest = [p**e for p, e in found.others.items()]
+        return se.Mul(*parts, se.Pow(se.Mul(*rest), exponent))
+
+    def _logarithm(self, argument: Any) -> Any:
+        """log p + log q for log(p q)."""
+        found = self._factors(argument)
+        if found is None:
+            return se.log(self.apart(argument))
+        terms = [e * se.log(n) for n, e in _primes(found.content)]
+        terms += [e * self._plain_logarithm(p) for p, e in found.known.items()]
+        terms += [e // 2 * se.log(p**2) for p, e in found.others.items() if e // 2]
+        rest = [p for p, e in found.others.items() if e % 2]
+        return se.Add(*terms, se.log(se.Mul(*rest)))
+
+    def _plain_logarithm(self, positive: Any) -> Any:
+        """a log(p) for log(p**a)."""
+        if isinstance(positive, se.Pow):
+            base, exponent = positive.args
+            return exponent if base == se.E else exponent * self.apart(se.log(base))
+        return se.log(positive)
+
+    def _exponential(self, exponent: Any) -> Any:
+        """p**a for exp(a log p)."""
+        terms = exponent.args if isinstance(exponent, se.Add) else (exponent,)
+        powers, rest = [], []
+        for term in terms:
+            factors = term.args if isinstance(term, se.Mul) else (term,)
+            logs = [f for f in factors if isinstance(f, se.log)]
+            if len(logs) == 1:
+                powers.append(se.Pow(logs[0].args[0], term / logs[0]))
+            else:
+                rest.append(term)
+        return se.Mul(se.exp(se.Add(*rest)), *powers)
+
+    # -- factors --------------------------------------------------------------------------
+
+    def _factors(self, base: Any) -> _Factors | None:
+        """The factors of an expression by their signs; None where it is no positive number times
+        such factors."""
+        try:
+            fraction = self.ring.fraction(base)
+        except (EngineLimit, KeyError):
+            return None
+        if fraction.num == 0:
+            return None
+        unit, powers = self._with_sines(*self._powers(fraction))
+        known, others = list[_Power](), list[_Power]()
+        for poly, e in powers:
+            sign = self.signs.of_polynomial(poly) if len(poly) <= TERMS else None
+            if sign is None or not sign.value:
+                others.append((poly, e))
+            else:
+                known.append((sign.value * poly, e))
+                unit = unit if sign.value ** abs(e) > 0 else -unit
+        if unit < 0:
+            odd = next((k for k, (_, e) in enumerate(others) if e % 2), None)
+            if odd is None:
+                return None
+            others[odd] = -others[odd][0], others[odd][1]
+        return _Factors(abs(unit), self._expressed(known), self._expressed(others))
+
+    def _powers(self, fraction: Fraction) -> tuple[Any, list[_Power]]:
+        """A number, and primitive polynomials with their exponents."""
+        unit, factors = fraction.num.factor()
+        powers = list(factors)
+        for poly, e in self.ring.field.factors(fraction.den):
+            content, parts = poly.factor()
+            unit /= content**e
+            powers += [(part, -e * times) for part, times in parts]
+        return unit, powers
+
+    def _with_sines(self, unit: Any, powers: list[_Power]) -> tuple[Any, list[_Power]]:
+        """-s**2 for (c - 1) (c + 1), where the sign of the sine s is known."""
+        gens = self.ring.field.gens
+        for s, c in self.ring.angle_indices():
+            if self.signs.of_polynomial(gens[s]) is None:
+                continue
+            ends = [e for p, e in powers if p in (gens[c] - 1, gens[c] + 1)]
+            if len(ends) == 2 and ends[0] == ends[1]:
+                unit = -unit if ends[0] % 2 else unit
+                powers = [q for q in powers if q[0] not in (gens[c] - 1, gens[c] + 1)]
+                powers += [(gens[s], 2 * ends[0])]
+        return unit, powers
+
+    def _expressed(self, powers: Iterable[_Power]) -> dict[Any, int]:
+        return {self.apart(self.ring.polynomial(p)): e for p, e in powers}
+
+
+def _arguments(exprs: Iterable[Any]) -> Iterator[Any]:
+    """What roots and powers are taken of, and logarithms; logarithms in exponents."""
+    for node in _nodes(exprs):
+        if isinstance(node, se.log):
+            yield node.args[0]
+        elif isinstance(node, se.Pow) and not isinstance(node.args[1], se.Integer):
+            base, exponent = node.args
+            if base != se.E:
+                yield base
+            elif exponent.atoms(se.log):
+                yield exponent
+
+
+def _nodes(exprs: Iterable[Any]) -> Iterator[Any]:
+    """Every node of expression graphs once; unknown functions as they stand."""
+    seen, waiting = set[Any](), list(exprs)
+    while waiting:
+        node = waiting.pop()
+        if node not in seen:
+            seen.add(node)
+            yield node
+            waiting += () if is_atom(node) else node.args
+
+
+def _primes(number: Any) -> list[tuple[Any, int]]:
+    """The prime factors of a positive rational number, with their exponents."""
+    above, below = (prime_factors(int(n)) for n in (number.p, number.q))
+    return [(se.Integer(p), e) for p, e in (*above.items(), *((p, -e) for p, e in below.items()))]
