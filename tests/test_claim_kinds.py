@@ -454,7 +454,12 @@ def test_a_specialised_system_knows_the_parameter_no_more():
 # What is declared undecided.
 
 
-HIDDEN = sp.log(m * m) - 2 * sp.log(m)  # zero where m is positive, which is not known
+HIDDEN = sp.log(k * k) - 2 * sp.log(k)  # zero where k is positive, which is not known
+
+
+def test_logarithms_of_a_positive_parameter_are_combined():
+    system = skate(equations={"w": Equation(w, sp.log(m * m) - 2 * sp.log(m))})
+    assert only(system, "equation").verdict.proved
 
 
 def test_one_undecided_entry_leaves_an_equation_undecided():

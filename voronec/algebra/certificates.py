@@ -147,7 +147,7 @@ class Signs:
         if sign is None and depth < tried:
             self.known[key] = None, depth  # what is being asked for is no reason
             self.known[key] = self._of_factors(poly, depth), depth
-        return self.known[key][0]
+        return self.known.get(key, (None, depth))[0]
 
     def _of_factors(self, poly: Any, depth: int) -> Sign | None:
         if poly == 0:

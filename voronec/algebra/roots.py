@@ -131,6 +131,9 @@ class Roots:
 
     def _exponential(self, exponent: Any) -> Any:
         """p**a for exp(a log p)."""
+        if not exponent.atoms(se.log):
+            return se.exp(exponent)
+        exponent = se.expand(exponent)
         terms = exponent.args if isinstance(exponent, se.Add) else (exponent,)
         powers, rest = [], []
         for term in terms:

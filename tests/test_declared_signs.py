@@ -1,0 +1,199 @@
+"""Signs that are declared count: in equalities, claims, relations and charts, and for witnesses."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec.errors import DefinitionError
+
+k, m, a, b = sp.symbols("k m a b", positive=True)
+x, y, z = sp.symbols("x y z")
+below = sp.Symbol("n", negative=True)
+whole, odd = sp.Symbol("i", integer=True), sp.Symbol("j", odd=True)
+root = sp.sqrt
+
+TRUE = {
+    "square of a sum": (root(a**2 + 2 * a * b + b**2), a + b),
+    "product": (root(k * m, evaluate=False) * root(k), k * root(m)),
+    "quotient": (m * root(m / k), root(m**3 * k) / k),
+    "fourth roots": ((k * m**5) ** sp.Rational(1, 4), m * root(root(k * m))),
+    "radicands of terms": (root((k + m * x**2) * a), root(k + m * x**2) * root(a)),
+    "negative": (root(x**2 * below**2), -below * sp.Abs(x)),
+    "difference of squares": (root(a**2 - b**2), root(a - b) * root(a + b)),
+    "inner roots": (root(k * root(k * m)), root(k) * root(root(k)) * root(root(m))),
+    "cosine of less than one": (root((2 + sp.cos(x)) ** 2), 2 + sp.cos(x)),
+    "logarithm": (sp.log(k**2 * m / 4), 2 * sp.log(k) + sp.log(m) - 2 * sp.log(2)),
+    "exponential of a logarithm": (sp.exp(x * sp.log(k * m)), k**x * m**x),
+    "symbolic power": (sp.Pow(k * m, x, evaluate=False), k**x * m**x),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("sides", TRUE.values(), ids=TRUE)
+def test_what_holds_for_declared_signs_is_proved(sides):
+    assert vo.prove_equal(*sides).proved
+
+
+def test_what_holds_for_positive_symbols_is_not_proved_without_them():
+    plain = {s: sp.Symbol(s.name) for s in (k, m, a, b, below)}
+    left, right = (e.xreplace(plain) for e in TRUE["square of a sum"])
+    assert vo.prove_equal(left, right).refuted
+    assert vo.prove_equal(root(plain[m] ** 2 * plain[k]), plain[m] * root(plain[k])).refuted
+
+
+@pytest.mark.parametrize("sides", [
+    (root(a**2 - 2 * a * b + b**2), a - b),
+    (root(x**2 * k), x * root(k)),
+    (root((x + a) ** 2), x + a),
+    (root(below**2), below),
+    (root(x * y) * root(x / y), x),
+    (whole**2, whole), (odd + 1, odd**2),
+])  # fmt: skip
+def test_witnesses_lie_where_symbols_may(sides):
+    verdict = vo.prove_equal(*sides)
+    assert verdict.refuted
+    symbols = set().union(*(s.free_symbols for s in sides))
+    at = {s: sp.Rational(verdict.witness.point[s.name]) for s in symbols}
+    for symbol, value in at.items():
+        assert all(getattr(value, f"is_{fact}") == so for fact, so in symbol.assumptions0.items())
+    left, right = (sp.N(s.subs(at), 40) for s in sides)
+    assert abs(left - right) > 1e-20
+
+
+def test_a_witness_that_cannot_be_is_none():
+    assert vo.prove_equal(sp.Symbol("p", prime=True), 1).undecided
+    assert vo.prove_equal(root(whole - whole**2), 0).undecided  # real at 0 and 1 alone
+
+
+def test_conditions_stand_beside_relations():
+    assert vo.prove_equal(root(x**2), x, (x > 0,)).proved
+    assert vo.prove_equal(root((x - y) ** 2), x - y, (x > y + z, z > 0)).proved
+    verdict = vo.prove_equal(root(x**2), x, (x**2 + y**2 - 1, y > 0, x < y))
+    assert verdict.refuted and -1 < sp.Rational(verdict.witness.point["x"]) < 0
+    assert sp.Rational(verdict.witness.point["y"]) > 0
+
+
+def test_what_has_no_value_equals_nothing():
+    for thing in (sp.nan, sp.zoo, sp.oo):
+        assert vo.prove_equal(thing, thing).undecided
+
+
+def test_symbols_that_are_not_real_are_refused_in_one_line():
+    with pytest.raises(DefinitionError, match="not real"):
+        vo.prove_equal(sp.Symbol("w", imaginary=True) ** 2, 1)
+    with pytest.raises(DefinitionError, match="not real"):
+        vo.Parameter(sp.Symbol("w", imaginary=True))
+    with pytest.raises(DefinitionError, match="declare it once"):
+        vo.Parameter(sp.Symbol("w", negative=True), positive=True)
+
+
+FACTORS = [k, m, a + b, a - b, x, k + x**2, -m, below, 1 + sp.cos(x), sp.sin(x)]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_roots_of_products_of_signed_factors_agree_with_numbers(seed):
+    """|f g h| against f g h: what is proved SymPy's numbers do not deny, and the other way round."""
+    source = random.Random(seed)
+    chosen = [(source.choice(FACTORS), source.choice((1, 2, 3, -1, -2))) for _ in range(3)]
+    product = source.choice((1, -1)) * sp.Mul(*[f**e for f, e in chosen])
+    verdict = vo.prove_equal(root(sp.expand(product**2)), product)
+    agrees = set()
+    for _ in range(20):
+        at = {s: sp.Rational(source.randint(1, 40), 7) for s in (k, m, a, b)}
+        at |= {below: -sp.Rational(source.randint(1, 40), 7)}
+        at |= {x: sp.Rational(source.randint(-40, 40), 9)}
+        agrees.add(sp.N(product.subs(at), 30) >= 0)
+    assert not (verdict.proved and False in agrees) and not (verdict.refuted and agrees == {True})
+
+
+# -- systems ----------------------------------------------------------------------------------
+
+M, K, C = sp.symbols("m k c")
+X = vo.velocity(x)
+
+
+def oscillator(*parameters, **declared):
+    return vo.System(
+        name="oscillator",
+        fibration=vo.Fibration(base=(x,)),
+        lagrangian=M * X**2 / 2 - K * x**2 / 2,
+        parameters=parameters,
+        **declared,
+    )
+
+
+PLAIN = (vo.Parameter(M, 1), vo.Parameter(K, 1))
+SIGNED = (vo.Parameter(M, 1, positive=True), vo.Parameter(K, 1, lower=sp.Rational(1, 10)))
+ENERGY = root(K * M) * x**2 + M * root(M / K) * X**2
+
+
+def statuses(system):
+    return {c.name: c.verdict.status for c in vo.check_claims(system)}
+
+
+def test_signs_of_parameters_count_in_claims():
+    assert statuses(oscillator(*SIGNED, integrals={"e": ENERGY})) == {"e": "proved"}
+    assert statuses(oscillator(*PLAIN, integrals={"e": ENERGY}))["e"] == "refuted"
+
+
+def test_signs_that_sympy_knows_count_in_claims():
+    mass, stiffness = sp.symbols("m k", positive=True)
+    system = vo.System(
+        name="oscillator",
+        fibration=vo.Fibration(base=(x,)),
+        lagrangian=mass * X**2 / 2 - stiffness * x**2 / 2,
+        parameters=(mass, stiffness),
+        integrals={"e": ENERGY.xreplace({M: mass, K: stiffness})},
+    )
+    assert statuses(system)["e"] == "proved"
+
+
+def test_what_is_possible_counts():
+    claim = {"e": x * (root((K - 4 * M) ** 2) - K + 4 * M)}
+    assert statuses(oscillator(*PLAIN, integrals=claim))["e"] == "refuted"
+    possible = {"the spring is stiff": K > 4 * M}
+    assert statuses(oscillator(*PLAIN, possible=possible, integrals=claim))["e"] == "proved"
+
+
+def test_no_witness_lies_where_parameters_cannot():
+    false = {"e": ENERGY + x, "f": (K - 4 * M) * x}
+    possible = {"the spring is stiff": sp.And(K > 4 * M, M < 3)}
+    for claim in vo.check_claims(oscillator(*SIGNED, possible=possible, integrals=false)):
+        at = {s: sp.Rational(claim.verdict.witness.point[s.name]) for s in (K, M)}
+        assert claim.verdict.refuted and possible["the spring is stiff"].subs(at) == sp.true
+        assert at[M] > 0 and at[K] >= sp.Rational(1, 10)
+
+
+def test_a_case_keeps_what_its_values_must_meet():
+    rigid = {"e": root((K - 4 * M) ** 2) * x - (4 * C * M - 4 * M) * x}
+    case = vo.Case({K: 4 * C * M}, integrals=rigid)
+    stiff = {"the spring is stiff": K > 4 * M}
+    parameters = (*SIGNED, vo.Parameter(C, 2))
+    found = oscillator(*parameters, possible=stiff, cases={"one": case})
+    assert statuses(found) == {"one: e": "proved"}
+
+
+def test_signs_count_in_relations():
+    """sqrt(k/m) and sqrt(k m)/m are one frequency; the map is one of positive parameters."""
+    w = sp.Symbol("w")
+    unit = vo.System(
+        name="unit",
+        fibration=vo.Fibration(base=(y,)),
+        lagrangian=vo.velocity(y) ** 2 / 2 - w**2 * y**2 / 2,
+        parameters=(vo.Parameter(w, 1, positive=True),),
+    )
+    scaled = root(K / M) * x, root(K * M) / M * X
+    relation = vo.Relation(
+        "oscillator", "unit", state={y: scaled[0], vo.velocity(y): scaled[1]},
+        parameters={w: root(K / M)},
+    )  # fmt: skip
+    systems = (oscillator(*SIGNED), unit)
+    assert vo.check_relation(relation, systems).verdict.proved
+    wrong = vo.Relation(
+        "oscillator", "unit", state={y: x, vo.velocity(y): X}, parameters={w: root(K * M)}
+    )
+    verdict = vo.check_relation(wrong, systems).verdict
+    assert verdict.refuted and all(sp.Rational(verdict.witness.point[n]) > 0 for n in ("k", "m"))
