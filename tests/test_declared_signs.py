@@ -95,7 +95,7 @@ FACTORS = [k, m, a + b, a - b, x, k + x**2, -m, below, 1 + sp.cos(x), sp.sin(x)]
 
 @pytest.mark.parametrize("seed", range(40))
 def test_roots_of_products_of_signed_factors_agree_with_numbers(seed):
-    """|f g h| against f g h: what is proved SymPy's numbers do not deny, and the other way round."""
+    """|f g h| against f g h: what is proved SymPy's numbers do not deny, nor what is refuted."""
     source = random.Random(seed)
     chosen = [(source.choice(FACTORS), source.choice((1, 2, 3, -1, -2))) for _ in range(3)]
     product = source.choice((1, -1)) * sp.Mul(*[f**e for f, e in chosen])
@@ -105,7 +105,8 @@ def test_roots_of_products_of_signed_factors_agree_with_numbers(seed):
         at = {s: sp.Rational(source.randint(1, 40), 7) for s in (k, m, a, b)}
         at |= {below: -sp.Rational(source.randint(1, 40), 7)}
         at |= {x: sp.Rational(source.randint(-40, 40), 9)}
-        agrees.add(sp.N(product.subs(at), 30) >= 0)
+        value = sp.N(product.subs(at), 30)
+        agrees |= {value >= 0} if value.is_finite else set()
     assert not (verdict.proved and False in agrees) and not (verdict.refuted and agrees == {True})
 
 

@@ -88,7 +88,8 @@ def known_sign(
 ) -> int:
     """1 or -1 where an expression inside the door is proved to have nowhere the other sign, or 0.
 
-    ``relations`` vanish, or are conditions that hold, and symbols of the names ``positive`` are so; ``strict``: nor is it zero.
+    ``relations`` vanish, or are conditions that hold, and symbols of the names ``positive`` are
+    positive; ``strict``: nor is it zero.
     """
     known = [*relations, *(se.Symbol(name) > 0 for name in sorted(positive))]
     try:
