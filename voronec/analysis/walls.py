@@ -2,8 +2,8 @@
 
 A derivative that vanishes where it exists proves nothing across a wall h = 0 of the function
 [Theory, eqs. (13a) to (13c)].  A wall is harmless where no state lies on it, or where the field is
-singular or not smooth itself; where motions keep it, h' = 0 on h = 0; where the function is the
-same on both sides, F+ = F- on h = 0; and where it is real on one side alone.  A jump by a constant
+singular or jumps itself; where motions keep it, h' = 0 on h = 0; where the function is the same
+on both sides, F+ = F- on h = 0; and where it is real on one side alone.  A jump by a constant
 is one by a period, unless the function is constant but for its jumps.
 """
 
@@ -107,11 +107,12 @@ class _Ground:
         if is_plain(function, self.moving, essential=not self.constant):
             return self._bounded(proof, function)
         branches = Branches(function, self.moving, self.relations, not self.constant)
-        open_walls = [h for h in branches.unclear if not self._has_no_motion(h, strict=True)]
+        open_walls = [h for h in branches.unclear if not self._has_sign(h, strict=True)]
         open_walls = [h for h in open_walls if not self._is_kept(h)]
         met = [j for wall in branches.walls() if (j := self._jump(wall)) is not None]
-        kept, jumps = ([j for j in met if j.kept is is_kept] for is_kept in (True, False))
-        proof = replace(proof, domain=", ".join(dict.fromkeys(j.words for j in kept)))
+        jumps = [j for j in met if not j.domain]
+        domains = dict.fromkeys(j.domain for j in met if j.domain)
+        proof = replace(proof, domain=", ".join(domains))
         for jump in jumps:
             if jump.period is None and jump.witness is not None:
                 return Verdict("refuted", jump.words, jump.witness)
@@ -119,10 +120,10 @@ class _Ground:
             return Verdict("undecided", next(j.words for j in jumps if j.witness is None))
         if open_walls:
             return Verdict("undecided", f"whether it jumps where {_shown(open_walls[0])} = 0")
+        if (seen := [j for j in met if j.witness is not None]) and self._is_constant(function):
+            words = f"it is constant but for jumps: {seen[0].words}"
+            return Verdict("refuted", words, seen[0].witness)
         if jumps:
-            if all(self._is_zero(function.diff(x)) for x in self.moving):
-                words = f"it is constant but for jumps: {jumps[0].words}"
-                return Verdict("refuted", words, jumps[0].witness)
             found = _smallest([j.period for j in jumps])
             proof = replace(proof, modulo=" and ".join(map(self._written, found)))
         return self._bounded(proof, function)
@@ -146,7 +147,7 @@ class _Ground:
     def _jump(self, wall: Wall) -> _Jump | None:
         """The jump on a piece of a wall; None where there is none that a motion would meet."""
         h = wall.function
-        if wall.above == wall.below or wall.edge or self._has_no_motion(h):
+        if wall.above == wall.below or wall.edge or self._has_sign(h):
             return None
         if any(known_sign(e, self.relations, self.positive) < 0 for e in wall.positive):
             return None
@@ -156,36 +157,38 @@ class _Ground:
             return None
         for found in self._crossings(wall, there):
             words = f"it jumps where {self._written(h)} = 0, which motions cross"
-            return _Jump(words, self._period(jump), witness_at(*found))
+            domain = f"{self._written(h)} != 0" if self._is_jump_of_field(h) else ""
+            return _Jump(words, self._period(jump), witness_at(*found), domain)
         if self._is_kept(h):
-            return _Jump(f"{self._written(h)} != 0", None, None, True)
+            return _Jump("", None, None, f"{self._written(h)} != 0")
         if self._is_pole(wall, there) or self._is_singular(there):
             return None
         return _Jump(f"whether it jumps where {self._written(h)} = 0 is open", None, None)
 
-    def _has_no_motion(self, h: Any, strict: bool = False) -> bool:
-        """Whether h does not change its sign, or h = 0 is a wall of the field itself."""
-        known = known_sign(h, self.relations, self.positive, strict)
-        return bool(known) or self._is_wall_of_field(h)
+    def _has_sign(self, h: Any, strict: bool = False) -> bool:
+        """Whether h does not change its sign; ``strict``: nor is it zero."""
+        return bool(known_sign(h, self.relations, self.positive, strict))
 
     def _is_kept(self, h: Any) -> bool:
         """Whether motions keep h = 0, and none crosses it."""
         return self._vanishes(self.field.derivative(h), (*self.relations, h))
 
-    def _is_wall_of_field(self, h: Any) -> bool:
-        """Whether the field is not smooth, or singular, where h = 0."""
-        own = self._field_walls
+    def _is_jump_of_field(self, h: Any) -> bool:
+        """Whether the field itself jumps where h = 0, as with friction."""
+        own = self._field_jumps
         return any((h - k).expand() == 0 or (h + k).expand() == 0 for k in own)
 
     @cached_property
-    def _field_walls(self) -> list[Any]:
+    def _field_jumps(self) -> list[Any]:
         field = self.field
         exprs = [*field.rates, *field.force, *(e for row in field.mass for e in row)]
-        found: dict[Any, None] = {}
-        for e in exprs:
-            if has_branches([e], self.moving):
-                found |= dict.fromkeys(Branches(e, self.moving, self.relations, False).functions)
-        return list(found)
+        return [
+            wall.function
+            for e in exprs
+            if has_branches([e], self.moving)
+            for wall in Branches(e, self.moving, self.relations, False).walls()
+            if not self._vanishes(wall.above - wall.below, (*self.relations, wall.function))
+        ]
 
     def _is_singular(self, there: tuple[Any, ...]) -> bool:
         """Whether the field is singular all over a wall: a rate has a pole, or inertia is none."""
@@ -299,8 +302,9 @@ class _Ground:
         except (EngineLimit, ZeroDivisionError):
             return False
 
-    def _is_zero(self, expr: Any) -> bool:
-        return self._vanishes(expr, self.relations)
+    def _is_constant(self, function: Any) -> bool:
+        """Whether a function is constant off its walls."""
+        return all(self._vanishes(function.diff(x), self.relations) for x in self.moving)
 
     def _written(self, expr: Any) -> str:
         return _shown(self.field.door.outward(expr))
@@ -308,13 +312,13 @@ class _Ground:
 
 @dataclass(frozen=True)
 class _Jump:
-    """A jump with its witness; without one it is open whether there is any, unless motions have
-    ``kept`` to the wall."""
+    """A jump with its witness; without one it is open whether there is any.  With a ``domain`` the
+    verdict is one for each side of the wall: motions keep it, or the field jumps there, too."""
 
     words: str
     period: Any
     witness: Any
-    kept: bool = False
+    domain: str = ""
 
 
 def _is_positive(mass: Any) -> bool:
