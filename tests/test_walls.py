@@ -64,6 +64,8 @@ VACUOUS = [
     sp.sign(sp.sin(x)),
 ]
 FALSE = [
+    energy + sp.sign(x),
+    energy + sp.floor(x - sp.Rational(1, 3)),
     energy * (1 + sp.sign(x)),
     energy * sp.sqrt(x**2) / x,
     x * sp.sqrt(energy / x**2),
@@ -79,7 +81,6 @@ PHASES = [
     (t - sp.atan2(x, v), 2 * sp.pi),
     (t - sp.atan(x / v), sp.pi),
     (t / 2 - sp.atan2(x, v) / 2, sp.pi),
-    (energy + sp.sign(x), 2),
     (2 * t - sp.atan2(x, v) - sp.atan(x / v), sp.pi),
 ]
 TRUE = [

@@ -168,7 +168,8 @@ class Wall:
     """A piece of the zeros of ``function``.
 
     ``above`` and ``below`` are an expression on its sides, ``function`` > 0 and < 0, as functions
-    that go on to the wall; the piece is where all of ``positive`` are so.  An ``edge`` is one
+    that go on to the wall, ``turned`` the one below with arctangents continued from above; the
+    piece is where all of ``positive`` are so.  An ``edge`` is one
     beyond which the expression is not real.  Where ``whole`` is a symbol, it stands for any whole
     number.
     """
@@ -176,6 +177,7 @@ class Wall:
     function: Any
     above: Any
     below: Any
+    turned: Any
     positive: tuple[Any, ...] = ()
     edge: bool = False
     whole: Any = None
@@ -274,9 +276,10 @@ class Branches:
         waiting: list[dict[Any, int]] = [{}]
         while waiting:
             assumed = waiting.pop()
-            above, below = (_Side(self, h, s, assumed, whole) for s in (1, -1))
+            ways = ((1, 1), (-1, -1), (-1, 1))
+            above, below, turned = (_Side(self, h, s, a, assumed, whole) for s, a in ways)
             try:
-                sides = above(self.expr), below(self.expr)
+                sides = above(self.expr), below(self.expr), turned(self.expr)
             except _SignNeeded as needed:
                 waiting += [{**assumed, needed.expr: s} for s in (1, -1)]
                 continue
@@ -295,11 +298,12 @@ class _SignNeeded(Exception):
 
 @dataclass
 class _Side:
-    """Rewrites expressions as they are on one side of a wall."""
+    """Rewrites expressions as they are on one side of a wall, arctangents on the one ``angles``."""
 
     branches: Branches
     h: Any
     side: int
+    angles: int
     assumed: dict[Any, int]
     floor: Any = None
     inside: dict[Any, Any] = field(default_factory=dict)
@@ -339,13 +343,14 @@ class _Side:
         """log |h|, the same on both sides."""
         return se.Symbol("logarithm of the distance")
 
-    def _split(self, inside: Any) -> tuple[int, Any]:
+    def _split(self, inside: Any, side: int = 0) -> tuple[int, Any]:
         """(k, s^k u) with g = h^k u: the sign of what is left is that of g."""
+        side = side or self.side
         if self.floor or not inside.free_symbols & self.branches.moving:
             return 0, inside
         found = self.branches.product(inside)
         k = found.powers.get(self.h, 0)
-        return k, se.Integer(self.side ** abs(k)) * found.without(self.h) if k else inside
+        return k, se.Integer(side ** abs(k)) * found.without(self.h) if k else inside
 
     def _sign(self, inside: Any) -> Any:
         k, rest = self._split(inside)
@@ -379,19 +384,19 @@ class _Side:
 
     def _angle(self, inside: Any) -> Any:
         """atan(g) = pi/2 sign(g) - atan(1/g)."""
-        k, rest = self._split(inside)
+        k, rest = self._split(inside, self.angles)
         if k >= 0:
             return se.atan(inside)
-        inverse = se.Integer(self.side**-k) / (self.h**k * rest)
+        inverse = se.Integer(self.angles**-k) / (self.h**k * rest)
         return HALF_PI * self._assumed(rest) - se.atan(inverse)
 
     def _turn(self, y: Any, x: Any) -> Any:
         """atan2(y, x) = pi sign(y) + atan2(-y, -x) where x < 0; both over a power of |h|."""
-        (k, up), (m, right) = self._split(y), self._split(x)
+        (k, up), (m, right) = self._split(y, self.angles), self._split(x, self.angles)
         least = min(k, m)
         if not least and not k:
             return se.atan2(y, x)
-        h = self.side * self.h
+        h = self.angles * self.h
         y, x = h ** (k - least) * up, h ** (m - least) * right
         if k == least or self._assumed(x) > 0:
             return se.atan2(y, x)

@@ -113,16 +113,17 @@ class _Ground:
         jumps = [j for j in met if not j.domain]
         domains = dict.fromkeys(j.domain for j in met if j.domain)
         proof = replace(proof, domain=", ".join(domains))
-        for jump in jumps:
-            if jump.period is None and jump.witness is not None:
-                return Verdict("refuted", jump.words, jump.witness)
-        if any(jump.witness is None for jump in jumps):
+        seen = [j for j in met if j.witness is not None]
+        false = [j for j in jumps if j.witness is not None and j.period is None]
+        if seen and self._is_constant(function):
+            words = f"it is constant but for jumps: {seen[0].words}"
+            return Verdict("refuted", words, seen[0].witness)
+        if false:
+            return Verdict("refuted", false[0].words, false[0].witness)
+        if any(j.witness is None for j in jumps):
             return Verdict("undecided", next(j.words for j in jumps if j.witness is None))
         if open_walls:
             return Verdict("undecided", f"whether it jumps where {_shown(open_walls[0])} = 0")
-        if (seen := [j for j in met if j.witness is not None]) and self._is_constant(function):
-            words = f"it is constant but for jumps: {seen[0].words}"
-            return Verdict("refuted", words, seen[0].witness)
         if jumps:
             found = _smallest([j.period for j in jumps])
             proof = replace(proof, modulo=" and ".join(map(self._written, found)))
@@ -149,16 +150,18 @@ class _Ground:
         h = wall.function
         if wall.above == wall.below or wall.edge or self._has_sign(h):
             return None
-        if any(known_sign(e, self.relations, self.positive) < 0 for e in wall.positive):
-            return None
         there = (*self.relations, h)
+        if any(known_sign(e, there, self.positive) < 0 for e in wall.positive):
+            return None
         jump = wall.above - wall.below
         if self._vanishes(jump, there):
             return None
         for found in self._crossings(wall, there):
             words = f"it jumps where {self._written(h)} = 0, which motions cross"
             domain = f"{self._written(h)} != 0" if self._is_jump_of_field(h) else ""
-            return _Jump(words, self._period(jump), witness_at(*found), domain)
+            is_turn = self._vanishes(wall.turned - wall.above, there)
+            period = self._period(jump) if is_turn else None
+            return _Jump(words, period, witness_at(*found), domain)
         if self._is_kept(h):
             return _Jump("", None, None, f"{self._written(h)} != 0")
         if self._is_pole(wall, there) or self._is_singular(there):
