@@ -245,6 +245,12 @@ def test_what_is_set_equal_to_itself_says_nothing():
     assert one("xw=wx").verdict == "proved"
 
 
+def test_what_a_display_says_twice_is_a_misprint():
+    (record,) = audit(Display(r"\[ x+x=2x, \quad xw=wx, \quad x+x=2x \]"))
+    assert [f.verdict for f in record.formulas] == ["proved", "proved", "misprint"]
+    assert "formula 1 of the same display" in record.formulas[2].method
+
+
 def test_a_value_is_compared_with_every_part():
     check = Check(value=lambda study, where: x**2)
     assert one("xx", check).verdict == "proved"

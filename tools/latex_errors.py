@@ -133,6 +133,8 @@ class Formula:
 
     def group_end(self, position: int) -> int:
         """The position behind one argument of a command: a word, or a group in braces."""
+        if position < len(self.words) and self.words[position].text in _ACCENTS:
+            return self.group_end(position + 1)
         if position >= len(self.words) or self.words[position].text != "{":
             return min(position + 1, len(self.words))
         depth = self.depths[position]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import wraps
 from typing import Any
@@ -15,6 +15,7 @@ from voronec.audit.derived import derived_latex
 from voronec.audit.hooks import HookError, asked
 from voronec.audit.latex.nodes import Chain
 from voronec.audit.latex.reader import read, read_tokens
+from voronec.audit.latex.tokens import ELLIPSES, Token
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.paper import Check, Decision, Sentence
 from voronec.audit.record import FormulaRecord
@@ -45,11 +46,14 @@ class Bench:
     labels: Labels = field(default_factory=dict)
     corrects: bool = True
 
-    def correction(self, formula: Formula, check: Check, study: Study) -> Correction | None:
+    def correction(
+        self, formula: Formula, check: Check, study: Study, senseless: bool = False
+    ) -> Correction | None:
         """The smallest change that makes a formula true, if it is to be sought."""
         if not self.corrects:
             return None
-        return correct(formula, check, study, Spare.of(self.transcript, study))
+        spare = Spare.of(self.transcript, study)
+        return correct(formula, check, study, spare, senseless)
 
     def study(self, check: Check | Sentence, name: str = "") -> Study:
         """The dictionary that a check asks for, or the one called ``name``."""
@@ -150,19 +154,19 @@ def _unreadable(
     formula: Formula, check: Check, bench: Bench, error: DefinitionError
 ) -> FormulaRecord:
     """What cannot be read as printed is a misprint where a small change makes it true."""
-    if check.role == "cited":
-        return FormulaRecord(formula.printed, "cited", "quoted")
     found = _made_true(formula, check, bench, f"it cannot be read as printed ({error})")
+    if found is None and check.role == "cited":
+        return FormulaRecord(formula.printed, "cited", "quoted")
     return found or FormulaRecord(formula.printed, "undecided", f"it cannot be read: {error}")
 
 
 def _senseless(formula: Formula, check: Check, bench: Bench, error: Exception) -> FormulaRecord:
     """The same for what has no value as printed, such as a name that nothing introduces."""
-    if check.role == "cited":
-        return FormulaRecord(formula.printed, "cited", str(error))
     found = None
     if isinstance(error, PRINTED) and not isinstance(error, UnknownRate):
         found = _made_true(formula, check, bench, f"it has no value as printed ({error})")
+    if found is None and check.role == "cited":
+        return FormulaRecord(formula.printed, "cited", str(error))
     return found or FormulaRecord(formula.printed, "undecided", str(error))
 
 
@@ -173,7 +177,7 @@ PRINTED = (DefinitionError, TypeError, ValueError, AttributeError)
 def _made_true(formula: Formula, check: Check, bench: Bench, fault: str) -> FormulaRecord | None:
     """The record of a misprint, where a small change makes true what says nothing as printed."""
     study = bench.study(check)
-    correction = bench.correction(formula, check, study)
+    correction = bench.correction(formula, check, study, senseless=True)
     if correction is None:
         return None
     return FormulaRecord(
@@ -236,7 +240,7 @@ def _judged(
         status = "cited" if check.role == "cited" else "undecided"
         record = FormulaRecord(printed, status, finding.verdict.method, derived)
         return replace(record, ranges=ranges_of(finding))
-    fault = _wrong_range(formula, chain, study)
+    fault = _wrong_range(formula, chain, study) or _said_before(formula, chain, study, bench)
     if fault:
         return FormulaRecord(printed, "misprint", fault, derived)
     verdict = "convention" if finding.partial else "proved"
@@ -250,17 +254,34 @@ def _judged(
     return replace(record, ranges=ranges_of(finding))
 
 
+def _said_before(formula: Formula, chain: Chain, study: Study, bench: Bench) -> str:
+    """Where a formula of a display repeats one before it; else nothing."""
+    for other in bench.transcript.formulas():
+        if other.display is not formula.display or other.position >= formula.position:
+            continue
+        try:
+            same = other.tree(study.vocabulary) == chain
+        except DefinitionError:
+            continue  # reported where that formula gets its verdict
+        if same and other.piece.quantifiers == formula.piece.quantifiers:
+            return f"formula {other.position + 1} of the same display says this already"
+    return ""
+
+
 def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
     """What is wrong with the printed ranges of the indices, ``i=1,\\dots,n``; else nothing."""
     for words in formula.piece.quantifiers:
-        letter = words[0].text
-        if letter not in study.indices or words[1].text != "=":
+        letters = [w.text for w in words if w.text in study.indices]
+        equal = [i for i, word in enumerate(words) if word.text == "="]
+        if not letters or not equal:
             continue
+        letter, after = words[0].text, _last_part(words)
+        if equal != [1] or letter not in study.indices:
+            return "the range of an index reads '" + " ".join(w.text for w in words) + "'"
         if letter not in free_indices(chain, study):
             return f"a range is printed for the index {_spoken(letter)}, which is not free here"
-        after = max(i for i, word in enumerate(words) if word.text in (",", "\\dots")) + 1
         top = read_tokens(words[after:], formula.unit.display, study.vocabulary)
-        numbers = [word.text for word in words[2:after] if word.kind == "number"]
+        numbers = [word.text for word in words[2:after] if word.text not in (",", *ELLIPSES)]
         last = evaluate(top.parts[0], study)
         if numbers != [str(i) for i in range(1, len(numbers) + 1)] or not numbers:
             return f"the range of the index {_spoken(letter)} does not count from 1"
@@ -270,6 +291,11 @@ def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
                 f"printed to run to {last}"
             )
     return ""
+
+
+def _last_part(words: Sequence[Token]) -> int:
+    """The position behind the last comma or dots."""
+    return max((i for i, w in enumerate(words) if w.text in (",", *ELLIPSES)), default=1) + 1
 
 
 def _spoken(letter: str) -> str:

@@ -168,7 +168,7 @@ class Study:
         found: dict[str, Any] = {}
         spelled: dict[str, str] = {}
         for name, value in self.names.items():
-            key = self.key(self._read(name))
+            key = self.key(self.tree(name))
             if key in found:
                 raise DefinitionError(
                     f"the names '{spelled[key]}' and '{name}' of the study are the same to the "
@@ -177,7 +177,7 @@ class Study:
             found[key], spelled[key] = value, name
         return found
 
-    def _read(self, name: str) -> Node:
+    def tree(self, name: str) -> Node:
         """The tree of a key of ``names``."""
         try:
             return read_name(name, Vocabulary(numbered=self.numbered))
@@ -196,7 +196,7 @@ class Study:
     @cached_property
     def vocabulary(self) -> Vocabulary:
         """What the reader has to know of this dictionary."""
-        heads = {_innermost(self._read(k)).head for k, v in self.names.items() if callable(v)}
+        heads = {_innermost(self.tree(k)).head for k, v in self.names.items() if callable(v)}
         plain = {k for k in heads if k in self.table}
         return Vocabulary(self.functions | plain, self.labelled, self.numbered)
 
@@ -218,7 +218,7 @@ class Study:
         if not callable(value) or isinstance(value, sp.Basic):
             yield name, value
             return
-        node = _innermost(self._read(name))
+        node = _innermost(self.tree(name))
         letters = [i.head for i in (*node.sub, *node.sup) if self.is_index(i)]
         for values in product(*(range(1, self.indices[x] + 1) for x in letters)):
             if letters:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -15,10 +16,10 @@ from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import Verdict, prove_equal
 from voronec.audit.comparisons import Comparison, accelerations, comparisons, value_of
 from voronec.audit.hooks import HookError, asked
-from voronec.audit.latex.nodes import Chain, Integral, Number
+from voronec.audit.latex.nodes import Chain, Integral, Name, Number, walk
 from voronec.audit.paper import Check, Decision
 from voronec.audit.structure import integrand, says_nothing
-from voronec.audit.study import Range, Study
+from voronec.audit.study import Range, Study, key_of
 from voronec.errors import EngineLimit
 
 __all__ = ["Finding", "by_range", "verify"]
@@ -61,7 +62,7 @@ def verify(chain: Chain, check: Check, study: Study) -> Finding:
     """Compare a formula for all values of its free indices; the first failure decides."""
     if check.decide is not None:
         return by_range(study, check.within, check.decide)
-    unsaid = _unsaid(chain) if check.stationary else ""
+    unsaid = _unsaid(chain, study) if check.stationary else ""
     if unsaid:
         return Finding(Verdict("refuted", unsaid))
     finding = _compared(chain, check, study)
@@ -158,7 +159,7 @@ def _inequalities(chain: Chain, study: Study) -> Iterator[tuple[Any, str, Any]]:
             yield next(sides), relation, next(sides)
 
 
-def _unsaid(chain: Chain) -> str:
+def _unsaid(chain: Chain, study: Study) -> str:
     """What an integral principle fails to say before any value is compared."""
     integral = next((p for p in chain.parts if isinstance(p, Integral)), None)
     if integral is None:
@@ -170,4 +171,27 @@ def _unsaid(chain: Chain) -> str:
         return "a limit is the variable of integration, not a fixed moment"
     if integral.lower == integral.upper:
         return "the two limits are the same"
+    heads = {_letter(part) for part in _named(study)} - {_letter(p) for p in _names(variable)}
+    for limit in _names((integral.lower, integral.upper)):
+        if _letter(limit) in heads:
+            return f"the limit '{key_of(limit)}' bears the letter of something else"
     return ""
+
+
+def _names(part: Any) -> Iterator[Name]:
+    """The names in a part of a formula."""
+    parts = part if isinstance(part, tuple) else (part,)
+    for one in parts:
+        if one is not None:
+            yield from (node for node in walk(one) if isinstance(node, Name))
+
+
+def _named(study: Study) -> Iterator[Name]:
+    """What the names of a dictionary are names of, without dots and variations."""
+    for name in study.names:
+        yield from _names(study.tree(name))
+
+
+def _letter(name: Name) -> str:
+    """The letter of a name without its accents."""
+    return re.sub(r"^(?:\\[a-zA-Z]+\{)+|\}+$", "", name.head) or name.head

@@ -18,6 +18,7 @@ from voronec.audit.correction.factors import (
     words_left_out,
 )
 from voronec.audit.correction.fonts import Letter, is_letter, known_fonts, letters_of, spaced
+from voronec.audit.correction.keyboard import keyboard_slips
 from voronec.audit.correction.missing import differentials, relations
 from voronec.audit.correction.numbers import (
     letter_exponents,
@@ -58,6 +59,7 @@ def single_changes(printed: str, study: Study, spare: Spare) -> list[Change]:
         numbers_for_letters(words, spare.letters),
         put_in(printed, chain, words, _other_names(spare, study)),
         _name_edits(words, study, _known_letters(study)),
+        keyboard_slips(words, study, spare, (*own, *spare.letters)),
     )
     found: dict[tuple[Piece, ...], Change] = {}
     for rank, kind in enumerate(kinds):

@@ -55,7 +55,7 @@ class Correction:
 class _Case:
     """A formula to be mended; ``new`` are the names that it defines, ``terms`` what it adds.
 
-    ``empty`` says that it sets something equal to itself.
+    ``empty`` says that it sets something equal to itself, ``legible`` that it can be read.
     """
 
     printed: str
@@ -64,6 +64,7 @@ class _Case:
     new: frozenset[str] = frozenset()
     terms: frozenset[Node] = frozenset()
     empty: bool = False
+    legible: bool = False
 
     def prove(self, change: Change) -> Correction | None:
         """The correction that a change makes, if the changed formula is proved."""
@@ -99,12 +100,16 @@ class _Case:
 
 
 def correct(
-    formula: Formula, check: Check, study: Study, spare: Spare | None = None
+    formula: Formula,
+    check: Check,
+    study: Study,
+    spare: Spare | None = None,
+    senseless: bool = False,
 ) -> Correction | None:
     """The first change, in order of size, that makes the formula proved.
 
-    ``spare`` is what the rest of the section offers to take in exchange.  A proposal of the check
-    is tried last.
+    ``spare`` is what the rest of the section offers to take in exchange.  ``senseless`` says that
+    the formula has no value as printed.  A proposal of the check is tried last.
     """
     if check.decide is not None:
         return None
@@ -114,7 +119,8 @@ def correct(
         return None  # what it should have said cannot be seen
     spare = spare or Spare()
     changes = _ordered(formula, study, spare)
-    found = _searched(case, changes, spare)
+    search = None if senseless else Search.of(printed, check, study)
+    found = _searched(case, changes, spare, search)
     return found or (None if check.proposal is None else _proposed(case, check.proposal))
 
 
@@ -127,8 +133,8 @@ def _terms(chain: Chain) -> frozenset[Node]:
 
 def _is_zero(term: Node, study: Study) -> bool:
     try:
-        (where, *_) = assignments(Chain((term,)), study)
-        return bool(evaluate(term, study, where) == 0)
+        values = assignments(Chain((term,)), study)
+        return all(evaluate(term, study, where) == 0 for where in values)
     except SENSELESS:
         return False  # it holds the index of a sum
 
@@ -139,7 +145,7 @@ def _case(printed: str, check: Check, study: Study) -> _Case:
     except VoronecError:
         return _Case(printed, check, study)
     new, empty = frozenset(new_names(chain, study)), says_nothing(chain)
-    return _Case(printed, check, study, new, _terms(chain), empty)
+    return _Case(printed, check, study, new, _terms(chain), empty, True)
 
 
 def _ordered(formula: Formula, study: Study, spare: Spare) -> list[Change]:
@@ -175,8 +181,9 @@ def _like_neighbours(printed: str, change: Change, spare: Spare) -> bool:
     return any(near in text for text in spare.formulas)
 
 
-def _searched(case: _Case, changes: Sequence[Change], spare: Spare) -> Correction | None:
-    search = Search.of(case.printed, case.check, case.study)
+def _searched(
+    case: _Case, changes: Sequence[Change], spare: Spare, search: Search | None
+) -> Correction | None:
     if search is not None:
         found = case.first(search.singles(changes))
         if found is not None or len(tokenize(case.printed)) < WORDS_FOR_TWO:
@@ -190,7 +197,9 @@ def _searched(case: _Case, changes: Sequence[Change], spare: Spare) -> Correctio
         mending = _at_unknown(case, mending)
         fitting = Screen(case.check, case.study).fitting(case.printed, mending)
         found = case.first(fitting, SINGLES)
-    return found or _after_repair(case, mending[:SINGLES], spare)
+    if found is not None or case.legible:
+        return found
+    return _after_repair(case, mending[:SINGLES], spare)
 
 
 def _at_unknown(case: _Case, changes: Sequence[Change]) -> list[Change]:
