@@ -237,3 +237,18 @@ def test_a_plane_of_the_time_alone_is_passed_when_it_is_that_time(method):
     there = vo.integrate(sleigh, times=[0, 0.5], outputs=("x",))
     assert found.t[0] == pytest.approx(0.5, abs=1e-13)
     assert found["x"][0] == pytest.approx(there["x"][-1], abs=1e-11)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_motion_that_passes_a_pole_is_marked(method):
+    ball = vo.derive(vo.load("chaplygin-ball"))
+    names = ("phi", "theta", "psi", "x", "y", "omega1", "omega2", "omega3")
+    near = {"theta": 1e-8, "omega1": 0.5, "omega2": 1, "omega3": 1}
+    back = vo.integrate(ball, times=[0, -1], outputs=(), initial=near)
+    begin = {x: float(back[x][-1]) for x in names}
+    found = vo.section(
+        ball, "omega1", names, starts=[begin, {**begin, "theta": 0.7}], crossings=5, method=method
+    )
+    assert list(found.ends) == ["failed", "complete"]
+    assert "its equations are singular, or nearly" in str(found.errors[0])
+    assert not (found.start[found.t > 1] == 0).any()

@@ -19,7 +19,11 @@ from voronec.flow.steppers.units import units_of_many
 from voronec.program import Hoisted, Program, compiled, hoisted, taylor_system
 
 __all__ = [
+    "COLLAPSE",
     "FINEST",
+    "INFINITE",
+    "PASSED",
+    "SINGULAR",
     "Lanes",
     "StepSizes",
     "Stopped",
@@ -34,15 +38,18 @@ CHUNK = 20_000
 """Steps of all lanes between two looks at the keyboard."""
 COMPACT = 60.0
 """Above this weight heyoka compiles in its compact mode: seconds sooner, then half as fast."""
-FINEST = 2.3e-14
-"""scipy's DOP853 refuses finer relative tolerances."""
 COLLAPSED = 1e-3
 """Steps are about as long as the way to the next singularity of a motion in complex time, so that
 this share of the longest one tells how near it passed, and how many digits were lost."""
+SINGULAR = 1e-6
+"""A motion with so short a step is not to be trusted after it."""
+FINEST = 2.3e-14
+"""scipy's DOP853 refuses finer relative tolerances."""
 PIECE = 64
 """Points of the grid in the first piece; later ones follow the steps it took."""
 INFINITE = "the state is no longer finite"
 COLLAPSE = "the step size collapsed"
+PASSED = "the motion passes a place where its equations are singular, or nearly,"
 
 Look = Callable[[], bool]
 """Whether somebody asked to stop."""
@@ -69,10 +76,10 @@ class StepSizes:
         self.shortest[which] = min(self.shortest[which], shortest)
         self.longest[which] = max(self.longest[which], longest)
 
-    def collapsed(self, which: int) -> bool:
+    def collapsed(self, which: int, share: float = COLLAPSED) -> bool:
         """Whether the steps of a motion became so short that it must have passed a place where its
         equations are singular, or nearly: a pole of coordinates, a zero of a divisor."""
-        return bool(self.shortest[which] < COLLAPSED * self.longest[which])
+        return bool(self.shortest[which] < share * self.longest[which])
 
 
 @dataclass(frozen=True, eq=False)

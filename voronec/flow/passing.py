@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voronec.errors import IntegrationError, VoronecError
-from voronec.flow.batches import COLLAPSE, INFINITE, Lanes, strides
+from voronec.flow.batches import (
+    COLLAPSE,
+    INFINITE,
+    PASSED,
+    SINGULAR,
+    Lanes,
+    StepSizes,
+    note_step,
+    strides,
+)
 from voronec.flow.steppers.opening import openings
 from voronec.flow.vocabulary import number
 from voronec.flow.zeros import Paths, Zeros, zeros
@@ -173,16 +182,21 @@ def _stretch(
     output = ta.propagate_until(
         ends.tolist(), max_steps=limit, max_delta_t=longest.tolist(), c_output=True
     )[0]
+    lanes.note_steps()
     taken = [r[3] for r in ta.propagate_res]
     passages.steps[0] += sum(n for n, i in zip(taken, holds, strict=True) if i is not None)
     busy = [k for k, i in enumerate(holds) if i is not None]
     broken = [k for k in busy if not np.isfinite(ta.state[:, k]).all()]
     stuck = [k for k in busy if taken[k] == limit and _stuck(ta.time[k], before[k], origin[k])]
+    passed = [k for k in busy if lanes.steps.collapsed(k, SINGULAR)]
     if output is not None:
         series = output.tcs * lanes.units[:, None] if lanes.scaled else output.tcs
-        _collect(motions, watch, passages, Paths(output.times, series), holds, origin)
+        trusted = [None if k in passed else i for k, i in enumerate(holds)]
+        _collect(motions, watch, passages, Paths(output.times, series), trusted, origin)
     for k in busy:
-        if k in broken or k in stuck:
+        if k in passed and k not in broken:
+            _fail(motions, passages, holds[k], lanes, k, PASSED)
+        elif k in broken or k in stuck:
             _fail(motions, passages, holds[k], lanes, k, INFINITE if k in broken else COLLAPSE)
         elif output is None and (i := holds[k]) is not None:
             passages.seen(i, ta.time[k], max(taken[k], 1), (np.nan,) * 3)
@@ -276,10 +290,16 @@ def _follow(motions: Many, watch: Watch, passages: Passages, tol: float, i: int)
     size, after, rise = len(motions.states[i]), None, np.inf
     everything, lane = np.arange(size), np.zeros(1, dtype=int)
     last = float(plane(np.array([motions.time]), motions.states[i : i + 1], lane)[0])
+    sizes = StepSizes.of(1)
     try:
         run = strides(motions.program, motions.states[i], values, motions.time, end, tol)
         for method in run:
             passages.steps[0] += 1
+            note_step(sizes, method)
+            if sizes.collapsed(0, SINGULAR):
+                raise IntegrationError(
+                    f"{PASSED} after t = {method.t_old:.12g}", method.t_old, method.y
+                )
             now = float(plane(np.array([method.t]), method.y[None], lane)[0])
             if after is None:
                 after = motions.time + STARTING * (method.t - motions.time)
