@@ -191,8 +191,10 @@ def _stretch(
     passed = [k for k in busy if lanes.steps.collapsed(k, SINGULAR)]
     if output is not None:
         series = output.tcs * lanes.units[:, None] if lanes.scaled else output.tcs
-        trusted = [None if k in passed else i for k, i in enumerate(holds)]
-        _collect(motions, watch, passages, Paths(output.times, series), trusted, origin)
+        trusted = [
+            _trusted(output.times[:, k]) if k in passed else np.inf for k in range(len(holds))
+        ]
+        _collect(motions, watch, passages, Paths(output.times, series), holds, origin, trusted)
     for k in busy:
         if k in passed and k not in broken:
             _fail(motions, passages, holds[k], lanes, k, PASSED)
@@ -221,6 +223,7 @@ def _collect(
     paths: Paths,
     holds: list[int | None],
     origin: np.ndarray,
+    trusted: Sequence[float],
 ) -> None:
     rows = np.array([motions.sound[0] if i is None else i for i in holds])
 
@@ -232,7 +235,7 @@ def _collect(
     first = STARTING * paths.lengths[0]
     for k, i in enumerate(holds):
         if i is not None:
-            _keep(passages, found, k, i, origin[k] + first[k])
+            _keep(passages, found, k, i, origin[k] + first[k], trusted[k])
             seen = (found.low[k], found.high[k], found.fastest[k])
             passages.seen(i, paths.times[-1, k], len(paths.lengths), seen)
 
@@ -241,8 +244,17 @@ def _width(motions: Many) -> int:
     return motions.values.shape[1]
 
 
-def _keep(passages: Passages, found: Zeros, lane: int, i: int, after: float) -> None:
-    take = (found.lane == lane) & (found.t > after)
+def _trusted(times: np.ndarray) -> float:
+    """The time at which a motion, by the ends of its steps, comes to a singular place."""
+    lengths = np.abs(np.diff(times))
+    short = lengths < SINGULAR * np.maximum.accumulate(lengths)
+    return float(times[int(np.argmax(short))]) if short.any() else float(times[0])
+
+
+def _keep(
+    passages: Passages, found: Zeros, lane: int, i: int, after: float, until: float = np.inf
+) -> None:
+    take = (found.lane == lane) & (found.t > after) & (found.t < until)
     room = passages.wanted - int(passages.count[i])
     last = found.t[take][:room][-1] if len(found.t[take]) >= room else np.inf
     passages.touches.extend((i, t) for k, t in found.touches if k == lane and after < t <= last)
