@@ -100,3 +100,21 @@ def test_the_drift_of_a_small_integral_is_relative() -> None:
     still = {x: 1, vo.velocity(x): 0}
     motion = vo.integrate(spring, initial=still, times=[0, 1e6], method="scipy", outputs=("x",))
     assert motion.drift["energy"] > 1e-3
+
+
+@pytest.mark.parametrize("method", ["scipy", "lsoda", "heyoka"])
+def test_what_is_small_since_large_terms_balance_has_their_size(method: str) -> None:
+    """A pendulum held by a torque: no errors below the rounding of the torque are asked for."""
+    angle = sp.Symbol("angle")
+    swing = vo.velocity(angle)
+    held = vo.System(
+        name="held", fibration=vo.Fibration(base=(angle,), fibre=()),
+        lagrangian=swing**2 / 2 + sp.cos(angle), constraints=(), forces={angle: sp.sin(1)},
+    )  # fmt: skip
+    runs = [
+        vo.integrate(held, initial={"angle": 1, "angledot": s}, times=[0, 20], method=method)
+        for s in (1e-3, 1e-10)
+    ]
+    assert runs[1].cost.steps <= 2 * runs[0].cost.steps
+    assert abs(runs[1]["angle"][-1] - 1 - 1e-10 * np.sin(np.sqrt(np.cos(1)) * 20)
+               / np.sqrt(np.cos(1))) < 1e-11  # fmt: skip

@@ -8,6 +8,8 @@ computed with the same bits as ever.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from voronec.flow.steppers.angles import angles_among
@@ -21,6 +23,11 @@ SMALL, LARGE = 2.0**-24, 2.0**10
 STILL = 2.0**-40
 """A rate below this part of the largest is mostly rounding, and tells no time."""
 
+Slopes = Callable[[np.ndarray], np.ndarray]
+"""Rates (s, n) of states (s, n)."""
+NUDGE = 2.0**-10
+"""The part of its size by which a state is moved to see what depends on it."""
+
 
 def natural_units(problem: Problem) -> np.ndarray:
     """The units of the states of a problem (n,)."""
@@ -32,7 +39,8 @@ def units_of_many(program: Program, states: np.ndarray, values: np.ndarray) -> n
     """The units of starts (s, n) with parameters (s, p): 1, or the power of two next to the size.
 
     The size is |x|, or |x'| over the time in which states change by as much as they are, in the
-    median; rates that are rounding do not count.  Angles matter up to turns only: they have the
+    median; rates that are rounding do not count, and what is small only because terms cancel has
+    the size of these.  Angles matter up to turns only: they have the
     unit 1, and tell a time, that of a radian, only where nothing else does.
     """
     if not states.shape[1]:
@@ -48,9 +56,13 @@ def _units_beside(
 ) -> np.ndarray:
     """The same where it is known which states are ``angles``."""
     rhs = compiled(program)[0]
+
+    def slopes(at: np.ndarray) -> np.ndarray:
+        rates = [np.asarray(r, dtype=float) for r in rhs(np.float64(0.0), [*at.T], [*values.T])]
+        return np.stack([np.broadcast_to(r, len(at)) for r in rates], axis=-1)
+
     with np.errstate(all="ignore"):
-        rates = [np.asarray(r, dtype=float) for r in rhs(np.float64(0.0), [*states.T], [*values.T])]
-        slope = np.abs(np.stack([np.broadcast_to(r, len(states)) for r in rates], axis=-1))
+        slope = np.abs(slopes(states))
         # nothing depends on a quadrature, so that its value has no size; its rate has
         held = [s in program.derivative.symbols for s in program.state]
         x = np.where(held, np.abs(states), 0.0)
@@ -62,11 +74,25 @@ def _units_beside(
         count, rows = moving.sum(axis=1), np.arange(len(x))
         # of two in the middle the shorter: a size that is too small costs steps, a large one digits
         middle = times[rows, (count - 1) // 2]
-        size = np.maximum(x, slope * np.where(count > 0, middle, 0.0)[:, None])
+        span = np.where(count > 0, middle, 0.0)[:, None]
+        size = np.maximum(x, slope * span)
+        if ((size > 0) & (size < SMALL)).any():
+            balance = span * _balance(slopes, states, own)
+            size = np.maximum(size, np.where(size < SMALL, np.minimum(balance, SMALL), 0.0))
         far = (size > 0) & ~((size >= SMALL) & (size <= LARGE)) & np.isfinite(size)
     far &= np.isfinite(slope).all(axis=1)[:, None]
     far[:, angles] = False
     return np.asarray(np.where(far, np.ldexp(1.0, np.frexp(np.where(far, size, 1.0))[1]), 1.0))
+
+
+def _balance(slopes: Slopes, states: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """How much rates (s, n) depend on the states: what is small only because large terms cancel."""
+    now, found = slopes(states), np.zeros(states.shape)
+    for j in np.flatnonzero(sizes.any(axis=0)):
+        beside = states.copy()
+        beside[:, j] += NUDGE * sizes[:, j]
+        found = np.fmax(found, np.abs(slopes(beside) - now) / NUDGE)
+    return found
 
 
 def _moving(x: np.ndarray, slope: np.ndarray, among: np.ndarray) -> np.ndarray:
