@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 from command_line import Call, refused
@@ -372,3 +373,39 @@ def test_a_library_that_cannot_be_read_counts_by_its_bytes(tmp_path: Path, text:
     before = sources.digest("", [own, library])
     library.write_bytes(text + b"# more\n")
     assert sources.digest("", [own, library]) != before
+
+
+def test_a_bad_case_is_a_finding_about_that_case(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where the engine itself fails on it: everything else is checked."""
+    import voronec.analysis.claims as claims
+
+    special = claims.case_of
+
+    def failing(system: Any, case: Any) -> Any:
+        if case.note == "fails":
+            raise ZeroDivisionError("nobody thought of it")
+        return special(system, case)
+
+    monkeypatch.setattr(claims, "case_of", failing)
+    cases = "{'heavy': vo.Case({m: 2}, integrals={'e': SYSTEM.lagrangian}), "
+    cases += "'none': vo.Case({m: 0}, integrals={'e': SYSTEM.lagrangian}), "
+    cases += "'lost': vo.Case({m: 3}, note='fails')}"
+    text = sled("cased") + "from dataclasses import replace\nimport voronec as vo\n"
+    text += f"SYSTEM = replace(SYSTEM, cases={cases})\n"
+    Path("cased.py").write_text(text)
+    answer = call("check", "cased.py", "--jobs", "1", "--fresh", "--json")
+    (system,) = json.loads(answer.out)["systems"]
+    found = {f["name"]: f for f in system["findings"]}
+    assert found["lost"]["status"] == "broken" and "nobody thought" in found["lost"]["how"]
+    assert found["none"]["status"] == "refuted"
+    assert found["heavy: e"]["status"] == "proved"
+    others = [f for n, f in found.items() if n not in ("lost", "none")]
+    assert others and all(f["status"] == "proved" for f in others)
+
+
+def test_a_family_is_checked_with_its_members() -> None:
+    stock = Inventory.of()
+    names = {u.name for u in units_of(stock, ["veselova-in-rn"]) if u.kind == "system"}
+    assert names == {"veselova-in-rn", *stock.members_of("veselova-in-rn")} and len(names) > 1

@@ -62,7 +62,10 @@ def _still_possible(system: System, at: Mapping[Any, Any]) -> dict[str, Any]:
     """
     ranges = {f"{c}": c for p in system.parameters if p.symbol in at for c in p.conditions}
     moved = {words: c.xreplace(at) for words, c in (*system.possible.items(), *ranges.items())}
-    return {words: c for words, c in moved.items() if c not in (sp.true, sp.false)}
+    known = {p.symbol for p in system.parameters if p.symbol not in at}
+    known |= {s for value in at.values() for s in value.free_symbols} - at.keys()
+    open_ones = {words: c for words, c in moved.items() if c not in (sp.true, sp.false)}
+    return {words: c for words, c in open_ones.items() if c.free_symbols <= known}
 
 
 def case_of(system: System, case: Case) -> System:

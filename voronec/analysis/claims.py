@@ -18,7 +18,7 @@ from voronec.analysis.measures import decide_measure
 from voronec.analysis.multiplier import decide_multiplier
 from voronec.analysis.rates import decide_equation, decide_integral
 from voronec.analysis.walls import across_walls
-from voronec.claims import Corrected, right_of
+from voronec.claims import Case, Corrected, right_of
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.system import System
@@ -46,6 +46,8 @@ class Claim:
         where a claim stands corrected: the verdict on the printed one, and who printed it.
     reason
         why the engine cannot decide it, as declared under ``undecided``.
+    broken
+        whether the engine failed on it by a mistake of its own, which the verdict tells.
     """
 
     kind: str
@@ -56,6 +58,7 @@ class Claim:
     printed: Verdict | None = None
     source: str = ""
     reason: str = ""
+    broken: bool = False
 
     @property
     def admitted(self) -> bool:
@@ -104,16 +107,25 @@ def check_claims(system: System | VoronecEquations | Motions) -> list[Claim]:
     motions = system if isinstance(system, Motions) else Motions.of(system)
     own = motions.system
     claims = _claims_of(motions, _Known())
+    known = [*claims]
     for name, case in own.cases.items():
-        try:
-            special = specialised(own, case.parameters)
-            known = _Known().with_claims(special, claims)
-            found = _claims_of(Motions.of(case_of(own, case)), known)
-        except DefinitionError as error:  # no system there: the others stand all the same
-            claims.append(Claim("case", name, Verdict("refuted", str(error))))
-            continue
-        claims += [replace(c, name=f"{name}: {c.name}") for c in found if c.kind != "descent"]
+        claims += _claims_of_case(own, name, case, known)
     return [_admitted(claim, own) for claim in claims]
+
+
+def _claims_of_case(system: System, name: str, case: Case, known: list[Claim]) -> list[Claim]:
+    """The claims of one case; that it makes no sense, or is too much, is found of it alone."""
+    try:
+        general = _Known().with_claims(specialised(system, case.parameters), known)
+        found = _claims_of(Motions.of(case_of(system, case)), general)
+    except DefinitionError as error:
+        return [Claim("case", name, Verdict("refuted", str(error)))]
+    except EngineLimit as limit:
+        return [Claim("case", name, Verdict("undecided", str(limit)))]
+    except Exception as error:  # a mistake of the engine
+        how = " ".join(f"{type(error).__name__}: {error}".split())
+        return [Claim("case", name, Verdict("undecided", how), broken=True)]
+    return [replace(c, name=f"{name}: {c.name}") for c in found if c.kind != "descent"]
 
 
 def _claims_of(motions: Motions, general: _Known) -> list[Claim]:
@@ -185,6 +197,8 @@ def _limited(decide: Decide, motions: Motions, claim: Any) -> Decision:
         return decide(motions, claim)
     except EngineLimit as limit:
         return Decision(Verdict("undecided", str(limit)))
+    except DefinitionError as error:  # this claim makes no sense; the others stand all the same
+        return Decision(Verdict("refuted", str(error)))
 
 
 def _corrected(right: Verdict, printed: Verdict) -> Verdict:

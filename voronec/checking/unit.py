@@ -52,7 +52,9 @@ def _files(entry: Entry, seen: dict[str, tuple[Path, ...]]) -> tuple[Path, ...]:
 
 
 def units_of(stock: Inventory, names: Sequence[str] = ()) -> list[Unit]:
-    """What is to be checked: everything, or what has to do with some systems."""
+    """What is to be checked: everything, or what has to do with some systems; a family is checked
+    with its members."""
+    names = [*names, *(member for name in names for member in stock.members_of(name))]
     edges = {r.label: r for r in stock.relations}
     found = [Unit("system", n, stock.entries[n], 0, (stock.entries[n],)) for n in stock.systems]
     # Members of families, NAME@MEMBER, are no entries.

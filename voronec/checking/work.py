@@ -38,20 +38,22 @@ def examine(unit: Unit, bench: Bench) -> Result:
     notes: tuple[str, ...] = ()
     try:
         findings, notes = work(unit, bench)
-    except EngineLimit as limit:
-        findings = [Finding(unit.kind, unit.name, "undecided", str(limit))]
-    except VoronecError as error:
-        findings = [Finding(unit.kind, unit.name, "broken", str(error))]
-    except KeyboardInterrupt:
-        raise
-    except Exception as error:  # a mistake of the engine
-        how = failure(error, str(engine_folder()))
-        findings = [Finding(unit.kind, unit.name, "broken", how)]
+    except Exception as error:
+        findings = [_failed(unit.kind, unit.name, error)]
     result = Result(
         unit.kind, unit.name, unit.entry.place, tuple(findings), notes=notes,
         systems=tuple(e.name for e in unit.involved),
     )  # fmt: skip
     return replace(result, seconds=perf_counter() - start)
+
+
+def _failed(kind: str, name: str, error: Exception) -> Finding:
+    """What an error tells of a unit, or of a part of it."""
+    if isinstance(error, EngineLimit):
+        return Finding(kind, name, "undecided", str(error))
+    if isinstance(error, VoronecError):
+        return Finding(kind, name, "broken", str(error))
+    return Finding(kind, name, "broken", failure(error, str(engine_folder())))
 
 
 Work = tuple[list[Finding], tuple[str, ...]]
@@ -62,8 +64,13 @@ def _system(unit: Unit, bench: Bench) -> Work:
     from voronec.relations.charts import check_charts
 
     motions = bench.motions(unit.entry)
-    claims = [*check_claims(motions), *check_charts(motions), *check_motion(motions)]
-    return [_claim(c, c.reason) for c in claims], ()
+    findings = [_claim(c, c.reason) for c in check_claims(motions)]
+    for kind, check in (("chart", check_charts), ("motion", check_motion)):
+        try:
+            findings += [_claim(c, c.reason) for c in check(motions)]
+        except Exception as error:  # what was found of the rest stands all the same
+            findings.append(_failed(kind, unit.name, error))
+    return findings, ()
 
 
 def _relation(unit: Unit, bench: Bench) -> Work:
@@ -108,6 +115,8 @@ def _claim(claim: Claim, reason: str, carried: str = "") -> Finding:
     found = _finding(f"{carried}{claim.kind}", claim.name, claim.verdict, reason)
     if carried and found.stale:
         found = replace(found, admitted="")
+    if claim.broken:
+        return replace(found, status="broken", admitted="")
     if claim.printed is None or not claim.printed.refuted:
         return found
     remark = "; ".join(filter(None, (found.remark, f"refuted as printed in {claim.source}")))

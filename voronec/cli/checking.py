@@ -27,7 +27,6 @@ def execute(arguments: Namespace) -> int:
     stock, names = Inventory.of(filter(is_file, arguments.names)), []
     for subject in arguments.names:
         names.append(_name_in(stock, subject))
-        names += stock.members_of(names[-1]) if is_file(subject) else []
     store = None if arguments.fresh else user_store()
     try:
         report = check_catalogue(names, stock, arguments.jobs, store, progress)

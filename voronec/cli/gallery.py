@@ -234,7 +234,7 @@ def _row(found: Found) -> list[str]:
     cells = []
     for each in found.closed.classes.values():
         drift = "" if each.drift is None else f"{each.drift:.4f}"
-        closes = f" = {each.fraction} of 2pi" if each.fraction is not None else ""
+        closes = f", likely {each.fraction} of 2pi" if each.fraction is not None else ""
         cells += [each.label, drift + closes]
     return [
         asked.trace, *figure, asked.label, *cells, f"{found.closed.period:.4f}",

@@ -1,4 +1,4 @@
-"""What angles grow by in a period, and whether that is a rational part of a whole turn."""
+"""What angles grow by in a period, and whether that is likely a rational part of a whole turn."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ MOST = 1000
 class Turn:
     """What an angle grows by in a period.
 
-    ``advance`` in radians; ``fraction`` is advance / (2 pi) where that agrees to 50 digits with a
-    fraction whose denominator is at most 1000: the curve is closed then.
+    ``advance`` in radians; ``fraction`` is a fraction whose denominator is at most 1000 and with
+    which advance / (2 pi) agrees to 50 digits: the curve is likely closed then, which is no proof.
     """
 
     advance: float
@@ -47,7 +47,7 @@ def turns_of(form: ClosedForm) -> dict[str, Turn]:
 
 def _turn(advance: Any) -> Turn:
     fraction = _fraction(advance)
-    if fraction is not None:  # the advance is that of the fraction, to the last bit
+    if fraction is not None:  # the advance is that of the fraction, to the last bit of a double
         advance = 2 * ball(1).pi() * fraction.numerator / fraction.denominator
     return Turn(float(advance), fraction)
 

@@ -20,7 +20,7 @@ from voronec.algebra.verdicts import Verdict
 from voronec.analysis.claims import Claim
 from voronec.analysis.decision import all_zero
 from voronec.charts import Chart, system_in
-from voronec.errors import EngineLimit
+from voronec.errors import DefinitionError, EngineLimit
 from voronec.relations.checking import decided_at_limit
 from voronec.relations.declaration import Relation
 from voronec.relations.statemap import StateMap
@@ -39,6 +39,8 @@ def check_charts(motions: Motions) -> Iterator[Claim]:
             verdict = _decided(motions, name)
         except EngineLimit as limit:
             verdict = Verdict("undecided", str(limit))
+        except DefinitionError as error:  # it makes no sense; the others stand all the same
+            verdict = Verdict("refuted", str(error))
         yield Claim(
             kind="chart",
             name=name,

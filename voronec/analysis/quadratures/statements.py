@@ -16,7 +16,7 @@ from voronec.analysis.quadratures.ground import Ground
 from voronec.analysis.quadratures.in_space import InSpace
 from voronec.analysis.quadratures.residues import decide_residues
 from voronec.analysis.walls import across_walls
-from voronec.errors import EngineLimit
+from voronec.errors import DefinitionError, EngineLimit
 from voronec.quadratures import Plane, Trace
 from voronec.reading import shown
 from voronec.vector_field import Motions
@@ -35,6 +35,8 @@ def check_motion(motions: Motions) -> Iterator[Claim]:
             verdict = decide()
         except EngineLimit as limit:
             verdict = Verdict("undecided", str(limit))
+        except DefinitionError as error:  # it makes no sense; the others stand all the same
+            verdict = Verdict("refuted", str(error))
         seconds, reason = clock.perf_counter() - begin, system.undecided.get(name, "")
         yield Claim("motion", name, verdict, "coordinates", seconds, reason=reason)
 

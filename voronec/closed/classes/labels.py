@@ -39,6 +39,7 @@ from typing import TYPE_CHECKING, Any
 from voronec.algebra.symbols import plain_name
 from voronec.closed.classes.curve import Curve, declared
 from voronec.closed.classes.tally import Tally, tally
+from voronec.closed.turns import DIGITS
 
 if TYPE_CHECKING:
     from voronec.closed.form import ClosedForm
@@ -67,8 +68,8 @@ class TraceClass:
     drift
         what the longitude grows by in a period; None where there is no period.
     fraction
-        drift/(2 pi) where that is rational: the curve closes after ``fraction.denominator``
-        periods.
+        what drift/(2 pi) agrees with to 50 digits, where that is rational: likely the curve closes
+        after ``fraction.denominator`` periods; no proof.
     note
         a sentence on what is special.
     """
@@ -130,7 +131,8 @@ def _note(turn: Any) -> str:
         return ""
     count = turn.fraction.denominator
     word = "period" if count == 1 else "periods"
-    return f"a closed curve: {count} {word}, {turn.fraction} of a turn each"
+    turns = f"{count} {word}, {turn.fraction} of a turn each"
+    return f"likely a closed curve: {turns} to {DIGITS} digits (no proof)"
 
 
 def labelled(closed: ClosedForm, curve: Curve, counts: Tally) -> str:
