@@ -23,6 +23,7 @@ from voronec import (
 from voronec.algebra.normal import shorten
 
 x, y, z, a, b, k = sp.symbols("x y z a b k")
+p, q = sp.symbols("p q", positive=True)
 f, g = sp.Function("f"), sp.Function("g")
 half, third = sp.Rational(1, 2), sp.Rational(1, 3)
 
@@ -148,6 +149,63 @@ BESIDE_WALLS = {
 
 @pytest.mark.parametrize("sides", BESIDE_WALLS.values(), ids=BESIDE_WALLS)
 def test_what_fails_beyond_a_wall_is_refuted_there(sides):
+    verdict = prove_equal(*sides)
+    assert verdict.refuted and separated(verdict, *sides)
+
+
+def test_the_size_of_a_product_of_roots_is_real_where_these_are():
+    size = sp.Abs(sp.sqrt(y) * sp.sqrt(z))
+    assert not prove_equal(size * sp.Abs(y), y * size).refuted  # y and z are not negative there
+
+
+COMPOSED = {
+    "sine of an arctangent": (sp.sin(sp.atan(x)), x / sp.sqrt(1 + x**2)),
+    "twice an arccosine": (sp.sin(2 * sp.acos(x)), 2 * x * sp.sqrt(1 - x**2)),
+    "angle of a vector": (sp.sin(2 * sp.atan2(y, x)), 2 * x * y / (x**2 + y**2)),
+    "angles that add up": (sp.asin(x) + sp.acos(x), sp.pi / 2),
+    "reciprocal": (sp.atan(x**2 + 1) + sp.atan(1 / (x**2 + 1)), sp.pi / 2),
+    "equal arguments": (sp.sin(sp.cos(x) ** 2), sp.sin(1 - sp.sin(x) ** 2)),
+    "sines of sines": (sp.sin(sp.sin(2 * x) + y), sp.sin(2 * sp.sin(x) * sp.cos(x) + y)),
+    "half of a sum": (
+        sp.Abs(sp.tan((x + y) / 2)), sp.sqrt((1 - sp.cos(x + y)) / (1 + sp.cos(x + y))),
+    ),
+    "logarithm of a product": (sp.log(p * q), sp.log(p) + sp.log(q)),
+    "logarithm of a root": (sp.log(sp.sqrt(p**2 + p)), (sp.log(p) + sp.log(p + 1)) / 2),
+    "logarithm of a quotient": (sp.log(x / y), sp.log(sp.Abs(x)) - sp.log(sp.Abs(y))),
+    "logarithm of a power": (sp.log((x**2 + 1) ** y), y * sp.log(x**2 + 1)),
+    "power as exponential": ((sp.cos(x) + 2) ** y, sp.exp(y * sp.log(sp.cos(x) + 2))),
+    "inverse hyperbolic sine": (sp.asinh(x), sp.log(x + sp.sqrt(x**2 + 1))),
+    "inverse hyperbolic tangent": (sp.atanh(x), sp.log((1 + x) / (1 - x)) / 2),
+    "root of a square of roots": (
+        sp.sqrt(x**2 + y**2 + 2 + 2 * sp.sqrt(x**2 + 1) * sp.sqrt(y**2 + 1)),
+        sp.sqrt(x**2 + 1) + sp.sqrt(y**2 + 1),
+    ),
+    "product of sizes": (
+        (sp.Abs(x) + sp.Abs(y)) * sp.Abs(sp.Abs(x) - sp.Abs(y)), sp.Abs(x**2 - y**2),
+    ),
+    "quotients of one sign": (sp.sqrt(x / y) * sp.sqrt(y / x), 1),
+    "sign": (sp.sign(x) * sp.Abs(x), x),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("sides", COMPOSED.values(), ids=COMPOSED)
+def test_functions_of_functions_are_proved_equal(sides):
+    assert prove_equal(*sides).proved
+
+
+NEARLY = {
+    "arctangents of reciprocals": (sp.atan(x) + sp.atan(1 / x), sp.pi / 2),
+    "arctangents of inner terms": (sp.sin(sp.atan2(y, x)), y / sp.sqrt(1 + y**2 / x**2) / x),
+    "half of a sum": (sp.tan((x + y) / 2), sp.sqrt((1 - sp.cos(x + y)) / (1 + sp.cos(x + y)))),
+    "logarithm of a square": (sp.log(x**2 * (y**2 + 1)), 2 * sp.log(-x) + sp.log(y**2 + 2)),
+    "sign": (sp.sign(x) ** 2 * (1 + x), 1 + x),
+    "sum of sizes": (sp.sqrt(x**2 + y**2 + 2 * x * y), sp.Abs(x) + sp.Abs(y)),
+    "another angle": (sp.sin(sp.cos(x) ** 2), sp.sin(sp.sin(x) ** 2)),
+}
+
+
+@pytest.mark.parametrize("sides", NEARLY.values(), ids=NEARLY)
+def test_functions_of_functions_that_differ_somewhere_are_refuted(sides):
     verdict = prove_equal(*sides)
     assert verdict.refuted and separated(verdict, *sides)
 

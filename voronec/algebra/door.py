@@ -133,7 +133,7 @@ class Door:
             _refuse_torn(expr)
             return self._substitution(expr.expr, expr.variables, expr.point)
         if isinstance(expr, sp.Abs):  # as a root it is differentiated and reduced
-            return se.sqrt(self._enter(expr.args[0]) ** 2)
+            return _size(self._enter(expr.args[0]))
         if isinstance(expr, sp.sinc):
             return se.sin(self._enter(expr.args[0])) / self._enter(expr.args[0])
         name = type(expr).__name__
@@ -236,6 +236,19 @@ class Door:
 
     def _user_atoms(self) -> dict[sp.Basic, sp.Basic]:
         return {sp.Symbol(name): thing for name, thing in self._names.items()}
+
+
+def _size(inner: Any) -> Any:
+    """The root of a square; even roots in a product, not negative, stay what they are: the square
+    would be real where they are not."""
+    factors = inner.args if isinstance(inner, se.Mul) else (inner,)
+    roots = [f for f in factors if isinstance(f, se.Pow) and _is_even_root(f.args[1])]
+    rest = se.Mul(*[f for f in factors if f not in roots])
+    return se.Mul(*roots, se.sqrt(rest**2))
+
+
+def _is_even_root(exponent: Any) -> bool:
+    return isinstance(exponent, se.Rational) and int(exponent.q) % 2 == 0
 
 
 def _mend(derivative: sp.Derivative) -> str:

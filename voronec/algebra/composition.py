@@ -1,0 +1,401 @@
+"""Functions of functions in one form, where polynomials alone do not see that two are equal.
+
+Arguments are brought to normal form; sines of inverse functions are roots; inverse hyperbolic
+functions are logarithms, powers with symbolic exponents exponentials; the logarithm of a product is
+the sum of those of the sizes of its factors.  Each step holds wherever both sides have real values,
+so what is proved of the forms is proved of the expressions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import product
+from math import lcm
+from typing import Any
+
+import flint
+import symengine as se
+
+from voronec.algebra.certificates import Signs
+from voronec.algebra.conditions import parted
+from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factors
+from voronec.algebra.normal import canonical
+from voronec.algebra.ring import Ring
+from voronec.algebra.roots import defined_where
+from voronec.algebra.tape import Tape, is_atom
+from voronec.errors import DefinitionError, EngineLimit
+
+__all__ = ["are_equal"]
+
+LARGEST = 400
+"""Nodes of a graph beyond which no further form is tried."""
+INNER_WORK = 60_000
+"""Term products for an argument."""
+FOLD = 6
+"""The largest multiple of an inverse function that is written out under a sine."""
+MOST_SIGNS = 2
+"""How many signs are taken in all cases."""
+HALF = se.Rational(1, 2)
+_Term = tuple[Any, Any]
+INVERSE = (se.asin, se.atan, se.atan2)
+
+
+def are_equal(a: Any, b: Any, relations: Sequence[Any], work_limit: int) -> bool:
+    """Whether two symengine expressions are proved to be equal by these forms, where relations
+    vanish and conditions among them hold; raises ``EngineLimit`` beyond a bound."""
+    if Tape([a, b]).size > LARGEST:
+        return False
+    return all(
+        _agree(left, right, hypotheses, work_limit)
+        for left, right, hypotheses in _cases(a, b, relations)
+    )
+
+
+def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int) -> bool:
+    known = [*relations, *defined_where([a, b]), *_positive([a, b])]
+    forms = Composition(known)
+    left, right = map(forms.resolved, forms.prepared([a, b]))
+    left, right = folded([left, right])
+    known = [*known, *defined_where([left, right]), *_positive([left, right])]
+    ring = Ring([left, right], known, work_limit)
+    if ring.fraction(left - right).num == 0:
+        return True
+    return _same_squares(ring, left, right, known)
+
+
+def _same_squares(ring: Ring, left: Any, right: Any, known: Sequence[Any]) -> bool:
+    """Whether two sides that are not negative have the same square."""
+    signs = Signs.of(ring, parted(known)[1], bounded=True)
+    if not (_not_negative(left, ring, signs) and _not_negative(right, ring, signs)):
+        return False
+    one, other = (ring.field.power(ring.fraction(side), 2) for side in (left, right))
+    minus = ring.field.mul([ring.field.constant(-1), other])
+    return bool(ring.field.add([one, minus]).num == 0)
+
+
+def _not_negative(expr: Any, ring: Ring, signs: Signs) -> bool:
+    """Whether an expression is made of even roots, positive numbers and what has a sign."""
+    if isinstance(expr, se.Add | se.Mul):
+        if all(_not_negative(a, ring, signs) for a in expr.args):
+            return True
+    elif isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Rational):
+        even = int(expr.args[1].q) % 2 == 0
+        if even or _not_negative(expr.args[0], ring, signs):
+            return True
+    try:
+        found = signs.of_fraction(ring.fraction(expr))
+    except (EngineLimit, KeyError):
+        return False
+    return found is not None and found.value >= 0
+
+
+def _cases(a: Any, b: Any, relations: Sequence[Any]) -> Iterator[tuple[Any, Any, list[Any]]]:
+    """Both sides where each sign's argument vanishes, and where it does not: u/|u|."""
+    inner = [*dict.fromkeys(n.args[0] for n in _nodes([a, b]) if isinstance(n, se.sign))]
+    if len(inner) > MOST_SIGNS:
+        raise EngineLimit("there are too many signs to take all cases")
+    for zero in product((False, True), repeat=len(inner)):
+        at, more = {}, []
+        for u, vanishes in zip(inner, zero, strict=True):
+            at[se.sign(u)] = se.Integer(0) if vanishes else u / se.sqrt(u**2)
+            more += [u] if vanishes else []
+        if more and any(n.args and isinstance(n, se.sign) for u in more for n in _nodes([u])):
+            raise EngineLimit("a sign stands under a sign")
+        yield a.xreplace(at), b.xreplace(at), [*relations, *more]
+
+
+def _positive(exprs: Iterable[Any]) -> Iterator[Any]:
+    """What is positive where expressions are real: bases of powers with symbolic exponents."""
+    for node in _nodes(exprs):
+        if isinstance(node, se.Pow) and not node.args[1].is_Number and node.args[0].free_symbols:
+            yield node.args[0] > 0
+
+
+def _nodes(exprs: Iterable[Any]) -> Iterator[Any]:
+    seen, waiting = set[Any](), list(exprs)
+    while waiting:
+        node = waiting.pop()
+        if node not in seen:
+            seen.add(node)
+            yield node
+            waiting += () if is_atom(node) else node.args
+
+
+class Composition:
+    """Rewrites expressions from the inside out, under hypotheses."""
+
+    def __init__(self, hypotheses: Sequence[Any]) -> None:
+        self._hypotheses = hypotheses
+        self._conditions = parted(hypotheses)[1]
+        self._known: dict[Any, Any] = {}
+
+    def resolved(self, expr: Any) -> Any:
+        """The expression with every function in it in one form."""
+        found = self._known.get(expr)
+        if found is None:
+            found = self._known[expr] = self._rebuilt(expr)
+        return found
+
+    def _rebuilt(self, expr: Any) -> Any:
+        if not expr.args or is_atom(expr):
+            return expr
+        if isinstance(expr, se.Pow):
+            return self._power(*expr.args)
+        arguments = [self.resolved(a) for a in expr.args]
+        if isinstance(expr, TRIGONOMETRIC):
+            return self._trigonometric(type(expr), arguments[0])
+        rule = _RULES.get(type(expr))
+        if rule is not None:
+            return rule(self, *arguments)
+        if not isinstance(expr, se.Add | se.Mul):
+            arguments = [self._normal(a) for a in arguments]
+        return expr.func(*arguments)
+
+    def _normal(self, expr: Any) -> Any:
+        """An argument in normal form; as it stands where that costs too much."""
+        try:
+            return canonical([expr], self._hypotheses, INNER_WORK)[0]
+        except (EngineLimit, DefinitionError):
+            return expr
+
+    # -- sines ----------------------------------------------------------------------------
+
+    def _angle(self, angle: Any) -> Any:
+        """A sum whose terms are in normal form."""
+        try:
+            terms = linear_terms(angle)
+            parts = [c * (t if t.is_Number else self._normal(t)) for t, c in terms.items()]
+            return se.Add(*parts)
+        except EngineLimit:
+            return angle
+
+    def _trigonometric(self, kind: type, angle: Any) -> Any:
+        sine, cosine = self._pair(self._angle(angle))
+        table: dict[type, Callable[[], Any]] = {
+            se.sin: lambda: sine,
+            se.cos: lambda: cosine,
+            se.tan: lambda: sine / cosine,
+            se.cot: lambda: cosine / sine,
+            se.sec: lambda: 1 / cosine,
+            se.csc: lambda: 1 / sine,
+        }
+        return table[kind]()
+
+    def _pair(self, angle: Any) -> tuple[Any, Any]:
+        """Sine and cosine of a sum, with inverse functions written out."""
+        rest, written = list[_Term](), list[_Term]()
+        for term, n in linear_terms(angle).items():
+            small = isinstance(n, se.Integer) and abs(int(n)) <= FOLD
+            (written if small and isinstance(term, INVERSE) else rest).append((term, n))
+        plain = se.Add(*[c * t for t, c in rest])
+        sine, cosine = se.sin(plain), se.cos(plain)
+        for term, n in written:
+            s, c = _of_inverse(term)
+            for _ in range(abs(int(n))):
+                up = s if n > 0 else -s
+                sine, cosine = sine * c + cosine * up, cosine * c - sine * up
+        return sine, cosine
+
+    def prepared(self, exprs: Sequence[Any]) -> list[Any]:
+        """Expressions with the angles in normal form, as far as no sines stand in them, and
+        folded."""
+        at: dict[Any, tuple[Any, Any]] = {}
+        for angle in _angles(exprs):
+            vector = linear_terms(angle)
+            outer = [t for t in vector if t.atoms(*TRIGONOMETRIC)]
+            kept = se.Add(*[vector.pop(t) * t for t in outer])
+            at[angle] = (
+                kept,
+                se.Add(*[c * self._angle(self.resolved(t)) for t, c in vector.items()]),
+            )
+        known: dict[Any, Any] = {}
+        return folded([_with_angles(e, at, known) for e in exprs])
+
+    # -- exponentials and logarithms ------------------------------------------------------
+
+    def _power(self, base: Any, exponent: Any) -> Any:
+        if base != se.E and isinstance(exponent, se.Rational):
+            inner = self.resolved(base)
+            return se.Pow(inner if exponent.q == 1 else self._normal(inner), exponent)
+        exponent = self.resolved(exponent)
+        if base != se.E:
+            exponent = exponent * self._logarithm(self.resolved(base))
+        parts, rest = [], []
+        for term, c in linear_terms(exponent).items():
+            if isinstance(term, se.log):
+                parts.append(se.Pow(term.args[0], c))
+            else:
+                rest.append(c * self._product(term))
+        return se.Mul(se.exp(se.Add(*rest)), *parts)
+
+    def _product(self, term: Any) -> Any:
+        """A term in normal form, its logarithms apart."""
+        if term.is_Number:
+            return term
+        factors = term.args if isinstance(term, se.Mul) else (term,)
+        logs = [f for f in factors if f.atoms(se.log)]
+        return se.Mul(self._normal(se.Mul(*[f for f in factors if f not in logs])), *logs)
+
+    def _logarithm(self, argument: Any) -> Any:
+        """The sum of the logarithms of the sizes of factors; a single factor of either sign stays
+        as it is, so that nothing is said of log(x) where x is negative."""
+        try:
+            ring = Ring([argument], self._hypotheses, INNER_WORK)
+            fraction = ring.fraction(argument)
+            unit, factors = fraction.num.factor()
+            signs = Signs.of(ring, self._conditions, bounded=True)
+        except (EngineLimit, DefinitionError):
+            return se.log(argument)
+        powers = [*factors]
+        for poly, e in ring.field.factors(fraction.den):
+            content, parts = poly.factor()
+            unit /= content**e
+            powers += [(part, -e * times) for part, times in parts]
+        terms, others = list[Any](), list[_Term]()
+        for poly, e in powers:
+            size = self._size(ring, signs, poly)
+            if size is None:
+                others.append((ring.polynomial(poly), e))
+            else:
+                terms.append(e * size)
+        odd = [(f, 1 if e > 0 else -1) for f, e in others if e % 2]
+        if len(odd) == 1:
+            ((single, once),) = odd
+            terms.append(once * se.log(single if unit > 0 else -single))
+            others = [(f, e - once if f == single else e) for f, e in others]
+        terms += [e * HALF * se.log(f**2) for f, e in others]
+        for n, side in ((int(unit.p), 1), (int(unit.q), -1)):
+            terms += [side * k * se.log(se.Integer(p)) for p, k in prime_factors(abs(n)).items()]
+        return se.Add(*terms)
+
+    def _size(self, ring: Ring, signs: Signs, poly: Any) -> Any:
+        """The logarithm of the size of an irreducible polynomial; None where its sign is open."""
+        expr = ring.polynomial(poly)
+        if isinstance(expr, se.Pow):
+            base, exponent = expr.args
+            return exponent if base == se.E else exponent * self._logarithm(base)
+        sign = signs.of_polynomial(poly)
+        return se.log(sign.value * expr) if sign is not None and sign.value else None
+
+    # -- inverse functions ----------------------------------------------------------------
+
+    def _odd(self, kind: Any, argument: Any) -> Any:
+        """asin or atan, odd in its argument; the arctangent of what has a sign, or of the
+        reciprocal."""
+        argument = self._normal(argument)
+        try:
+            ring = Ring([argument], self._hypotheses, INNER_WORK)
+            fraction = ring.fraction(argument)
+            if fraction.num == 0:
+                return se.Integer(0)
+            above, below = fraction.num, ring.field.denominator(fraction.den)
+            sign = Signs.of(ring, self._conditions, bounded=True).of_fraction(fraction)
+        except (EngineLimit, DefinitionError):
+            return kind(argument)
+        if fraction.num.leading_coefficient() < 0:
+            return -self._odd(kind, -argument)
+        texts = [str(p / p.leading_coefficient()) for p in (above, below)]
+        if kind is se.atan and sign is not None and sign.strict and texts[0] < texts[1]:
+            return sign.value * se.pi / 2 - kind(self._normal(1 / argument))
+        return kind(argument)
+
+
+_RULES: dict[type, Callable[..., Any]] = {
+    se.asin: lambda own, u: own._odd(se.asin, u),
+    se.acos: lambda own, u: se.pi / 2 - own._odd(se.asin, u),
+    se.atan: lambda own, u: own._odd(se.atan, u),
+    se.acot: lambda own, u: own._odd(se.atan, 1 / u),
+    se.log: lambda own, u: own._logarithm(u),
+    se.asinh: lambda own, u: own._logarithm(u + se.sqrt(u**2 + 1)),
+    se.acosh: lambda own, u: own._logarithm(u + se.sqrt(u**2 - 1)),
+    se.atanh: lambda own, u: HALF * own._logarithm((1 + u) / (1 - u)),
+}
+
+
+def _of_inverse(term: Any) -> tuple[Any, Any]:
+    """Sine and cosine of an inverse function."""
+    u = term.args[0]
+    if isinstance(term, se.asin):
+        return u, se.sqrt(1 - u**2)
+    below = term.args[1] if isinstance(term, se.atan2) else se.Integer(1)
+    size = se.sqrt(u**2 + below**2)
+    return u / size, below / size
+
+
+def _angles(exprs: Iterable[Any]) -> list[Any]:
+    """What sines and the like are taken of."""
+    return [*dict.fromkeys(n.args[0] for n in _nodes(exprs) if isinstance(n, TRIGONOMETRIC))]
+
+
+def folded(exprs: Sequence[Any]) -> list[Any]:
+    """Expressions with whole multiples of new symbols for what of angles holds no sines: of one for
+    all multiples of the same sum, where such sums are independent, else of one for each
+    term.  So the half of x + y is the half of something, and sin(x) is 2 sin(x/2) cos(x/2)."""
+    vectors = {a: linear_terms(a) for a in _angles(exprs)}
+    kept = {a: _taken(v) for a, v in vectors.items()}
+    classes: list[dict[Any, Any]] = []
+    for vector in vectors.values():
+        if vector and all(_ratio(vector, first) is None for first in classes):
+            classes.append(vector)
+    if not _independent(classes):
+        classes = [{t: se.Integer(1)} for t in dict.fromkeys(t for c in classes for t in c)]
+    new = dict.fromkeys(vectors, se.Integer(0))
+    for first in classes:
+        held = {a: _part(v, first) for a, v in vectors.items()}
+        fine = lcm(*(int(r.q) for r in held.values()))
+        name = se.Dummy()
+        for a, ratio in held.items():
+            new[a] += ratio * fine * name
+    known: dict[Any, Any] = {}
+    at = {a: (kept[a], new[a]) for a in vectors}
+    return [_with_angles(e, at, known) for e in exprs]
+
+
+def _taken(vector: dict[Any, Any]) -> Any:
+    """The part of a sum, taken out of it, that stays as it is: turns, inverse functions, what holds
+    sines, a sum that is a number."""
+    fixed = (*INVERSE, se.acos)
+    stay = [t for t in vector if isinstance(t, fixed) or t.atoms(*TRIGONOMETRIC)]
+    alone = {*vector} - {*stay} <= {se.Integer(1), se.pi}
+    stay += [t for t in (se.pi, se.Integer(1)) if t in vector and (alone or t == se.pi)]
+    return se.Add(*[vector.pop(t) * t for t in stay])
+
+
+def _part(vector: dict[Any, Any], first: dict[Any, Any]) -> Any:
+    """How often a sum holds another one: wholly, or one term of it."""
+    if len(first) == 1:
+        (term,) = first
+        return vector.get(term, se.Integer(0)) / first[term]
+    return _ratio(vector, first) or se.Integer(0)
+
+
+def _ratio(vector: dict[Any, Any], first: dict[Any, Any]) -> Any:
+    """The factor between two sums, if they are multiples of each other."""
+    if vector.keys() != first.keys():
+        return None
+    ratios = {vector[k] / first[k] for k in first}
+    return ratios.pop() if len(ratios) == 1 else None
+
+
+def _independent(vectors: Sequence[dict[Any, Any]]) -> bool:
+    """Whether sums are linearly independent over the rational numbers."""
+    names = [*dict.fromkeys(k for v in vectors for k in v)]
+    entries = [
+        [flint.fmpq(int(v[k].p), int(v[k].q)) if k in v else flint.fmpq(0) for k in names]
+        for v in vectors
+    ]
+    return not entries or int(flint.fmpq_mat(entries).rank()) == len(vectors)
+
+
+def _with_angles(expr: Any, at: dict[Any, tuple[Any, Any]], known: dict[Any, Any]) -> Any:
+    """An expression with the angles under sines replaced, each by what stays of it, in which the
+    same is done, and by what is new."""
+    if not expr.args or is_atom(expr):
+        return expr
+    if expr not in known:
+        if isinstance(expr, TRIGONOMETRIC):
+            kept, new = at[expr.args[0]]
+            known[expr] = expr.func(_with_angles(kept, at, known) + new)
+        else:
+            known[expr] = expr.func(*[_with_angles(a, at, known) for a in expr.args])
+    return known[expr]
