@@ -157,7 +157,7 @@ class _Ground:
         if self._vanishes(jump, there):
             return None
         for found in self._crossings(wall, there):
-            words = f"it jumps where {self._written(h)} = 0, which motions cross"
+            words = f"it jumps where {self._place(wall)}, which motions cross"
             domain = f"{self._written(h)} != 0" if self._is_jump_of_field(h) else ""
             is_turn = self._vanishes(wall.turned - wall.above, there)
             period = self._period(jump) if is_turn else None
@@ -166,7 +166,7 @@ class _Ground:
             return _Jump("", None, None, f"{self._written(h)} != 0")
         if self._is_pole(wall, there) or self._is_singular(there):
             return None
-        return _Jump(f"whether it jumps where {self._written(h)} = 0 is open", None, None)
+        return _Jump(f"whether it jumps where {self._place(wall)} is open", None, None)
 
     def _has_sign(self, h: Any, strict: bool = False) -> bool:
         """Whether h does not change its sign; ``strict``: nor is it zero."""
@@ -308,6 +308,12 @@ class _Ground:
     def _is_constant(self, function: Any) -> bool:
         """Whether a function is constant off its walls."""
         return all(self._vanishes(function.diff(x), self.relations) for x in self.moving)
+
+    def _place(self, wall: Wall) -> str:
+        """Where a wall is, in words."""
+        if wall.whole is not None:
+            return f"{self._written(wall.function + wall.whole)} is a whole number"
+        return f"{self._written(wall.function)} = 0"
 
     def _written(self, expr: Any) -> str:
         return _shown(self.field.door.outward(expr))
