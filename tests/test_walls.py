@@ -253,6 +253,19 @@ def test_a_bounce_is_no_relation():
     assert abs(values[0] + values[1]) < 1e-20 < abs(values[0])  # the velocity is turned around
 
 
+def test_a_parameter_that_jumps_is_no_number():
+    system = vo.System(
+        name="scaled",
+        fibration=vo.Fibration((q,)),
+        lagrangian=m * (vo.velocity(q) ** 2 - q**2) / 2,
+        parameters=(m,),
+    )
+    for value, status in ((2 + sp.sign(x), "refuted"), (2 + sp.sign(energy - 1), "proved")):
+        relation = vo.Relation("spring", "scaled", state={q: x}, parameters={m: value})
+        found = vo.check_relation(relation, systems=(spring(), system)).verdict
+        assert found.status == status, found
+
+
 def test_polar_coordinates_are_a_relation_up_to_whole_turns():
     found = related("plane", "polar", q=sp.sqrt(x**2 + y**2), p=sp.atan2(y, x)).verdict
     assert found.proved and found.modulo == "2*pi"

@@ -215,11 +215,6 @@ class Branches:
     def _is_simple(self, expr: Any) -> bool:
         return has_simple_zeros(expr, self.relations, self.moving)
 
-    @property
-    def functions(self) -> list[Any]:
-        """What vanishes on the walls."""
-        return list(self._found)
-
     def _look(self, node: Any) -> None:
         """The walls of one node."""
         if isinstance(node, se.Pow):

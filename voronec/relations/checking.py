@@ -136,8 +136,11 @@ def _decided(statemap: StateMap) -> Verdict:
 
 
 def _across_walls(statemap: StateMap, verdict: Verdict) -> Verdict:
-    """The proof with the walls of the map: positions and the time may jump by periods."""
+    """The proof with the walls of the map: positions and the time may jump by periods; parameters
+    that hold state, velocities and the clock may not jump."""
     target, field = statemap.target, statemap.scaled_source
+    held = [(f"the parameter '{p}'", e) for p, e in statemap.parameters.items() if p.is_Symbol]
+    verdict = across_walls(verdict, field, held, periods=False, constant=True)
     places = [*target.positions, target.time]
     at = [(f"the image '{x}'", statemap.state[x]) for x in places]
     verdict = across_walls(verdict, field, at)
