@@ -111,6 +111,8 @@ def judge_sentence(sentence: Sentence, bench: Bench) -> FormulaRecord:
         return FormulaRecord("", "undecided", str(error), says=says)
     record = FormulaRecord("", "proved", method_of(finding), derived, says=says)
     record = replace(record, ranges=ranges_of(finding), method=with_note(record, study))
+    if finding.verdict.proved and sentence.cited:
+        return replace(record, verdict="cited", method=f"{record.method}; {sentence.cited}")
     if finding.verdict.proved:
         return replace(record, verdict="convention" if finding.partial else "proved")
     verdict = "undecided" if finding.verdict.undecided else "misprint"

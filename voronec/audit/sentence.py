@@ -45,6 +45,8 @@ class Sentence:
         function of the study that returns LaTeX: what was derived instead of, or beside it.
     source
         what the derived side was made from, in words.
+    cited
+        what of it is proved, where the rest is quoted; the verdict is then at most "cited".
     unaudited
         why nothing decides the sentence, where nothing does; it is then listed as not audited.
     quotation
@@ -57,6 +59,7 @@ class Sentence:
     within: tuple[str, ...] = ()
     derived: Callable[..., str] | None = None
     source: str = ""
+    cited: str = ""
     unaudited: str = ""
     quotation: str = ""
 

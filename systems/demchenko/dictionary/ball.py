@@ -188,21 +188,47 @@ class WithRotor:
     def studies(self) -> dict[str, Study]:
         """The dictionaries of this system.
 
-        ``rotor``; ``zhukovsky``, under the derived condition on C_1; and ``upright``, where the
-        axis z_1 is laid along the momentum besides.
+        ``rotor``; ``spheres``, with the coefficients of the forms of both and the torque that the
+        momentum shows; ``zhukovsky``, under the derived condition on C_1; and ``upright``, where
+        the axis z_1 is laid along the momentum besides.
         """
         names = self.names()
         condition = {C1: self.condition()}
         rotor = Study(names, motion=self.motion, in_velocities=self.in_velocities(), context=self)
         zhukovsky = replace(rotor, given=condition)
+        spheres = replace(rotor, names={**names, **self.forms()}, given=upward())
         upright = Study(
             {**names, **self.upright()}, motion=self.motion, given=condition, context=self
         )
-        return {"rotor": rotor, "zhukovsky": zhukovsky, "upright": upright}
+        return {"rotor": rotor, "zhukovsky": zhukovsky, "spheres": spheres, "upright": upright}
+
+    def forms(self) -> dict[str, Any]:
+        """The fundamental forms of both spheres, and the torque about the contact point."""
+        roll = self.rolling
+        found: dict[str, Any] = {}
+        for surface, mark in ((roll.contact.body, ""), (roll.contact.fixed, "_1")):
+            found |= dict(
+                zip((f"E{mark}", f"F{mark}", f"G{mark}"), surface.first_form, strict=True)
+            )
+            second = (f"D{mark}", f"D'{mark}", f"D''{mark}")
+            found |= dict(zip(second, surface.second_form, strict=True))
+        names = self.names()
+        rate = self.motion.along(self.motion.derivative(names[r"\tilde{\mathbf{G}}^{(M)}"]))
+        torque = rate + names[r"\mathfrak{v}"].cross(names[r"\mathfrak{M}"])
+        return {**found, r"\mathbf L^{(M)}": self.motion.restrict(torque)}
 
     def equation(self, row: int) -> sp.Expr:
         """Row of mass * vdot - force."""
         return residual(self.eqs, row)
+
+
+def upward() -> dict[sp.Expr, sp.Expr]:
+    """sin u and sin u_1 are positive: u and u_1 are distances from a pole."""
+    found: dict[sp.Expr, sp.Expr] = {}
+    for angle in (u, u1):
+        root = sp.sqrt(sp.sin(angle) ** 2)
+        found |= {root: sp.sin(angle), 1 / root: 1 / sp.sin(angle)}
+    return found
 
 
 @dataclass(frozen=True)

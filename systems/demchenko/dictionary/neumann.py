@@ -203,6 +203,13 @@ def principal_lines() -> Study:
     return Study(names, note="where the principal curvatures differ")
 
 
+def left_handed() -> Study:
+    """The axes x, y, z of a frame of negative orientation; products are the usual ones."""
+    x, y, z = (sp.Matrix(row) for row in ((1, 0, 0), (0, 1, 0), (0, 0, -1)))
+    names = {r"\mathbf x": x, r"\mathbf y": y, r"\mathbf z": z}
+    return Study(names, context=(x.cross(y), z))
+
+
 def inertia_about_contact() -> vo.Verdict:
     """Whether the determinant of the inertia about M is positive, along the principal axes."""
     energy = kinetic_energy(MASS, -vector(P).cross(vector(ARM)), MOMENTS, P)

@@ -9,6 +9,8 @@ import sympy as sp
 
 from voronec.audit import Check, Display, Section, Study, Transcript
 
+from ..sentences.ball import SENTENCES
+
 DEFINITION = Check("definition")
 ZHUKOVSKY = Check(study="zhukovsky", given=("uslovZh",))
 BOTH = Check(also=("reduced",))
@@ -59,6 +61,7 @@ BALL = Section(
         Display(r"$p_1^2+q_1^2+r^2_1=s^2+\tau^2+n^2$"),
         Display(r"$[\mathfrak v, \mathfrak M]=0$", (NO_VECTOR,)),
     ),
+    sentences=SENTENCES,
     displays=(
         Display(
             r"""\begin{equation}\label{uslovZh}

@@ -10,12 +10,12 @@ from voronec.audit import (
     Convention,
     Display,
     Section,
-    Sentence,
     Study,
     Transcript,
 )
 
-from ..dictionary.surfaces import MASS, typeset
+from ..dictionary.surfaces import MASS
+from ..sentences.body import SENTENCES
 
 
 def studies(_: Transcript) -> dict[str, Study]:
@@ -60,18 +60,6 @@ def motion(position: int) -> Check:
     )
 
 
-def relative_curvature(study: Study) -> str:
-    """The determinant on which it depends, in the paper's names."""
-    found: str = study.context.surfaces.spelled_curvature(study.spelling)
-    return found
-
-
-def determinant(study: Study) -> str:
-    """That of the constraints by the two velocities."""
-    area = typeset(study.context.surfaces.area[1], study.spelling)
-    return rf"\det\frac{{\partial(\sqrt{{E_1}}\dot u_1,\sqrt{{G_1}}\dot v_1)}}{{\partial(\dot u_1,\dot v_1)}} = {area}"
-
-
 DEFINITION = Check("definition")
 
 BODY = Section(
@@ -85,18 +73,7 @@ BODY = Section(
         ),
         Display(r"$\mathfrak m_\mathbf u=0,\mathfrak w_\mathbf v=0,\mathfrak m_\mathbf n=0$"),
     ),
-    sentences=(
-        Sentence(
-            text=r"The constraints (eq:nosliding2) can be solved for $\dot u_1$ and $\dot v_1$, which may be taken as the dependent velocities.",
-            decide=lambda study, _: study.context.surfaces.dependent(),
-            derived=determinant,
-        ),
-        Sentence(
-            text=r"The three equations (jednacine1) and the two constraints (eq:nosliding2) are eight equations of the first order for $u$, $v$, $\vartheta$, $u_1$, $v_1$, $\dot u$, $\dot v$, $\dot\vartheta$; they determine the motion where the relative curvature of the two surfaces has a determinant that is not zero.",
-            decide=lambda study, _: study.context.eight(),
-            derived=relative_curvature,
-        ),
-    ),
+    sentences=SENTENCES,
     displays=(
         Display(
             r"""\[

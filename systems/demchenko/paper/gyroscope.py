@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from voronec.audit import Check, Display, Section, Sentence, Study, Transcript
+from voronec.audit import Check, Display, Section, Study, Transcript
+
+from ..sentences.gyroscope import SENTENCES
 
 ROTOR = Check(study="rotor")
 DEFINED = Check("definition", study="rotor")
@@ -51,12 +53,6 @@ def motion(position: int) -> Check:
     )
 
 
-def relative_curvature(study: Study) -> str:
-    """The determinant on which it depends, in the paper's names."""
-    found: str = study.context.surfaces.spelled_curvature(study.spelling)
-    return found
-
-
 GYROSCOPE = Section(
     title="Rolling of a body with a gyroscope",
     label="bodyGyr",
@@ -70,26 +66,7 @@ GYROSCOPE = Section(
         ),
         Display(r"$\frac{d\alpha''}{dt}=\tau_1\gamma''-n_1\beta''$", (COSINES,)),
     ),
-    sentences=(
-        Sentence(
-            text=r"If the forces on the gyroscope have no torque about its axis, the component $\tilde\omega$ of its angular velocity along $\mathbf z$ is constant.",
-            decide=lambda study, _: study.context.constant_speed(),
-        ),
-        Sentence(
-            text=r"$\beta''$ and $\gamma''$ change by the same rule as $\alpha''$, with the letters exchanged in a cycle.",
-            decide=lambda study, _: study.context.cosines(),
-            study="turning",
-        ),
-        Sentence(
-            text=r"$s$, $\tau$, $n$ define fields $X_s$, $X_\tau$, $X_n$ on the constraints, along which $U$ is differentiated; $\omega([X_i,X_j])=e_i\times e_j-\omega_1(X_i)\times e_j+\omega_1(X_j)\times e_i$ in the frame $M\mathbf u\mathbf v\mathbf n$.",
-            decide=lambda study, _: study.context.commutators(),
-        ),
-        Sentence(
-            text=r"There are eight equations of the first order for $u$, $v$, $\vartheta$, $u_1$, $v_1$, $s$, $\tau$, $n$; they determine the motion where the relative curvature of the two surfaces has a determinant that is not zero.",
-            decide=lambda study, _: study.context.eight(),
-            derived=relative_curvature,
-        ),
-    ),
+    sentences=SENTENCES,
     displays=(
         Display(
             r"""\begin{equation}\label{kinMod}

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from voronec.audit import Check, Display, Section, Study, Transcript
 
-from voronec.audit import Check, Display, Section, Sentence, Study, Transcript
+from ..sentences.neumann import SENTENCES
 
 DEFINITION = Check("definition")
 ROLLING = Check(study="rolling")
@@ -16,7 +16,7 @@ LINES = Check(study="lines")
 def studies(_: Transcript) -> dict[str, Study]:
     """The dictionaries of this section."""
     from ..dictionary.moments import particles
-    from ..dictionary.neumann import Attitude, Space, body_energy, principal_lines
+    from ..dictionary.neumann import Attitude, Space, body_energy, left_handed, principal_lines
     from ..dictionary.surfaces import Surfaces
 
     return {
@@ -24,22 +24,10 @@ def studies(_: Transcript) -> dict[str, Study]:
         "lines": principal_lines(),
         "energy": body_energy(),
         "energies": Attitude.arbitrary().study(),
+        "left-handed": left_handed(),
         "particles": particles(r"\mathfrak v^1", r"\mathbf G^{(M)}"),
     }
 
-
-def determinant(study: Study) -> str:
-    """The determinant on which it depends, in the paper's names."""
-    from ..dictionary.surfaces import typeset
-
-    context: Any = study.context
-    return f"{DETERMINANT} = {typeset(context.determinant, study.spelling)}"
-
-
-DETERMINANT = (
-    r"\frac{\partial(s,\tau,n,\mathfrak m_\mathbf u,\mathfrak m_\mathbf v)}"
-    r"{\partial(\dot u,\dot v,\dot u_1,\dot v_1,\dot\vartheta)}"
-)
 
 NEUMANN = Section(
     title="Rolling without slipping of a body over a surface in the Neumann variables",
@@ -54,27 +42,7 @@ NEUMANN = Section(
         Display(r"$\mathfrak m_\mathbf u=0$", (ROLLING,)),
         Display(r"$\mathfrak m_\mathbf v=0$", (ROLLING,)),
     ),
-    sentences=(
-        Sentence(
-            text=r"The conditions (eq:nosliding1) and (uobicajeno) are equivalent.",
-            decide=lambda study, _: study.context.same_condition(),
-        ),
-        Sentence(
-            text=r"$s$, $\tau$, $n$, $\mathfrak m_\mathbf u$, $\mathfrak m_\mathbf v$ are linear and homogeneous in the velocities of Neumann's coordinates, and these in them at every point where the relative curvature of the two surfaces has a determinant that is not zero.",
-            decide=lambda study, _: study.context.velocities_from_projections(),
-            derived=determinant,
-        ),
-        Sentence(
-            text=r"The reactions of ideal constraints are a force at the body's point $M$: they have no torque about it, and do no work in a virtual displacement.",
-            decide=lambda study, _: study.context.idle(),
-        ),
-        Sentence(
-            text=r"The energy is written in the projections $\mathfrak m_\mathbf u$, $\mathfrak w_\mathbf v$, $\mathfrak m_\mathbf n$ of $\mathfrak m$, and in $s$, $\tau$, $n$: the second of these letters is a projection of $\mathfrak m$.",
-            decide=lambda study, _: study.context.slipped(),
-            study="energies",
-            derived=lambda _: r"\mathfrak m_\mathbf v",
-        ),
-    ),
+    sentences=SENTENCES,
     displays=(
         Display(
             r"""\begin{eqnarray}

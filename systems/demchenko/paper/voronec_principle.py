@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from voronec.audit import Check, Display, Range, Section, Sentence, Study, Transcript, Verdict
+from voronec.audit import Check, Display, Section, Study, Transcript
+
+from ..sentences.voronec_principle import SENTENCES
 
 DEFINITION = Check("definition")
 
@@ -34,18 +36,6 @@ def transposition(study: Study, where: Mapping[str, int]) -> Any:
     return study.context.transposition(where)
 
 
-def momenta(study: Study, _: Range) -> Verdict:
-    """The words before the formula for K."""
-    verdict: Verdict = study.context.momenta_of_base()
-    return verdict
-
-
-def chaplygins(study: Study, _: Range) -> Verdict:
-    """The special case that the text names."""
-    verdict: Verdict = study.context.chaplygins()
-    return verdict
-
-
 VORONEC_PRINCIPLE = Section(
     title="The Voronec principle",
     label="VorPr",
@@ -57,18 +47,7 @@ VORONEC_PRINCIPLE = Section(
             (Check(value=transposition),),
         ),
     ),
-    sentences=(
-        Sentence(
-            text=r"$K_\nu$ is the derivative of $T$ by $\dot q_\nu$, on the constraints.",
-            decide=momenta,
-            derived=lambda _: r"K_\nu=\frac{\partial T}{\partial\dot q_{n+\nu}}",
-        ),
-        Sentence(
-            text=r"Where nothing depends on $q_{n+1},\dots,q_{n+k}$, the constraints being stationary and homogeneous, (v4) are the equations of Chaplygin $\frac{d}{dt}\frac{\partial\Theta}{\partial\dot q_i}=\frac{\partial\Theta}{\partial q_i}+Q_i+\sum_{\nu=1}^k a_{\nu i}Q_{n+\nu}+\sum_{\nu=1}^k K_\nu\sum_{j=1}^n\big(\frac{\partial a_{\nu i}}{\partial q_j}-\frac{\partial a_{\nu j}}{\partial q_i}\big)\dot q_j$ in $q_1,\dots,q_n$ alone.",
-            decide=chaplygins,
-            study="chaplygin",
-        ),
-    ),
+    sentences=SENTENCES,
     displays=(
         Display(
             r"""\begin{equation}\label{v1}

@@ -2,16 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from itertools import pairwise
 from typing import Any
 
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Quoted, Study, one_of, tight
+from voronec.audit import Quoted, Reference, Study, one_of, tight
 from voronec.audit.meaning import evaluate
+from voronec.audit.transcript import assignments
 
-__all__ = ["agreed", "all_of", "constant", "denied", "exists", "sides", "value", "values"]
+__all__ = [
+    "agreed",
+    "all_of",
+    "constant",
+    "denied",
+    "equals",
+    "exists",
+    "holds",
+    "imposed",
+    "left_sides",
+    "residuals",
+    "sides",
+    "value",
+    "values",
+]
 
 CONSTANT = {
     **dict.fromkeys(("constant", "fixed", "a constant", "conserved"), True),
@@ -96,3 +112,59 @@ def sides(formula: Quoted, names: Mapping[str, Any]) -> tuple[list[str], tuple[s
     for name in found:
         one_of(name, names)
     return found, tuple(relations)
+
+
+def left_sides(reference: Reference, study: Study) -> list[Any]:
+    """The left sides of the formulas to which a sentence refers."""
+    return [evaluate(tree.parts[0], study) for tree in reference.trees(study)]
+
+
+def residuals(formula: Reference | Quoted, study: Study) -> list[Any]:
+    """Left minus right of every equation, all constraints forgotten; vectors by components."""
+    found: list[Any] = []
+    for tree in formula.trees(study):
+        for where in assignments(tree, study):
+            parts = [evaluate(part, study, where) for part in tree.parts]
+            for left, right in pairwise(parts):
+                found += _components(left, right)
+    return [sp.sympify(value).xreplace(dict(study.given)) for value in found]
+
+
+def _components(left: Any, right: Any) -> list[Any]:
+    vectors = [side for side in (left, right) if isinstance(side, sp.MatrixBase)]
+    if not vectors:
+        return [left - right]
+    zero = vectors[0] * 0
+    gap = (zero if left == 0 else left) - (zero if right == 0 else right)
+    return list(gap)
+
+
+def equals(pairs: Iterable[tuple[Any, Any]], what: str) -> vo.Verdict:
+    """Whether the two of each pair are equal, in exact algebra."""
+    count = 0
+    for left, right in pairs:
+        count += 1
+        found = vo.prove_equal(left, right)
+        if not found.proved:
+            return vo.Verdict(found.status, f"{what}: {found.method}", found.witness)
+    if not count:
+        return vo.Verdict("undecided", f"{what}: nothing is compared")
+    return vo.Verdict("proved", f"{what}: {count} equal in exact normal form")
+
+
+def holds(formula: Reference | Quoted, study: Study, what: str) -> vo.Verdict:
+    """Whether equations are true on the constraints of a study."""
+    motion, given = study.motion, dict(study.given)
+    gaps = (motion.along(gap).xreplace(given) for gap in residuals(formula, study))
+    return equals(((gap, 0) for gap in gaps), what)
+
+
+def imposed(formula: Reference | Quoted, study: Study, what: str) -> vo.Verdict:
+    """Whether equations are constraints: true where the constraints hold, and not elsewhere."""
+    found = holds(formula, study, what)
+    if not found.proved:
+        return found
+    free = [vo.prove_equal(gap, 0) for gap in residuals(formula, study)]
+    if any(verdict.proved for verdict in free):
+        return vo.Verdict("refuted", f"{what}: an identity, which constrains nothing")
+    return found

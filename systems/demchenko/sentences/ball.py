@@ -1,0 +1,232 @@
+"""The gyroscopic ball on a sphere: what the text says beside its displays."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
+from voronec.audit.meaning import evaluate
+
+from ..dictionary.ball import A1, A2, C1, C2, VERTICAL, theta, u
+from .claims import agreed, all_of, constant, denied, equals, holds, imposed, residuals, value
+
+AXES = {r"\mathbf u": 0, r"\mathbf v": 1, r"\mathbf n": 2}
+ACROSS = {"ball": A1, "gyroscope": A2, "ball + gyroscope": A1 + A2}
+ALONG = {"ball": C1, "gyroscope": C2, "ball + gyroscope": C1 + C2}
+
+
+def zhukovsky(
+    study: Study, _: Range, *, one: str, relation: str, system: str, sort: str
+) -> vo.Verdict:
+    """The moment that makes the inertia about the contact point spherical, rotor apart."""
+    table = one_of(sort, {"orthogonal": ACROSS, "parallel": ALONG})
+    found = equals(
+        [(one_of(one, ALONG).xreplace({C1: study.context.condition()}), one_of(system, table))],
+        "the derived condition",
+    )
+    return denied(one_of(relation, {"=": True, "!=": False}), found)
+
+
+def colatitude(study: Study, _: Range, *, sort: str) -> vo.Verdict:
+    """The height of the contact point over the equator by the coordinate u."""
+    height = study.context.rolling.contact.body.position[2]
+    radius = sp.sqrt(sum(x**2 for x in study.context.rolling.contact.body.position))
+    by = one_of(sort, {"complements": sp.cos(u), "values": sp.sin(u)})
+    return equals([(height**2, (radius * by) ** 2)], "the height over the equator")
+
+
+def same_angle(
+    study: Study, _: Range, *, first: tuple[str, ...], second: tuple[str, ...]
+) -> vo.Verdict:
+    """The cosine between coordinate lines of the ball and of the sphere."""
+    column, row = one_of(first[0], {"u": 0, "v": 1}), one_of(second[0], {"u_1": 0, "v_1": 1})
+    turn = study.context.rolling.contact.turn
+    return equals([(turn[row, column], sp.cos(theta))], "the cosine between them")
+
+
+def constraints_of(study: Study, _: Range, *, constraints: Reference) -> vo.Verdict:
+    """The constraints of two surfaces, for two spheres."""
+    return imposed(constraints, study, f"({constraints.label}) for two spheres")
+
+
+def simplified(
+    study: Study, _: Range, *, constraints: Reference, forms: Reference, letters: tuple[str, ...]
+) -> vo.Verdict:
+    """s and tau on the constraints hold no velocity on the sphere, and n does."""
+    fibre = [vo.velocity(value(x, study)) for x in ("u_1", "v_1")]
+    base = [vo.velocity(value(x, study)) for x in ("u", "v", r"\vartheta")]
+    solved = sp.solve(residuals(constraints, study), fibre, dict=True)
+    if len(solved) != 1:
+        return vo.Verdict("refuted", f"({constraints.label}) does not give those velocities")
+    names = ("s", r"\tau", "n")
+    rights = [evaluate(tree.parts[1], study) for tree in forms.trees(study)]
+    short = set()
+    for name, right in zip(names, rights, strict=True):
+        form = sp.expand(sp.sympify(right).xreplace(dict(study.given)).xreplace(solved[0]))
+        held = [w for w in base if vo.prove_equal(sp.diff(form, w), 0).refuted]
+        short |= {name} if len(held) == 1 else set()
+    return all_of(
+        imposed(constraints, study, f"({constraints.label})"),
+        holds(forms, study, f"({forms.label}) on them"),
+        agreed(set(letters), short, "expressions that are left with one term"),
+    )
+
+
+def by_condition(
+    study: Study, _: Range, *, condition: Reference, letters: tuple[str, ...]
+) -> vo.Verdict:
+    """The condition is the derived one; with it the energy is one of three velocities."""
+    given = dict(study.given)
+    gaps = [gap.xreplace(given) for gap in residuals(condition, study)]
+    energy = study.motion.restrict(study.names[r"\tilde{\mathbf{T}}"]).xreplace(given)
+    names = ("s", r"\tau", "n")
+    held = {x for x in names if vo.prove_equal(sp.diff(energy, value(x, study)), 0).refuted}
+    return all_of(
+        equals(((gap, 0) for gap in gaps), f"({condition.label}), the derived condition"),
+        agreed(set(letters), held, "the energy is a function of"),
+    )
+
+
+def conserved(study: Study, _: Range, *, first: Quoted, second: Quoted, sort: str) -> vo.Verdict:
+    """No force acts, M runs along the momentum, and so the angular momentum stays."""
+    momentum = study.names[r"\tilde{\mathbf{G}}^{(M)}"]
+    rate = study.motion.along(study.motion.derivative(momentum))
+    found = equals(((x, 0) for x in rate), "the rate of the momentum")
+    return all_of(
+        holds(first, study, "the product"),
+        holds(second, study, "the torque"),
+        denied(constant(sort), found),
+    )
+
+
+def cosines(
+    study: Study,
+    _: Range,
+    *,
+    letters: tuple[str, ...],
+    axis: tuple[str, ...],
+    axes: tuple[str, ...],
+) -> vo.Verdict:
+    """The components of the vertical along the axes at the contact point."""
+    vertical = {r"\mathbf z_1": VERTICAL}
+    along = study.context.rolling.axes.T * one_of(axis[0], vertical)
+    picked = [along[one_of(x, AXES)] for x in axes]
+    return equals(zip((value(x, study) for x in letters), picked, strict=True), "cosines")
+
+
+def by_integrals(study: Study, _: Range, *, momentum: Reference, energy: Reference) -> vo.Verdict:
+    """The right sides of the one are components of a constant vector, the other is constant."""
+    rights = [evaluate(tree.parts[1], study) for tree in momentum.trees(study)]
+    length = sp.Add(*[x**2 for x in rights])
+    stored = evaluate(energy.trees(study)[0].parts[1], study)
+    rates = [study.motion.along(study.motion.derivative(x)) for x in (length, stored)]
+    given = dict(study.given)
+    return all_of(
+        agreed(len(rights), len(AXES), f"components in ({momentum.label})"),
+        equals(((x.xreplace(given), 0) for x in rates), "rates of the integrals"),
+    )
+
+
+def eight(
+    study: Study,
+    _: Range,
+    *,
+    count: int,
+    dynamics: Reference,
+    kinematics: Reference,
+    constraints: Reference,
+    letters: tuple[str, ...],
+) -> vo.Verdict:
+    """The equations hold along the motion, and are as many as the variables."""
+    several = sum(len(x.formulas) for x in (dynamics, kinematics, constraints))
+    wanted = {*study.context.eqs.coordinates, *study.context.eqs.velocities}
+    return all_of(
+        agreed(count, several, "equations"),
+        agreed({value(x, study) for x in letters}, wanted, "variables"),
+        agreed(several, len(wanted), "equations for as many variables"),
+        holds(dynamics, study, f"({dynamics.label}) along the motion"),
+        holds(kinematics, study, f"({kinematics.label})"),
+        imposed(constraints, study, f"({constraints.label})"),
+        lambda: denied(False, holds(dynamics, _free(study), f"({dynamics.label}) for any motion")),
+    )
+
+
+def _free(study: Study) -> Study:
+    """The same where the accelerations are any."""
+    return replace(study, motion=replace(study.motion, accelerations={}))
+
+
+LITERATURE = "a statement on the quadratures of others, which are not derived here"
+
+SENTENCES = (
+    Sentence(
+        r"There are two cases where these quadratures are elliptic.",
+        unaudited=LITERATURE,
+    ),
+    Sentence(
+        r"\emph{the moment of the @one:word{ball} with  respect to the axis of the gyroscope is "
+        "@relation:relation{equal} to the sum of the moments of the system "
+        "@system:word{ball + gyroscope} with respect to the axes @sort:word{orthogonal} to the "
+        "axis of the gyroscope}.",
+        zhukovsky,
+    ),
+    Sentence(
+        "The @sort:word{complements} of a latitude and a longitude of the contact point $M$ are "
+        "chosen for Gauss coordinates $u,v$ on the moving ball",
+        colatitude,
+    ),
+    Sentence(
+        r"The angle $\vartheta$ is as before the angle between @first:names{$u$} and "
+        "@second:names{$v_1$} coordinate lines.",
+        same_angle,
+    ),
+    Sentence(
+        "Now, the nonholonomic constraints "
+        r"@constraints:reference{\eqref{eq:nosliding2}} read",
+        constraints_of,
+        "spheres",
+    ),
+    Sentence(
+        r"After substitution of the constraints @constraints:reference{\eqref{4.2.2}} into "
+        r"@forms:reference{\eqref{eq:n}}, the expressions for @letters:names{$s$ and $\tau$} are "
+        "simplified:",
+        simplified,
+        "spheres",
+    ),
+    Sentence(
+        r"from the Zhukovsky condition @condition:reference{\eqref{uslovZh}}, the kinetic energy "
+        r"of the system expressed as a function of @letters:names{$s,\tau,n$} takes the form",
+        by_condition,
+        "zhukovsky",
+    ),
+    Sentence(
+        r"Since in the considered system @first:formula{$[\mathfrak v, \mathfrak M]=0$} and "
+        r"@second:formula{$\mathbf L^{(M)}=0$}, one concludes that the total angular momentum is "
+        r"@sort:word{constant} in the fixed reference frame",
+        conserved,
+        "spheres",
+    ),
+    Sentence(
+        r"The cosines @letters:names{$\alpha_1'',\beta_1'',\gamma_1''$}  of the angles between "
+        r"@axis:names{$\mathbf z_1$} and @axes:names{$\mathbf u,\mathbf v,\mathbf n$} in the "
+        "Neumann variables are",
+        cosines,
+    ),
+    Sentence(
+        r"by derivation of @momentum:reference{\eqref{integrali}} and the kinetic energy integral "
+        r"@energy:reference{\eqref{kinMod*}}.",
+        by_integrals,
+        "zhukovsky",
+    ),
+    Sentence(
+        "the problem reduces to the problem of solving the system of the @count:number{eight} "
+        r"equations @dynamics:reference{\eqref{4.3.131415}}, "
+        r"@kinematics:reference{\eqref{4.2.789}}, and @constraints:reference{\eqref{4.2.2}} in the "
+        r"variables @letters:names{$u, v, \vartheta, u_1, v_1, s, \tau, n$}.",
+        eight,
+        "reduced",
+    ),
+)

@@ -1,0 +1,252 @@
+"""The Voronec principle and rolling of a body: what the text says beside its displays."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Range, Reference, Sentence, Study, one_of
+from voronec.audit.latex.nodes import Name, Variation, walk
+
+from ..dictionary.body import DOTS, U
+from ..dictionary.surfaces import COORDINATES, FIBRE, QUASI, typeset, vector, velocities
+from .claims import agreed, all_of, equals, imposed, residuals, value
+
+LETTERS = ("s", r"\tau", "n")
+
+
+def dependent(
+    study: Study,
+    _: Range,
+    *,
+    constraints: Reference,
+    first: tuple[str, ...],
+    second: tuple[str, ...],
+) -> vo.Verdict:
+    """The determinant of the constraints by the two velocities does not vanish."""
+    chosen = [value(x[0], study) for x in (first, second)]
+    matrix = vector(residuals(constraints, study)).jacobian(chosen)
+    determinant = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
+    found = vo.prove_equal(determinant, 0)
+    if found.proved:
+        return vo.Verdict("refuted", "the constraints do not determine them")
+    solvable = imposed(constraints, study, "the constraints")
+    if set(chosen) == set(velocities(FIBRE)):
+        return all_of(solvable, study.context.surfaces.dependent())
+    return all_of(solvable, vo.Verdict("proved", "the determinant is not zero"))
+
+
+def determinant(study: Study) -> str:
+    """That of the constraints by the two velocities."""
+    area = typeset(study.context.surfaces.area[1], study.spelling)
+    return rf"\det\frac{{\partial(\sqrt{{E_1}}\dot u_1,\sqrt{{G_1}}\dot v_1)}}{{\partial(\dot u_1,\dot v_1)}} = {area}"
+
+
+def restricted_when(study: Study, _: Range, *, constraints: Reference, when: str) -> vo.Verdict:
+    """K_1, K_2 are derivatives of T that is free, on the constraints."""
+    energy, restrict = study.context.energy, study.motion.restrict
+    dots = velocities(FIBRE)
+    after = [restrict(sp.diff(energy, w)) for w in dots]
+    before = [sp.diff(restrict(energy), w) for w in dots]
+    slopes = one_of(when, {"after": after, "before": before})
+    return all_of(
+        imposed(constraints, study, "the constraints"),
+        equals(zip(slopes, study.context.momenta, strict=True), "derivatives of T and K"),
+    )
+
+
+def of_angular(study: Study, _: Range, *, letters: tuple[str, ...]) -> vo.Verdict:
+    """Of which velocities Theta is a function."""
+    theta = study.context.quasi_energy
+    held = {str(w) for w in QUASI if vo.prove_equal(sp.diff(theta, w), 0).refuted}
+    return agreed({str(value(x, study)) for x in letters}, held, "Theta is a function of")
+
+
+def bar_energy(study: Study, _: Range, *, constraints: Reference) -> vo.Verdict:
+    """Theta-bar holds no velocity that the constraints give."""
+    left = study.context.constrained_energy.free_symbols & set(velocities(FIBRE))
+    return all_of(
+        imposed(constraints, study, "the constraints"),
+        agreed({str(x) for x in left}, set(), "velocities that are left of those"),
+    )
+
+
+def arm(study: Study, _: Range, *, letters: tuple[str, ...]) -> vo.Verdict:
+    """On the constraints the velocity of O is - omega x OM."""
+    contact = study.context.surfaces.contact
+    speed = study.motion.restrict(vector(contact.centre_velocity))
+    made = -study.context.spin.cross(vector(value(x, study) for x in letters))
+    pairs = zip(speed, made, strict=True)
+    given = dict(study.given)
+    return equals(((a.xreplace(given), b.xreplace(given)) for a, b in pairs), "velocity of O")
+
+
+def as_functions(
+    study: Study,
+    _: Range,
+    *,
+    letters: tuple[str, ...],
+    dots: tuple[str, ...],
+    kinematics: Reference,
+    constraints: Reference,
+) -> vo.Verdict:
+    """The forms are those of the letters, and on the constraints functions of three velocities."""
+    held = {str(x) for e in study.context.spin for x in e.free_symbols}
+    held &= {str(w) for w in velocities(COORDINATES)}
+    forms = ((gap.xreplace(dict(study.given)), 0) for gap in residuals(kinematics, study))
+    return all_of(
+        agreed(letters, LETTERS, "left sides"),
+        agreed({str(value(x, study)) for x in dots}, held, "velocities that are left"),
+        equals(forms, f"({kinematics.label}) for all velocities"),
+        imposed(constraints, study, "the constraints"),
+    )
+
+
+def terms_with(
+    study: Study, _: Range, *, principle: Reference, momenta: tuple[str, ...]
+) -> vo.Verdict:
+    """The principle holds the momenta, times what varies."""
+    parts = [x for tree in principle.trees(study) for x in walk(tree)]
+    heads = {x.head for x in parts if isinstance(x, Name)}
+    varied = any(isinstance(x, Variation) for x in parts)
+    return all_of(
+        agreed(momenta, ("K_1", "K_2"), "momenta of the dependent velocities"),
+        agreed(
+            ("K" in heads, varied),
+            (True, True),
+            f"whether ({principle.label}) holds K and variations",
+        ),
+    )
+
+
+def in_principle(study: Study, _: Range, *, principle: Reference) -> vo.Verdict:
+    """The formula is an integral that holds the momenta and variations."""
+    parts = [x for tree in principle.trees(study) for x in walk(tree)]
+    kinds = {type(x).__name__ for x in parts}
+    heads = {x.head for x in parts if isinstance(x, Name)}
+    return agreed(
+        ("Integral" in kinds, "Variation" in kinds, "K" in heads),
+        (True, True, True),
+        f"whether ({principle.label}) is an integral of variations with K",
+    )
+
+
+def force_function(study: Study, _: Range, *, sign: str) -> vo.Verdict:
+    """L = T + U, and L is T less the potential energy."""
+    potential = study.context.energy - study.context.eqs.system.lagrangian
+    factor = one_of(sign, {"negative": -1, "positive": 1})
+    return equals([(U, factor * potential)], "U and the potential energy T - L")
+
+
+def independent(
+    study: Study, _: Range, *, displacements: Reference, variations: tuple[str, ...]
+) -> vo.Verdict:
+    """The displacements of the fibre follow from three that are free."""
+    surfaces = study.context.surfaces
+    fibre = {surfaces.virtual[q]: q for q in FIBRE}
+    gaps = residuals(displacements, study)
+    return all_of(
+        equals(((gap, 0) for gap in gaps), f"({displacements.label}) for displacements"),
+        agreed(len(gaps), len(fibre), "displacements that follow"),
+        agreed({value(x, study) for x in variations}, set(surfaces.variations), "free ones"),
+    )
+
+
+def eight(
+    study: Study,
+    _: Range,
+    *,
+    several: int,
+    order: int,
+    more: int,
+    constraints: Reference,
+    count: int,
+    unknowns: int,
+    letters: tuple[str, ...],
+) -> vo.Verdict:
+    """Each equation of the second order is two of the first one."""
+    whole = study.context
+    accelerations = [vo.velocity(w) for w in DOTS]
+    highest = 2 if any(row.has(a) for row in whole.residuals for a in accelerations) else 1
+    total = len(whole.residuals) * highest + len(constraints.formulas)
+    return all_of(
+        agreed((several, order), (len(whole.residuals), highest), "equations, and their order"),
+        agreed(more, len(constraints.formulas), f"equations of ({constraints.label})"),
+        imposed(constraints, study, "the constraints"),
+        agreed((count, unknowns), (total, total), "equations of the first order, and unknowns"),
+        agreed({value(x, study) for x in letters}, {*COORDINATES, *DOTS}, "unknowns"),
+        lambda: whole.eight(),
+    )
+
+
+def relative_curvature(study: Study) -> str:
+    """The determinant on which it depends, in the paper's names."""
+    found: str = study.context.surfaces.spelled_curvature(study.spelling)
+    return found
+
+
+SENTENCES = (
+    Sentence(
+        "The nonholonomic constraints are given by "
+        r"@constraints:reference{\eqref{eq:nosliding2}}. One can choose "
+        r"@first:names{$\dot u_1$} and @second:names{$\dot v_1$} as a dependent velocities.",
+        dependent,
+        derived=determinant,
+    ),
+    Sentence(
+        r"the constraints @constraints:reference{\eqref{eq:nosliding2}} are imposed "
+        "@when:word{after} the taking of partial derivatives.",
+        restricted_when,
+    ),
+    Sentence(
+        r"From now on, $\Theta$ denotes the kinetic energy \eqref{kineticka*} as a function of "
+        r"angular velocities @letters:names{$s, \tau, n$} taking into account the constraints",
+        of_angular,
+        "quasi",
+    ),
+    Sentence(
+        r"after imposing the constraints @constraints:reference{\eqref{eq:nosliding2}}.",
+        bar_energy,
+    ),
+    Sentence(
+        r"Here @letters:names{$\rho_u, \rho_v,\epsilon$} are the coordinates of  "
+        r"$\overrightarrow{OM}$ in the coordinate system $M\mathbf u\mathbf v\mathbf n$.",
+        arm,
+    ),
+    Sentence(
+        r"In these expressions, @letters:names{$s, \tau, n$} should be expressed as functions of "
+        r"@dots:names{$\dot u, \dot v, \dot \vartheta$} by using "
+        r"@kinematics:reference{\eqref{eq:n}} and the constraints "
+        r"@constraints:reference{\eqref{eq:nosliding2}}.",
+        as_functions,
+    ),
+    Sentence(
+        r"the coefficients in @principle:reference{\eqref{v5}} of terms that contain "
+        "@momenta:names{$K_1$ and $K_2$} have the form",
+        terms_with,
+    ),
+    Sentence(
+        r"the Voronec principle @principle:reference{\eqref{v5}} can be written in the form",
+        in_principle,
+    ),
+    Sentence(
+        r"Here $U(u,v,\vartheta, u_1,v_1)$ is a \emph{force function} (@sign:word{negative} "
+        "potential energy).",
+        force_function,
+    ),
+    Sentence(
+        r"By using the expression for $n'$,  @displacements:reference{\eqref{varijacije}}, and "
+        "setting the terms that contain independent variations "
+        r"@variations:names{$\delta u, \delta v, \delta \vartheta$} to zero,",
+        independent,
+    ),
+    Sentence(
+        "These @several:number{three} differential equations of the @order:number{second} order, "
+        "together with @more:number{two} constraints  "
+        r"@constraints:reference{\eqref{eq:nosliding2}} give a system of @count:number{eight} "
+        "equations with @unknowns:number{eight} unknown variables "
+        r"@letters:names{$u,v,\vartheta, u_1,v_1,\dot u,\dot v,\dot\vartheta$}.",
+        eight,
+        derived=relative_curvature,
+    ),
+)

@@ -1,0 +1,331 @@
+"""Rolling without slipping in Neumann's variables: what the text says beside its displays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
+from voronec.audit.meaning import evaluate
+
+from ..dictionary.surfaces import BASE, COORDINATES, QUASI, SLIP, typeset, vector
+from .claims import agreed, all_of, denied, equals, imposed, left_sides, residuals, value
+
+AXES = {r"\mathbf u": 0, r"\mathbf v": 1, r"\mathbf n": 2}
+FIXED_AXES = {r"\mathbf u_1": 0, r"\mathbf v_1": 1, r"\mathbf n_1": 2}
+HANDS = {"negative": -1, "left-handed": -1, "positive": 1, "right-handed": 1}
+
+
+def handed(study: Study, _: Range, *, sort: str) -> vo.Verdict:
+    """[x, y] = z, as the paper has it, is the usual product in a frame of which orientation."""
+    product, z = study.context
+    return equals([(product[2], one_of(sort, HANDS) * z[2])], "[x,y] along z, by the usual product")
+
+
+def usual_sign(study: Study, _: Range, *, product: Quoted, differs: str) -> vo.Verdict:
+    """In a frame of negative orientation the usual product of x and y is -z."""
+    found = equals(((gap, 0) for gap in residuals(product, study)), "by the usual product")
+    return denied(not one_of(differs, {"differs": True, "agrees": False}), found)
+
+
+def neumann_angle(
+    study: Study,
+    _: Range,
+    *,
+    angle: tuple[str, ...],
+    first: tuple[str, ...],
+    second: tuple[str, ...],
+) -> vo.Verdict:
+    """The cosine between an axis of the fixed surface and one of the body."""
+    turn = study.context.surfaces.contact.turn
+    if first[0] in AXES:
+        first, second = second, first
+    row, column = one_of(first[0], FIXED_AXES), one_of(second[0], AXES)
+    cosine = sp.cos(value(angle[0], study))
+    return equals([(turn[row, column], cosine)], "the cosine between the two axes")
+
+
+def moving_contact(study: Study, _: Range, *, how: str) -> vo.Verdict:
+    """The velocity of M is zero for no motion but rest."""
+    speed = study.names[r"\mathfrak v^1"]
+    found = equals(((x.xreplace(dict(study.given)), 0) for x in speed), "the velocity of M")
+    return denied(one_of(how, {"=": True, "!=": False}), found)
+
+
+VELOCITIES = {r"\mathfrak v^1": "absolute", r"\mathfrak v": "relative"}
+
+
+def traces(
+    study: Study,
+    _: Range,
+    *,
+    names: tuple[str, ...],
+    first: str,
+    second: str,
+    place: Reference,
+    other: Reference,
+) -> vo.Verdict:
+    """The rate of a place holds the same velocities as the vector that is said to be it."""
+    motion, steps = study.motion, []
+    for name, sort, where in zip(names, (first, second), (place, other), strict=True):
+        steps.append(agreed(sort, one_of(name, VELOCITIES), f"the velocity {name}"))
+        rates = [motion.derivative(x) for x in left_sides(where, study)]
+        held = {w for e in rates for w in e.free_symbols} & set(motion.rates.values())
+        mine = {w for e in study.names[name] for w in e.free_symbols} & set(motion.rates.values())
+        steps.append(agreed(held, mine, f"velocities in {name}"))
+    return all_of(*steps)
+
+
+def left_side_of(
+    study: Study, _: Range, *, name: tuple[str, ...], side: str, condition: Reference
+) -> vo.Verdict:
+    """m is a side of the usual condition."""
+    parts = condition.trees(study)[0].parts
+    part = parts[one_of(side, {"left": 0, "right": 1})]
+    found = evaluate(part, study)
+    mine = study.names.get(name[0])
+    if mine is None or not isinstance(found, sp.MatrixBase):
+        return vo.Verdict("refuted", f"the {side} side of ({condition.label}) is not {name[0]}")
+    return equals(zip(mine, found, strict=True), f"{name[0]} and the {side} side")
+
+
+def same_condition(
+    study: Study, _: Range, *, first: Reference, how: str, second: Reference
+) -> vo.Verdict:
+    """Both say that the same vector vanishes, whatever the five velocities."""
+    ours, theirs = residuals(first, study), residuals(second, study)
+    if len(ours) != len(theirs) or first.label == second.label:
+        return vo.Verdict("refuted", f"({first.label}) and ({second.label}) are not two conditions")
+    found = equals(zip(ours, theirs, strict=True), "what vanishes in both")
+    return denied(one_of(how, {"equivalent": True, "contrary": False}), found)
+
+
+def projections(
+    study: Study,
+    _: Range,
+    *,
+    letters: tuple[str, ...],
+    first: tuple[str, ...],
+    second: tuple[str, ...],
+    axes: tuple[str, ...],
+) -> vo.Verdict:
+    """The letters are the components of two vectors along three axes, in this order."""
+    frame, given = study.context.axes, dict(study.given)
+    columns = [one_of(axis, AXES) for axis in axes]
+    vectors = [
+        study.names[one_of(x[0], {r"\omega": r"\omega", r"\mathfrak m": r"\mathfrak m"})]
+        for x in (first, second)
+    ]
+    along = [(frame[:, c].T * v)[0] for v in vectors for c in columns]
+    if len(letters) != len(along):
+        return vo.Verdict("refuted", f"{len(letters)} letters for {len(along)} projections")
+    pairs = zip((value(x, study) for x in letters), along, strict=True)
+    return equals(((a.xreplace(given), b.xreplace(given)) for a, b in pairs), "projections")
+
+
+def linear_forms(
+    study: Study, _: Range, *, letters: tuple[str, ...], sort: str, dots: tuple[str, ...], back: str
+) -> vo.Verdict:
+    """Linear forms in the five velocities, with a determinant that does not vanish everywhere."""
+    whole, found = study.context, study.context.velocities_from_projections()
+    order = {
+        **{x: i for i, x in enumerate(("s", r"\tau", "n"))},
+        r"\mathfrak m_\mathbf u": 3,
+        r"\mathfrak m_\mathbf v": 4,
+    }
+    forms = [whole._forms[one_of(x, order)] for x in letters]
+    velocities = vector(value(x, study) for x in dots)
+    matrix = vector(forms).jacobian(velocities)
+    one_of(back, {"vice-versa": True})
+    return all_of(
+        agreed(
+            one_of(sort, {"homogenous linear": 1, "homogeneous linear": 1, "quadratic": 2}),
+            1,
+            "degree",
+        ),
+        agreed(len(set(letters)), len(set(dots)), "forms for as many velocities"),
+        equals(zip(forms, matrix * velocities, strict=True), "linear forms"),
+        found,
+    )
+
+
+def gives_constraints(
+    study: Study, _: Range, *, condition: Reference, first: Quoted, second: Quoted
+) -> vo.Verdict:
+    """Along u and v the condition is m_u = 0 and m_v = 0."""
+    frame, given = study.context.axes, dict(study.given)
+    along = frame.T * vector(residuals(condition, study))
+    gaps = [residuals(one, study)[0] for one in (first, second)]
+    pairs = zip(along[:2], gaps, strict=True)
+    return equals(((a.xreplace(given), b) for a, b in pairs), "what vanishes along u and v")
+
+
+def idle(study: Study, _: Range, *, acts: bool, point: tuple[str, ...]) -> vo.Verdict:
+    """A reaction is a force at M: it has no torque about it, and one about O."""
+    if point[0] != "M":
+        one_of(point[0], {"O": 0})
+        force = vector(sp.symbols("X_u X_v X_n"))
+        torque = study.context.surfaces.arm.cross(force)
+        return denied(
+            not acts, equals(((x, 0) for x in torque), "the torque of a force at M about O")
+        )
+    return denied(not acts, study.context.idle())
+
+
+def energy_letters(study: Study, _: Range, *, letters: tuple[str, ...]) -> vo.Verdict:
+    """The arguments of the energy: the projections of m, and those of omega."""
+    if len(letters) != len(SLIP) + len(QUASI):
+        return vo.Verdict("refuted", f"{len(letters)} letters for {len(SLIP) + len(QUASI)}")
+    pairs = zip(letters, (*SLIP, *QUASI), strict=True)
+    return all_of(
+        *(equals([(value(x, study), y)], f"{x} as a projection of m or omega") for x, y in pairs)
+    )
+
+
+def starts_from(
+    study: Study, _: Range, *, constraints: Reference, kinematics: Reference
+) -> vo.Verdict:
+    """The one formula constrains the velocities, the other one holds for all of them."""
+    given = dict(study.given)
+    found = ((gap.xreplace(given), 0) for gap in residuals(kinematics, study))
+    return all_of(
+        imposed(constraints, study, f"({constraints.label}) where nothing slips"),
+        equals(found, f"({kinematics.label}) for all velocities"),
+    )
+
+
+def counted(
+    study: Study,
+    _: Range,
+    *,
+    count: int,
+    unknowns: int,
+    letters: tuple[str, ...],
+    others: tuple[str, ...],
+) -> vo.Verdict:
+    """Of the first order: the moments about M, the constraints, and the forms s, tau, n."""
+    surfaces = study.context.surfaces
+    several = 2 * len(surfaces.spin) + len(surfaces.contact.no_slip)
+    names = {str(q) for q in COORDINATES}
+    symbols = [
+        {str(value(x, study)) for x in some if x not in QUASI_LETTERS} for some in (letters, others)
+    ]
+    dots = {str(vo.velocity(q)) for q in BASE}
+    return all_of(
+        agreed(count, several, "equations"),
+        agreed(unknowns, several, "unknown functions"),
+        agreed((len(set(letters)), len(set(others))), (several, several), "letters"),
+        agreed(set(letters) & set(QUASI_LETTERS), set(QUASI_LETTERS), "angular velocities"),
+        agreed(symbols[0], names, "coordinates"),
+        agreed(symbols[1], names | dots, "coordinates and independent velocities"),
+    )
+
+
+QUASI_LETTERS = ("s", r"\tau", "n")
+
+
+def determinant(study: Study) -> str:
+    """The determinant on which it depends, in the paper's names."""
+    context: Any = study.context
+    text = (
+        r"\frac{\partial(s,\tau,n,\mathfrak m_\mathbf u,\mathfrak m_\mathbf v)}"
+        r"{\partial(\dot u,\dot v,\dot u_1,\dot v_1,\dot\vartheta)}"
+    )
+    return f"{text} = {typeset(context.determinant, study.spelling)}"
+
+
+SENTENCES = (
+    Sentence(
+        "As positive orientation Demchenko uses nowadays @sort:word{negative} orientation. This is "
+        "the reason the signs in several equations differs from the signs we used to have.",
+        handed,
+        "left-handed",
+    ),
+    Sentence(
+        "the Gauss coordinates $u, v$, $u_1, v_1$ at $M$ and the angle "
+        r"@angle:names{$\vartheta$} between @first:names{$\mathbf v_1$} and "
+        r"@second:names{$\mathbf u$}.",
+        neumann_angle,
+    ),
+    Sentence(
+        "Here, the velocity of the point $M$ is @how:relation{different from} zero.",
+        moving_contact,
+    ),
+    Sentence(
+        r"Let @names:names{$\mathfrak v^1$, $\mathfrak v$}  be the vectors of "
+        "@first:word{absolute} and @second:word{relative} velocities of $M$, i.,e, the time "
+        r"derivatives of @place:reference{\eqref{parametrizacija1}} and "
+        r"@other:reference{\eqref{parametrizacija}}, respectively.",
+        traces,
+    ),
+    Sentence(
+        r"The velocity @name:names{$\mathfrak m$} is usually expressed as the @side:word{left} "
+        r"hand side od @condition:reference{\eqref{uobicajeno}}.",
+        left_side_of,
+    ),
+    Sentence(
+        r"The condition @first:reference{\eqref{eq:nosliding1}} is @how:word{equivalent} to "
+        r"@second:reference{\eqref{uobicajeno}}.",
+        same_condition,
+    ),
+    Sentence(
+        r"Denote by @letters:names{$s, \tau, n, \mathfrak m_\mathbf u,\mathfrak m_\mathbf v,\mathfrak m_\mathbf n$} "
+        r"the projections of the angular velocity @first:names{$\omega$} and "
+        r"@second:names{$\mathfrak m$} on the axes @axes:names{$\mathbf u, \mathbf v, \mathbf n$}.",
+        projections,
+    ),
+    Sentence(
+        r"the formulae ((8-10)) are derived which express "
+        r"@letters:names{$s, \tau, n, \mathfrak m_\mathbf u, \mathfrak m_\mathbf v$} as "
+        "@sort:word{homogenous linear} functions of the time derivatives of the Neumann "
+        r"coordinates @dots:names{$\dot u, \dot v, \dot u_1, \dot v_1, \dot \vartheta$}, and "
+        "@back:word{vice-versa}.",
+        linear_forms,
+        derived=determinant,
+    ),
+    Sentence(
+        r"The condition @condition:reference{\eqref{eq:nosliding1}} gives the differential "
+        r"constraints @first:formula{$\mathfrak m_\mathbf u=0$} and "
+        r"@second:formula{$\mathfrak m_\mathbf v=0$} for rolling without sliding",
+        gives_constraints,
+    ),
+    Sentence(
+        "The equations of motion of a rolling without slipping of the rigid body $\\mathrm{T}$ over "
+        r"the surface $\mathrm S_1$ are derived in a two different equivalent ways.",
+        unaudited="the equations of this section are not printed; both ways are compared where "
+        "they are, with a gyroscope and by the principle",
+    ),
+    Sentence(
+        r"Here, since @product:formula{$[\mathbf x,\mathbf y]=\mathbf z$}, the sign "
+        "@differs:word{differs} from the usual one.",
+        usual_sign,
+        "left-handed",
+    ),
+    Sentence(
+        "Note that the forces of reactions of constraints do @acts:affirmed{not induce} torque "
+        "with respect to @point:names{$M$}.",
+        idle,
+    ),
+    Sentence(
+        "the kinetic energy written in terms of "
+        r"@letters:names{$\mathfrak m_\mathbf u,\mathfrak w_\mathbf v,\mathfrak m_\mathbf n, s, \tau,n$},",
+        energy_letters,
+        "energies",
+        derived=lambda _: r"\mathfrak m_\mathbf v",
+    ),
+    Sentence(
+        r"From the equations \eqref{eq:lawmoments} written in the moving frames, "
+        r"@constraints:reference{\eqref{eq:nosliding2}} and @kinematics:reference{\eqref{eq:n}},",
+        starts_from,
+        "rolling",
+    ),
+    Sentence(
+        "the system of @count:number{eight} differential equations in @unknowns:number{eight} "
+        r"unknown functions of time: @letters:names{$u, v, u_1, v_1, \vartheta, s, \tau, n$} (or, "
+        r"equivalently, @others:names{$u,v,\vartheta, u_1,v_1,\dot u,\dot v,\dot\vartheta$}) is "
+        "derived.",
+        counted,
+    ),
+)
