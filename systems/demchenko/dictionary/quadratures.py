@@ -235,6 +235,7 @@ class Level:
         the polynomials by the roots of X; ``product``: those of the level, where a_0 is what makes
         the product of the linear factors X.  A chain of equalities is proved in both: between the
         forms of X by phi, psi and by the roots in the one, from X to phi and psi in the other.
+        ``level free`` and ``letters``: nothing is given, and in the latter no equation holds.
         """
         kept = "C_5, h and Gamma are proved to be constant along the motion"
         root = "the root of X stands for (b_2/k) dx/dt, with its sign"
@@ -243,7 +244,14 @@ class Level:
             "level": self.study(self.state, root),
             "roots": split_by_roots(),
             "product": self._by_factors(),
+            "level free": self.study({}, "by the state"),
+            "letters": self._letters(),
         }
+
+    def _letters(self) -> Study:
+        """Velocities and angular velocities are any: only u changes, as x does."""
+        study = self.study({}, "for any motion")
+        return replace(study, motion=Motion({q: vo.velocity(q) for q in (u, v, theta, u1, v1)}))
 
     def _by_factors(self) -> Study:
         product = sp.prod(x - root for root in ROOTS.values())

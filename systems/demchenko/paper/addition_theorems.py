@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from voronec import Verdict
-from voronec.audit import Check, Display, Range, Section, Sentence, Study, Transcript
+from voronec.audit import Check, Display, Section, Study, Transcript
+
+from ..sentences.inversion import ADDITION as SENTENCES
 
 
 def law(study: str, printed: str, value: str) -> Check:
@@ -26,24 +27,11 @@ def studies(_: Transcript) -> dict[str, Study]:
     return addition_studies()
 
 
-def equal_sums(study: Study, where: Range) -> Verdict:
-    """Abel's theorem."""
-    from ..dictionary.weierstrass import abel
-
-    return abel(study, where)
-
-
 ADDITION_THEOREMS = Section(
     title="Elliptic functions and addition theorems",
     label=None,
     studies=studies,
-    sentences=(
-        Sentence(
-            r"the zeros $u$, $v$, $-u-v$ of $\wp'-a\wp-b$ have the same sum as its poles, up to a "
-            "period (the theorem of Abel for this function; for all others it is quoted)",
-            equal_sums,
-        ),
-    ),
+    sentences=SENTENCES,
     displays=(
         Display(
             r"""\begin{equation}\label{eq:addition1}

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from voronec import Verdict
-from voronec.audit import Check, Convention, Display, Range, Section, Sentence, Study, Transcript
+from voronec.audit import Check, Convention, Display, Section, Study, Transcript
+
+from ..sentences.inversion import INVERSION as SENTENCES
 
 
 def beside(*pairs: tuple[str, Callable[[Any], Any]], role: str = "claim", study: str = "") -> Check:
@@ -43,13 +44,6 @@ def where_y_falls(argument: Any) -> Any:
     return other_branch(argument)
 
 
-def from_the_theorem(study: Study, where: Range) -> Verdict:
-    """Whether the addition theorem gives the two relations."""
-    from ..dictionary.inversion import by_addition
-
-    return by_addition(study, where)
-
-
 BRANCH = Convention(
     statement=r"the root has the sign of $-\frac{dy}{du}$; with the sign that the later formulas "
     r"need it is $\sqrt{Y}=\wp(u)-\wp(u+\zeta)$",
@@ -66,17 +60,7 @@ INVERSION = Section(
         Display(r"$x=y+h$", (Check("definition", study="x"),)),
         Display(r"$x=y-a_1/a_0$", (OF_X,)),
     ),
-    sentences=(
-        Sentence(
-            r"the addition theorem gives the two relations between $y$ and $\wp(u+\zeta)$; the "
-            "formulas to which the text refers besides are not needed",
-            from_the_theorem,
-            derived=lambda _: (
-                r"\text{(eq:addition1) and (eq:addition2), with $2y$ in them; (eq:elliptic1) and "
-                r"(eq:elliptic2) do not speak of $\wp$}"
-            ),
-        ),
-    ),
+    sentences=SENTENCES,
     displays=(
         Display(
             r"""$$

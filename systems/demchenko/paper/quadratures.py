@@ -4,20 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from voronec.audit import Check, Convention, Display, Section, Sentence, Study, Transcript
+from voronec.audit import Check, Convention, Display, Section, Study, Transcript
 
-from ..dictionary.kinds_of_motion import (
-    always,
-    by_state,
-    forms,
-    in_seconds,
-    leading,
-    leading_printed,
-    ordered,
-    quadratic,
-    quadratic_printed,
-)
+from ..dictionary.kinds_of_motion import by_state, forms, in_seconds
 from ..dictionary.quadratures import level, x
+from ..sentences.quadratures import SENTENCES
 
 DEFINITION = Check("definition")
 BALL_TRACE = Check(study="level", derived=lambda study, where: forms(r"\phi(x)"))
@@ -53,24 +44,7 @@ QUADRATURES = Section(
         Display(r"$C_5=k\mu x_0$", (DEFINITION,)),
         Display(r"$\mu>1$"),
     ),
-    sentences=(
-        Sentence(
-            r"$X$ has the degree four in $x$, for all parameters",
-            always(leading, "!="),
-            derived=leading_printed,
-        ),
-        Sentence(r"the constants are in the order $b_0>b_1>P$", ordered),
-        Sentence(
-            r"$\phi$, $\psi$, $F$ and $\theta$ are quadratic polynomials in $x$",
-            quadratic,
-            derived=quadratic_printed,
-        ),
-        Sentence(
-            r"the constant $a_0$ is negative, that is, $I\mu^2+4A\mu'>0$",
-            always(leading, "<"),
-            derived=leading_printed,
-        ),
-    ),
+    sentences=SENTENCES,
     displays=(
         Display(
             r"""\begin{equation}\label{eq:elliptic1}

@@ -75,9 +75,8 @@ def changed_law(study: Study, _: Range, *, which: int, laws: Reference) -> vo.Ve
 def nothing_slips(study: Study, _: Range, *, constraint: Reference) -> vo.Verdict:
     """What makes the velocity of M over the surface that over the body."""
     (tree,) = constraint.trees(study)
-    keys = {key for key in mentions(tree)}
     wanted = {r"\mathfrak{v}", r"\mathfrak{v}^1"}
-    return agreed(keys, wanted, f"what ({constraint.label}) sets equal")
+    return agreed(set(mentions(tree)), wanted, f"what ({constraint.label}) sets equal")
 
 
 def cosines(

@@ -1,0 +1,262 @@
+"""Solving the system in terms of elliptic functions: what the text says beside its displays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
+
+from .. import A, k, n, s, tau, theta, u, u1, v, v1
+from ..dictionary.kinds_of_motion import (
+    chained,
+    leading,
+    leading_printed,
+    quadratic,
+    quadratic_printed,
+    signed,
+)
+from ..dictionary.quadratures import GAMMA, h, level, x
+from .claims import agreed, all_of, constant, denied, equals, residuals, value
+
+POLYNOMIALS = {r"\phi": "phi", r"\psi": "psi", "F": "F", r"\theta": "theta", "X": "X"}
+
+
+def degree_of(study: Study, where: Range, *, degree: int, variable: tuple[str, ...]) -> vo.Verdict:
+    """The coefficient of x^4 does not vanish, and there is no higher power."""
+    highest = int(sp.Poly(level().X, x).degree())
+    return all_of(
+        agreed(variable, ("x",), "the variable"),
+        agreed(degree, highest, "the degree"),
+        chained(("the coefficient of x^4 is not zero", signed(leading(), "!=", where))),
+    )
+
+
+def integrated(study: Study, _: Range, *, which: str, equations: Reference) -> vo.Verdict:
+    """One equation is the rate of A n + k mu cos u."""
+    gaps = residuals(equations, study)
+    order = {"first": 0, "second": 1, "third": 2, "last": len(gaps) - 1}
+    whole = A * n + k * level().mu * sp.cos(u)
+    rate = study.motion.derivative(whole)
+    gap = study.motion.restrict(gaps[one_of(which, order)])
+    return equals(
+        [(gap, rate)], f"equation '{which}' of ({equations.label}) and d/dt(A n + k mu x)"
+    )
+
+
+def never_changes(
+    study: Study, _: Range, *, definition: Quoted, sort: str, centre: tuple[str, ...]
+) -> vo.Verdict:
+    """C_5 and x_0 along the motion, by the state."""
+    given = level().integrals
+    left, right = (sp.sympify(part).xreplace(given) for part in _parts(definition, study))
+    other = sp.sympify(value(centre[0], study)).xreplace(given)
+    rates = [level().rate(e) for e in (left, other)]
+    return all_of(
+        equals([(left, right)], "both sides by the state"),
+        denied(constant(sort), equals(((rate, 0) for rate in rates), "their rates")),
+    )
+
+
+def _parts(formula: Quoted, study: Study) -> list[Any]:
+    from .claims import values
+
+    return values(formula, study)
+
+
+def elimination(
+    study: Study, _: Range, *, wanted: tuple[str, ...], gone: tuple[str, ...]
+) -> vo.Verdict:
+    """One velocity is taken out of the length of the momentum by the energy; what remains is linear."""
+    own, square = level(), sp.Symbol("square")
+    symbols = {"s": s, r"\tau": tau, "n": n}
+    left, out = one_of(wanted[0], symbols), one_of(gone[0], symbols)
+    energy = sp.expand(own.integrals[h] - h).subs(out**2, square)
+    found = sp.solve(energy, square)[0]
+    area = sp.expand(sp.expand(own.integrals[GAMMA] ** 2 - GAMMA**2).subs(out**2, found))
+    curved = vo.prove_equal(sp.diff(area, left, 2), 0)
+    if not vo.prove_equal(sp.diff(area, out), 0).proved:
+        return vo.Verdict("refuted", f"{gone[0]} stays there: its first power is in the momentum")
+    if vo.prove_equal(sp.diff(area, left), 0).proved:
+        return vo.Verdict("refuted", f"{wanted[0]} is no longer there")
+    return chained((f"what is left is linear in {wanted[0]}", curved))
+
+
+def from_energy(study: Study, _: Range, *, integral: Reference) -> vo.Verdict:
+    """It gives tau^2 by s, n and the energy alone."""
+    (gap,) = residuals(integral, study)
+    square = sp.Symbol("square")
+    held = sp.expand(gap).subs(tau**2, square)
+    slope = sp.diff(held, square)
+    movable = {str(w) for w in (s, n, h, u, GAMMA, tau) if sp.diff(held, w) != 0}
+    by_state = level().integrals
+    return all_of(
+        agreed(movable, {"s", "n", "h"}, "what it holds beside tau^2"),
+        denied(False, vo.prove_equal(slope, 0)),
+        equals([(gap.xreplace(by_state), 0)], f"({integral.label}) by the state"),
+    )
+
+
+def multiplied(
+    study: Study, _: Range, *, factor: Quoted, first: Reference, second: Reference
+) -> vo.Verdict:
+    """tau^2 from the energy, times a factor, with n and s sin u from two formulas, is X."""
+    own, product = level(), sp.Symbol("product")
+    energy = 2 * (own.integrals[h] - h)
+    speed = sp.solve(sp.expand(energy).subs(tau**2, product), product)[0]
+    by_axis = sp.solve(residuals(first, study)[0], n)
+    by_area = sp.solve(residuals(second, study)[0], s)
+    if len(by_axis) != 1 or len(by_area) != 1:
+        return vo.Verdict("refuted", f"({first.label}), ({second.label}) do not give n and s")
+    by = sp.sympify(_one(factor, study)) * speed
+    left = by.xreplace({n: by_axis[0], s: by_area[0]})
+    right = own.mu**2 * own.X.subs(x, sp.cos(u)) / own.pace**2
+    found = [(e.xreplace(own.integrals)) for e in (left, right)]
+    return equals([tuple(found)], "tau^2 times the factor, and X")
+
+
+def _one(formula: Quoted, study: Study) -> Any:
+    return value(formula, study)
+
+
+def substituted(
+    study: Study,
+    _: Range,
+    *,
+    what: tuple[str, ...],
+    which: int,
+    source: Reference,
+    into: Reference,
+    result: Reference,
+) -> vo.Verdict:
+    """With tau by the rate of u the formula is the equation for x, in the unit of time of X."""
+    own, symbol = level(), value(what[0], study)
+    gaps = residuals(source, study)
+    if not 1 <= which <= len(gaps):
+        return vo.Verdict("refuted", f"({source.label}) has {len(gaps)} equations")
+    found = sp.solve(gaps[which - 1], symbol)
+    if len(found) != 1:
+        return vo.Verdict(
+            "refuted", f"equation {which} of ({source.label}) does not give {what[0]}"
+        )
+    (gap,) = residuals(into, study)
+    b2 = own.pace * k
+    made = sp.expand(gap.xreplace({symbol: found[0]}) / (own.mu * k) ** 2)
+    (wanted,) = residuals(result, study)
+    rate = sp.Symbol("rate")
+    turned = {vo.velocity(u): rate}
+    scaled = wanted.xreplace({vo.velocity(u): rate * b2 / k})
+    return equals([(made.xreplace(turned), scaled)], f"({result.label}) in the unit of time b_2/k")
+
+
+def by_x(
+    study: Study, _: Range, *, velocities: tuple[str, ...], angles: tuple[str, ...]
+) -> vo.Verdict:
+    """On a level of the integrals these are algebraic in x."""
+    state = level().state
+    known = {w for w in (s, tau, n) if w in state}
+    known |= {w for w in (theta, u1) if any(sp.sympify(key).has(w) for key in state)}
+    named = {value(name, study) for name in (*velocities, *angles)}
+    return agreed({str(w) for w in named}, {str(w) for w in known}, "algebraic in x")
+
+
+def further(study: Study, _: Range, *, count: int) -> vo.Verdict:
+    """The angles of which only the rates are functions of x."""
+    state = level().state
+    left = [w for w in (v, v1, theta, u1) if not any(sp.sympify(key).has(w) for key in state)]
+    return agreed(count, len(left), f"angles that are integrals in x: {', '.join(map(str, left))}")
+
+
+def polynomials(study: Study, where: Range, *, names: tuple[str, ...], degree: int) -> vo.Verdict:
+    """The degrees of the polynomials in the rates of v and v_1."""
+    own = level()
+    degrees = {int(sp.Poly(getattr(own, one_of(name, POLYNOMIALS)), x).degree()) for name in names}
+    return all_of(agreed({degree}, degrees, "degrees"), lambda: quadratic(study, where))
+
+
+def in_products(
+    study: Study,
+    where: Range,
+    *,
+    name: tuple[str, ...],
+    degree: int,
+    lead: tuple[str, ...],
+    sign: str,
+    sort: str,
+) -> vo.Verdict:
+    """psi, and the coefficient before the product of the linear factors."""
+    own = level()
+    mine = int(sp.Poly(getattr(own, one_of(name[0], POLYNOMIALS)), x).degree())
+    coefficient = one_of(lead[0], {"a_0": leading()})
+    return all_of(
+        agreed(degree, mine, f"the degree of {name[0]}"),
+        agreed(
+            constant(sort), not coefficient.free_symbols & {s, tau, n}, "whether it is constant"
+        ),
+        chained((f"a_0 {sign} 0", signed(coefficient, sign, where))),
+    )
+
+
+SENTENCES = (
+    Sentence(
+        "where $X(x)$ is a degree @degree:number{four} polynomial in @variable:names{$x$}.",
+        degree_of,
+        derived=leading_printed,
+    ),
+    Sentence(
+        "Namely, integrating the @which:word{last} of the equations "
+        r"@equations:reference{\eqref{4.3.131415}}, he gets",
+        integrated,
+    ),
+    Sentence(
+        r"where @definition:formula{$C_5=k\mu x_0$} is a @sort:word{constant}, as well as "
+        "@centre:names{$x_0$}.",
+        never_changes,
+        "level free",
+    ),
+    Sentence(
+        "In order to get @wanted:names{$s$}, he eliminates @gone:names{$\\tau$} from the first "
+        "integrals, the area integral",
+        elimination,
+    ),
+    Sentence(
+        r"From the kinetic energy integral @integral:reference{\eqref{eq:kinetic}}, one gets",
+        from_energy,
+        "level free",
+    ),
+    Sentence(
+        r"By multiplying both sides by @factor:formula{$\sin^2u$} and by applying the formulae "
+        r"@first:reference{\eqref{4.4.4}} and @second:reference{\eqref{4.4.7}} one gets finally",
+        multiplied,
+        "level free",
+    ),
+    Sentence(
+        r"By substituting @what:names{$\tau$} from the @which:number{second} of the equations "
+        r"@source:reference{\eqref{4.2.789}} into @into:reference{\eqref{4.4.12}}, one comes to "
+        r"@result:reference{\eqref{eq:elliptic1}}.",
+        substituted,
+        "letters",
+    ),
+    Sentence(
+        r"Demchenko expresses the angular velocities @velocities:names{$s, \tau, n$} and also "
+        r"@angles:names{$u_1$ and $\vartheta$} as functions of $x$.",
+        by_x,
+    ),
+    Sentence(
+        "He needs @count:number{two} additional elliptic integrations",
+        further,
+    ),
+    Sentence(
+        r"where @names:names{$\phi, F, \theta$} are @degree:number{quadratic} polynomials in $x$.",
+        polynomials,
+        derived=quadratic_printed,
+    ),
+    Sentence(
+        r"where @name:names{$\psi$} is also a @degree:number{quadratic} polynomial in $x$ and "
+        "@lead:names{$a_0$} is a @sign:relation{negative} @sort:word{constant}.",
+        in_products,
+        derived=leading_printed,
+    ),
+)
