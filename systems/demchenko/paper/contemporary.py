@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from voronec.audit import Section, Study, Transcript
 
+from ..sentences.balls import SENTENCES as BALLS
+from ..sentences.geometry import SENTENCES as GEOMETRY
 from . import contemporary_balls as balls
 from . import contemporary_geometry as geometry
 
@@ -19,5 +21,5 @@ CONTEMPORARY = Section(
     studies=studies,
     displays=(*geometry.DISPLAYS, *balls.DISPLAYS),
     inline=(*geometry.INLINE, *balls.INLINE),
-    sentences=(*geometry.CLAIMS, *balls.CLAIMS),
+    sentences=(*GEOMETRY, *BALLS),
 )

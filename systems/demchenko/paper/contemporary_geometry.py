@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from voronec.audit import Check, Convention, Display, Range, Sentence, Study, Verdict
+from voronec.audit import Check, Convention, Display, Study
 
 SPACE = Check(study="space")
 DEFINITION = Check("definition", study="space")
@@ -61,35 +61,6 @@ def invariant_form() -> Check:
         derived=lambda study, where: study.context.right_side(),
         convention=CONVENTION,
     )
-
-
-def kernel(study: Study, _: Range) -> Verdict:
-    """Decide whether D is the kernel of A."""
-    return study.context.kernel()
-
-
-def torus(study: Study, _: Range) -> Verdict:
-    """Decide whether the flow on a torus has the measure."""
-    from ..dictionary.reductions import torus_measure
-
-    return torus_measure(study)
-
-
-def with_time(_: Study, __: Range) -> Verdict:
-    """Decide what the coefficients are where the constraints depend on the time."""
-    from ..dictionary.reductions import with_time as decided
-
-    return decided()
-
-
-def closed(study: Study, _: Range) -> Verdict:
-    """Decide whether the equations close on the base."""
-    return study.context.closed()
-
-
-def bilinear(study: Study, _: Range) -> Verdict:
-    """Decide whether JK has two arguments only."""
-    return study.context.bilinear()
 
 
 CITED = Check("cited", study="torus")
@@ -172,37 +143,4 @@ INLINE = (
     Display(r"$L(q,\dot q)=T(q,\dot q)-V(q)$", (Check("definition", study="applied"),)),
     Display(r"$L_c=L(q,\dot q^h)=\Theta-V$", (Check(study="applied"),)),
     Display(r"$L=T-V$", (Check("definition"),)),
-)
-
-CLAIMS = (
-    Sentence(r"$\mathcal D$ is the kernel of $A$", kernel, "space"),
-    Sentence(
-        r"for constraints that depend on the time, $A^{(\nu)}_{ij}$ and $A^{(\nu)}_i$ are, up to "
-        r"the sign, the components of the curvature of a connection on $Q\times\mathbb R$",
-        with_time,
-        "space",
-    ),
-    Sentence(
-        "where $L$ and the constraints are invariant under an Abelian group, the equations reduce "
-        "to the tangent bundle of the base",
-        closed,
-        "abelian",
-    ),
-    Sentence(
-        "where $L$ and the constraints are invariant under a group that is not Abelian, the "
-        "equations reduce to the tangent bundle of the base",
-        closed,
-        "affine group",
-    ),
-    Sentence(
-        "$JK(X,Y)$ is a (0,2)-tensor field on the base",
-        bilinear,
-        "abelian",
-        derived=lambda study: study.context.three_slots(),
-    ),
-    Sentence(
-        r"a flow $\dot\varphi_i=\omega_i/\Phi$ keeps the measure $\Phi d\varphi_1\dots d\varphi_m$",
-        torus,
-        "torus",
-    ),
 )

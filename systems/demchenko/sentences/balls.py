@@ -1,0 +1,405 @@
+"""Chaplygin's balls: what the text says beside its displays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
+from voronec.audit.meaning import evaluate
+
+from ..dictionary.chaplygin_balls import (
+    CONFIGURATIONS,
+    GAMMA,
+    OMEGA,
+    R1,
+    R2,
+    SIGNED,
+    Ball,
+    momentum_is_about_contact,
+)
+from ..dictionary.gyroscopic_balls import is_demchenkos, on_the_plane, rotor_is_kappa
+from ..dictionary.rubber_balls import is_veselovas
+from .claims import agreed, all_of, constant, denied, equals, holds, values
+
+INTEGRALS = ("F_1", "F_2", "F_3", "F_4")
+NAMED = {r.name.split()[0]: r for r in CONFIGURATIONS}
+
+
+def epsilon_of(formula: Quoted, study: Study) -> tuple[str, Any]:
+    r"""The relation and the number of a condition on \epsilon."""
+    tree = formula.tree(study)
+    if len(tree.parts) != 2 or formula.latex.strip("$ ").find(r"\epsilon") != 0:
+        raise vo.DefinitionError(f"'{formula.latex}' is no condition on epsilon")
+    return tree.relations[0], sp.sympify(evaluate(tree.parts[1], study))
+
+
+def configuration(study: Study, _: Range, *, surface: str, condition: Quoted) -> vo.Verdict:
+    """Rolling inside needs a larger sphere; a ball around the sphere is larger."""
+    name = one_of(surface, {"inner": "inner", "outer": "shell"})
+    where = NAMED[name]
+    radii = {R1: -SIGNED}
+    left, right = (
+        sp.sympify(v).xreplace(radii).xreplace(dict(where.values)) for v in values(condition, study)
+    )
+    relation = condition.tree(study).relations[0]
+    return vo.prove_inequality(left, relation, right, where.positive)
+
+
+def signs(
+    study: Study, _: Range, *, plus: Quoted, first: str, minus: Quoted, second: str, third: str
+) -> vo.Verdict:
+    """Epsilon is R_1/(R_1 + R_2) outside, and R_1/(R_1 - R_2) in the other two cases."""
+    sign = {"$+$": 1, "$-$": -1}
+    found = {"i": Ball.on_sphere(R1), "ii": Ball.on_sphere(-R1), "iii": Ball.on_sphere(-R1)}
+    claimed = {first: plus, second: minus, third: minus}
+    pairs = []
+    for case, printed in claimed.items():
+        radius = R1 + one_of(printed.latex, sign) * R2
+        pairs.append((one_of(case, found).epsilon, R1 / radius))
+    return all_of(agreed(set(claimed), set(found), "cases"), equals(pairs, "epsilon"))
+
+
+def about(study: Study, _: Range, *, point: str) -> vo.Verdict:
+    """G is what the mass matrix makes of omega."""
+    one_of(point, {"contact": True})
+    return momentum_is_about_contact()
+
+
+def flattened(study: Study, _: Range, *, limit: str, to: int, sort: str) -> vo.Verdict:
+    """The equations on a sphere as its radius grows or shrinks."""
+    ball = Ball.on_sphere(R1)
+    reached = one_of(limit, {"infinity": sp.oo, "zero": sp.Integer(0)})
+    end = sp.limit(ball.epsilon.xreplace({R2: sp.Integer(1)}), R1, reached)
+    found = on_the_plane(ball, Ball.on_plane())
+    return all_of(
+        agreed(sp.Integer(to), end, "the limit of epsilon"),
+        agreed(constant(sort), True, "whether the normal of a plane is constant in space"),
+        found,
+    )
+
+
+def measured(study: Study, where: Range, *, dimension: Quoted, sort: str) -> vo.Verdict:
+    """The density in the space of omega and gamma."""
+    size = dimension.latex.replace(" ", "")
+    return all_of(
+        agreed(size, rf"$\mathbbR^{len(OMEGA) + len(GAMMA)}({{\omega}},\gamma)$", "the space"),
+        denied(one_of(sort, {"invariant": True}), study.context.measure(where)),
+    )
+
+
+def always_integrals(
+    study: Study, where: Range, *, system: Reference, how: str, count: int
+) -> vo.Verdict:
+    """How many of the functions are integrals whatever epsilon."""
+    found = study.context
+    good = [name for name in INTEGRALS if found.constants([name], where).proved]
+    true = holds_in(system, study, where)
+    return all_of(
+        true,
+        agreed(one_of(how, {"always": "all", "never": "none", "sometimes": "some"}), "all", "when"),
+        agreed(count, len(good), f"integrals: {', '.join(good)}"),
+    )
+
+
+def holds_in(system: Reference, study: Study, where: Range) -> vo.Verdict:
+    """Whether equations hold along the motion, in a range."""
+    from .claims import residuals
+
+    gaps = [study.motion.along(g).xreplace(dict(where.values)) for g in residuals(system, study)]
+    pairs = (vo.prove_equal(gap, 0, study.relations) for gap in gaps)
+    return all_of(*pairs)
+
+
+def fourth(
+    study: Study, _: Range, *, epsilon: Quoted, which: int, integral: tuple[str, ...]
+) -> vo.Verdict:
+    """F_4 on the sphere of that epsilon, or on the plane."""
+    relation, number = epsilon_of(epsilon, study)
+    name = one_of(integral[0].split("=")[0], {x: x for x in INTEGRALS})
+    if relation != "=":
+        return vo.Verdict("undecided", "not one value of epsilon")
+    ball = (
+        Ball.on_plane() if number == 1 else Ball.on_sphere(sp.solve(R1 / (R1 + R2) - number, R1)[0])
+    )
+    return all_of(
+        agreed(which, INTEGRALS.index(name) + 1, "its number"),
+        lambda: ball.constants([name]),
+    )
+
+
+def tori(study: Study, _: Range, *, dimension: str) -> vo.Verdict:
+    """As many dimensions as are left of the space by its integrals."""
+    sizes = {f"{w}-dimensional": n for n, w in enumerate("one two three four".split(), start=1)}
+    ball = Ball.on_plane()
+    good = [name for name in INTEGRALS if ball.constants([name]).proved]
+    return agreed(one_of(dimension, sizes), len(OMEGA) + len(GAMMA) - len(good), "dimensions")
+
+
+def double_shell(
+    study: Study, _: Range, *, epsilon: Quoted, case: str, radii: Quoted
+) -> vo.Verdict:
+    """A shell whose radius is twice that of the sphere."""
+    relation, number = epsilon_of(epsilon, study)
+    left, right = values(radii, study)
+    ratio = sp.solve(left - right, R1)
+    if len(ratio) != 1 or relation != "=":
+        return vo.Verdict("undecided", "not one value of epsilon")
+    made = (R1 / (R1 - R2)).xreplace({R1: ratio[0]})
+    names = {"(iii)": "shell", "(ii)": "inner", "(i)": "outer"}
+    inside = vo.prove_inequality(ratio[0], "<", R2)
+    return all_of(
+        equals([(made, number)], "epsilon of those radii"),
+        inside,
+        agreed(one_of(case, names), "shell", "the case in which R_1 < R_2"),
+        lambda: study.context.constants([r"\tilde F_4"]),
+    )
+
+
+def no_twist(study: Study, _: Range, *, constraint: Quoted) -> vo.Verdict:
+    """On the constraint the component of omega along the normal vanishes."""
+    return holds(constraint, study, "omega along the normal of the rubber ball")
+
+
+def multiplier(study: Study, _: Range, *, how: str, constraint: Quoted) -> vo.Verdict:
+    """lambda makes the rate of the constraint zero."""
+    whole = study.context
+    rates = whole.motion.along(whole.motion.derivative(whole.motion.restrict(OMEGA).dot(GAMMA)))
+    found = vo.prove_equal(rates, 0, study.relations)
+    one_of(how, {"differentiation": True})
+    return all_of(holds(constraint, study, "the constraint"), found)
+
+
+def keeps(study: Study, where: Range, *, sort: str, density: Quoted) -> vo.Verdict:
+    """Whether the flow has the printed density, on the constraint."""
+    whole = study.context
+    printed = density.tree(study).parts[1]
+    weight = evaluate(printed, study)
+    from ..dictionary.rubber_balls import AREA
+
+    found = vo.prove_equal(vo.divergence(weight * AREA, whole.flow), 0, study.relations)
+    return denied(one_of(sort, {"invariant": True}), found)
+
+
+def veselova(study: Study, _: Range, *, epsilon: Quoted) -> vo.Verdict:
+    """The rubber ball on a plane; elsewhere gamma turns at another rate."""
+    relation, number = epsilon_of(epsilon, study)
+    return all_of(
+        agreed((relation, number), ("=", sp.Integer(1)), "where gamma turns as it does for a body"),
+        lambda: is_veselovas(study.context),
+    )
+
+
+def gyroscope(
+    study: Study, _: Range, *, sort: str, axis: str, vector: tuple[str, ...]
+) -> vo.Verdict:
+    """A rotor with a coordinate of its own adds a constant vector along its axis."""
+    return all_of(
+        agreed(one_of(axis, {"axis": "axis", "equator": "equator"}), "axis", "its direction"),
+        agreed(vector, (r"\mathbf G",), "to what it is added"),
+        lambda: denied(constant(sort), rotor_is_kappa()),
+    )
+
+
+def over_what(study: Study, _: Range, *, surface: str, equations: Quoted) -> vo.Verdict:
+    """The equations hold on every sphere; the print does not say over what the ball rolls."""
+    if not surface.strip():
+        return vo.Verdict(
+            "refuted", "what the ball rolls over is left out; the equations hold on a sphere"
+        )
+    true = {"sphere": study.context, "plane": None}
+    if one_of(surface.strip(), true) is None:
+        return denied(False, vo.prove_equal(study.context.epsilon, 1))
+    gaps = []
+    for tree in equations.trees(study):
+        left, right = (evaluate(part, study) for part in tree.parts)
+        gaps += list(study.motion.along(left - right))
+    return all_of(*(vo.prove_equal(gap, 0, study.relations) for gap in gaps))
+
+
+def markeev(study: Study, _: Range, *, epsilon: Quoted, same: str, count: int) -> vo.Verdict:
+    """The ball with a gyroscope on a plane: its density and its integrals."""
+    relation, number = epsilon_of(epsilon, study)
+    plain = Ball.on_plane()
+    good = [name for name in INTEGRALS if study.context.constants([name]).proved]
+    equal = vo.prove_equal(plain.density, study.context.density, study.relations)
+    return all_of(
+        agreed((relation, number), ("=", sp.Integer(1)), "where the plane is"),
+        denied(one_of(same, {"same": True, "different": False}), equal),
+        study.context.measure(),
+        agreed(count, len(good), "integrals"),
+    )
+
+
+def for_all(study: Study, where: Range, *, functions: tuple[str, ...], how: str) -> vo.Verdict:
+    """Whether functions are integrals whatever epsilon."""
+    found = study.context.constants(
+        [one_of(x, {n: n for n in INTEGRALS}) for x in functions], where
+    )
+    if how in ("all", "none"):
+        return denied(how == "all", found)
+    return vo.Verdict("undecided", f"whether that is so for '{how}' alone is not decided here")
+
+
+def demchenkos(
+    study: Study, _: Range, *, first: Quoted, second: Quoted, condition: Reference
+) -> vo.Verdict:
+    """On the plane and on a sphere; the condition makes three moments equal."""
+    from voronec.audit.structure import mentions
+
+    from .. import SYSTEM
+
+    (tree,) = condition.trees(study)
+    letters = set(mentions(tree))
+    return all_of(
+        agreed(epsilon_of(first, study), ("=", sp.Integer(1)), "the plane"),
+        agreed(epsilon_of(second, study), (r"\ne", sp.Integer(1)), "a sphere"),
+        agreed(letters, {"C_1", "A_1", "A_2"}, f"moments in ({condition.label})"),
+        lambda: is_demchenkos(SYSTEM),
+    )
+
+
+QUOTED = "a result of others that is quoted, and not derived here"
+
+SENTENCES = (
+    Sentence(
+        r"(ii) rolling of $\mathrm B$ over @surface:word{inner} surface of $\mathrm S$ "
+        "(@condition:formula{$R_1>R_2$});",
+        configuration,
+        "outer",
+    ),
+    Sentence(
+        r"(iii) rolling of $\mathrm B$ over @surface:word{outer} surface of $\mathrm S$, but "
+        r"$\mathrm S$ is within $\mathrm B$ (@condition:formula{$R_1<R_2$},",
+        configuration,
+        "outer",
+    ),
+    Sentence(
+        'where we take "@plus:formula{$+$}" for the case (@first:word{i}) and '
+        '"@minus:formula{$-$}" in the cases (@second:word{ii}) and (@third:word{iii})',
+        signs,
+        "outer",
+    ),
+    Sentence(
+        "is the angular momentum of the ball with respect to the point of @point:word{contact}",
+        about,
+        "outer",
+    ),
+    Sentence(
+        r"When $R_1$ tends to @limit:word{infinity}, $\epsilon$ tends to @to:number{1}, $\gamma$ "
+        "tends to the unit vector that is @sort:word{constant} in the fixed reference frame.",
+        flattened,
+        "plane",
+    ),
+    Sentence(
+        r"In the space @dimension:formula{$\mathbb R^6({\omega},\gamma)$} the system has an "
+        "@sort:word{invariant} measure with the density",
+        measured,
+        "spheres",
+        derived=lambda study: study.context.wider_density(),
+    ),
+    Sentence(
+        r"Also, the system @system:reference{\eqref{Chap}} @how:word{always} has "
+        "@count:number{three} integrals",
+        always_integrals,
+        "spheres",
+    ),
+    Sentence(
+        r"For @epsilon:formula{$\epsilon=1$}, there is a @which:number{fourth} first integral "
+        "@integral:names{$F_4=({\\mathbf\nG},\\gamma)$}.",
+        fourth,
+        "outer",
+    ),
+    Sentence(
+        "the phase space is almost everywhere foliated by @dimension:word{two-dimensional} "
+        "invariant tori with quasi-periodic, non-uniform motion",
+        tori,
+        "plane",
+    ),
+    Sentence(
+        "Borisov and Mamaev proved that the system \\eqref{Chap} is Hamiltonizable with respect to "
+        r"a certain nonlinear Poisson bracket on $\mathbb R^6$",
+        unaudited=QUOTED,
+    ),
+    Sentence(
+        r"Remarkably, for @epsilon:formula{$\epsilon=-1$} (the case @case:word{(iii)} with "
+        "@radii:formula{$R_2=2R_1$}) Borisov and Fedorov (see \\cite{BF}) found an integrable case "
+        "with the following fourth first integral",
+        double_shell,
+        "double shell",
+    ),
+    Sentence(
+        r"One can consider the additional nonholonomic constraint "
+        r"@constraint:formula{$(\omega,\gamma)=0$} describing \emph{no-twisting} condition",
+        no_twist,
+        "rubber",
+    ),
+    Sentence(
+        "is determined by @how:word{differentiation} of the constraint "
+        r"@constraint:formula{$(\omega,\gamma)=0$}.",
+        multiplier,
+        "rubber",
+    ),
+    *(
+        Sentence(
+            r"""The system has an @sort:word{invariant} measure with the density
+@density:formula{$
+\mu_\epsilon(\gamma)=(\mathbf I^{-1}\gamma,\gamma)^\frac{1}{2\epsilon}
+$}""",
+            keeps,
+            name,
+        )
+        for name in ("rubber", "rubber inside")
+    ),
+    Sentence(
+        r"Note that for @epsilon:formula{$\epsilon=1$}, the above equations coincide with the "
+        "equations of nonholonomic rigid body motion studied by Veselov and Veselova",
+        veselova,
+        "rubber on a plane",
+    ),
+    Sentence(
+        r"The problem is Hamiltonizable for all $\epsilon$",
+        unaudited=QUOTED,
+    ),
+    Sentence(
+        "the addition of a gyroscope is equivalent to the addition of a @sort:word{constant} "
+        r"angular momentum $\kappa$, directed as the @axis:word{axis} of the gyroscope, to "
+        r"@vector:names{$\mathbf G$}",
+        gyroscope,
+        "outer with gyroscope",
+    ),
+    Sentence(
+        r"""we can write the equations of the Chaplygin ball with the gyroscope rolling without slipping over the@surface:word{}
+@equations:formula{\begin{equation}
+\dot{\mathbf G}=({\mathbf G}+\kappa)\times\omega,
+\qquad \dot{\gamma}=\epsilon
+\gamma\times\omega. \label{Chap*}\end{equation}}""",
+        over_what,
+        "outer with gyroscope",
+        derived=lambda _: r"\text{over the sphere}",
+    ),
+    Sentence(
+        r"When @epsilon:formula{$\epsilon=1$} we have the Markeev integrable case "
+        r"\cite{Markeev1985}. The system has an invariant measure with the @same:word{same} density "
+        r"\eqref{mu-ch} and @count:number{four} first integrals",
+        markeev,
+        "plane with gyroscope",
+    ),
+    Sentence(
+        r"The functions @functions:names{$F_1$, $F_2$, and $F_3$} are integrals for "
+        r"@how:quantifier{all} $\epsilon$.",
+        for_all,
+        "spheres with gyroscope",
+    ),
+    Sentence(
+        "When the ball is dynamically symmetric with the gyroscope directed along the axis of the "
+        r"symmetry, it is the Bobylev--Zhukovsky case for @first:formula{$\epsilon=1$}  "
+        r"\cite{Bob1892, Zhuk1893}, while when @second:formula{$\epsilon\ne 1$} and the Zhukovsky "
+        r"condition @condition:reference{\eqref{uslovZh}} on the moments of inertia of the ball and "
+        "the gyroscope are satisfied, we obtain the Demchenko integrable case.",
+        demchenkos,
+        "spheres with gyroscope",
+    ),
+)

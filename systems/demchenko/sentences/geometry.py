@@ -1,0 +1,222 @@
+"""Connections, curvature, reduction: what the text says beside its displays."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
+from voronec.audit.structure import mentions
+
+from ..dictionary.general import BASE, FIBRE, TOTAL
+from ..dictionary.geometry import CONSTRAINTS, POTENTIAL, Q, V, kinetic_energy
+from ..dictionary.reductions import torus_measure, with_time
+from .claims import agreed, all_of, denied, equals
+
+
+def constrained(study: Study, _: Range, *, sort: str, degree: str, timed: bool) -> vo.Verdict:
+    """The distribution has a curvature; the constraints are linear and free of the time."""
+    link = study.context.connection
+    bend = [link.bracket(1, 2)[BASE + nu] for nu in range(FIBRE)]
+    flat = equals(((x, 0) for x in bend), "the curvature")
+    rest = dict.fromkeys(V, sp.Integer(0))
+    homogeneous = equals(((c.xreplace(rest), 0) for c in CONSTRAINTS), "the constraints at rest")
+    still = equals(((sp.diff(c, vo.time), 0) for c in CONSTRAINTS), "their derivatives by the time")
+    return all_of(
+        denied(one_of(sort, {"integrable": True, "nonintegrable": False}), flat),
+        denied(one_of(degree, {"homogeneous": True, "nonhomogeneous": False}), homogeneous),
+        denied(not timed, still),
+    )
+
+
+def across(study: Study, _: Range, *, how: str) -> vo.Verdict:
+    """D and the fibres have independent directions."""
+    names = study.names
+    both = sp.Matrix.hstack(names[r"\mathcal D_q"], names[r"\mathcal V_q"])
+    found = denied(False, vo.prove_equal(both.det(), 0))
+    return denied(one_of(how, {"transverse": True, "tangent": False}), found)
+
+
+def kernel(study: Study, _: Range, *, what: str) -> vo.Verdict:
+    """D is what A sends to zero."""
+    image = agreed(what, "kernel", "A sends D to zero; D is its")
+    return all_of(image, study.context.kernel())
+
+
+def mapping(study: Study, _: Range, *, sort: str) -> vo.Verdict:
+    """A(aX + bY) = a A(X) + b A(Y), and A(X) is vertical."""
+    link = study.context.connection
+    a, b = sp.symbols("a b")
+    x, y = (sp.Matrix([sp.Function(f"{w}{s}")(*Q) for s in range(TOTAL)]) for w in "XY")
+    left, right = link.vertical(a * x + b * y), a * link.vertical(x) + b * link.vertical(y)
+    found = all_of(
+        equals(zip(left, right, strict=True), "A of a sum"),
+        equals(((e, 0) for e in link.vertical(x)[:BASE]), "its components along the base"),
+    )
+    return denied(one_of(sort, {"linear": True, "nonlinear": False, "quadratic": False}), found)
+
+
+def two_form(study: Study, _: Range, *, values: str, sort: str) -> vo.Verdict:
+    """B(X, Y) is vertical, bilinear, and changes its sign with the order of X and Y."""
+    link = study.context.connection
+    x, y = (sp.symbols(f"{w}1:{TOTAL + 1}") for w in "XY")
+    xy, yx = link.curvature(x, y), link.curvature(y, x)
+    double = link.curvature([2 * e for e in x], y)
+    along = {"vertical": xy[:BASE], "horizontal": xy[BASE:]}
+    linear = equals(((a, 2 * b) for a, b in zip(double, xy, strict=True)), "B(2X, Y)")
+    turned = equals(((a, -b) for a, b in zip(xy, yx, strict=True)), "B(Y, X)")
+    return all_of(
+        equals(((e, 0) for e in one_of(values, along)), "the other components"),
+        linear,
+        denied(one_of(sort, {"two-form": True, "symmetric form": False}), turned),
+    )
+
+
+def lagrangian(study: Study, _: Range, *, operation: str) -> vo.Verdict:
+    """L by the two energies, in the equations of d'Alembert."""
+    made = {
+        "difference": kinetic_energy() - POTENTIAL,
+        "sum": kinetic_energy() + POTENTIAL,
+    }
+    ours = study.context.eqs.system.lagrangian
+    forces = zip(study.context.forces, (-sp.diff(POTENTIAL, q) for q in Q), strict=True)
+    return all_of(
+        equals([(one_of(operation, made), ours)], "L and the two energies"),
+        equals(forces, "the forces of V"),
+    )
+
+
+def moving(
+    study: Study, _: Range, *, degree: str, timed: str, constraints: Reference
+) -> vo.Verdict:
+    """A_ij and A_i are components of a curvature, time being a coordinate of the base."""
+    (tree,) = constraints.trees(study)
+    held = mentions(tree)
+    offset = any(key.startswith("a_") and "," not in key for key in held)
+    return all_of(
+        agreed(
+            offset, one_of(degree, {"nonhomogeneous": True, "homogeneous": False}), "an offset a_nu"
+        ),
+        agreed(
+            "t" in held, one_of(timed, {"time dependent": True, "stationary": False}), "the time"
+        ),
+        lambda: with_time(),
+    )
+
+
+def reduces(study: Study, _: Range, *, system: Reference, manifold: str) -> vo.Verdict:
+    """Mass, force and Lagrangian are free of the fibre: for translations."""
+    (tree,) = system.trees(study)
+    keys = mentions(tree)
+    return all_of(
+        agreed(one_of(manifold, {"base": "base", "total": "fibre"}), "base", "what is left"),
+        agreed(any("L_c" in key for key in keys), True, f"whether ({system.label}) is in L_c"),
+        lambda: study.context.closed(),
+    )
+
+
+def principal(study: Study, _: Range, *, sort: str) -> vo.Verdict:
+    """The connection does not change under the group, of two sorts."""
+    lift = study.context.connection.lift
+    fibre = study.context.connection.coordinates[-2:]
+    if one_of(sort, {"principal": True, "flat": False}):
+        return all_of(
+            equals(
+                ((sp.diff(e, s), 0) for e in lift[:2, :] for s in fibre), "base part of the lift"
+            ),
+            study.context.closed(),
+        )
+    bracket = study.context.connection.bracket(1, 2)
+    return equals(((e, 0) for e in bracket), "the curvature")
+
+
+def tensor(study: Study, _: Range, *, slots: Quoted) -> vo.Verdict:
+    """Whether JK is linear in each of two arguments."""
+    numbers = slots.latex.strip("$() ").replace(" ", "")
+    arguments = sum(int(x) for x in numbers.split(","))
+    if arguments == 2:
+        return study.context.bilinear()
+    return agreed(arguments, 3, "arguments of the tensor from which it comes")
+
+
+def torus(study: Study, _: Range, *, sort: str, factor: str) -> vo.Verdict:
+    """A flow with such rates keeps the measure with the density Phi: the last step alone."""
+    one_of(sort, {"integrability": True})
+    one_of(factor, {"original": True})
+    return torus_measure(study)
+
+
+TENSOR = r"\text{a tensor of three arguments:}\quad "
+
+SENTENCES = (
+    Sentence(
+        "Consider a Lagrangian nonholonomic system $(Q,L,\\mathcal D)$ where the constraints "
+        r"define a @sort:word{nonintegrable} distribution $\mathcal D$ of the tangent bundle "
+        "$TQ$, i.e, the constraints are @degree:word{homogeneous} and do @timed:affirmed{not "
+        "depend} of time.",
+        constrained,
+        "space",
+    ),
+    Sentence(
+        r"and that $\mathcal D$ is @how:word{transverse} to the fibers of $\pi$:",
+        across,
+        "space",
+    ),
+    Sentence(
+        r"The distribution $\mathcal D$ can be seen as the @what:word{kernel} of a vector-valued "
+        "one form $A$ on $Q$,",
+        kernel,
+        "space",
+    ),
+    Sentence(
+        r"(i) $A_q\colon T_q Q \to\mathcal V_q$ is a @sort:word{linear} mapping, $q\in Q$;",
+        mapping,
+        "space",
+    ),
+    Sentence(
+        r"The \emph{curvature} $B$ of the connection $A$ is a @values:word{vertical} "
+        "vector-valued @sort:word{two-form} defined by",
+        two_form,
+        "space",
+    ),
+    Sentence(
+        "where the Lagrangian is the @operation:word{difference} of the kinetic and the potential "
+        "energy",
+        lagrangian,
+        "motion",
+    ),
+    Sentence(
+        "In the case when the constraints are @degree:word{nonhomogeneous} and "
+        r"@timed:word{time dependent} @constraints:reference{\eqref{v1}}, the coefficients "
+        r"$A^{(\nu)}_{ij}$, $A^{(\nu)}_i$ can be also interpreted as the component of the curvature "
+        r"of the Ehresmann connection of the fiber bundle $\pi: Q\times \mathbb R\to S\times "
+        r"\mathbb R$",
+        moving,
+        "space",
+    ),
+    Sentence(
+        r"Then $A$ is a @sort:word{principal} connection and",
+        principal,
+        "affine group",
+    ),
+    Sentence(
+        r"the nonholonomic system @system:reference{\eqref{v5*}} is $G$--invariant and reduces to "
+        "the tangent bundle of the @manifold:word{base} manifold $S$.",
+        reduces,
+        "affine group",
+    ),
+    Sentence(
+        r"and $JK(X,Y)$ is a @slots:formula{$(0,2)$}--tensor field on the base manifold $S$,",
+        tensor,
+        "abelian",
+        derived=lambda study: study.context.three_slots(),
+    ),
+    Sentence(
+        "In the case of @sort:word{integrability}, the dynamics over regular invariant "
+        "$m$--dimensional tori, in the @factor:word{original} time, has the form",
+        torus,
+        "torus",
+        cited="that such a flow keeps the measure with the density Phi; that every integrable "
+        "system with a measure has this form is quoted",
+    ),
+)
