@@ -16,6 +16,8 @@ from voronec.systems.demchenko.paper.special_solutions import SPECIAL_SOLUTIONS
 
 from voronec.audit import FormulaRecord, Range, Record
 from voronec.audit.run import audit_section
+from voronec.audit.transcript import formulas_by_label
+from voronec.catalogue import load_paper
 
 OUTER, INNER, SHELL = RANGES
 STUDY = level().study({})
@@ -24,7 +26,8 @@ STUDY = level().study({})
 @pytest.fixture(scope="module")
 def records() -> dict[str, tuple[Record, ...]]:
     sections = (QUADRATURES, KINDS_OF_MOTION, SPECIAL_SOLUTIONS)
-    return {section.title: audit_section(section) for section in sections}
+    labels = formulas_by_label(load_paper("demchenko").sections)
+    return {section.title: audit_section(section, labels=labels) for section in sections}
 
 
 def formulas(records: tuple[Record, ...], kind: str) -> list[FormulaRecord]:
@@ -68,7 +71,8 @@ def test_claims_hold_in_the_ranges_in_which_they_are_true(
         title: [in_ranges(f) for f in formulas(several, "text") if f.says]
         for title, several in records.items()
     }
-    assert found[QUADRATURES.title] == [outer, outer, everywhere, outer]
+    middle = [everywhere] * 9
+    assert found[QUADRATURES.title] == [outer, *middle, outer]
     nowhere = ("refuted",) * 3
     assert found[KINDS_OF_MOTION.title] == [everywhere] * 2 + [nowhere] + [everywhere] * 7
     special = [(), everywhere, everywhere, outer, nowhere, nowhere, everywhere, outer]
@@ -112,9 +116,9 @@ def test_what_contradicts_the_claims_is_refuted() -> None:
     for second, third, truth in ((-1, 0, True), (1, 0, False), (0, 1, False), (0, -1, False)):
         assert stability.claimed_of(stability.stable(second, third), truth).proved
         assert stability.claimed_of(stability.stable(second, third), not truth).refuted
-    assert kinds.always(kinds.leading, ">")(STUDY, OUTER).refuted
-    assert kinds.always(kinds.leading, ">")(STUDY, INNER).refuted  # it has either sign there
-    assert kinds.always(kinds.leading, "<")(STUDY, SHELL).refuted
+    assert kinds.signed(kinds.leading(), ">", OUTER).refuted
+    assert kinds.signed(kinds.leading(), ">", INNER).refuted  # it has either sign there
+    assert kinds.signed(kinds.leading(), "<", SHELL).refuted
 
 
 @pytest.mark.parametrize("where", [INNER, SHELL], ids=["inner", "shell"])

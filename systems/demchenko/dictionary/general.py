@@ -18,7 +18,6 @@ import voronec as vo
 from voronec.audit import Motion, Study, Transcript
 
 from .principle import dalembert, lagrange
-from .verdicts import all_equal
 
 BASE, FIBRE = 3, 2
 TOTAL = BASE + FIBRE
@@ -120,14 +119,6 @@ class General:
             along = [self.eqs.curvature[nu, i, j] * w for j, w in enumerate(V[:BASE])]
             found += sp.Add(*along, self.eqs.curvature.time[nu, i]) * variation
         return found
-
-    def momenta_of_base(self) -> vo.Verdict:
-        """Whether the momenta K_nu are the derivatives of T by the velocities of q_nu."""
-        energy = self.names["T"]
-        return all_equal(
-            (self.motion.restrict(sp.diff(energy, V[nu])), momentum)
-            for nu, momentum in enumerate(self.eqs.momenta)
-        )
 
     def chaplygins(self) -> vo.Verdict:
         """Whether the d'Alembert equations are Chaplygin's, and close in the base."""

@@ -16,15 +16,6 @@ from .quadratures import C5, GAMMA, INERTIA, RATIO, h, level, p, share, x
 Decide = Callable[[Study, Range], vo.Verdict]
 
 
-def always(value: Callable[[], Any], relation: str) -> Decide:
-    """Whether an expression in the parameters and in k > 0 has a sign in a range."""
-
-    def decide(_: Study, where: Range) -> vo.Verdict:
-        return signed(value(), relation, where)
-
-    return decide
-
-
 def signed(value: Any, relation: str, where: Range) -> vo.Verdict:
     """The sign of an expression in a range, k being positive: else the axis is turned round."""
     inside = sp.sympify(value).xreplace(dict(where.values))
@@ -89,15 +80,6 @@ def proved(left: Any, right: Any) -> None:
     """What is printed as derived must be proved."""
     if not vo.prove_equal(left, right).proved:
         raise vo.DefinitionError(f"'{left}' is to be printed as '{right}', which it is not")
-
-
-def ordered(_: Study, where: Range) -> vo.Verdict:
-    """b_0 > b_1 > P."""
-    names = level().names()
-    return chained(
-        ("b_0 > b_1", signed(names["b_0"] - names["b_1"], ">", where)),
-        ("b_1 > P", signed(names["b_1"] - names["P"], ">", where)),
-    )
 
 
 def quadratic(_: Study, __: Range) -> vo.Verdict:

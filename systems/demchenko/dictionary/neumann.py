@@ -31,7 +31,6 @@ from .surfaces import (
     v1,
     vector,
 )
-from .verdicts import worst
 
 TURN = sp.symbols("e_0:4")
 ARM = sp.symbols("x y z")
@@ -138,12 +137,6 @@ class Space:
             )
 
         return {"free": study(self.free), "rolling": study(self.surfaces.motion)}
-
-    def same_condition(self) -> vo.Verdict:
-        """Whether the trace's velocities differ by the left side of the usual condition."""
-        names = self.names
-        difference = names[r"\mathfrak v^1"] - names[r"\mathfrak v"] - names[r"\mathfrak m"]
-        return worst(vo.prove_equal(x.xreplace(self.rules)) for x in difference)
 
     def idle(self) -> vo.Verdict:
         """Whether the multipliers of the constraints are a force at the body's point M.
@@ -255,10 +248,6 @@ class Attitude:
     def principal(self) -> tuple[sp.Matrix, sp.Matrix]:
         """Velocity of O and angular velocity along x, y, z."""
         return self.matrix * self.centre, self.matrix * vector(QUASI)
-
-    def slipped(self) -> vo.Verdict:
-        """Whether the projection of the velocity of O on v is that of the slip, too."""
-        return vo.prove_equal(self.centre[1], SLIP[1])
 
     def study(self) -> Study:
         """The two energies as functions of their arguments."""
