@@ -181,3 +181,14 @@ def test_a_paper_quotes_its_sentences() -> None:
     for section in load_paper("demchenko").sections:
         for sentence in section.sentences:
             assert replace(sentence).quotation == sentence.quotation
+
+
+@pytest.mark.parametrize("label", ["text 3", "(e)", "e"])
+def test_a_record_is_found_by_the_name_that_the_page_shows(label: str) -> None:
+    display = Display(r"\begin{equation}\label{e} a=a \end{equation}")
+    sections = tuple(
+        Section(title, shown, lambda _: {"only": Study({"a": 1})}, sentences=(SENTENCE,) * 2)
+        for title, shown in (("s", (display,)), ("t", ()))
+    )
+    found = audit_paper(Paper("p", "P", sections), label=label).records
+    assert [(r.section, r.called) for r in found] == [("s", "text 3" if " " in label else "(e)")]

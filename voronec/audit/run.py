@@ -39,8 +39,9 @@ def audit_paper(
         where finished verdicts are kept; those whose transcription, dictionary and engine are
         unchanged are taken from there, and the others are put there as they come.
     label
-        of a display or a section: audit only that section, and return only what bears the label;
-        an unknown one raises ``DefinitionError``.
+        of a display or a section, or what a record is called on the page ("text 3"): audit only
+        the sections that have it, and return only what is called so; an unknown one raises
+        ``DefinitionError``.
     """
     sections = paper.sections if label is None else _sections_with(paper, label)
     # What verdicts rest on is looked at before any is made: sources may be edited meanwhile.
@@ -52,17 +53,23 @@ def audit_paper(
         shelf = None if cache is None or basis is None else _Shelf(cache, basis, key)
         records += audit_section(section, progress, shelf, labels)
     if label is not None:
-        records = [r for r in records if label in (r.label, _label_of(paper, r.section))]
+        records = [r for r in records if label in (r.label, r.called, _label_of(paper, r.section))]
     return Audit(paper.name, paper.title, tuple(records), paper.references, paper.authors)
 
 
 def _sections_with(paper: Paper, label: str) -> list[Section]:
-    labels = {s.label: s for s in paper.sections if s.label}
-    labels |= {u.label: s for s in paper.sections for d in s.displays for u in d.units if u.label}
-    if label not in labels:
-        hint = did_you_mean(label, list(labels))
+    """Those that bear a label, or in which a record is called so, as on the page."""
+    found, labels = [], list[str]()
+    for section in paper.sections:
+        own = [section.label] if section.label else []
+        everything = list(items(Transcript(section)))
+        labels += own + [item.label for item in everything if item.label]
+        if label in own or any(label in (item.label, item.called) for item in everything):
+            found.append(section)
+    if not found:
+        hint = did_you_mean(label, labels)
         raise DefinitionError(f"nothing in the paper '{paper.name}' is labelled '{label}'{hint}")
-    return [labels[label]]
+    return found
 
 
 def _label_of(paper: Paper, title: str) -> str | None:

@@ -160,7 +160,11 @@ def _affirmed(printed: str, _: Labels) -> bool:
 def _names(printed: str, _: Labels) -> tuple[str, ...]:
     """The names of a list, without spaces; ``and`` or a comma stands between them."""
     inner = re.sub(r"\$\s*(?:,|and|,\s*and)\s*\$", ",", printed).strip("$")
-    return tuple(tight(name) for name in _at_commas(inner))
+    found = tuple(tight(name) for name in _at_commas(inner))
+    twice = [name for name in dict.fromkeys(found) if found.count(name) > 1]
+    if twice:
+        raise DefinitionError(f"'{printed}' names {twice[0]} twice")
+    return found
 
 
 def _at_commas(text: str) -> list[str]:

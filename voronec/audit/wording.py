@@ -25,7 +25,7 @@ _MARKUP = (
     (r"\\(?:emph|text)\{([^{}]*)\}", r"\1"),
     (r"\\label\{[^}]*\}|\\begin\{aligned\}|\\end\{aligned\}", ""),
     (r"\\footnote\{", " (footnote: "),
-    (r"\$\$\s*|\s*\$\$", "$"),
+    (r"\s*\$\$\s*", " $ "),
     (r"\\begin\{(?:equation|eqnarray)\*?\}|\\end\{(?:equation|eqnarray)\*?\}", "$"),
     (r"\\(?:item|medskip)\b", ""),
 )

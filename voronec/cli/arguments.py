@@ -98,7 +98,9 @@ def _regenerate(commands: Any) -> None:
         "paper", metavar="NAME|FILE", help="a paper of 'voronec list', or a file that defines PAPER"
     )
     parser.add_argument("--out", metavar="DIR", help="folder for HTML, LaTeX, JSON, pictures")
-    parser.add_argument("--label", metavar="L", help="only the display or section of this label")
+    parser.add_argument(
+        "--label", metavar="L", help="only this label, or what the page calls 'text 3'"
+    )
     parser.add_argument("--fresh", action="store_true", help="reuse no verdict of an earlier audit")
 
 

@@ -64,6 +64,8 @@ def simplified(
     names = ("s", r"\tau", "n")
     rights = [evaluate(tree.parts[1], study) for tree in forms.trees(study)]
     short = set()
+    if len(rights) != len(names):
+        return vo.Verdict("refuted", f"({forms.label}) is not three forms")
     for name, right in zip(names, rights, strict=True):
         form = sp.expand(sp.sympify(right).xreplace(dict(study.given)).xreplace(solved[0]))
         held = [w for w in base if vo.prove_equal(sp.diff(form, w), 0).refuted]

@@ -8,6 +8,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
+from voronec.audit.latex.nodes import Call, Name
 from voronec.audit.meaning import evaluate
 
 from ..dictionary.chaplygin_balls import (
@@ -175,12 +176,15 @@ def multiplier(study: Study, _: Range, *, how: str, constraint: Quoted) -> vo.Ve
 def keeps(study: Study, where: Range, *, sort: str, density: Quoted) -> vo.Verdict:
     """Whether the flow has the printed density, on the constraint."""
     whole = study.context
-    printed = density.tree(study).parts[1]
+    left, printed = density.tree(study).parts
     weight = evaluate(printed, study)
     from ..dictionary.rubber_balls import AREA
 
     found = vo.prove_equal(vo.divergence(weight * AREA, whole.flow), 0, study.relations)
-    return denied(one_of(sort, {"invariant": True}), found)
+    return all_of(
+        agreed(isinstance(left, (Name, Call)), True, "whether it names the density"),
+        denied(one_of(sort, {"invariant": True}), found),
+    )
 
 
 def veselova(study: Study, _: Range, *, epsilon: Quoted) -> vo.Verdict:

@@ -9,8 +9,8 @@ from voronec.audit import Range, Reference, Sentence, Study, one_of
 from voronec.audit.latex.nodes import Name, Variation, walk
 
 from ..dictionary.body import DOTS, U
-from ..dictionary.surfaces import COORDINATES, FIBRE, QUASI, typeset, vector, velocities
-from .claims import agreed, all_of, equals, imposed, residuals, value
+from ..dictionary.surfaces import COORDINATES, FIBRE, QUASI, theta, typeset, vector, velocities
+from .claims import agreed, all_of, denied, equals, imposed, residuals, value
 
 LETTERS = ("s", r"\tau", "n")
 
@@ -33,7 +33,9 @@ def dependent(
     solvable = imposed(constraints, study, "the constraints")
     if set(chosen) == set(velocities(FIBRE)):
         return all_of(solvable, study.context.surfaces.dependent())
-    return all_of(solvable, vo.Verdict("proved", "the determinant is not zero"))
+    ends = [determinant.xreplace({theta: end}) for end in (sp.Integer(0), sp.pi / 2)]
+    nowhere = [denied(False, vo.prove_equal(end, 0)) for end in ends]
+    return all_of(solvable, *nowhere)
 
 
 def determinant(study: Study) -> str:

@@ -10,6 +10,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.audit import Quoted, Reference, Study, one_of, tight
+from voronec.audit.latex.nodes import Call, Dot, Name, Variation
 from voronec.audit.meaning import evaluate
 from voronec.audit.transcript import assignments
 
@@ -43,10 +44,12 @@ def agreed(printed: Any, derived: Any, what: str) -> vo.Verdict:
 
 
 def _told(value: Any) -> str:
-    if isinstance(value, (set, frozenset)):
-        value = sorted(value, key=str)
+    if isinstance(value, frozenset):
+        return " and ".join(sorted(map(_told, value)))
+    if isinstance(value, set):
+        return ", ".join(sorted(map(_told, value)))
     if isinstance(value, (tuple, list)):
-        return ", ".join(map(str, value))
+        return ", ".join(map(_told, value))
     return {True: "yes", False: "no"}[value] if isinstance(value, bool) else str(value)
 
 
@@ -93,10 +96,13 @@ def values(formula: Quoted, study: Study) -> list[Any]:
 
 def value(name: str | Quoted, study: Study) -> Any:
     """The value of one name or of a formula without a relation."""
-    found = values(name if isinstance(name, Quoted) else Quoted(f"${name}$"), study)
-    if len(found) != 1:
+    formula = name if isinstance(name, Quoted) else Quoted(f"${name}$")
+    tree = formula.tree(study)
+    if len(tree.parts) != 1:
         raise vo.DefinitionError(f"'{name}' is a formula with a relation, not a value")
-    return sp.sympify(found[0])
+    if isinstance(name, str) and not isinstance(tree.parts[0], (Name, Dot, Variation, Call)):
+        raise vo.DefinitionError(f"'{name}' is no name")
+    return sp.sympify(evaluate(tree.parts[0], study))
 
 
 def sides(formula: Quoted, names: Mapping[str, Any]) -> tuple[list[str], tuple[str, ...]]:

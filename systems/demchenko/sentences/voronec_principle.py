@@ -93,12 +93,12 @@ def displacements(
 
 def _indices(names: tuple[str, ...], study: Study) -> set[int]:
     r"""Which indices a list such as \delta q_1, ..., \delta q_n has."""
-    ends = [
-        int(evaluate(Quoted(f"${x[x.index('_') + 1 :].strip('{}')}$").tree(study).parts[0], study))
-        for x in names
-        if x != r"\dots"
-    ]
-    return set(range(ends[0], ends[-1] + 1))
+    virtual = [study.names[r"\delta q_{s}"](s) for s in range(1, BASE + FIBRE + 1)]
+    varied = [value(x, study) for x in names if x != r"\dots"]
+    if any(x not in virtual for x in varied):
+        raise vo.DefinitionError(f"'{', '.join(names)}' is no list of displacements")
+    places = [virtual.index(x) + 1 for x in varied]
+    return set(range(places[0], places[-1] + 1)) if r"\dots" in names else set(places)
 
 
 def transposed(study: Study, _: Range, *, first: Reference, second: Reference) -> vo.Verdict:
