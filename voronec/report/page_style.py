@@ -126,11 +126,12 @@ function show(){
  const query=box.value.toLowerCase().trim().replace(/\\s+/g,' ');
  const named=records.some(a=>a.dataset.name==query);
  const words=query.split(' ').filter(Boolean).map(spelled);
+ const letter=/^[A-Z]$/.test(box.value.trim())?box.value.trim():'';
  const wanted=kind=>buttons.filter(b=>pressed(b)&&b.dataset[kind]).map(b=>b.dataset[kind]);
  const verdicts=wanted('verdict'), kinds=wanted('kind'); let n=0;
  for(const a of records){
   const ok=(named?a.dataset.name==query
-    :words.every(forms=>forms.some(w=>a.dataset.text.includes(w))))
+    :letter?[...a.querySelectorAll('mi')].some(m=>m.textContent==letter):words.every(forms=>forms.some(w=>a.dataset.text.includes(w))))
    &&(!verdicts.length||verdicts.some(v=>a.dataset.verdicts.split(' ').includes(v)))
    &&(!kinds.length||kinds.includes(a.dataset.kind));
   a.hidden=!ok; n+=ok;}

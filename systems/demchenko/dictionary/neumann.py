@@ -47,6 +47,17 @@ def rotation(quaternion: tuple[Any, ...]) -> sp.Matrix:
     return matrix / sum(x**2 for x in quaternion)
 
 
+def hat(turn: sp.Matrix) -> sp.Matrix:
+    """The matrix of the product with a vector."""
+    x, y, z = turn
+    return sp.Matrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+
+
+def vee(skew: sp.Matrix) -> sp.Matrix:
+    """The vector of a skew matrix."""
+    return sp.Matrix([skew[2, 1], skew[0, 2], skew[1, 0]])
+
+
 @dataclass(frozen=True)
 class Space:
     """Vectors in space: positions, their velocities, angular velocities."""
@@ -89,15 +100,26 @@ class Space:
         return found
 
     @cached_property
+    def turning(self) -> sp.Matrix:
+        """The rate of the matrix that turns (u, v, n) into (u1, v1, n1)."""
+        return sp.Matrix(self.free.derivative(sp.Matrix(self.surfaces.contact.turn)))
+
+    @cached_property
+    def spin(self) -> sp.Matrix:
+        """(s, tau, n) from the rotation of the body alone, R = B1 Q B^T: by the product rule
+        B^T R^T dR/dt B = Q^T (B1^T dB1/dt) Q + Q^T dQ/dt - B^T dB/dt."""
+        turn = sp.Matrix(self.surfaces.contact.turn)
+        body, fixed = (hat(vector(forms.frame_rates)) for forms in self.surfaces.forms)
+        return vee(turn.T * fixed * turn + turn.T * self.turning - body)
+
+    @cached_property
     def angular(self) -> dict[str, sp.Matrix]:
         """omega, and those of the frames against one another."""
         contact = self.surfaces.contact
-        turning = contact.turn.T * self.free.derivative(sp.Matrix(contact.turn))
-        between = sp.Matrix([turning[2, 1], turning[0, 2], turning[1, 0]])
         return {
-            r"\omega": self.axes * self.surfaces.spin,
+            r"\omega": self.axes * self.spin,
             r"\omega_1": -self.axes * self.surfaces.body_frame,
-            r"\omega_2": self.axes * between,
+            r"\omega_2": self.axes * vee(contact.turn.T * self.turning),
             r"\omega_3": self.frame * vector(contact.fixed.frame_rates),
         }
 
@@ -112,7 +134,7 @@ class Space:
         return {
             **surfaces.names(),
             **self.angular,
-            **dict(zip(("s", r"\tau", "n"), surfaces.spin, strict=True)),
+            **dict(zip(("s", r"\tau", "n"), self.spin, strict=True)),
             **dict(zip(("x_1", "y_1", "z_1"), place, strict=True)),
             **{name: sp.Function(name)(u, v) for name in ("x", "y", "z")},
             r"\overrightarrow{OM}": arm,
