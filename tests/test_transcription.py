@@ -186,9 +186,12 @@ def printed(made: Paper) -> str:
     parts = ["\\begin{document}"]
     for part in made.sections:
         parts += [f"\\section{{{part.title}}}"]
-        quoted = "\n".join(sentence.quotation for sentence in part.sentences)
-        parts += [d.latex for d in (*part.inline, *part.displays) if d.latex not in quoted]
-        parts.append(quoted)
+        quotations = [sentence.quotation for sentence in part.sentences]
+        for formula in (*part.inline, *part.displays):
+            around = [text for text in quotations if formula.latex in text]
+            parts += [text for text in around[:1] if text not in parts]
+            parts += [] if around else [formula.latex]
+        parts += [text for text in quotations if text not in parts]
     return "\n".join([*parts, "\\end{document}"])
 
 
