@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import symengine as se
 import sympy as sp
+from scipy.optimize import brentq
 
 import voronec as vo
 from voronec.derivation import FirstOrderForm
@@ -174,3 +175,39 @@ def test_saved_digits_are_all_there(tmp_path: Any) -> None:
     with np.load(traj.save(tmp_path / "motion.npz")) as data:
         assert abs(mpmath.mpf(str(data["state"][1, 0])) - traj["x"][1]) < mpmath.mpf(10) ** -40
         assert abs(mpmath.mpf(str(data["parameter k"])) * 7 - 1) < mpmath.mpf(10) ** -40
+
+
+@pytest.mark.parametrize("dense", [False, True])
+def test_a_step_from_a_special_state_on_the_way_is_not_too_long(dense: bool) -> None:
+    """x'' = 1 - x^2 rests at 0, where its series has t^2, t^6, t^10, ... alone, at the end of
+    heyoka's third step: its next one would go three times as far as it may."""
+    hy = pytest.importorskip("heyoka")
+    here, speed = hy.make_vars("x", "v")
+    walker = hy.taylor_adaptive([(here, speed), (speed, 1 - here * here)], [0.0, 0.0], tol=1e-13)
+    q = sp.Symbol("x")
+    system = vo.System(
+        name="special",
+        fibration=vo.Fibration(base=(q,)),
+        lagrangian=vo.velocity(q) ** 2 / 2 + q - q**3 / 3,
+    )
+
+    def before(time: float) -> list[float]:
+        back = vo.integrate(
+            system, initial={"x": 0, "xdot": 0}, times=[0, -time], outputs=(), tol=1e-16
+        )
+        return [back["x"][-1], back["xdot"][-1]]
+
+    def third(time: float) -> float:
+        walker.time, walker.state[:] = -time, before(time)
+        for _ in range(3):
+            walker.step()
+        return float(walker.time)
+
+    first = brentq(third, 0.8, 1.0, xtol=1e-15)
+    start = dict(zip(("x", "xdot"), before(first), strict=True))
+    run = {"initial": start, "times": [-first, 0.5, 2.5], "outputs": ("x",)}
+    seen = vo.Event("x", direction=1)
+    motion = vo.integrate(system, method="heyoka", dense=dense, events=(seen,), **run)
+    truth = vo.integrate(system, method="flint", tol=1e-25, **run)
+    assert motion["x"] == pytest.approx(truth["x"].astype(float), abs=1e-12)
+    assert len(motion.events["x"].t) <= 1

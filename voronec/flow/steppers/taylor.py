@@ -38,6 +38,12 @@ AHEAD = 100_000
 """Points of the grid that are handed over at a time, at most."""
 FEW = 1_000
 """Points that are handed over where chunks are short."""
+STRIDE = 4.0
+"""A step so many times the mean of the others of its chunk may have been made too long by
+coefficients that vanish; then the chunk is looked at step by step.  So is each chunk of a run that
+began with such a step, since a motion comes back."""
+GROWING = 1.5
+"""Of these, only such are looked at as are so many times longer than the step before."""
 CRAWL = 1e-9
 """A chunk of steps that covers less than this part of the span leads nowhere."""
 SPECK = 1e-300
@@ -161,12 +167,14 @@ class _Drive:
     idle: int = 0
     size: int = field(init=False)
     ahead: int = field(init=False)
+    longest: float = 0.0
     standing: tuple[float, np.ndarray] = field(init=False)
 
     def __post_init__(self) -> None:
         self.standing = float(self.grid[0]), self.problem.start.copy()
         self.size, self.ahead = CHUNK, AHEAD
         self.opening = self.first_step()
+        self.stride = STRIDE if self.opening == np.inf else 1.0
         if self.winding.needed:
             self.size, self.ahead = min(SHORT, CHUNK), FEW
 
@@ -197,9 +205,22 @@ class _Drive:
     def chunk(self) -> Halt | None:
         self.winding.take(self.integrator.state)
         before, state = self.integrator.time, self.integrator.state.copy()
+        moment = self.integrator.dtime
         size = self.size if self.opening == np.inf else 1
+        kept = {name: len(rows) for name, rows in self.log.rows.items()}
+        ends, stretches = len(self.ends), len(self.stretches)
         outcome, taken, new = self.advance(size)
         self.opening = np.inf
+        overlong = self.overlong(moment, state, taken)
+        if overlong is not None:
+            good, length = overlong
+            self.log.stopped = ""
+            del self.ends[ends:], self.stretches[stretches:]
+            for name, rows in self.log.rows.items():
+                del rows[kept.get(name, 0) :]
+            self.opening = np.inf if good else length
+            outcome, taken, new = self.advance(good or 1)
+            self.opening = length if good else np.inf
         self.steps += taken
         self.idle = 0 if len(new) else self.idle + taken
         self.rows.append(self.winding.whole(new))
@@ -214,6 +235,34 @@ class _Drive:
             return self.last_good(before, state, taken)
         self.standing = float(self.integrator.time), self.winding.whole(self.integrator.state)
         return None
+
+    def overlong(
+        self, moment: tuple[float, float], state: np.ndarray, taken: int
+    ) -> tuple[int, float] | None:
+        """Of the chunk from a moment on, how many steps go before one that was made too long, and
+        how long that may be; the integrator is taken back to the moment.  None where there is no
+        such step."""
+        ta, span = self.integrator, abs(self.integrator.time - sum(moment))
+        longest = max(self.longest, abs(ta.last_h))
+        others = (span - longest) / max(taken - 1, 1)
+        if taken < 2 or not longest > self.stride * others:
+            return None
+        end, there, before = ta.dtime, ta.state.copy(), np.inf
+        ta.dtime, ta.state[:], self.log.silent = moment, state, True
+        found = None
+        for k in range(taken):
+            length = ta.step(max_delta_t=float(self.grid[-1] - ta.time), write_tc=True)[1]
+            if abs(length) > GROWING * before:
+                allowed = opening(ta.tc, length, self.problem.tol)
+                if allowed < np.inf:
+                    found = k, allowed
+                    break
+            before = abs(length)
+        self.log.silent = False
+        ta.dtime, ta.state[:] = (moment, state) if found else (end, there)
+        if found and ta.with_events:
+            ta.reset_cooldowns()
+        return found
 
     def paced(self, taken: int, points: int) -> None:
         """How many steps, and points of the grid, the next chunk takes."""
@@ -237,16 +286,18 @@ class _Drive:
         limits = {"max_steps": size, "max_delta_t": self.opening} | self.callback
         standing, done = self.integrator.time, self.done
         if self.problem.dense:
-            outcome, _, _, steps, stretch, _ = self.integrator.propagate_until(
+            outcome, _, self.longest, steps, stretch, _ = self.integrator.propagate_until(
                 self.grid[-1], c_output=True, **limits
             )
             return outcome, steps, self.sampled(stretch)
         # the integrator wants its grid to begin where it stands
         first = done - 1 if standing == self.grid[done - 1] else done
         if standing != self.grid[first]:
-            outcome, _, _, steps, *_ = self.integrator.propagate_until(self.grid[first], **limits)
+            outcome, _, self.longest, steps, *_ = self.integrator.propagate_until(
+                self.grid[first], **limits
+            )
             return outcome, steps, np.empty((0, len(self.problem.start)))
-        outcome, _, _, steps, _, rows = self.integrator.propagate_grid(
+        outcome, _, self.longest, steps, _, rows = self.integrator.propagate_grid(
             self.grid[first : done + self.ahead], **limits
         )
         return outcome, steps, rows[done - first :]
