@@ -123,7 +123,7 @@ def _confirmed(sides: tuple[Any, Any], witness: Any) -> bool:
     """Whether both sides have the values of the witness at its point, by mpmath."""
     named = {str(s): s for s in sp.Tuple(*sides).free_symbols}
     with mpmath.workdps(80):
-        at = {}
+        at = {s: mpmath.mpf(3) / 7 for s in named.values()}  # of those that cancel inside
         for name, text in witness.point.items():
             above, _, below = text.partition("/")
             at[named[name]] = mpmath.mpf(above) / (mpmath.mpf(below) if below else 1)

@@ -12,7 +12,7 @@ import sympy as sp
 from sympy.logic.boolalg import Boolean
 
 from voronec.algebra.composition import are_equal
-from voronec.algebra.conditions import condition
+from voronec.algebra.conditions import condition, parted
 from voronec.algebra.door import Door
 from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.points import sample_evaluable
@@ -177,11 +177,13 @@ def decide_equal(
     for point, (left, right) in samples:
         if not left.overlaps(right):
             return Verdict("refuted", "ball arithmetic", witness_at(point, left, right))
-    try:
-        ring = Ring([a, b], [*relations, *defined_where([a, b])], work_limit)
-        if ring.fraction(a - b).num == 0:
-            return Verdict("proved", "zero in exact normal form")
-        reason = "the normal form of the difference is not zero"
+    reason = "the normal form of the difference is not zero"
+    equations, conditions = parted(relations)
+    known = [*conditions, *defined_where([a, b])]
+    try:  # signs cost more than most proofs, and most need none
+        for hypotheses in (equations, [*equations, *known]) if known else (equations,):
+            if Ring([a, b], hypotheses, work_limit).fraction(a - b).num == 0:
+                return Verdict("proved", "zero in exact normal form")
     except EngineLimit as limit:
         reason = str(limit)
     if tape is None:
