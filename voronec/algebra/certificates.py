@@ -27,6 +27,9 @@ __all__ = ["Sign", "Signs"]
 _MEANT = {"<": ((-1,), True), ">": ((1,), True), "<=": ((-1, 0), False), ">=": ((1, 0), False)}
 _DEPTH = 8
 """How deep certificates may rest on others."""
+_SHALLOW, _FEW = 2, 24
+"""The same, and how many terms a polynomial may have, for signs that normal forms ask for: the
+search grows with the power of the number of variables."""
 _KINDS = {1: ("nonnegative", "positive"), -1: ("nonpositive", "negative")}
 """What a generator is by the sign it is known to have: not strictly, and strictly."""
 _ONE_SIGN = {"positive": 1, "nonnegative": 1, "negative": -1, "nonpositive": -1}
@@ -180,6 +183,8 @@ class Signs:
         yield self._by_facts(poly, depth)
         yield self._at_ends(poly, depth)
         yield self._without_roots(poly)
+        if self.bounded and (depth > _SHALLOW or len(poly) > _FEW):
+            return
         places = self._used(poly)
         yield from (self._by_coefficients(poly, place, depth) for place in places)
         yield from (self._by_discriminant(poly, place, depth) for place in places)
