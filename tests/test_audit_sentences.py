@@ -192,3 +192,9 @@ def test_a_record_is_found_by_the_name_that_the_page_shows(label: str) -> None:
     )
     found = audit_paper(Paper("p", "P", sections), label=label).records
     assert [(r.section, r.called) for r in found] == [("s", "text 3" if " " in label else "(e)")]
+
+
+def test_a_list_names_each_thing_once() -> None:
+    sentence = Sentence("by @it:names{$a, b$} and", lambda s, r, *, it: Verdict("proved", str(it)))
+    with pytest.raises(DefinitionError, match="names a twice"):
+        replace(sentence, quotation="by $a, a$ and").read({})

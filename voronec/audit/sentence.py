@@ -43,8 +43,6 @@ class Sentence:
         names of the ranges to which the sentence itself is restricted; all where there are none.
     derived
         function of the study that returns LaTeX: what was derived instead of, or beside it.
-    source
-        what the derived side was made from, in words.
     cited
         what of it is proved, where the rest is quoted; the verdict is then at most "cited".
     unaudited
@@ -58,7 +56,6 @@ class Sentence:
     study: str = ""
     within: tuple[str, ...] = ()
     derived: Callable[..., str] | None = None
-    source: str = ""
     cited: str = ""
     unaudited: str = ""
     quotation: str = ""
