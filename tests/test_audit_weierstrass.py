@@ -11,7 +11,7 @@ import sympy as sp
 import voronec as vo
 from voronec.audit import Display
 from voronec.audit.run import audit_section
-from voronec.audit.transcript import Transcript
+from voronec.audit.transcript import Transcript, formulas_by_label
 from voronec.catalogue import load_paper
 
 load_paper("demchenko")  # makes the folder of systems importable
@@ -31,7 +31,7 @@ def addition():
 
 @pytest.fixture(scope="module")
 def inverted():
-    return audit_section(INVERSION)
+    return audit_section(INVERSION, labels=formulas_by_label(load_paper("demchenko").sections))
 
 
 def log_theta(z, order):
@@ -156,7 +156,8 @@ def test_a_constant_too_many_is_seen_by_the_limit(part):
 
 
 def test_every_addition_formula_is_proved(addition):
-    assert [r.verdict for r in addition] == ["proved"] * 5
+    assert [r.verdict for r in addition] == ["proved"] * 4 + ["cited"]
+    assert "for all others it is quoted" in addition[4].decisive.method
     assert [r.label for r in addition[:2]] == ["eq:addition1", "eq:addition2"]
 
 
@@ -164,8 +165,10 @@ def test_the_verdicts_on_the_inversion(inverted):
     assert [r.verdict for r in inverted] == [
         *("definition", "proved", "proved", "misprint", "proved", "convention", "misprint"),
         *("definition", "proved", "proved", "proved", "proved", "proved"),
-        *("definition", "proved", "proved"),
+        *("definition", "proved"),
+        *("proved", "misprint", "proved", "proved", "proved"),
     ]
+    assert "say nothing of Weierstrass' function" in inverted[16].decisive.method
 
 
 def test_the_two_misprints_of_the_quartic_are_corrected(inverted):
