@@ -1,9 +1,10 @@
 """Zeros and poles of the first order only: a certificate by a random section.
 
 What is no multiple zero on one section is none at all: a component of the zero set along which a
-function vanishes to a higher order would meet every section, with that order.  So one section with
-rational numbers, on which numerator and denominator have no multiple zero, is a proof, for real and
-complex zeros alike [Theory, eq. (13c)].
+function vanishes to a higher order would meet the section, with that order, unless at infinity.  So
+one section with rational numbers and no multiple zero is a proof, for real and complex zeros alike
+[Theory, eq. (13c)].  That no zero is at infinity is checked on lines; of sections with relations,
+whose numbers are drawn at random, it is taken for granted.
 """
 
 from __future__ import annotations
@@ -45,9 +46,11 @@ def _certified(expr: Any, relations: tuple[Any, ...], moving: frozenset[Any]) ->
     try:
         ring = Ring([expr, *relations])  # the relations as polynomials, which vanish in their ring
         value = ring.fraction(expr)
+        poly = value.num * ring.field.denominator(value.den)
+        if poly.is_constant():
+            return bool(poly != 0)
         if not is_algebraic(ring):
             return False
-        poly = value.num * ring.field.denominator(value.den)
         ideal = [ring.fraction(r).num for r in relations]
         still = {i for i, e in enumerate(ring.meaning) if moving and not e.free_symbols & moving}
         still -= {i for i, _, _ in ring.field.rules}  # bound, as a root of two is
@@ -106,7 +109,8 @@ class _Section:
         lines, below = self._lines(context, source, {i for i, _ in rules})
         if not rules and not bound:
             numerator = composed(poly, lines, below, context)
-            return bool(numerator != 0 and _squarefree(numerator, [*below.values()]))
+            meets_all = numerator.total_degree() == self._degree(poly)
+            return bool(meets_all and _squarefree(numerator, [*below.values()]))
         if below:
             return False  # angles and relations together are left to other means
         cut = [composed(p, lines, {}, context) for p in (*bound, poly)]
@@ -115,6 +119,16 @@ class _Section:
         jacobian = [[p.derivative(name) for name in names] for p in cut]
         basis = groebner_basis([*cut, _determinant(jacobian)], context)
         return any(p.is_constant() and p != 0 for p in basis)
+
+    def _degree(self, poly: Any) -> int:
+        """The degree on a section that meets every zero, none at infinity: twice that in the sine
+        and cosine of each angle, where the lines run along the tangent of its half."""
+        pairs = self.ring.angle_indices()
+        angles = {i for pair in pairs for i in pair}
+        monomials = [*poly.to_dict()]
+        turned = sum(2 * max(int(m[s]) + int(m[c]) for m in monomials) for s, c in pairs)
+        moved = [i for i in range(len(self.ring.meaning)) if i not in angles | self.still]
+        return turned + max(sum(int(m[i]) for i in moved) for m in monomials)
 
     def _lines(self, context: Any, source: Random, roots: set[int]) -> tuple[list[Any], Any]:
         """A value for each generator; for sines and cosines numerators, and their denominators.
