@@ -30,7 +30,7 @@ def vanishes(expr: Any, relations: Sequence[Any], small: Any = None, order: int 
         return decide_zero(expr, relations)
     try:
         there = all_at_zero(relations, small)
-        above, below = quotient(expr, relations)
+        above, below = quotient(expr, equations)
         pole = decide_zero(_put(below, small, there), there)
         is_rough = any(small in f.free_symbols for f in above.atoms(se.Function))
         for _ in range(order):
@@ -74,7 +74,7 @@ def at_zero(expr: Any, relations: Sequence[Any], small: Any) -> Any:
     try:
         return _put(expr, small, there)
     except Infinite:
-        above, below = (_put(part, small, there) for part in quotient(expr, relations))
+        above, below = (_put(part, small, there) for part in quotient(expr, parted(relations)[0]))
         if not decide_zero(below, there).refuted:
             raise Infinite(f"'{expr}' has no limit where '{small}' vanishes") from None
         return above / below
