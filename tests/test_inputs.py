@@ -7,6 +7,7 @@ import math
 import shutil
 import subprocess
 from itertools import pairwise
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -348,3 +349,23 @@ def test_a_push_on_a_block_with_dry_friction(method, push):
 def test_a_function_of_pythons_and_switches_are_refused():
     with pytest.raises(DefinitionError, match="not smooth"):
         vo.integrate(BLOCK, times=[0, 1], initial={DX: 1}, inputs={tau: math.sin})
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "flint"])
+@pytest.mark.parametrize("times", [[0, 2], [0, 1, 1.5, 2], [2, 0]])
+def test_an_event_that_jumps_through_zero_with_a_held_input(method: str, times: Any) -> None:
+    x, tau = sp.symbols("x tau")
+    cart = vo.System(
+        name="cart",
+        fibration=vo.Fibration(x),
+        lagrangian=vo.velocity(x) ** 2 / 2,
+        forces={x: tau},
+        inputs=(tau,),
+    )
+    table = vo.Table([0, 0.5, 1.5], [1, -1, 2], "held")
+    run = {"inputs": {tau: table}, "initial": {x: 0}, "times": times, "method": method}
+    for direction, truth in ((1, [1.5]), (-1, [0.5]), (0, [0.5, 1.5])):
+        motion = vo.integrate(cart, events=(vo.Event(tau, direction=direction),), **run)
+        assert sorted(map(float, motion.events["tau"].t)) == truth
+    ended = vo.integrate(cart, events=(vo.Event(tau, direction=1, stop=True),), **run)
+    assert ended.stopped == "tau" and float(ended.t[-1]) == 1.5

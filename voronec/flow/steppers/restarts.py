@@ -14,6 +14,7 @@ import numpy as np
 
 from voronec.flow.steppers.run import Problem, Run, Stepper, in_parts
 from voronec.flow.steppers.signals import exact_mpf
+from voronec.program import compiled
 
 __all__ = ["in_pieces"]
 
@@ -64,9 +65,42 @@ def _run_in_pieces(
         if last.halt is not None or last.interrupted or last.stopped:
             break
         time, state = end, last.states[-1]
+        if end != float(grid[-1]):
+            parts[-1] = last = _with_jumps(problem, last, (float(last.t[0]), end, float(grid[-1])))
+            if last.stopped:
+                break
         if problem.progress is not None:
             problem.progress(float((end - grid[0]) / ((grid[-1] - grid[0]) or 1.0)))
     return _joined(parts, grid, problem)
+
+
+def _with_jumps(problem: Problem, part: Run, times: tuple[float, float, float]) -> Run:
+    """A piece with the events whose functions jump through zero at its end, with what changes;
+    ``times`` are its ends, and the end of the run."""
+    levels, changing = problem.levels, problem.changing
+    if levels is None or changing is None or not problem.events:
+        return part
+    first, end, later = times
+    ahead = [t for t in changing.knots(end, later) if t != end]
+    state, given = part.states[-1], list(map(str, levels.parameters))
+    own = dict(zip(map(str, problem.program.parameters), problem.parameters, strict=True))
+    sides = []
+    for values in (changing.on(first, end), changing.on(end, ahead[0] if ahead else later)):
+        known = {**own, **values}
+        numbers = [float(known[name]) for name in given]
+        found = compiled(levels)[1](end, [float(x) for x in state], numbers)
+        sides.append(dict(zip(levels.names, map(float, found), strict=True)))
+    crossings, stopped = dict(part.crossings), ""
+    order = 1 if later >= first else -1
+    for event in problem.events:
+        before, after = (side[event.name] for side in sides)
+        wanted = event.direction == 0 or (after > before) == (event.direction * order > 0)
+        if before * after < 0 and wanted:
+            t, states = crossings[event.name]
+            moment = np.array([part.t[-1]], dtype=part.t.dtype)
+            crossings[event.name] = np.append(t, moment), np.vstack([states, state])
+            stopped = stopped or (event.name if event.stop else "")
+    return replace(part, crossings=crossings, stopped=stopped)
 
 
 def _joined(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
