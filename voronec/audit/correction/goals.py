@@ -31,7 +31,7 @@ def slots_of(
 
     if check.value is not None:
         return _against_value(chain, check, sampler, where)
-    for left, right in _links(chain, study):
+    for left, right in _links(chain, check, study):
         goals = _goals(left, right, check, sampler, where)
         if goals is not None:
             found = plant(left, [value(right) + goal for goal in goals], value)
@@ -43,7 +43,7 @@ def holds(chain: Chain, check: Check, study: Study, sampler: Sampler, where: Whe
     """Whether all equalities of a formula hold at a point, as far as numbers tell."""
     if check.value is not None:
         return _against_value(chain, check, sampler, where) is None
-    links = _links(chain, study)
+    links = _links(chain, check, study)
     return all(_goals(left, right, check, sampler, where) is None for left, right in links)
 
 
@@ -73,9 +73,9 @@ def _against_value(chain: Chain, check: Check, sampler: Sampler, where: Where) -
     return None
 
 
-def _links(chain: Chain, study: Study) -> Iterator[tuple[Node, Node]]:
+def _links(chain: Chain, check: Check, study: Study) -> Iterator[tuple[Node, Node]]:
     """Neighbouring parts between which equality is claimed; names defined here are left out."""
-    new = new_names(chain, study)
+    new = new_names(chain, study) if check.role == "definition" else set[str]()
     last: Node | None = None
     for relation, part in zip(("", *chain.relations), chain.parts, strict=True):
         if relation != "=":

@@ -18,8 +18,8 @@ from voronec.errors import DefinitionError
 
 __all__ = ["Screen", "unknown_places"]
 
-SEEDS = 2
-"""How many points a changed formula must hold at before it is put to the proof."""
+SEEDS = (0, 2)
+"""The points at which a changed formula must hold before it is put to the proof: roots are real."""
 WORK = {Derivative: 60, Partial: 1500}
 """How many derivatives are taken at each point, for all changes together."""
 FEWER = 4
@@ -31,9 +31,7 @@ class Screen:
 
     def __init__(self, check: Check, study: Study) -> None:
         self.check, self.study = check, study
-        self.samplers = [
-            Sampler(study, seed, along=along(check), work=WORK) for seed in range(SEEDS)
-        ]
+        self.samplers = [Sampler(study, seed, along=along(check), work=WORK) for seed in SEEDS]
 
     def fitting(self, printed: str, changes: Iterable[Change]) -> Iterator[Change]:
         """The changes after which the formula has a value and holds at the points."""
