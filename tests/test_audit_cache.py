@@ -37,7 +37,7 @@ def test_what_was_finished_before_an_interrupt_is_kept(tmp_path):
         if len(seen) == 2:
             raise KeyboardInterrupt
 
-    whole = paper(made, "x+x=2x", "x=2x", "3x=3x")
+    whole = paper(made, "x+x=2x", "x=2x", "2x+x=3x")
     with pytest.raises(KeyboardInterrupt):
         audit_paper(whole, stop, cache)
     assert sorted(f.name for f in tmp_path.rglob("*.json")) == ["1.json", "2.json"]

@@ -9,6 +9,7 @@ import pytest
 from latex_shape import complaints
 
 from voronec.audit import Transcript
+from voronec.audit.wording import readable
 from voronec.catalogue import load_paper, papers
 from voronec.errors import DefinitionError
 from voronec.report.boxes import read_boxes
@@ -120,8 +121,8 @@ def test_every_formula_of_the_papers_is_typeset(section):
         assert own_commands(shown.latex) <= {"\\diag"}, shown.latex
         ElementTree.fromstring(found)
     for claim in section.sentences:
-        assert "<code" not in prose(claim.says)
-        assert "$" not in prose(claim.says)
+        assert "<code" not in prose(readable(claim.quotation))
+        assert "$" not in prose(readable(claim.quotation))
 
 
 @pytest.mark.parametrize("section", SECTIONS)

@@ -34,7 +34,8 @@ ELEMENTARY: dict[str, Callable[[Any], Any]] = {
 
 def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
     """The value of a function of the dictionary, or of an expression that lists what it holds."""
-    if any(part == node.function for argument in node.arguments for part in walk(argument)):
+    inner = (part for argument in node.arguments for part in walk(argument))
+    if node.function in inner and not _is_quantity_too(node.function, study):
         raise DefinitionError(f"'{called(node.function)}' stands among its own arguments")
     function = _function(node.function, study)
     value: Any = evaluate(node.function, study, where) if function is None else None
@@ -70,6 +71,11 @@ def _function(node: Node, study: Study) -> Callable[..., Any] | None:
         if callable(found) and not isinstance(found, sp.Basic):
             return found
     return _MATRICES.get(node.head)
+
+
+def _is_quantity_too(node: Node, study: Study) -> bool:
+    """Whether a letter of a function is, by itself, that of something else."""
+    return isinstance(node, Name) and {key_of(node), key_of(node) + APPLIED} <= {*study.table}
 
 
 def _listed_symbols(
