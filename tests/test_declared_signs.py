@@ -198,3 +198,59 @@ def test_signs_count_in_relations():
     )
     verdict = vo.check_relation(wrong, systems).verdict
     assert verdict.refuted and all(sp.Rational(verdict.witness.point[n]) > 0 for n in ("k", "m"))
+
+
+def test_walls_know_what_is_declared():
+    """x^2 + a - b and x^2 + c are positive where parameters may lie: no state is on such a wall."""
+    size, other, least = sp.symbols("a b c")
+    below_zero = sp.Symbol("n", negative=True)
+    parameters = (
+        *SIGNED,
+        vo.Parameter(size),
+        vo.Parameter(other),
+        vo.Parameter(least, 2, lower=1),
+        vo.Parameter(below_zero),
+    )
+    above = (x**2 + size - other, x**2 + least, x**2 - below_zero)
+    claims = {str(i): sp.sign(h) * (M * X**2 + K * x**2) for i, h in enumerate(above)}
+    plain = {below_zero: sp.Symbol("n")}
+    free = (*SIGNED, *(vo.Parameter(s) for s in (size, other, least, plain[below_zero])))
+    spelled = {i: e.xreplace(plain) for i, e in claims.items()}
+    assert "proved" not in statuses(oscillator(*free, integrals=spelled)).values()
+    possible = {"a is larger": size > other}
+    found = statuses(oscillator(*parameters, possible=possible, integrals=claims))
+    assert found == dict.fromkeys(claims, "proved")
+
+
+def test_what_has_no_value_on_a_wall_ends_without_a_proof():
+    """With K, M of any sign a quotient of the rate has none where the sign's argument vanishes."""
+    claim = {"e": sp.sign(x**2 + C) * ENERGY}
+    assert statuses(oscillator(*PLAIN, vo.Parameter(C), integrals=claim))["e"] != "proved"
+
+
+def test_what_jumps_where_parameters_cannot_lie_is_continuous():
+    energy = M * X**2 / 2 - K * x**2 * sp.sign(x**2 + C) / 2
+
+    def derived(*parameters):
+        return vo.derive(
+            vo.System("s", fibration=vo.Fibration((x,)), lagrangian=energy, parameters=parameters)
+        )
+
+    with pytest.raises(DefinitionError, match="jumps where"):
+        derived(*PLAIN, vo.Parameter(C))
+    assert derived(*PLAIN, vo.Parameter(C, 1, positive=True)).rates
+
+
+def test_systems_are_compared_where_their_parameters_may_lie():
+    def spring(frequency, *parameters):
+        return vo.System(
+            name="spring",
+            fibration=vo.Fibration((x,)),
+            lagrangian=(X**2 - frequency * x**2) / 2,
+            parameters=parameters,
+        )
+
+    roots = root(K / M), root(K * M) / M
+    assert vo.compare(*(spring(r, *SIGNED) for r in roots)).equal
+    free = vo.compare(*(spring(r, *PLAIN) for r in roots))
+    assert {row.status for row in free.differences} == {"refuted"}

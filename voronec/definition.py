@@ -74,8 +74,7 @@ class Definition:
     def conditions(self) -> tuple[Any, ...]:
         """What is known of parameters, and of whatever SymPy knows the sign: hypotheses beside the
         relations."""
-        declared = [condition(c, self.door.inward) for c in self.system.conditions]
-        return (*declared, *self.door.hypotheses)
+        return _conditions(self.system, self.door)
 
     @property
     def split(self) -> tuple[list[str], list[str]]:
@@ -140,7 +139,7 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
     _count(system, len(constraints.matrix), differentiated)
     point = _start(system) if near is None else dict(near)
     fibre = solved(system, constraints, differentiated, relations, point, share)
-    _require_continuity(system, enter, coordinates, dots)
+    _require_continuity(system, enter, (*coordinates, *dots), dots, _conditions(system, door))
     named = system.frame.momenta if system.frame is not None else ()
     determinant = system.frame.determinant if system.frame is not None else None
     forces, added = _applied(system, door, enter, dots, frame)
@@ -169,19 +168,29 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
     )
 
 
+def _conditions(system: System, door: Door) -> tuple[Any, ...]:
+    """What a system declares of its parameters, and what SymPy knows of symbols."""
+    declared = [condition(c, door.inward) for c in system.conditions]
+    return (*declared, *door.hypotheses)
+
+
 def _require_continuity(
-    system: System, enter: Enter, coordinates: Sequence[Any], dots: Sequence[Any]
+    system: System,
+    enter: Enter,
+    variables: Sequence[Any],
+    dots: Sequence[Any],
+    known: Sequence[Any],
 ) -> None:
     """Steps are for forces: what velocities depend on may have kinks only."""
     lagrangian = enter(system.lagrangian, "the Lagrangian")
     place = f"system '{system.name}'"
-    require_no_jump_of_lagrangian(place, lagrangian, dots, (*coordinates, *dots))
+    require_no_jump_of_lagrangian(place, lagrangian, dots, variables, known)
     for i, constraint in enumerate(system.constraints):
-        require_no_jump(_constraint(system, i), enter(constraint, f"constraint {i + 1}"))
+        require_no_jump(_constraint(system, i), enter(constraint, f"constraint {i + 1}"), known)
     if system.frame is not None and not system.on_group:
         for v, expr in zip(system.frame.velocities, system.frame.expressions, strict=True):
             name = f"{place}: the quasi-velocity '{plain_name(v)}'"
-            require_no_jump(name, enter(expr, name))
+            require_no_jump(name, enter(expr, name), known)
 
 
 def _applied(

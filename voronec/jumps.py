@@ -17,10 +17,11 @@ from voronec.program.walls import plain_roots, radicands
 __all__ = ["require_no_jump", "require_no_jump_of_lagrangian"]
 
 
-def require_no_jump(place: str, expr: Any) -> None:
-    """Raise ``DefinitionError`` where an expression is proved to jump; ``place`` is what it is."""
+def require_no_jump(place: str, expr: Any, conditions: Sequence[Any] = ()) -> None:
+    """Raise ``DefinitionError`` where an expression is proved to jump at a state at which
+    conditions hold; ``place`` is what it is."""
     for wall, jump in _jumps(expr):
-        if _differs(jump, wall):
+        if _differs(jump, wall, conditions):
             raise DefinitionError(
                 f"{place} jumps where {wall} = 0, and velocities would with it; use a continuous "
                 "one, or end the motion there and start another"
@@ -28,7 +29,11 @@ def require_no_jump(place: str, expr: Any) -> None:
 
 
 def require_no_jump_of_lagrangian(
-    place: str, lagrangian: Any, velocities: Sequence[Any], variables: Sequence[Any]
+    place: str,
+    lagrangian: Any,
+    velocities: Sequence[Any],
+    variables: Sequence[Any],
+    conditions: Sequence[Any] = (),
 ) -> None:
     """The same of a Lagrangian, which may jump in time, and of its momenta, which may not.
 
@@ -37,7 +42,8 @@ def require_no_jump_of_lagrangian(
     for wall, jump in _jumps(lagrangian):
         moving = bool(wall.free_symbols & {*variables})
         momenta = [jump.diff(v) for v in velocities]
-        if (moving and _differs(jump, wall)) or any(_differs(p, wall) for p in momenta):
+        jumping = [*([jump] if moving else []), *momenta]
+        if any(_differs(e, wall, conditions) for e in jumping):
             raise DefinitionError(
                 f"{place}: the Lagrangian jumps where {wall} = 0, which is a blow; use a "
                 "continuous one, or a force of finite size"
@@ -65,11 +71,11 @@ def _jumps(expr: Any) -> Iterator[tuple[Any, Any]]:
         stack.extend(node.args)
 
 
-def _differs(jump: Any, wall: Any) -> bool:
+def _differs(jump: Any, wall: Any, conditions: Sequence[Any]) -> bool:
     if jump == 0:
         return False
     relations = [] if wall.has(se.pi) and isinstance(wall, se.sin) else [wall]
     try:
-        return bool(decide_zero(jump, relations).refuted)
+        return bool(decide_zero(jump, [*relations, *conditions]).refuted)
     except EngineLimit:
         return False

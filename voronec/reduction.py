@@ -189,7 +189,8 @@ def _refuse(eqs: VoronecEquations, label: str, target: Any, invariants: Sequence
     relations = eqs.definition.relations
     differentials += [r.diff(x) for r in relations for x in q]
     rows, width = len(invariants) + 1, len(q)
-    for _, values in sample_evaluable(Tape(differentials), relations, 256):
+    known = (*relations, *eqs.definition.conditions)
+    for _, values in sample_evaluable(Tape(differentials), known, 256):
         table = [values[i * width : (i + 1) * width] for i in range(rows + len(relations))]
         without = [*table[: rows - 1], *table[rows:]]
         if proved_rank(table, 256) > proved_rank(without, 256):

@@ -131,7 +131,17 @@ class Signs:
                 self.kinds[places[0]] = strict if sign.strict else weak
         else:
             self.facts[str(poly)] = poly, sign
+            if len(poly) == 2 and len(places) == 1 and poly.total_degree() == 1:
+                self._note_bound(poly, places[0], sign)
         self.known.clear()
+
+    def _note_bound(self, poly: Any, place: int, sign: Sign) -> None:
+        """A generator above a positive number is positive, one below a negative one negative."""
+        slope = poly.leading_coefficient()
+        bound = (slope * self.ring.field.gens[place] - poly).leading_coefficient() / slope
+        side = sign.value if slope > 0 else -sign.value
+        if side * bound > 0:
+            self.kinds[place] = _KINDS[side][1]
 
     def of_fraction(self, fraction: Fraction) -> Sign | None:
         """The sign of a fraction wherever it is defined."""

@@ -38,6 +38,7 @@ MOST_SIGNS = 2
 HALF = se.Rational(1, 2)
 _Term = tuple[Any, Any]
 INVERSE = (se.asin, se.atan, se.atan2)
+_NO_NUMBERS = (se.zoo, se.nan, se.oo, -se.oo)
 
 
 def are_equal(a: Any, b: Any, relations: Sequence[Any], work_limit: int) -> bool:
@@ -55,6 +56,8 @@ def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int) -> bool:
     known = [*relations, *defined_where([a, b]), *_positive([a, b])]
     forms = Composition(known)
     left, right = map(forms.resolved, forms.prepared([a, b]))
+    if any(node in _NO_NUMBERS for node in _nodes([left, right])):
+        return False
     left, right = folded([left, right])
     known = [*known, *defined_where([left, right]), *_positive([left, right])]
     ring = Ring([left, right], known, work_limit)

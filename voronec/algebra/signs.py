@@ -83,18 +83,14 @@ def _symbols(given: Any) -> tuple[Any, ...]:
     return tuple(sympified(s, "a symbol") for s in ((given,) if single else given))
 
 
-def known_sign(
-    expr: Any, relations: Sequence[Any] = (), positive: Iterable[str] = (), strict: bool = False
-) -> int:
+def known_sign(expr: Any, hypotheses: Sequence[Any] = (), strict: bool = False) -> int:
     """1 or -1 where an expression inside the door is proved to have nowhere the other sign, or 0.
 
-    ``relations`` vanish, or are conditions that hold, and symbols of the names ``positive`` are
-    positive; ``strict``: nor is it zero.
+    ``hypotheses`` vanish, or are conditions that hold; ``strict``: nor is it zero.
     """
-    known = [*relations, *(se.Symbol(name) > 0 for name in sorted(positive))]
     try:
-        ring = Ring([expr], known)
-        found = Signs.of(ring, known, bounded=True).of_fraction(ring.fraction(expr))
+        ring = Ring([expr], hypotheses)
+        found = Signs.of(ring, hypotheses, bounded=True).of_fraction(ring.fraction(expr))
     except EngineLimit:
         return 0
     return found.value if found is not None and (found.strict or not strict) else 0

@@ -18,9 +18,9 @@ from typing import Any
 
 import flint
 import symengine as se
-import sympy as sp
 
 from voronec.algebra.branches import Branches, Wall, bounds_of, has_branches, is_plain, product_of
+from voronec.algebra.conditions import domain_of, moved_hypotheses, parted
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable, sample_point
 from voronec.algebra.ring import Ring
@@ -96,11 +96,10 @@ class _Ground:
         return tuple(self.field.relations)
 
     @cached_property
-    def positive(self) -> frozenset[str]:
-        """The names of parameters that are declared to be positive."""
-        own = (p.name for p in self.field.system.parameters if p.positive)
-        named = [] if self.field.determinant is None else [str(self.field.determinant)]
-        return frozenset({*own, *named})
+    def hypotheses(self) -> tuple[Any, ...]:
+        """What holds on all states: the field's hypotheses, and that the inertia is positive."""
+        named = self.field.determinant
+        return (*self.field.hypotheses, *(() if named is None else (named > 0,)))
 
     def verdict_on(self, function: Any, proof: Verdict) -> Verdict:
         """The verdict on one function with a proof off its walls."""
@@ -140,7 +139,7 @@ class _Ground:
 
     def _is_crossed(self, bound: Any) -> bool:
         """Whether a function is negative at some state at which the inertia is positive."""
-        found = islice(self._states([bound], self.relations), _ENOUGH)
+        found = islice(self._states([bound], self.hypotheses), _ENOUGH)
         return any(v < 0 and _is_positive(mass) for _, (v,), mass in found)
 
     # -- one wall -------------------------------------------------------------------------------
@@ -150,8 +149,8 @@ class _Ground:
         h = wall.function
         if wall.above == wall.below or wall.edge or self._has_sign(h):
             return None
-        there = (*self.relations, h)
-        if any(known_sign(e, there, self.positive) < 0 for e in wall.positive):
+        there = (*self.hypotheses, h)
+        if any(known_sign(e, there) < 0 for e in wall.positive):
             return None
         jump = wall.above - wall.below
         if self._vanishes(jump, there):
@@ -170,11 +169,11 @@ class _Ground:
 
     def _has_sign(self, h: Any, strict: bool = False) -> bool:
         """Whether h does not change its sign; ``strict``: nor is it zero."""
-        return bool(known_sign(h, self.relations, self.positive, strict))
+        return bool(known_sign(h, self.hypotheses, strict))
 
     def _is_kept(self, h: Any) -> bool:
         """Whether motions keep h = 0, and none crosses it."""
-        return self._vanishes(self.field.derivative(h), (*self.relations, h))
+        return self._vanishes(self.field.derivative(h), (*self.hypotheses, h))
 
     def _is_jump_of_field(self, h: Any) -> bool:
         """Whether the field itself jumps where h = 0, as with friction."""
@@ -190,7 +189,7 @@ class _Ground:
             for e in exprs
             if has_branches([e], self.moving)
             for wall in Branches(e, self.moving, self.relations, False).walls()
-            if not self._vanishes(wall.above - wall.below, (*self.relations, wall.function))
+            if not self._vanishes(wall.above - wall.below, (*self.hypotheses, wall.function))
         ]
 
     def _is_singular(self, there: tuple[Any, ...]) -> bool:
@@ -211,7 +210,7 @@ class _Ground:
         if not self.periods:
             return None
         try:
-            short = canonical([jump], self.relations)[0]
+            short = canonical([jump], self.hypotheses)[0]
         except EngineLimit:
             return None
         if short.free_symbols & self.moving:
@@ -239,16 +238,16 @@ class _Ground:
             sides = [product_of(e, self.relations, self.moving).expression for e in sides]
 
     def _states(
-        self, exprs: Sequence[Any], relations: Sequence[Any], whole: Any = None
+        self, exprs: Sequence[Any], hypotheses: Sequence[Any], whole: Any = None
     ) -> Iterator[tuple[dict[Any, Any], list[Any], Any]]:
-        """Admissible states on relations, with the values of expressions and the mass, where the
-        field is regular: the mass has an inverse and everything is finite."""
+        """Admissible states where hypotheses hold, with the values of expressions and the mass,
+        where the field is regular: the mass has an inverse and everything is finite."""
         field, count = self.field, len(exprs)
         size = len(field.mass)
         entries = [e for row in field.mass for e in row]
         at = {} if whole is None else {whole: se.Integer(0)}
         needed = [e.xreplace(at) for e in (*exprs, *entries, *field.rates, *field.force)]
-        bound = [r.xreplace(at) for r in relations]
+        bound = [h.xreplace(at) for h in hypotheses]
         try:
             tape = Tape(needed)
         except EngineLimit:
@@ -265,41 +264,37 @@ class _Ground:
             if not size or not mass.det().contains(0):
                 yield point, values[:count], mass
 
-    def _point(self, tape: Tape, relations: Sequence[Any], seed: int) -> dict[Any, Any]:
-        """A state on relations, with positive parameters; a relation that is a variable itself
-        makes it vanish exactly."""
-        zero = {r: flint.fmpq(0) for r in relations if r in self.moving}
-        atoms = [*tape.atoms, *(a for a in Tape(relations).atoms if a not in tape.atoms)]
+    def _point(self, tape: Tape, hypotheses: Sequence[Any], seed: int) -> dict[Any, Any]:
+        """A state where hypotheses hold, with parameters that are positive unless they may not be;
+        a relation that is a variable itself makes it vanish exactly."""
+        equations, conditions = parted(hypotheses)
+        zero = {e: flint.fmpq(0) for e in equations if e in self.moving}
+        atoms = dict.fromkeys([*tape.atoms, *Tape(equations).atoms])
         still = [a for a in atoms if isinstance(a, se.Symbol) and a not in self.moving]
-        fixed = sample_point(still, (), seed - 1)
-        if self._are_impossible(fixed):
-            raise EngineLimit("no body has these parameters")
-        at = {a: se.Integer(int(v.p)) / se.Integer(int(v.q)) for a, v in (fixed | zero).items()}
-        rest = [e for r in relations if (e := r.xreplace(at)) != 0]
+        on_still = [c for c in conditions if self.moving.isdisjoint(c.free_symbols)]
+        known = sample_point(still, on_still, seed - 1) | zero
+        at = {a: se.Integer(int(v.p)) / se.Integer(int(v.q)) for a, v in known.items()}
+        rest = [h for h in moved_hypotheses(hypotheses, at) if h != 0]
         free = [a for a in tape.atoms if a not in at]
-        return {**sample_point(free, rest, seed, BITS), **fixed, **zero}
-
-    def _are_impossible(self, values: dict[Any, Any]) -> bool:
-        """Whether parameters contradict a condition that the system declares on them."""
-        system = self.field.system
-        named = {p.name: p.symbol for p in system.parameters}
-        known = {
-            named[str(a)]: sp.Rational(int(v.p), int(v.q))
-            for a, v in values.items()
-            if str(a) in named
-        }
-        return any(c.xreplace(known) is sp.false for c in system.possible.values())
+        point = {**sample_point(free, rest, seed, BITS), **known}
+        if not domain_of(tuple(conditions)).admits(point, BITS):
+            raise EngineLimit("conditions do not hold where these variables vanish")
+        return point
 
     # -- decisions ------------------------------------------------------------------------------
 
-    def _vanishes(self, expr: Any, relations: Sequence[Any]) -> bool:
-        """Whether it is proved that an expression vanishes; on relations that nothing satisfies
+    def _vanishes(self, expr: Any, hypotheses: Sequence[Any]) -> bool:
+        """Whether it is proved that an expression vanishes; where nothing satisfies the relations
         everything does."""
+        equations, conditions = parted(hypotheses)
         try:
-            states = sample_evaluable(Tape([expr]), relations, tries=4)
+            states = sample_evaluable(Tape([expr]), hypotheses, tries=4)
             if any(not value.contains(0) for _, (value,) in states):
                 return False
-            return bool(Ring([expr], relations).fraction(expr).num == 0)
+            return any(  # most proofs need no signs, which cost more than they do
+                Ring([expr], known).fraction(expr).num == 0
+                for known in ((equations, hypotheses) if conditions else (equations,))
+            )
         except DefinitionError:
             return True
         except (EngineLimit, ZeroDivisionError):
@@ -307,7 +302,7 @@ class _Ground:
 
     def _is_constant(self, function: Any) -> bool:
         """Whether a function is constant off its walls."""
-        return all(self._vanishes(function.diff(x), self.relations) for x in self.moving)
+        return all(self._vanishes(function.diff(x), self.hypotheses) for x in self.moving)
 
     def _place(self, wall: Wall) -> str:
         """Where a wall is, in words."""

@@ -146,15 +146,26 @@ def _groups(first: Derived, second: Derived) -> Iterator[str]:
 def _entries(first: Derived, second: Derived, group: str) -> Iterator[Row]:
     ours, theirs = first.groups[group], second.groups[group]
     part = "reduced" if group.startswith("reduced") else ""
+    known = [*_conditions(first), *_conditions(second)]
     for name in dict.fromkeys((*ours, *theirs)):
         a, b = ours.get(name, "0"), theirs.get(name, "0")
         if a == b:
             yield Row(group, name, "identical", a, b)
             continue
-        ideal = [read_expression(r) for r in first.ideals.get(part, ())]
+        ideal = [*map(read_expression, first.ideals.get(part, ())), *known]
         verdict = prove_equal(read_expression(a), read_expression(b), ideal)
         how = verdict.method if verdict.witness is None else str(verdict.witness)
         yield Row(group, name, verdict.status, a, b, how)
+
+
+def _conditions(side: Derived) -> list[Any]:
+    """What is declared of the parameters of a system, in the symbols that entries are read in."""
+    if side.equations is None:
+        return []
+    system = side.equations.system
+    own = {p.symbol: sp.Symbol(p.name) for p in system.parameters}
+    signs = [own[p.symbol] > 0 for p in system.parameters if p.is_positive]
+    return [*signs, *(c.xreplace(own) for c in system.conditions)]
 
 
 def _values(first: Derived, second: Derived) -> Iterator[Row]:
