@@ -344,3 +344,52 @@ def test_a_snakeboard_starts_with_its_wheels_straight() -> None:
         return float(-0.5 * np.sqrt(6) * s / np.sqrt(0.12 * s**2 + 6 * 0.04 * c**2))
 
     assert abs(motion["theta"][-1] - scipy.integrate.quad(rate, 0, 1, epsabs=1e-14)[0]) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("name", "pole"),
+    [
+        ("demchenko", {"u": 0.0}),
+        ("demchenko", {"u1": 0.0}),
+        ("homogeneous-ball", {"u": np.pi}),
+        ("rubber-ball-on-sphere", {"u": np.pi}),
+    ],
+)
+def test_a_start_at_a_pole_of_a_chart_is_given_by_velocities_of_angles(
+    name: str, pole: dict[str, float]
+) -> None:
+    system = vo.load(name)
+    frame, q = system.frame, system.coordinates
+    assert frame is not None
+    start = dict(zip(map(str, q), (0.75, 0.5, 1.125, 0.625, 0.375), strict=True)) | pole
+    point = {x: sp.Float(start[str(x)], 30) for x in q}
+    point |= {p.symbol: sp.Float(p.value, 30) for p in system.parameters}
+    dots = [velocity(x) for x in q]
+    meaning = dict(zip(frame.velocities, frame.expressions, strict=True))
+
+    def rows(forms: Any) -> np.ndarray:
+        spelled = sp.Matrix([sp.sympify(e).xreplace(meaning).xreplace(meaning) for e in forms])
+        return np.array(spelled.jacobian(dots).xreplace(point), dtype=float)
+
+    _, sizes, basis = np.linalg.svd(rows(system.constraints))
+    admissible = basis[(sizes > 1e-12).sum() :]
+    rates = (0.7, -0.4, 0.9, 0.5)[: len(admissible)] @ admissible
+    given = {str(velocity(x)): rate for x, rate in zip(q, rates, strict=True)}
+    names, own = [str(x) for x in q], [str(v) for v in frame.velocities]
+    run = vo.integrate(
+        system, times=[0, 0.01, 0.25], initial={**start, **given}, outputs=(), method="scipy"
+    )
+    assert [run[v][0] for v in own] == pytest.approx(list(rows(frame.expressions) @ rates))
+    # back from where angles are regular, by equations that know neither frame nor chart
+    last = all_velocities(system, {x: run[x][-1] for x in (*names, *own)})
+    truth = multiplier_motion(system, last, np.array([0.25, 0.01]))
+    assert truth[:, -1] == pytest.approx([run[x][1] for x in names], abs=1e-9)
+
+
+def test_what_nobody_gives_at_a_pole_is_zero() -> None:
+    given = {"u": 0, "u1": 1, "udot": 1, "vdot": 0.5}
+    run = vo.integrate(vo.load("demchenko"), times=[0, 1], initial=given, outputs=("tau", "n"))
+    assert run["tau"][0] == pytest.approx(-1.5) and run["n"][0] == pytest.approx(0, abs=1e-14)
+    with pytest.raises(vo.DefinitionError, match=r"off the constraints: 'udot' = 1"):
+        # with theta = 0 it rolls along a parallel of the sphere, and at the pole there is none
+        vo.integrate(vo.load("demchenko"), times=[0, 1], initial={**given, "u1": 0}, outputs=())

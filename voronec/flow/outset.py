@@ -8,9 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from voronec.attitudes import euler_angles, with_attitude_charts
+from voronec.attitudes import with_attitude_charts
 from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError
+from voronec.flow.blind import (
+    POLE,
+    blind_directions,
+    charted_directions,
+    open_beyond,
+    polar_directions,
+)
 from voronec.flow.conditions import NoFrame, Rates
 from voronec.flow.exactly import Exactly
 from voronec.flow.given import Given
@@ -31,9 +38,6 @@ from voronec.program import Program
 
 __all__ = ["Outset", "rates_at"]
 
-POLE = 1e-6
-"""At a pole of angles sines, and parts of unit vectors that vanish there, are below this."""
-
 
 def rates_at(
     equations: VoronecEquations, form: Any, constants: Mapping[str, float], time: float
@@ -52,8 +56,8 @@ def rates_at(
     return rates
 
 
-def _is_frame(vocabulary: Vocabulary, ground: SplitGround, given: Given) -> bool:
-    """Whether the velocities of the equations are a frame at the start, as well as it matters."""
+def _at_rest(vocabulary: Vocabulary, ground: SplitGround, given: Given) -> np.ndarray:
+    """The coordinates at the start, with velocities that are zero."""
     values = [
         numbers_of(vocabulary, part, ground.constants)
         for part in (given.scene_initial, given.initial)
@@ -61,42 +65,27 @@ def _is_frame(vocabulary: Vocabulary, ground: SplitGround, given: Given) -> bool
     q, _ = coordinates_of(
         vocabulary, {**values[0], **values[1]}, ground.constants, ground.time, project=True
     )
-    wide = np.concatenate([q, np.zeros(len(ground.home.definition.dots))])
+    return np.concatenate([q, np.zeros(len(ground.home.definition.dots))])
+
+
+def _is_frame(ground: SplitGround, wide: np.ndarray) -> bool:
+    """Whether the velocities of the equations are a frame at the start, as well as it matters."""
     try:
         return ground.geometry(ground.time, wide).quality > NEAR
     except np.linalg.LinAlgError:
         return True
 
 
-def _blind_directions(equations: VoronecEquations, state: np.ndarray) -> np.ndarray:
-    """Directions (N, k), of unit length, in which Euler's angles may change at their poles while
-    the attitude stays; k is zero where a state (coordinates first) is at none.
-
-    Rz(phi) Rx(c) Rz(s psi) knows only phi + s psi where c = 0, and phi - s psi where c = pi.
-    """
-    d, found = equations.definition, []
-    for angles in euler_angles(equations):
-        first, middle, last = (d.coordinates.index(x) for x in angles.symbols)
-        polar = float(state[middle]) + float(angles.shift)
-        if abs(np.sin(polar)) < POLE:
-            direction = np.zeros(len(d.dots))
-            direction[first], direction[last] = 1.0, -angles.sense * np.cos(polar)
-            found.append(direction / np.linalg.norm(direction))
-    return np.array(found).reshape(-1, len(d.dots)).T
-
-
 def _only_angles_fail(ground: SplitGround, wide: np.ndarray) -> bool:
-    """Whether a wide state is at poles of Euler's angles beyond which charts lead, and the
-    velocities v leave nothing open there but what is no motion."""
-    blind = _blind_directions(ground.home, wide)
-    if not blind.shape[1] or with_attitude_charts(ground.home) is None:
+    """Whether a wide state is where angles are singular and charts lead on, and the velocities v
+    leave nothing open there but what is no motion."""
+    blind = blind_directions(ground, wide)
+    if not blind.shape[1] or not (
+        charted_directions(ground, wide).shape[1] or with_attitude_charts(ground.home) is not None
+    ):
         return False
     rows = np.vstack(ground.rows(ground.time, wide))[:, :-1]
-    sizes = np.linalg.norm(rows, axis=1, keepdims=True)
-    _, values, basis = np.linalg.svd(rows / np.where(sizes > 0, sizes, 1.0))
-    rank = int((values > POLE * values.max(initial=0.0)).sum())
-    open_ways = basis[rank:].T
-    return bool(np.abs(open_ways - blind @ (blind.T @ open_ways)).max(initial=0.0) < POLE)
+    return bool(np.abs(open_beyond(rows, blind)).max(initial=0.0) < POLE)
 
 
 @dataclass(frozen=True)
@@ -115,7 +104,7 @@ class Outset:
 
     def is_at_pole(self, equations: VoronecEquations) -> bool:
         """Whether it is at a pole of Euler's angles."""
-        return bool(_blind_directions(equations, self.state).shape[1])
+        return bool(polar_directions(equations, self.state).shape[1])
 
     @property
     def steady(self) -> dict[str, float]:
@@ -141,7 +130,7 @@ class Outset:
             needed = {str(s) for s in Program.of(form).derivative.symbols}
             constants = parameter_values(vocabulary, given.parameters, needed)
         rates = rates_at(equations, form, constants, time)
-        framed = True
+        start, framed = None, True
         try:
             start = start_of(
                 vocabulary, given.scene_initial, given.initial, constants, rates, time, project
@@ -149,7 +138,10 @@ class Outset:
             require_inertia(equations, constants, start.state, time)
         except (DefinitionError, IntegrationError) as error:
             ground = SplitGround(equations, constants, time)
-            if not isinstance(error, NoFrame) and _is_frame(vocabulary, ground, given):
+            rest = _at_rest(vocabulary, ground, given)
+            # rates of angles are no numbers at their poles, whatever rounding makes of them
+            known = start is not None or not blind_directions(ground, rest).shape[1]
+            if known and not isinstance(error, NoFrame) and _is_frame(ground, rest):
                 raise
             wide = WideStart.of(vocabulary, ground, given, project)
             start, framed = Start(wide.home), _only_angles_fail(ground, wide.wide)

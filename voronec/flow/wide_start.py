@@ -16,6 +16,7 @@ import numpy as np
 
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.errors import DefinitionError
+from voronec.flow.blind import POLE, blind_directions, open_beyond
 from voronec.flow.conditions import CONSISTENT
 from voronec.flow.exactly import exact_number
 from voronec.flow.given import Given
@@ -62,9 +63,7 @@ class WideStart:
         own = {plain_name(v): 0.0 for v in system.velocities}
         earlier = {**{k: x for k, x in own.items() if k not in later}, **earlier}
         found = _Conditions.at(ground, q)
-        w = found.solved(earlier if not later else {**earlier, **later}, None)
-        if later:
-            w = found.solved(later, w)
+        w = found.solved(later, earlier)
         wide = np.concatenate([q, w])
         all_given = {**old, **later}
         held = tuple(k for k in all_given if k not in names and found.holds(k, all_given[k], w))
@@ -111,13 +110,14 @@ class WideStart:
 @dataclass(frozen=True)
 class _Conditions:
     """The conditions at one point: rows of constraints and relations, and of the frame, each with
-    its offset; names of velocities w and v."""
+    its offset; names of velocities w and v.  ``blind`` (N, k) are directions that are no motion."""
 
     system: Any
     conditions: np.ndarray
     frame: np.ndarray
     dots: list[str]
     own: list[str]
+    blind: np.ndarray
 
     @classmethod
     def at(cls, ground: SplitGround, q: np.ndarray, constants: Any = None) -> _Conditions:
@@ -126,14 +126,16 @@ class _Conditions:
         rest = (
             np.array([q[0] * 0] * len(d.dots), dtype=q.dtype) if len(q) else np.zeros(len(d.dots))
         )
-        conditions, frame = ground.rows(ground.time, np.concatenate([q, rest]), constants)
+        wide = np.concatenate([q, rest])
+        conditions, frame = ground.rows(ground.time, wide, constants)
         if not all(mpmath.isfinite(x) for x in (*conditions.ravel(), *frame.ravel())):
             raise DefinitionError(
                 f"system '{system.name}': the constraints are not defined at the initial point"
             )
         dots = system.directions if d.group is not None else map(velocity, system.coordinates)
         names = [plain_name(x) for x in dots]
-        return cls(system, conditions, frame, names, [plain_name(v) for v in system.velocities])
+        own = [plain_name(v) for v in system.velocities]
+        return cls(system, conditions, frame, names, own, blind_directions(ground, wide))
 
     def row(self, name: str) -> np.ndarray:
         """The row of a velocity by name, with its offset."""
@@ -148,25 +150,34 @@ class _Conditions:
         found[self.dots.index(name)] = 1.0
         return found
 
-    def solved(self, given: Mapping[str, float], before: np.ndarray | None) -> np.ndarray:
-        """The w that meet the constraints and what is given, next to those before."""
-        rows = np.vstack([self.conditions, *(self.row(k)[None, :] for k in given)]).astype(float)
-        right = np.concatenate([np.zeros(len(self.conditions)), [*given.values()]]) - rows[:, -1]
-        left = rows[:, :-1]
-        sizes = np.linalg.norm(left, axis=1)
-        sizes[sizes == 0] = 1.0
-        left, right = left / sizes[:, None], right / sizes
-        if before is not None:
-            return before + np.linalg.pinv(left, DETERMINED) @ (right - left @ before)
-        _, values, basis = np.linalg.svd(left)
-        if len(values) < left.shape[1] or values[-1] < DETERMINED * values[0]:
-            free = self.dots[int(np.argmax(np.abs(basis[-1])))]
+    def solved(self, given: Mapping[str, float], otherwise: Mapping[str, float]) -> np.ndarray:
+        """The w that meet the constraints and what is given, and, as far as these leave it open,
+        the rest."""
+        left, right = self._posed(self.conditions, given)
+        further, wanted = self._posed(self.conditions[:0], otherwise)
+        ways = open_beyond(np.vstack([left, further]), self.blind)
+        if np.abs(ways).max(initial=0.0) > POLE:
+            free = self.dots[int(np.argmax(np.abs(ways).max(axis=1)))]
             raise DefinitionError(
                 f"system '{self.system.name}': the velocities {', '.join(self.own)} are no frame "
                 "at the initial point, and do not determine the motion; give velocities of "
                 f"coordinates, such as '{free}'"
             )
-        return np.linalg.lstsq(left, right, rcond=None)[0]
+        found = np.linalg.pinv(left, DETERMINED) @ right
+        _, sizes, basis = np.linalg.svd(left)
+        free_ways = basis[int((sizes > DETERMINED * sizes.max(initial=0.0)).sum()) :].T
+        rest = np.linalg.pinv(further @ free_ways, DETERMINED) @ (wanted - further @ found)
+        return np.asarray(found + free_ways @ rest)
+
+    def _posed(
+        self, first: np.ndarray, given: Mapping[str, float]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of unit length and right sides: left w = right."""
+        rows = np.vstack([first, *(self.row(k)[None, :] for k in given)]).astype(float)
+        right = np.concatenate([np.zeros(len(first)), [*given.values()]]) - rows[:, -1]
+        sizes = np.linalg.norm(rows[:, :-1], axis=1)
+        sizes[sizes == 0] = 1.0
+        return rows[:, :-1] / sizes[:, None], right / sizes
 
     def residual(self, name: str, value: float, w: np.ndarray) -> float:
         """How far a given velocity is from that of w."""
