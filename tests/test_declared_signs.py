@@ -228,6 +228,13 @@ def test_what_has_no_value_on_a_wall_ends_without_a_proof():
     assert statuses(oscillator(*PLAIN, vo.Parameter(C), integrals=claim))["e"] != "proved"
 
 
+def test_a_quotient_by_a_sign_is_defined_off_its_zeros():
+    size, product = sp.Abs(sp.cos(x)), sp.cos(x - y) * sp.cos(x + y)
+    doubled = sp.cos(2 * x) / 2 + sp.cos(2 * y) / 2
+    assert vo.prove_equal(sp.Abs(product) / sp.sign(size), sp.Abs(doubled)).proved
+    assert vo.prove_equal(sp.Abs(product) / sp.sign(size), sp.Abs(doubled) + size).refuted
+
+
 def test_what_jumps_where_parameters_cannot_lie_is_continuous():
     energy = M * X**2 / 2 - K * x**2 * sp.sign(x**2 + C) / 2
 

@@ -55,8 +55,10 @@ def are_equal(a: Any, b: Any, relations: Sequence[Any], work_limit: int) -> bool
 def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int) -> bool:
     known = [*relations, *defined_where([a, b]), *_positive([a, b])]
     forms = Composition(known)
+    if _has_no_value([a, b]):
+        return False
     left, right = map(forms.resolved, forms.prepared([a, b]))
-    if any(node in _NO_NUMBERS for node in _nodes([left, right])):
+    if _has_no_value([left, right]):
         return False
     left, right = folded([left, right])
     known = [*known, *defined_where([left, right]), *_positive([left, right])]
@@ -104,7 +106,14 @@ def _cases(a: Any, b: Any, relations: Sequence[Any]) -> Iterator[tuple[Any, Any,
             more += [u] if vanishes else []
         if more and any(n.args and isinstance(n, se.sign) for u in more for n in _nodes([u])):
             raise EngineLimit("a sign stands under a sign")
-        yield a.xreplace(at), b.xreplace(at), [*relations, *more]
+        left, right = a.xreplace(at), b.xreplace(at)
+        if not (more and _has_no_value([left, right])):  # 1/sign(u) is not defined where u = 0
+            yield left, right, [*relations, *more]
+
+
+def _has_no_value(exprs: Iterable[Any]) -> bool:
+    """Whether something in expressions is infinite, or no number at all."""
+    return any(node in _NO_NUMBERS for node in _nodes(exprs))
 
 
 def _positive(exprs: Iterable[Any]) -> Iterator[Any]:

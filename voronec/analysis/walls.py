@@ -22,7 +22,7 @@ import symengine as se
 from voronec.algebra.branches import Branches, Wall, bounds_of, has_branches, is_plain, product_of
 from voronec.algebra.conditions import domain_of, moved_hypotheses, parted
 from voronec.algebra.normal import canonical
-from voronec.algebra.points import sample_evaluable, sample_point
+from voronec.algebra.points import consistent, sample_point
 from voronec.algebra.ring import Ring
 from voronec.algebra.signs import known_sign
 from voronec.algebra.tape import Tape
@@ -35,6 +35,8 @@ __all__ = ["across_walls"]
 BITS = 160
 _SEEDS = 24
 """How many states are looked for on a wall."""
+_TRIES = 4
+"""How many points are looked for at which an expression may not vanish."""
 _ENOUGH = 8
 """At how many states a radicand is looked at."""
 
@@ -264,6 +266,18 @@ class _Ground:
             if not size or not mass.det().contains(0):
                 yield point, values[:count], mass
 
+    def _values(self, expr: Any, hypotheses: Sequence[Any]) -> Iterator[Any]:
+        """Values of an expression where hypotheses hold, on states that may be singular."""
+        tape = Tape([expr])
+        for seed in range(1, 2 * _TRIES, 2):
+            try:
+                point = self._point(tape, hypotheses, seed)
+            except EngineLimit:
+                continue
+            (value,) = tape.arb(point, BITS)
+            if value.is_finite() and consistent(tape.atoms, point, BITS):
+                yield value
+
     def _point(self, tape: Tape, hypotheses: Sequence[Any], seed: int) -> dict[Any, Any]:
         """A state where hypotheses hold, with parameters that are positive unless they may not be;
         a relation that is a variable itself makes it vanish exactly."""
@@ -288,8 +302,7 @@ class _Ground:
         everything does."""
         equations, conditions = parted(hypotheses)
         try:
-            states = sample_evaluable(Tape([expr]), hypotheses, tries=4)
-            if any(not value.contains(0) for _, (value,) in states):
+            if any(not value.contains(0) for value in self._values(expr, hypotheses)):
                 return False
             return any(  # most proofs need no signs, which cost more than they do
                 Ring([expr], known).fraction(expr).num == 0
