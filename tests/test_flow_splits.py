@@ -393,3 +393,20 @@ def test_what_nobody_gives_at_a_pole_is_zero() -> None:
     with pytest.raises(vo.DefinitionError, match=r"off the constraints: 'udot' = 1"):
         # with theta = 0 it rolls along a parallel of the sphere, and at the pole there is none
         vo.integrate(vo.load("demchenko"), times=[0, 1], initial={**given, "u1": 0}, outputs=())
+
+
+def test_a_velocity_that_no_velocities_of_angles_have_is_named() -> None:
+    # at beta = 0 the ball turns about the line of nodes and the vertical alone
+    start = {"r": 1, "alpha": 0.5, "beta": 0, "v": 0.2, "w": 0.5, "s": 2}
+    with pytest.raises(vo.DefinitionError, match=r"have 'v' = 0.2, since these are singular"):
+        vo.integrate(vo.load("ball-on-paraboloid"), times=[0, 1], initial=start, outputs=())
+
+
+def test_the_refusal_of_a_start_without_a_frame_leads_to_one() -> None:
+    system, times = vo.load("snakeboard"), np.linspace(0, 2, 9)
+    start = {"theta": 0.4, "phi": 0.0, "phidot": 0.3, "psidot": 0.2}
+    with pytest.raises(vo.DefinitionError, match=r"give velocities of coordinates, such as 'xdot'"):
+        vo.integrate(system, times=times, initial=start, outputs=())
+    run = vo.integrate(system, times=times, initial={**start, "xdot": 0.5}, outputs=())
+    along = {"xdot": 0.5, "ydot": 0.5 * np.tan(0.4), "thetadot": 0.0, "phidot": 0.3, "psidot": 0.2}
+    assert worst(run, multiplier_motion(system, {**start, **along}, times)) < 1e-10

@@ -68,6 +68,12 @@ class WideStart:
         all_given = {**old, **later}
         held = tuple(k for k in all_given if k not in names and found.holds(k, all_given[k], w))
         missed = [k for k in later if k not in held]
+        if missed and not project and found.blind.shape[1] and missed[0] in own:
+            raise DefinitionError(
+                f"system '{system.name}': no velocities of the coordinates have '{missed[0]}' = "
+                f"{later[missed[0]]:.12g}, since these are singular at the initial point; start "
+                "beside it"
+            )
         if missed and not project:
             raise DefinitionError(
                 f"system '{system.name}': the initial velocities are off the constraints: "
