@@ -107,7 +107,7 @@ def test_sentences_of_the_text_hold_where_they_are_said_to(audit):
 def test_nothing_is_undecided_and_little_is_only_quoted(audit):
     assert not [place(r) for r in audit.records if r.verdict == "undecided"]
     cited = [r for r in audit.records if r.verdict == "cited"]
-    assert [place(r) for r in cited if r.kind == "display"] == ["Jacobi2"]
+    assert [place(r) for r in cited if r.kind == "display"] == ["eq:lawmoments", "Jacobi2"]
     said = [r.printed[:16] for r in cited if r.kind == "text"]
     assert said == ["the Abel theorem", "In the case of i"]
     stated = [r for r in audit.records if r.kind == "text" and not r.formulas[0].printed]

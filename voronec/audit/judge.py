@@ -110,6 +110,7 @@ def judge_sentence(sentence: Sentence, bench: Bench) -> FormulaRecord:
     except SENSELESS as error:
         return FormulaRecord("", "undecided", str(error), says=says)
     record = FormulaRecord("", "proved", method_of(finding), derived, says=says)
+    record = replace(record, source=sentence.source or study.origin)
     record = replace(record, ranges=ranges_of(finding), method=with_note(record, study))
     if finding.verdict.proved and sentence.cited:
         return replace(record, verdict="cited", method=f"{record.method}; {sentence.cited}")
@@ -149,7 +150,17 @@ def judge_formula(
         raise
     except SENSELESS as error:
         record = _senseless(formula, check, bench, error)
-    return replace(record, says=check.says), chain
+    return replace(record, says=check.says, source=_source(record, check, bench)), chain
+
+
+def _source(record: FormulaRecord, check: Check, bench: Bench) -> str:
+    """What the derived side was made from, where the verdict comes of a comparison with it."""
+    if record.verdict not in ("proved", "convention", "misprint", "cited"):
+        return ""
+    several = [check.source] if check.source else []
+    names = ("",) if several else ("", *check.also)
+    several += [bench.study(check, name).origin for name in names]
+    return "; ".join(dict.fromkeys(s for s in several if s))
 
 
 def _unreadable(

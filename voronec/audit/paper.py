@@ -70,6 +70,8 @@ class Check:
     proposal
         a corrected formula, tried where no small change that the machine finds is proved; it is
         accepted only if it is proved.
+    source
+        what the derived side was made from, where that is not the source of the study.
     """
 
     role: str = "claim"
@@ -85,6 +87,7 @@ class Check:
     says: str = ""
     within: tuple[str, ...] = ()
     proposal: str | None = None
+    source: str = ""
 
     def __post_init__(self) -> None:
         if self.role not in ROLES:

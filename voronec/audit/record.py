@@ -30,6 +30,7 @@ class FormulaRecord:
     both sides there.  ``quantifiers`` are the ranges of indices as printed.  ``says`` is the claim
     in words, where there is one.  ``ranges`` has an entry for each range of the parameters in which
     the claim was decided: range, statement, verdict (proved, refuted, undecided), method, witness.
+    ``source`` is what the derived side was made from, where a verdict rests on one.
     """
 
     printed: str
@@ -43,6 +44,7 @@ class FormulaRecord:
     quantifiers: tuple[str, ...] = ()
     says: str = ""
     ranges: tuple[dict[str, Any], ...] = ()
+    source: str = ""
 
     @classmethod
     def from_dict(cls, entry: Mapping[str, Any]) -> FormulaRecord:
@@ -100,6 +102,7 @@ class Record:
             "correction": head.correction,
             "witness": head.witness,
             "method": head.method,
+            "source": head.source,
             "formulas": [asdict(f) for f in several],
         }
 

@@ -49,6 +49,8 @@ class Sentence:
         why nothing decides the sentence, where nothing does; it is then listed as not audited.
     quotation
         what is judged; the print by default.
+    source
+        what decides it, where that is not the source of the study.
     """
 
     text: str
@@ -59,6 +61,7 @@ class Sentence:
     cited: str = ""
     unaudited: str = ""
     quotation: str = ""
+    source: str = ""
 
     def __post_init__(self) -> None:
         if not self.quotation:

@@ -144,6 +144,8 @@ class Study:
         whatever the functions of the paper's checks want to find here.
     note
         in words, how general the derived system is.
+    source
+        in words, what the values of the names were made from: a system, kinematics, a theorem.
     """
 
     names: Mapping[str, Any]
@@ -161,6 +163,14 @@ class Study:
     in_velocities: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     context: Any = None
     note: str = ""
+    source: str = ""
+
+    @property
+    def origin(self) -> str:
+        """``source``; without one, the derived system that the hooks find in ``context``."""
+        eqs = getattr(self.context, "eqs", self.context)
+        system = getattr(getattr(eqs, "system", None), "name", "")
+        return self.source or (f"the equations derived for the system '{system}'" if system else "")
 
     @cached_property
     def table(self) -> dict[str, Any]:

@@ -78,6 +78,7 @@ def _words(record: Record) -> str:
     parts = [record.called, record.section, record.kind, record.printed]
     for formula in record.formulas:
         parts += [formula.verdict, formula.printed, formula.says, formula.method]
+        parts.append(formula.source)
         parts += [formula.derived or "", formula.correction or ""]
     return " ".join(" ".join(parts).lower().split())
 
@@ -139,9 +140,16 @@ def _formula(formula: FormulaRecord, several: bool) -> str:
     badge = f"{_badge(formula.verdict)} " if several else ""
     return (
         f'<div class="formula"><div class="pair">{"".join(cells)}</div>'
-        f"{_method(short(formula.method), badge)}"
+        f"{_method(short(formula.method), badge)}{_source(formula)}"
         f"{_ranges(formula)}{_numbers(formula)}{_point(formula)}</div>"
     )
+
+
+def _source(formula: FormulaRecord) -> str:
+    """What the derived side was made from."""
+    if not formula.source:
+        return ""
+    return f'<p class="method">Compared with: {prose(ended(formula.source))}</p>'
 
 
 def _cell(title: str, latex: str, marks: Sequence[tuple[int, int]] = (), mark: str = "") -> str:

@@ -23,6 +23,7 @@ s, tau, n, r2 = QUASI = sp.symbols("s tau n r2")
 R1, R2, A1, A2, C1, C2, M = CONSTANTS = sp.symbols("R1 R2 A1 A2 C1 C2 M", positive=True)
 GAMMA = sp.Symbol("Gamma")
 VERTICAL = sp.Matrix([0, 0, 1])
+SOURCE = "the frames of ball, rotor and sphere, and the equations derived for them"
 
 
 @dataclass(frozen=True)
@@ -194,11 +195,21 @@ class WithRotor:
         """
         names = self.names()
         condition = {C1: self.condition()}
-        rotor = Study(names, motion=self.motion, in_velocities=self.in_velocities(), context=self)
+        rotor = Study(
+            names,
+            motion=self.motion,
+            in_velocities=self.in_velocities(),
+            context=self,
+            source=SOURCE,
+        )
         zhukovsky = replace(rotor, given=condition)
         spheres = replace(rotor, names={**names, **self.forms()}, given=upward())
         upright = Study(
-            {**names, **self.upright()}, motion=self.motion, given=condition, context=self
+            {**names, **self.upright()},
+            motion=self.motion,
+            given=condition,
+            context=self,
+            source=f"{SOURCE}; a vertical momentum, by linear elimination",
         )
         return {"rotor": rotor, "zhukovsky": zhukovsky, "spheres": spheres, "upright": upright}
 

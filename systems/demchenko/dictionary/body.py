@@ -42,6 +42,7 @@ DOTS = velocities(BASE)
 K = sp.symbols("K_{1} K_{2}")
 SPELLED_BASE = ("u", "v", r"\vartheta")
 U = sp.Function("U")(*COORDINATES)
+SOURCE = "the equations and brackets derived for any two surfaces, any inertia and any force"
 
 
 def tensor() -> sp.Matrix:
@@ -206,8 +207,16 @@ class Body:
                 given=surfaces.roots,
                 context=self,
                 note=note,
+                source=SOURCE,
             ),
-            "quasi": Study(quasi, motion=surfaces.motion, given=given, context=self, note=note),
+            "quasi": Study(
+                quasi,
+                motion=surfaces.motion,
+                given=given,
+                context=self,
+                note=note,
+                source=SOURCE,
+            ),
         }
 
     @property

@@ -148,12 +148,17 @@ class Ball:
         return r"\mu=\sqrt{1-D(\mathbf I^{-1}\gamma,\gamma)}\quad\text{for all }\gamma" * proved
 
     @cached_property
+    def energy(self) -> sp.Expr:
+        """The kinetic energy, by the mass matrix."""
+        return (OMEGA.T * self.reduced.mass * OMEGA)[0] / 2
+
+    @cached_property
     def integrals(self) -> dict[str, sp.Expr]:
         """|gamma|^2, the energy, the square and the normal part of the whole momentum."""
         whole = self.momentum + self.kappa
         return {
             "F_1": GAMMA.dot(GAMMA),
-            "F_2": self.momentum.dot(OMEGA) / 2,
+            "F_2": self.energy,
             "F_3": whole.dot(whole),
             "F_4": whole.dot(GAMMA),
             **self.more,
@@ -174,18 +179,38 @@ class Ball:
 
     @cached_property
     def weighted(self) -> sp.Expr:
-        """The only sum b_i G_i gamma_i, up to a factor, that can be an integral.
+        """The only sum b_i G_i gamma_i, up to a factor, that can be an integral."""
+        return self._sum(self.momentum, GAMMA)
+
+    @cached_property
+    def found(self) -> dict[str, sp.Expr]:
+        """The same integrals, found: sums of squares and products by ``_sum``, and the energy.
+
+        On a plane the normal part of the momentum is among them.
+        """
+        whole, rest = self.momentum + self.kappa, list(self.integrals)[4:]
+        sums = {"F_1": self._sum(GAMMA, GAMMA), "F_3": self._sum(whole, whole)}
+        if self.epsilon == 1:
+            sums["F_4"] = self._sum(whole, GAMMA)
+        return {"F_2": self.energy, **sums, **{name: self.integrals[name] for name in rest}}
+
+    def _sum(self, left: sp.Matrix, right: sp.Matrix) -> sp.Expr:
+        """The only sum b_i left_i right_i, up to a factor, that can be an integral.
 
         Its rate is linear in b; at two points that leaves one direction.  Whether the rate
         vanishes everywhere remains to be proved.
         """
-        rates = zip(
-            self.reduced.momentum_rates, GAMMA, self.momentum, self.reduced.rates, strict=True
-        )
-        row = [a * b + c * d for a, b, c, d in rates]
+        rates = dict(zip((*GAMMA, *self.momentum), self._changes, strict=True))
+        rates |= {g + k: rates[g] for g, k in zip(self.momentum, self.kappa, strict=True)}
+        row = [rates[a] * b + a * rates[b] for a, b in zip(left, right, strict=True)]
         first, second = (sp.Matrix(shorten([e.xreplace(p) for e in row])) for p in (POINT, OTHER))
-        factors = zip(least(first.cross(second)), self.momentum, GAMMA, strict=True)
-        return sp.Add(*[b * g * x for b, g, x in factors])
+        factors = zip(least(first.cross(second)), left, right, strict=True)
+        return sp.Add(*[b * a * c for b, a, c in factors])
+
+    @property
+    def _changes(self) -> tuple[sp.Expr, ...]:
+        """The rates of gamma and of G."""
+        return (*self.reduced.rates, *self.reduced.momentum_rates)
 
     def names(self) -> dict[str, Any]:
         """What the paper's letters stand for."""
@@ -210,7 +235,7 @@ class Ball:
             found[rf"\gamma_{i}"] = GAMMA[i - 1]
             found[rf"\omega_{i}"] = OMEGA[i - 1]
             found[rf"\mathbf G_{i}"] = self.momentum[i - 1]
-        return found | self.integrals
+        return found | self.found
 
     def study(self, more: Mapping[str, Any] | None = None, ranges: Any = ()) -> Study:
         """The dictionary; ``more`` adds names."""
@@ -222,6 +247,7 @@ class Ball:
             ranges=ranges,
             context=self,
             note="where (gamma, gamma) = 1",
+            source="the equations derived for the rolling ball, in omega and the normal",
         )
 
     def with_weighted(self) -> Study:

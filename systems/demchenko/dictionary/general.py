@@ -192,5 +192,6 @@ class General:
             self.motion,
             variations,
             context=self,
+            source="d'Alembert's principle and the equations derived for a general system",
             note=f"n = {BASE}, k = {FIBRE}, every coefficient an arbitrary function",
         )

@@ -24,6 +24,7 @@ from .verdicts import all_equal
 
 FREE = sp.symbols(f"eta1:{TOTAL + 1}")
 LABELLED = frozenset({"B", r"\omega", "X", "Y", "q"})
+SOURCE = "d'Alembert's principle, and the connection and curvature of arbitrary constraints"
 NOTE = f"n = {BASE}, k = {FIBRE}, every coefficient an arbitrary function of the coordinates"
 
 
@@ -97,7 +98,9 @@ class Geometry:
         }
         motion = Motion(dict(zip(Q, V, strict=True)))
         variations = dict(zip(Q, FREE, strict=True))
-        return Study(names, INDICES, motion, variations, LABELLED, context=self, note=NOTE)
+        return Study(
+            names, INDICES, motion, variations, LABELLED, context=self, note=NOTE, source=SOURCE
+        )
 
     def places(self) -> dict[str, Any]:
         """Coordinates, coefficients, components of the curvature, subspaces."""
@@ -215,7 +218,9 @@ class Geometry:
             r"\delta L_c": self.variational(),
             r"\dot q^h": self.connection.horizontal(sp.Matrix(V)),
         }
-        return Study(names, INDICES, self.motion, {}, LABELLED, context=self, note=NOTE)
+        return Study(
+            names, INDICES, self.motion, {}, LABELLED, context=self, note=NOTE, source=SOURCE
+        )
 
     def applied(self) -> Study:
         """The same where L is applied to positions and velocities."""

@@ -37,6 +37,7 @@ from .surfaces import (
     vector,
 )
 
+SOURCE = "the equations derived with the gyroscope's angle, and the laws of Newton and Euler"
 CLIMB, HEIGHT = sp.symbols("v_n h")
 """The velocity of M along n, and the height of M over the surface: at the moment, zero."""
 
@@ -281,6 +282,8 @@ class WithGyroscope:
             "k": self.axial,
         }
         note = f"{NOTE}, any inertia and any force function"
-        study = Study(names, motion=self.motion, given=self.given, context=self, note=note)
+        study = Study(
+            names, motion=self.motion, given=self.given, context=self, note=note, source=SOURCE
+        )
         climbing = f"{note}, and for any velocity of $M$ along $\\mathbf n$"
         return {"motion": study, "balance": replace(study, note=climbing)}

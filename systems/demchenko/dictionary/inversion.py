@@ -39,6 +39,7 @@ LEADING = (a0, *sp.symbols("a_1:5"))
 
 AT_C = Point.at(r"\zeta")
 SECOND = sp.Symbol(r"\wp''{(\zeta)}")
+SOURCE = "the addition law of wp, derived from its differential equation and its poles"
 NOTE = (
     r"$y'=\frac{dy}{du}$; the roots are taken where $x$ grows with $u$; $a_0$ has either sign; for "
     r"$a_0<0<X$, as on the ball, $u$ is imaginary"
@@ -225,4 +226,6 @@ def _value_of_x(shift: sp.Expr, at_c: tuple[sp.Expr, ...]) -> Callable[[Any], sp
 def _study(at: Curve, more: dict[str, Any]) -> Study:
     names = {"u": vo.time, r"\zeta": c, "y": y, "Y": slope**2, **at.functions().names(), **more}
     motion = Motion(at.rates)
-    return Study(names, motion=motion, relations=(at.relation,), context=at, note=NOTE)
+    return Study(
+        names, motion=motion, relations=(at.relation,), context=at, note=NOTE, source=SOURCE
+    )

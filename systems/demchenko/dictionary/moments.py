@@ -45,7 +45,8 @@ def particles(trace: str, moment: str) -> Study:
         trace: speed,
     }
     note = "for mass points with inner forces along their connecting lines"
-    return Study(names, motion=Motion(rates), labelled=LABELLED, note=note)
+    source = f"Newton's laws for {PARTICLES} mass points"
+    return Study(names, motion=Motion(rates), labelled=LABELLED, note=note, source=source)
 
 
 def _strength(i: int, j: int) -> sp.Symbol:
@@ -78,7 +79,8 @@ def gyrostat() -> Study:
         r"\mathfrak v": trace,
     }
     note = "by the equations of Newton and Euler for a body and a rotor, with the bearings' torque"
-    return Study(names, motion=Motion(rates), labelled=LABELLED, note=note)
+    source = "the laws of Newton and Euler for a body and for a rotor, and the bearings' torque"
+    return Study(names, motion=Motion(rates), labelled=LABELLED, note=note, source=source)
 
 
 def _spins(omega: sp.Matrix) -> tuple[sp.Matrix, sp.Matrix]:

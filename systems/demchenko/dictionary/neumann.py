@@ -156,6 +156,8 @@ class Space:
                 given=self.rules,
                 context=self,
                 note=NOTE,
+                source="positions and rotations, R^T dR/dt for the angular velocities, and the "
+                "forms of the surfaces",
             )
 
         return {"free": study(self.free), "rolling": study(self.surfaces.motion)}
@@ -215,14 +217,15 @@ def principal_lines() -> Study:
         constant = conditions.xreplace(dict.fromkeys(unknown, sp.Integer(0)))
         found = conditions.jacobian(unknown).LUsolve(-constant)
         names |= dict(zip(spelled, (e, found[0], g, d, found[1], dd), strict=True))
-    return Study(names, note="where the principal curvatures differ")
+    source = "the shape operator, diagonal along the lines of curvature"
+    return Study(names, note="where the principal curvatures differ", source=source)
 
 
 def left_handed() -> Study:
     """The axes x, y, z of a frame of negative orientation; products are the usual ones."""
     x, y, z = (sp.Matrix(row) for row in ((1, 0, 0), (0, 1, 0), (0, 0, -1)))
     names = {r"\mathbf x": x, r"\mathbf y": y, r"\mathbf z": z}
-    return Study(names, context=(x.cross(y), z))
+    return Study(names, context=(x.cross(y), z), source="the vector products of a frame")
 
 
 def inertia_about_contact() -> vo.Verdict:
@@ -235,7 +238,8 @@ def inertia_about_contact() -> vo.Verdict:
 def body_energy() -> Study:
     """The kinetic energy of a body along its principal axes."""
     found: dict[str, Any] = {r"\mathbf T": kinetic_energy(MASS, W, MOMENTS, P)}
-    return Study({**found, **constants(), **components(W, P)})
+    source = "the kinetic energy of a rigid body, from its mass and its tensor of inertia"
+    return Study({**found, **constants(), **components(W, P)}, source=source)
 
 
 def constants() -> dict[str, Any]:
@@ -294,5 +298,6 @@ class Attitude:
                 r"\mathfrak w_\mathbf v": self.centre[1],
             },
             context=self,
+            source="the kinetic energy of a rigid body, by its inertia turned with the axes",
             note=r"$\mathfrak w_\mathbf v$ read as the projection of the velocity of O on v",
         )

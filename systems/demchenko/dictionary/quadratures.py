@@ -146,9 +146,8 @@ class Level:
 
     @cached_property
     def phi(self) -> Any:
-        """The polynomial in the rate of v, which is phi / (pace (1 - x^2))."""
-        rate = sp.expand(self.rate(v) * sp.sin(u) ** 2)
-        return self._in_x(self.pace * rate.subs(s, self.slip / sp.sin(u)))
+        """The polynomial with X = (1 - x^2) psi - phi^2: s sin u, as the integrals give it."""
+        return self._in_x(self.pace * self.slip / self.mu)
 
     @cached_property
     def psi(self) -> Any:
@@ -226,6 +225,8 @@ class Level:
             scope=(RANGES[0].name,),
             context=self,
             note=note,
+            source="the equations derived for the system 'demchenko', and its integrals, by linear "
+            "elimination",
         )
 
     def studies(self) -> dict[str, Study]:
@@ -251,14 +252,16 @@ class Level:
     def _letters(self) -> Study:
         """Velocities and angular velocities are any: only u changes, as x does."""
         study = self.study({}, "for any motion")
-        return replace(study, motion=Motion({q: vo.velocity(q) for q in (u, v, theta, u1, v1)}))
+        motion = Motion({q: vo.velocity(q) for q in (u, v, theta, u1, v1)})
+        return replace(study, motion=motion, source="the calculus of the letters themselves")
 
     def _by_factors(self) -> Study:
         product = sp.prod(x - root for root in ROOTS.values())
         study = self.study({}, "for all values of the constants")
         own = {name: value.subs(sp.cos(u), x) for name, value in study.names.items()}
         own |= {"x": x, "a_0": own["X"] / product, **ROOTS}
-        return replace(study, names=own, numbered=NUMBERED)
+        source = f"{study.source}; a_0 is what the linear factors of the roots leave of X"
+        return replace(study, names=own, numbered=NUMBERED, source=source)
 
 
 def split_by_roots() -> Study:
@@ -274,7 +277,8 @@ def split_by_roots() -> Study:
     given = {f1: (ends[0] - ends[1]) / 2, f0: (ends[0] + ends[1]) / 2 - f2}
     X = sum(a0 * c * x**i for i, c in enumerate(reversed(product.all_coeffs())))
     names = {"x": x, "X": X, r"\phi": phi, r"\psi": (X + phi**2) / (1 - x**2), "a_0": a0}
-    return Study({**names, **ROOTS}, numbered=NUMBERED, functions=HEADS, given=given)
+    source = "the roots of X, and the values of phi at 1 and -1"
+    return Study({**names, **ROOTS}, numbered=NUMBERED, functions=HEADS, given=given, source=source)
 
 
 @cache

@@ -104,7 +104,8 @@ class Chaplygin:
         }
         note = f"groups of two dimensions, n = {BASE}, every coefficient an arbitrary function"
         note += "; quoted for groups of more dimensions"
-        return Study(names, {"i": BASE}, self.motion, context=self, note=note)
+        source = "the equations derived for a system with a group of symmetries, and the curvature"
+        return Study(names, {"i": BASE}, self.motion, context=self, note=note, source=source)
 
     def closed(self) -> Verdict:
         """Whether the group acts as it is said to, and mass, force and L_red are free of it."""
@@ -188,7 +189,8 @@ def fibre_study() -> Study:
         r"\delta q": sp.Matrix(deltas),
     }
     indices = {"s": BASE + FIBRE, r"\nu": FIBRE}
-    return Study(names, indices, labelled=frozenset({"B"}))
+    source = "the derivative of an arbitrary Lagrangian along the fibre, and any two-form"
+    return Study(names, indices, labelled=frozenset({"B"}), source=source)
 
 
 def torus_study() -> Study:
@@ -203,7 +205,14 @@ def torus_study() -> Study:
         r"\varphi_{i}": lambda i: PHI[i - 1],
         r"\omega_{i}": lambda i: SPEEDS[i - 1],
     }
-    return Study(names, {"i": len(PHI)}, Motion(rates), ranges=(regular,), context=(factor, rates))
+    return Study(
+        names,
+        {"i": len(PHI)},
+        Motion(rates),
+        ranges=(regular,),
+        context=(factor, rates),
+        source="a flow on a torus with an arbitrary factor of time",
+    )
 
 
 def torus_measure(study: Study) -> Verdict:

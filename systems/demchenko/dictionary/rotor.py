@@ -88,7 +88,8 @@ class Rotor:
             r"\tilde{\mathbf G}^{(M)}": self.moment,
             r"\mathbf G^{(M)}": self.moment.xreplace({vo.velocity(chi): -p[2]}),
         }
-        return Study(names, context=self)
+        source = "the energies and momenta of body and gyroscope, each with moments of its own"
+        return Study(names, context=self, source=source)
 
 
 @dataclass(frozen=True)
@@ -125,4 +126,10 @@ class Turning:
         """The dictionary."""
         names = {"t": vo.time, **dict(zip(COSINES, self.axis, strict=True))}
         names |= dict(zip(("s_1", r"\tau_1", "n_1"), self.relative, strict=True))
-        return Study(names, motion=self.motion, context=self, note="for any rotation of the axes")
+        return Study(
+            names,
+            motion=self.motion,
+            context=self,
+            note="for any rotation of the axes",
+            source="the kinematics R^T dR/dt of any rotation",
+        )

@@ -118,6 +118,15 @@ class Rubber:
         return {x: self.motion.along(rate) for x, rate in self.motion.rates.items()}
 
     @cached_property
+    def no_twist(self) -> Verdict:
+        """Whether gamma turns on the constraint as it does for the free ball with that omega_3.
+
+        The rates of the system have omega_3 eliminated by the engine, from the velocities alone.
+        """
+        mine = [x.xreplace({OMEGA[2]: THIRD}) for x in self.free.reduced.rates]
+        return all_equal(zip(mine, self.reduced.rates, strict=True), self.relations)
+
+    @cached_property
     def momentum(self) -> sp.Matrix:
         """G of the free ball, on the constraint."""
         return sp.Matrix(self.motion.restrict(self.free.momentum))
@@ -144,10 +153,12 @@ class Rubber:
         return vo.prove_equal(vo.divergence(weight, self.flow), 0, self.relations)
 
     def study(self) -> Study:
-        """The dictionary."""
+        """The dictionary; omega_3 is proved to be what the engine's elimination gives."""
+        if not self.no_twist.proved:
+            raise vo.DefinitionError(f"omega_3 is not what was eliminated: {self.no_twist.method}")
         names = self.free.names()
         for name in ("F_1", "F_2", "F_3", "F_4", r"\mu(\cdot)"):
-            del names[name]
+            names.pop(name, None)
         names |= {
             r"\mathbf G": self.momentum,
             r"\dot\gamma": sp.Matrix(self.motion.restrict(self.reduced.rates)),
@@ -160,6 +171,8 @@ class Rubber:
             relations=self.relations,
             functions=frozenset({r"\mu"}),
             context=self,
+            source="the equations derived for a ball that rolls without turning about the normal, "
+            "and those of the ball that turns",
             note="where (gamma, gamma) = 1 and (omega, gamma) = 0",
         )
 

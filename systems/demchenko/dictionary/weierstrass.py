@@ -245,6 +245,7 @@ def functions(u: str, v: str) -> tuple[Functions, AdditionLaw]:
     return Functions(arguments, wp, zetas, sigmas), law
 
 
+SOURCE = "the differential equation of wp, and the expansions at 0"
 NOTE = "the functions at a sum are proved by their derivatives in both arguments and the limit at 0"
 
 
@@ -252,12 +253,14 @@ def addition_studies() -> dict[str, Study]:
     r"""``sum``, where ``\zeta`` is an argument; ``difference``, where it is a function of u, v."""
     here, law = functions("u", r"\zeta")
     letters = dict(zip(("u", r"\zeta"), here.arguments, strict=True))
-    first = Study({**letters, **here.names()}, relations=law.relations, context=law, note=NOTE)
+    first = Study(
+        {**letters, **here.names()}, relations=law.relations, context=law, note=NOTE, source=SOURCE
+    )
     there, law = functions("u", "v")
     names: dict[str, Any] = dict(zip(("u", "v"), there.arguments, strict=True))
     names |= there.names()
     names |= {r"\zeta": there.odd(there.zeta), r"\sigma": there.odd(there.sigma)}
-    second = Study(names, relations=law.relations, context=law, note=NOTE)
+    second = Study(names, relations=law.relations, context=law, note=NOTE, source=SOURCE)
     return {"sum": first, "difference": second}
 
 

@@ -11,9 +11,11 @@ from voronec.audit import Check, Display, Section, Study, Transcript
 
 from ..sentences.ball import SENTENCES
 
+UPRIGHT = "the momentum of ball and rotor, in which k belongs to chi whatever the quasi-velocities"
 DEFINITION = Check("definition")
 ZHUKOVSKY = Check(study="zhukovsky", given=("uslovZh",))
 BOTH = Check(also=("reduced",))
+ANY_MOTION = Check(source="true of the frames of ball and rotor, whatever their motion")
 NO_VECTOR = Check(value=lambda study, where: sp.zeros(3, 1))
 
 
@@ -34,7 +36,7 @@ def projection(row: int) -> Check:
         vertical, momentum = study.context.projections()
         return [(vertical[row], momentum[row])]
 
-    return Check(study="upright", given=("uslovZh",), derived=derived)
+    return Check(study="upright", given=("uslovZh",), derived=derived, source=UPRIGHT)
 
 
 def condition(study: Study, _: Mapping[str, int]) -> Any:
@@ -96,13 +98,15 @@ s=\mu\sin u\dot{v},\quad \tau=-\mu\dot{u},\quad n=-\dot\vartheta-\cos u\dot v-\c
         Display(
             r"""$$
 C_2r_2=k=const \quad \text{and}\quad p_1^2+q_1^2=p_2^2+q_2^2.
-$$"""
+$$""",
+            (Check(), ANY_MOTION),
         ),
         Display(
             r"""\begin{eqnarray}
 \tilde{\mathbf T}&=& \frac12\big(A_1 p_1^2+A_1 q_1^2+C_1 r_1^2\big)+\frac12\big(A_2 p_2^2+A_2 q_2^2+C_2 r_2^2\big)+\frac12\mathbf M \mathbf w^2\nonumber \\
 &=& \frac12\big(A p_1^2+A q_1^2+C r_1^2\big)+\frac12 k r_2+\frac12 \mathbf M \mathbf w^2, \quad A=A_1+A_2, \quad C=C_1, \label{kinMod**}
-\end{eqnarray}"""
+\end{eqnarray}""",
+            (ANY_MOTION,),
         ),
         Display(
             r"""\[

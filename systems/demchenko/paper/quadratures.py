@@ -12,7 +12,9 @@ from ..sentences.quadratures import SENTENCES
 
 DEFINITION = Check("definition")
 BALL_TRACE = Check(study="level", derived=lambda study, where: forms(r"\phi(x)"))
-SPHERE_TRACE = Check(study="level", derived=lambda study, where: forms("F(x)", r"\theta(x)"))
+SPHERE_TRACE = Check(
+    "definition", "level", derived=lambda study, where: forms("F(x)", r"\theta(x)")
+)  # the paper has no other word on F and theta than that they are quadratic, which is a sentence
 
 
 def rate_squared(value: Any) -> Any:

@@ -25,7 +25,7 @@ def studies(transcript: Transcript) -> dict[str, Study]:
         "inside": replace(level().study({}, INSIDE), context=printed),
         "stable": level().study({}, MEANING),
         "level": level().study({}),
-        "list": Study({}, context=items),
+        "list": Study({}, context=items, source="the items of the list themselves"),
     }
 
 
