@@ -142,7 +142,8 @@ def judge_formula(
         try:
             chain = formula.tree(study.vocabulary)
         except DefinitionError as error:
-            return _unreadable(formula, check, bench, error), None
+            record = _unreadable(formula, check, bench, error)
+            return replace(record, source=_source(record, check, bench)), None
         record = _judged(formula, chain, check, study, bench)
         record = _elsewhere(record, formula, check, bench)
         record = replace(record, method=with_note(record, study))
