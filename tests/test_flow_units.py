@@ -118,3 +118,26 @@ def test_what_is_small_since_large_terms_balance_has_their_size(method: str) -> 
     assert runs[1].cost.steps <= 2 * runs[0].cost.steps
     assert abs(runs[1]["angle"][-1] - 1 - 1e-10 * np.sin(np.sqrt(np.cos(1)) * 20)
                / np.sqrt(np.cos(1))) < 1e-11  # fmt: skip
+
+
+def test_a_rate_that_is_rounding_tells_no_size_of_what_is_at_rest() -> None:
+    """A sleigh that friction holds: its speed is zero, and stays so but for rounding."""
+    x, y, phi, v, w = sp.symbols("x y phi v w")
+    dots = [vo.velocity(q) for q in (x, y, phi)]
+    c, s = sp.cos(phi), sp.sin(phi)
+    along = dots[0] * c + dots[1] * s
+    sleigh = vo.System(
+        name="held-sleigh", fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+        lagrangian=sp.Rational(13, 40) * dots[2] ** 2 + sp.Rational(9, 20) * (
+            (dots[0] - sp.Rational(13, 30) * dots[2] * s) ** 2
+            + (dots[1] + sp.Rational(13, 30) * dots[2] * c) ** 2
+        ),
+        constraints=(dots[0] * s - dots[1] * c,),
+        forces={
+            x: -c * sp.sign(along) / 10, y: -s * sp.sign(along) / 10, phi: -sp.sign(dots[2]) / 10,
+        },
+        frame=vo.Frame.quasi({v: along, w: dots[2]}),
+    )  # fmt: skip
+    start = {"x": 0.027, "phi": 0, "y": 0.526, "v": -0.131, "w": 0.423}
+    run = vo.integrate(sleigh, initial=start, times=[0, 1.968])
+    assert abs(run["v"][-1]) < 1e-12 and run.cost.steps < 1000

@@ -75,10 +75,11 @@ def _units_beside(
         # of two in the middle the shorter: a size that is too small costs steps, a large one digits
         middle = times[rows, (count - 1) // 2]
         span = np.where(count > 0, middle, 0.0)[:, None]
-        size = np.maximum(x, slope * span)
-        if ((size > 0) & (size < SMALL)).any():
+        size = np.maximum(x, np.where(_sound(slope), slope, 0.0) * span)
+        small = (size > 0) & (size < SMALL)
+        if small.any():
             balance = span * _balance(slopes, states, own)
-            size = np.maximum(size, np.where(size < SMALL, np.minimum(balance, SMALL), 0.0))
+            size = np.where(small, np.maximum(size, np.minimum(balance, SMALL)), size)
         far = (size > 0) & ~((size >= SMALL) & (size <= LARGE)) & np.isfinite(size)
     far &= np.isfinite(slope).all(axis=1)[:, None]
     far[:, angles] = False
@@ -100,5 +101,9 @@ def _moving(x: np.ndarray, slope: np.ndarray, among: np.ndarray) -> np.ndarray:
 
     Rates of angles near a pole say nothing of the others; where these stand still, they must do.
     """
-    rates = np.where(among, slope, 0.0)
-    return (x > 0) & (rates > STILL * rates.max(axis=1, initial=0.0)[:, None])
+    return (x > 0) & _sound(np.where(among, slope, 0.0))
+
+
+def _sound(rates: np.ndarray) -> np.ndarray:
+    """Which of rates (s, n) are no rounding beside the largest."""
+    return np.asarray(rates > STILL * rates.max(axis=1, initial=0.0)[:, None])
