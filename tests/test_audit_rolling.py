@@ -24,7 +24,7 @@ def test_verdicts_on_neumanns_variables():
     assert set(wrong) == {"kineticka", "kineticka*", None}
     assert "+Bq^2+" in wrong["kineticka"].correction
     assert r"\mathfrak m_\mathbf v" in wrong["kineticka*"].correction
-    assert {r.verdict for r in found} == {"misprint", "proved", "definition", "unaudited"}
+    assert {r.verdict for r in found} == {"misprint", "proved", "definition", "cited", "unaudited"}
     (letter,) = (r for r in found if r.verdict == "misprint" and r.kind == "text")
     assert letter.printed.startswith("the kinetic energy written in terms of")
 

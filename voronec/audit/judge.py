@@ -258,7 +258,7 @@ def _judged(
     if fault:
         return FormulaRecord(printed, "misprint", fault, derived)
     verdict = "convention" if finding.partial else "proved"
-    if check.role == "cited":
+    if check.role == "cited" or check.cited:
         verdict = "cited"  # it is what was meant; whether that is a fact is not proved here
     if check.role == "condition":
         verdict = "definition"

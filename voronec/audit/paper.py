@@ -72,6 +72,8 @@ class Check:
         accepted only if it is proved.
     source
         what the derived side was made from, where that is not the source of the study.
+    cited
+        what of it is proved, where the rest is quoted; the verdict is then at most "cited".
     """
 
     role: str = "claim"
@@ -88,6 +90,7 @@ class Check:
     within: tuple[str, ...] = ()
     proposal: str | None = None
     source: str = ""
+    cited: str = ""
 
     def __post_init__(self) -> None:
         if self.role not in ROLES:

@@ -95,7 +95,7 @@ NEUMANN = Section(
             r"""\begin{equation}\label{eq:lawmoments}
 \dot{\mathfrak M}=\mathbf F, \qquad \dot{\mathbf G}^{(M)}+ [\mathfrak v^1, \mathfrak M]=\mathbf L^{(M)},
 \end{equation}""",
-            (Check("cited", "particles"),),  # proved for three mass points, quoted for a body
+            (Check(study="particles", cited="proved for three mass points"),),
         ),
         Display(
             r"""\begin{equation}\label{kineticka*}
