@@ -264,8 +264,8 @@ def _judged(
         verdict = "definition"
     if check.role == "definition" and not (finding.count and new_names(chain, study)):
         verdict = "definition"
-    record = FormulaRecord(printed, verdict, method_of(finding, chain, check), derived)
-    return replace(record, ranges=ranges_of(finding))
+    method = "; ".join(filter(None, (method_of(finding, chain, check), check.cited)))
+    return replace(FormulaRecord(printed, verdict, method, derived), ranges=ranges_of(finding))
 
 
 def _said_before(formula: Formula, chain: Chain, study: Study, bench: Bench) -> str:
