@@ -2,35 +2,19 @@
 
 from __future__ import annotations
 
-import importlib.util
 import shutil
-import sys
 from dataclasses import replace
 from math import cos, exp, pi, sin
-from pathlib import Path
 
 import pytest
 import sympy as sp
+from tool_modules import tool
 
 import voronec as vo
 
-TOOLS = Path(__file__).parents[1] / "tools"
 x, phi, y = sp.symbols("x phi y")
 xdot = vo.velocity(x)
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="the referee is compiled")
-
-
-def tool(name):
-    """A module of the folder of tools, which is no package."""
-    sys.path.insert(0, str(TOOLS))
-    try:
-        spec = importlib.util.find_spec(name)
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[name] = module
-        spec.loader.exec_module(module)
-        return module
-    finally:
-        sys.path.remove(str(TOOLS))
 
 
 def motion(system, q, v, times, tolerance=3e-17, precision="long double"):

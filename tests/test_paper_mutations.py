@@ -2,31 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
-from pathlib import Path
-
 import pytest
 import sympy as sp
+from tool_modules import tool
 
 import voronec as vo
 from voronec.audit import Check, Display, Motion, Section, Study
-
-TOOLS = Path(__file__).parents[1] / "tools"
-
-
-def tool(name):
-    """A module of the folder of tools, which is no package."""
-    sys.path.insert(0, str(TOOLS))
-    try:
-        spec = importlib.util.find_spec(name)
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[name] = module
-        spec.loader.exec_module(module)
-        return module
-    finally:
-        sys.path.remove(str(TOOLS))
-
 
 latex_errors = tool("latex_errors")
 english_errors = tool("english_errors")

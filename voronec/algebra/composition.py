@@ -22,7 +22,7 @@ from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factor
 from voronec.algebra.normal import canonical
 from voronec.algebra.ring import Ring
 from voronec.algebra.roots import defined_where
-from voronec.algebra.tape import Tape, is_atom
+from voronec.algebra.tape import Tape, is_atom, nodes
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["are_equal"]
@@ -96,7 +96,7 @@ def _not_negative(expr: Any, ring: Ring, signs: Signs) -> bool:
 
 def _cases(a: Any, b: Any, relations: Sequence[Any]) -> Iterator[tuple[Any, Any, list[Any]]]:
     """Both sides where each sign's argument vanishes, and where it does not: u/|u|."""
-    inner = [*dict.fromkeys(n.args[0] for n in _nodes([a, b]) if isinstance(n, se.sign))]
+    inner = [*dict.fromkeys(n.args[0] for n in nodes([a, b]) if isinstance(n, se.sign))]
     if len(inner) > MOST_SIGNS:
         raise EngineLimit("there are too many signs to take all cases")
     for zero in product((False, True), repeat=len(inner)):
@@ -104,7 +104,7 @@ def _cases(a: Any, b: Any, relations: Sequence[Any]) -> Iterator[tuple[Any, Any,
         for u, vanishes in zip(inner, zero, strict=True):
             at[se.sign(u)] = se.Integer(0) if vanishes else u / se.sqrt(u**2)
             more += [u] if vanishes else []
-        if more and any(n.args and isinstance(n, se.sign) for u in more for n in _nodes([u])):
+        if more and any(n.args and isinstance(n, se.sign) for u in more for n in nodes([u])):
             raise EngineLimit("a sign stands under a sign")
         left, right = a.xreplace(at), b.xreplace(at)
         if not (more and _has_no_value([left, right])):  # 1/sign(u) is not defined where u = 0
@@ -113,24 +113,14 @@ def _cases(a: Any, b: Any, relations: Sequence[Any]) -> Iterator[tuple[Any, Any,
 
 def _has_no_value(exprs: Iterable[Any]) -> bool:
     """Whether something in expressions is infinite, or no number at all."""
-    return any(node in _NO_NUMBERS for node in _nodes(exprs))
+    return any(node in _NO_NUMBERS for node in nodes(exprs))
 
 
 def _positive(exprs: Iterable[Any]) -> Iterator[Any]:
     """What is positive where expressions are real: bases of powers with symbolic exponents."""
-    for node in _nodes(exprs):
+    for node in nodes(exprs):
         if isinstance(node, se.Pow) and not node.args[1].is_Number and node.args[0].free_symbols:
             yield node.args[0] > 0
-
-
-def _nodes(exprs: Iterable[Any]) -> Iterator[Any]:
-    seen, waiting = set[Any](), list(exprs)
-    while waiting:
-        node = waiting.pop()
-        if node not in seen:
-            seen.add(node)
-            yield node
-            waiting += () if is_atom(node) else node.args
 
 
 class Composition:
@@ -336,7 +326,7 @@ def _of_inverse(term: Any) -> tuple[Any, Any]:
 
 def _angles(exprs: Iterable[Any]) -> list[Any]:
     """What sines and the like are taken of."""
-    return [*dict.fromkeys(n.args[0] for n in _nodes(exprs) if isinstance(n, TRIGONOMETRIC))]
+    return [*dict.fromkeys(n.args[0] for n in nodes(exprs) if isinstance(n, TRIGONOMETRIC))]
 
 
 def folded(exprs: Sequence[Any]) -> list[Any]:

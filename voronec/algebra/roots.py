@@ -16,7 +16,7 @@ from voronec.algebra.certificates import Signs
 from voronec.algebra.conditions import comparisons
 from voronec.algebra.field import Fraction
 from voronec.algebra.generators import prime_factors
-from voronec.algebra.tape import is_atom
+from voronec.algebra.tape import is_atom, nodes
 from voronec.errors import EngineLimit
 
 if TYPE_CHECKING:
@@ -37,10 +37,10 @@ def defined_where(exprs: Iterable[Any]) -> list[Any]:
     Nothing where one of them has walls: a piece of a function may be undefined where it is not
     taken.
     """
-    nodes = [*_nodes(exprs)]
-    if any(isinstance(n, _WALLED) for n in nodes):
+    parts = [*nodes(exprs)]
+    if any(isinstance(n, _WALLED) for n in parts):
         return []
-    powers = [n.args for n in nodes if isinstance(n, se.Pow) and n.free_symbols]
+    powers = [n.args for n in parts if isinstance(n, se.Pow) and n.free_symbols]
     radicands = [(b, e) for b, e in powers if isinstance(e, se.Rational) and e.q != 1]
     return [base > 0 if exponent < 0 else base >= 0 for base, exponent in radicands]
 
@@ -201,7 +201,7 @@ class Roots:
 
 def _arguments(exprs: Iterable[Any]) -> Iterator[Any]:
     """What roots and powers are taken of, and logarithms; logarithms in exponents."""
-    for node in _nodes(exprs):
+    for node in nodes(exprs):
         if isinstance(node, se.log):
             yield node.args[0]
         elif isinstance(node, se.Pow) and not isinstance(node.args[1], se.Integer):
@@ -210,17 +210,6 @@ def _arguments(exprs: Iterable[Any]) -> Iterator[Any]:
                 yield base
             elif exponent.atoms(se.log):
                 yield exponent
-
-
-def _nodes(exprs: Iterable[Any]) -> Iterator[Any]:
-    """Every node of expression graphs once; unknown functions as they stand."""
-    seen, waiting = set[Any](), list(exprs)
-    while waiting:
-        node = waiting.pop()
-        if node not in seen:
-            seen.add(node)
-            yield node
-            waiting += () if is_atom(node) else node.args
 
 
 def _primes(number: Any) -> list[tuple[Any, int]]:

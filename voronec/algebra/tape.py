@@ -6,7 +6,7 @@ what comes out encloses the exact value: a ball that excludes zero is a proof.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -20,7 +20,7 @@ from voronec.algebra.cardinal import EXPREL, SINC, SINHC, cardinal_name
 from voronec.algebra.text import exact_number
 from voronec.errors import DefinitionError, EngineLimit, shown
 
-__all__ = ["Tape", "as_ball", "is_atom", "is_flat"]
+__all__ = ["Tape", "as_ball", "is_atom", "is_flat", "nodes"]
 
 _UNARY: dict[type, Callable[[Any], Any]] = {
     se.sin: lambda a: a.sin(),
@@ -66,6 +66,17 @@ def is_atom(expr: Any) -> bool:
     """Whether a symengine expression is a symbol, an unknown function or a derivative of one."""
     kinds = (se.Symbol, se.FunctionSymbol, se.Derivative, se.Subs)
     return isinstance(expr, kinds) and not is_flat(expr) and cardinal_name(expr) is None
+
+
+def nodes(exprs: Iterable[Any]) -> Iterator[Any]:
+    """Every node of expression graphs once; unknown functions as they stand."""
+    seen, waiting = set[Any](), list(exprs)
+    while waiting:
+        node = waiting.pop()
+        if node not in seen:
+            seen.add(node)
+            yield node
+            waiting += () if is_atom(node) else node.args
 
 
 def as_ball(number: Any) -> Any:

@@ -20,7 +20,7 @@ import symengine as se
 from voronec.algebra.conditions import domain_of, parted
 from voronec.algebra.points import consistent, lifted
 from voronec.algebra.ring import Ring
-from voronec.algebra.tape import Tape, is_atom
+from voronec.algebra.tape import Tape, nodes
 from voronec.errors import EngineLimit
 
 __all__ = ["Search", "walls_of"]
@@ -67,9 +67,9 @@ class Search:
         self.walls, self.edges = walls_of([self.left, self.right])
         self._sides = Tape([self.left, self.right])
         self._signs = Tape([*self.walls, *self.edges])
-        nodes = [*_nodes([self.left, self.right])]
-        self._jumps = Tape([n.args[0] for n in nodes if isinstance(n, se.sign)])
-        self._steps = Tape([n.args[0] for n in nodes if isinstance(n, se.floor)])
+        parts = [*nodes([self.left, self.right])]
+        self._jumps = Tape([n.args[0] for n in parts if isinstance(n, se.sign)])
+        self._steps = Tape([n.args[0] for n in parts if isinstance(n, se.floor)])
         self._source = Random("voronec witnesses")
         self.atoms = [*self._sides.atoms]
         equations, conditions = parted(self.relations)
@@ -238,7 +238,7 @@ def walls_of(exprs: Iterable[Any]) -> tuple[list[Any], list[Any]]:
     and the like; and what is not negative where everything is real."""
     walls: dict[Any, None] = {}
     edges: dict[Any, None] = {}
-    for node in _nodes(exprs):
+    for node in nodes(exprs):
         inner = _edge(node)
         if inner is not None and inner.free_symbols:
             edges.setdefault(inner)
@@ -246,16 +246,6 @@ def walls_of(exprs: Iterable[Any]) -> tuple[list[Any], list[Any]]:
             if argument.free_symbols and len(walls) < MOST_WALLS:
                 walls.update(dict.fromkeys(_factors(argument)))
     return [*walls][:MOST_WALLS], [*edges][:MOST_WALLS]
-
-
-def _nodes(exprs: Iterable[Any]) -> Iterator[Any]:
-    seen, waiting = set[Any](), list(exprs)
-    while waiting:
-        node = waiting.pop()
-        if node not in seen:
-            seen.add(node)
-            yield node
-            waiting += () if is_atom(node) else node.args
 
 
 def _turns(node: Any) -> tuple[Any, ...]:

@@ -15,13 +15,12 @@ import numpy as np
 
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.flow.steppers.opening import openings
+from voronec.flow.steppers.run import COLLAPSE, INFINITE
+from voronec.flow.steppers.stepwise import FINEST
 from voronec.flow.steppers.units import units_of_many
 from voronec.program import Hoisted, Program, compiled, hoisted, taylor_system
 
 __all__ = [
-    "COLLAPSE",
-    "FINEST",
-    "INFINITE",
     "PASSED",
     "SINGULAR",
     "Lanes",
@@ -43,12 +42,8 @@ COLLAPSED = 1e-3
 this share of the longest one tells how near it passed, and how many digits were lost."""
 SINGULAR = 1e-6
 """A motion with so short a step is not to be trusted after it."""
-FINEST = 2.3e-14
-"""scipy's DOP853 refuses finer relative tolerances."""
 PIECE = 64
 """Points of the grid in the first piece; later ones follow the steps it took."""
-INFINITE = "the state is no longer finite"
-COLLAPSE = "the step size collapsed"
 PASSED = "the motion passes a place where its equations are singular, or nearly,"
 
 Look = Callable[[], bool]

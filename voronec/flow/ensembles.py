@@ -17,7 +17,7 @@ from voronec.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, acce
 from voronec.equations import VoronecEquations
 from voronec.errors import IntegrationError, VoronecError
 from voronec.flow.apart import Apart
-from voronec.flow.batches import FINEST, Lanes, Stopped, along, along_scipy, chosen
+from voronec.flow.batches import Lanes, Stopped, along, along_scipy, chosen
 from voronec.flow.given import (
     Values,
     grid_of,
@@ -29,6 +29,7 @@ from voronec.flow.given import (
 from voronec.flow.inputs import drive
 from voronec.flow.many import Many, at_each, drifts, many
 from voronec.flow.soundness import JudgeOfMany
+from voronec.flow.steppers.stepwise import FINEST
 from voronec.flow.trajectory import Cost, Trajectory
 from voronec.flow.vocabulary import Vocabulary, held_name
 from voronec.scene import Scene

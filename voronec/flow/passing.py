@@ -10,8 +10,6 @@ import numpy as np
 
 from voronec.errors import IntegrationError, VoronecError
 from voronec.flow.batches import (
-    COLLAPSE,
-    INFINITE,
     PASSED,
     SINGULAR,
     Lanes,
@@ -20,6 +18,7 @@ from voronec.flow.batches import (
     strides,
 )
 from voronec.flow.steppers.opening import openings
+from voronec.flow.steppers.run import COLLAPSE, INFINITE
 from voronec.flow.vocabulary import number
 from voronec.flow.zeros import Paths, Zeros, zeros
 

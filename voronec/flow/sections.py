@@ -16,12 +16,13 @@ from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.flow.alike import starts_alike
 from voronec.flow.apart import Apart
-from voronec.flow.batches import FINEST, chosen
+from voronec.flow.batches import chosen
 from voronec.flow.given import Values, outputs_of, quantity, scene_of, spread_starts
 from voronec.flow.inputs import drive
 from voronec.flow.many import Many, at_each, drifts, many
 from voronec.flow.passing import Passages, pass_lanes, pass_scipy
 from voronec.flow.soundness import JudgeOfMany
+from voronec.flow.steppers.stepwise import FINEST
 from voronec.flow.trajectory import Cost
 from voronec.flow.vocabulary import Vocabulary, held_name, number
 from voronec.program import Program, compiled

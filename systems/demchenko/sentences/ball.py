@@ -11,9 +11,8 @@ from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
 from voronec.audit.meaning import evaluate
 
 from ..dictionary.ball import A1, A2, C1, C2, VERTICAL, theta, u
-from .claims import agreed, all_of, constant, denied, equals, holds, imposed, residuals, value
+from .claims import AXES, agreed, all_of, constant, denied, equals, holds, imposed, residuals, value
 
-AXES = {r"\mathbf u": 0, r"\mathbf v": 1, r"\mathbf n": 2}
 ACROSS = {"ball": A1, "gyroscope": A2, "ball + gyroscope": A1 + A2}
 ALONG = {"ball": C1, "gyroscope": C2, "ball + gyroscope": C1 + C2}
 

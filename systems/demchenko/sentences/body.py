@@ -10,7 +10,7 @@ from voronec.audit.latex.nodes import Name, Variation, walk
 
 from ..dictionary.body import DOTS, U
 from ..dictionary.surfaces import COORDINATES, FIBRE, QUASI, theta, typeset, vector, velocities
-from .claims import agreed, all_of, denied, equals, imposed, residuals, value
+from .claims import agreed, all_of, denied, equals, imposed, relative_curvature, residuals, value
 
 LETTERS = ("s", r"\tau", "n")
 
@@ -179,12 +179,6 @@ def eight(
         agreed({value(x, study) for x in letters}, {*COORDINATES, *DOTS}, "unknowns"),
         lambda: whole.eight(),
     )
-
-
-def relative_curvature(study: Study) -> str:
-    """The determinant on which it depends, in the paper's names."""
-    found: str = study.context.surfaces.spelled_curvature(study.spelling)
-    return found
 
 
 SENTENCES = (

@@ -15,6 +15,7 @@ from voronec.audit.meaning import evaluate
 from voronec.audit.transcript import assignments
 
 __all__ = [
+    "AXES",
     "agreed",
     "all_of",
     "constant",
@@ -24,12 +25,15 @@ __all__ = [
     "holds",
     "imposed",
     "left_sides",
+    "relative_curvature",
     "residuals",
     "sides",
     "value",
     "values",
 ]
 
+AXES = {r"\mathbf u": 0, r"\mathbf v": 1, r"\mathbf n": 2}
+"""The axes at the contact point, by number."""
 CONSTANT = {
     **dict.fromkeys(("constant", "fixed", "a constant", "conserved"), True),
     **dict.fromkeys(("variable", "not constant", "a variable", "arbitrary"), False),
@@ -173,4 +177,10 @@ def imposed(formula: Reference | Quoted, study: Study, what: str) -> vo.Verdict:
     free = [vo.prove_equal(gap, 0) for gap in residuals(formula, study)]
     if any(verdict.proved for verdict in free):
         return vo.Verdict("refuted", f"{what}: an identity, which constrains nothing")
+    return found
+
+
+def relative_curvature(study: Study) -> str:
+    """The determinant on which it depends, in the paper's names."""
+    found: str = study.context.surfaces.spelled_curvature(study.spelling)
     return found

@@ -12,9 +12,17 @@ from voronec.audit.structure import mentions
 
 from ..dictionary.rotor import COSINES, chi
 from ..dictionary.surfaces import BASE, COORDINATES, QUASI
-from .claims import agreed, all_of, constant, denied, equals, residuals, value
-
-AXES = {r"\mathbf u": 0, r"\mathbf v": 1, r"\mathbf n": 2}
+from .claims import (
+    AXES,
+    agreed,
+    all_of,
+    constant,
+    denied,
+    equals,
+    relative_curvature,
+    residuals,
+    value,
+)
 
 
 def constant_speed(
@@ -138,12 +146,6 @@ def eight(
         agreed({value(x, study) for x in others}, {*COORDINATES, *dots}, "the other unknowns"),
         lambda: study.context.eight(),
     )
-
-
-def relative_curvature(study: Study) -> str:
-    """The determinant on which it depends, in the paper's names."""
-    found: str = study.context.surfaces.spelled_curvature(study.spelling)
-    return found
 
 
 SENTENCES = (

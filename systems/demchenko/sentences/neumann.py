@@ -11,9 +11,8 @@ from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
 from voronec.audit.meaning import evaluate
 
 from ..dictionary.surfaces import BASE, COORDINATES, QUASI, SLIP, typeset, vector
-from .claims import agreed, all_of, denied, equals, imposed, left_sides, residuals, value
+from .claims import AXES, agreed, all_of, denied, equals, imposed, left_sides, residuals, value
 
-AXES = {r"\mathbf u": 0, r"\mathbf v": 1, r"\mathbf n": 2}
 FIXED_AXES = {r"\mathbf u_1": 0, r"\mathbf v_1": 1, r"\mathbf n_1": 2}
 HANDS = {"negative": -1, "left-handed": -1, "positive": 1, "right-handed": 1}
 
