@@ -62,6 +62,7 @@ SYSTEM = System(
     integrals={"energy": rolling.momentum.dot(sp.Matrix(omega)) / 2},
     measure=Measure(rolling.density * rolling.body.widened(R1), (*gamma, height, *omega)),
     essential=(u, v, *omega),
+    charts=rolling.charts,
     scenes={
         "default": Scene(
             initial={

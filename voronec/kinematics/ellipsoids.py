@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
+from voronec.charts import Chart
 from voronec.kinematics.bodies import kinetic_energy
 from voronec.kinematics.convex import ConvexBody
 from voronec.kinematics.forms import SurfaceForms
+from voronec.kinematics.poles import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.surfaces import Surface
@@ -45,6 +47,8 @@ class RollingEllipsoid:
         the point of contact in space, on the sphere divided by its radius.
     turned
         dgamma/dt.
+    charts
+        of Neumann's coordinates, with their poles elsewhere.
     """
 
     body: ConvexBody
@@ -58,6 +62,7 @@ class RollingEllipsoid:
     contact: tuple[sp.Expr, ...]
     turned: sp.ImmutableMatrix
     rotation: Rotation = ROTATION
+    charts: Mapping[str, Chart] = field(default_factory=dict)
 
     @classmethod
     def on_plane(cls, axes: Sequence[Any], mass: Any, inertia: Sequence[Any]) -> RollingEllipsoid:
@@ -152,6 +157,7 @@ class RollingEllipsoid:
             tuple(Surface.sphere(1, u1, v1).position),
             body.rolled(OMEGA, sphere),
             CARRIED,
+            _turned_poles(whole, sphere, o, contact),
         )
 
     @property
@@ -192,3 +198,34 @@ class RollingEllipsoid:
 def _named(normal: Sequence[Any], height: Any) -> dict[str, sp.Expr]:
     names = (*map(str, GAMMA), str(HEIGHT))
     return dict(zip(names, (*normal, height), strict=True))
+
+
+def _turned_poles(
+    axes: Sequence[Any], sphere: Any, o: Sequence[Any], contact: RollingContact
+) -> dict[str, Chart]:
+    """The charts of a spheroid on a sphere: polar axes across its own, and across the sphere's.
+
+    The lines of u and v are no lines of curvature there.  With N = -gamma, along them, and the
+    sphere's normal gamma carried along by gamma' + omega x gamma in space, all rates follow.
+    """
+    (u, v), (u1, v1), theta = contact.body.coordinates, contact.fixed.coordinates, contact.theta
+    turned, omega = HALF_TURN * Surface.sphere(1, u, v).frame, sp.Matrix(OMEGA)
+    down, across, outer = (turned.col(i) for i in range(3))
+    level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, outer, strict=True)))
+    placed = ConvexBody.ellipsoid(axes, tuple(-outer), level)
+    rate = placed.rolled(OMEGA, sphere)
+    swing = rate - omega.cross(outer)
+    x, y = swing.dot(down), swing.dot(across)
+    around = -rate.dot(across) / sp.sin(u)
+    other = (x * sp.cos(theta) + y * sp.sin(theta)) / sp.sin(u1)
+    moved = sp.Matrix([velocity(q) for q in o]) + omega.cross(sp.Matrix(o) + placed.arm)
+    constraints = (
+        velocity(u) + rate.dot(down),
+        velocity(v) - around,
+        velocity(u1) + x * sp.sin(theta) - y * sp.cos(theta),
+        velocity(v1) - other,
+        velocity(theta) + omega.dot(outer) + around * sp.cos(u) + other * sp.cos(u1),
+        *moved,
+    )
+    spheres = RollingContact(Surface.sphere(1, u, v), Surface.sphere(sphere, u1, v1), theta)
+    return turned_poles(spheres, {"constraints": constraints})
