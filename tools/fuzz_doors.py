@@ -30,6 +30,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from child_time import ChildClock
 from door_commands import Wrong, command_door, environment_door, plugin_door
 from door_names import python_door
 from door_values import CANARY
@@ -208,20 +209,11 @@ class _Worker:
         self.process = mp.get_context("fork").Process(target=_child, args=(seed, kind, inner))
         self.process.start()
         inner.close()
-        self.number, self.since, self.before = -1, 0.0, 0.0
+        self.number, self.clock = -1, ChildClock(self.process.pid)
 
     def open(self, number: int) -> None:
-        self.before = 0.0
-        self.number, self.since, self.before = number, time.monotonic(), self.time()
+        self.number, self.clock = number, ChildClock(self.process.pid)
         self.way.send(number)
-
-    def time(self) -> float:
-        """Seconds that the child has worked on its door."""
-        try:
-            stat = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
-        except OSError:  # not on Linux
-            return time.monotonic() - self.since
-        return (int(stat[11]) + int(stat[12])) / os.sysconf("SC_CLK_TCK") - self.before
 
     def end(self) -> None:
         if self.process.is_alive():
@@ -250,7 +242,7 @@ def _results(chosen: argparse.Namespace, begun: float) -> Iterator[tuple[int, st
                     except (EOFError, OSError):
                         worker.process.join()
                         lost = f"signal: {worker.process.exitcode}"
-                elif worker.time() > HANG or time.monotonic() - worker.since > WAIT:
+                elif worker.clock.worked() > HANG or worker.clock.waited() > WAIT:
                     worker.process.kill()
                     lost = f"hang: over {HANG:g} s"
                 else:

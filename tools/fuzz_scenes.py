@@ -28,12 +28,15 @@ from multiprocessing.connection import Connection
 from time import monotonic
 from typing import Any
 
+from child_time import ChildClock
 from fuzz_scene import KINDS, catalogue_names
 
 __all__ = ["main"]
 
 PATIENCE = 120.0
-"""Seconds after which a scene counts as one that hangs."""
+"""Seconds of work after which a scene counts as one that hangs."""
+WAIT = 1800.0
+"""Seconds after which it hangs though it does not work."""
 REFUSALS = 0.005
 """So large a part of the scenes may be refused."""
 FAILURES = ("wrong", "crash", "hang", "broken")
@@ -85,13 +88,21 @@ class Court:
         self._pipe.send((kind, index))
         outcome = "hang"
         try:
-            if self._pipe.poll(PATIENCE):
+            if self._answered():
                 found: Verdict = self._pipe.recv()
                 return found
         except (EOFError, ConnectionResetError):
             outcome = "crash"
         self.close()
         return Verdict(kind, index, self.system or "", outcome, f"the process: {outcome}")
+
+    def _answered(self) -> bool:
+        """Whether an answer came before the process has worked for too long."""
+        clock = ChildClock(self._process.pid)
+        while not self._pipe.poll(1.0):
+            if clock.worked() > PATIENCE or clock.waited() > WAIT:
+                return False
+        return True
 
     def close(self) -> None:
         """End the process."""

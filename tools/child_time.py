@@ -1,0 +1,34 @@
+"""How long a child process has worked: seconds of the processor, which no load of the machine
+stretches, for the tools that end children which hang."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+
+__all__ = ["ChildClock"]
+
+
+class ChildClock:
+    """Seconds that a child process works, from now on."""
+
+    def __init__(self, pid: int | None) -> None:
+        self.pid, self.since = pid, time.monotonic()
+        self.before = self._worked()
+
+    def worked(self) -> float:
+        """Seconds of the processor that the child and what it waited for have taken."""
+        return self._worked() - self.before
+
+    def waited(self) -> float:
+        """Seconds on the wall."""
+        return time.monotonic() - self.since
+
+    def _worked(self) -> float:
+        try:
+            stat = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
+        except OSError:  # not on Linux, or ended
+            return time.monotonic()
+        # utime, stime, and those of children that were waited for: fields 14 to 17 of proc(5)
+        return sum(map(int, stat[11:15])) / os.sysconf("SC_CLK_TCK")
