@@ -11,7 +11,8 @@ from matplotlib._pylab_helpers import Gcf
 
 import voronec as vo
 from voronec.report.pictures import drawing
-from voronec.report.plots import INK, PALE, plot_trajectory, quantity_label
+from voronec.report.plots import plot_trajectory, quantity_label
+from voronec.report.style import INK, PALE
 
 theta1, omega, energy = sp.symbols("theta1 omega E")
 PENDULUM = vo.System(

@@ -13,7 +13,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.errors import DefinitionError
-from voronec.report.plots import INK, MARK, STYLE
+from voronec.report.style import INK, MARK, STYLE
 
 if TYPE_CHECKING:
     from voronec.closed.special.bifurcation import BifurcationSet

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from voronec.report.layers import Layout, layered
-from voronec.report.plots import INK, MARK, PALE, SOFT, STYLE
+from voronec.report.style import INK, MARK, PALE, SOFT, STYLE
 
 __all__ = ["LINES", "diagram_figure", "line_of"]
 

@@ -16,7 +16,7 @@ import numpy as np
 from voronec.model import Model
 from voronec.report.layers import Layout, layered
 from voronec.report.model_boxes import Box, boxes, shown
-from voronec.report.plots import FAINT, INK, PALE, SOFT, STYLE
+from voronec.report.style import FAINT, INK, PALE, SOFT, STYLE
 
 __all__ = ["model_figure"]
 

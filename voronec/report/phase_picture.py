@@ -15,7 +15,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.errors import DefinitionError
-from voronec.report.plots import INK, MARK, SOFT, STYLE
+from voronec.report.style import INK, MARK, SOFT, STYLE
 
 __all__ = ["Level", "phase_figure", "phase_levels"]
 

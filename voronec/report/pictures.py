@@ -95,7 +95,7 @@ def _path(trajectory: Trajectory) -> Any:
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    from voronec.report.plots import INK, MARK, STYLE
+    from voronec.report.style import INK, MARK, STYLE
 
     x, y = trajectory["x"], trajectory["y"]
     with rc_context(STYLE):

@@ -1,7 +1,4 @@
-"""Figures for a paper: quantities against the time; and the style that all figures share.
-
-Figures are made without pyplot, so no window opens and no global state is touched.
-"""
+"""Figures for a paper: quantities against the time."""
 
 from __future__ import annotations
 
@@ -15,30 +12,12 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import printed
 from voronec.algebra.typeset import symbol_latex
 from voronec.errors import DefinitionError
+from voronec.report.style import INK, STYLE, WIDTH
 
 if TYPE_CHECKING:
     from voronec.flow import Trajectory
 
 __all__ = ["plot_trajectory", "quantity_label"]
-
-INK, PALE, SOFT, FAINT, MARK = "#1b3a5c", "#a9b7c6", "#8a97a6", "#dfe4ea", "#b3361e"
-STYLE: Any = {
-    "font.family": "serif",
-    "font.serif": ["DejaVu Serif"],
-    "mathtext.fontset": "cm",
-    "font.size": 9,
-    "axes.labelsize": 10,
-    "axes.linewidth": 0.6,
-    "axes.edgecolor": "#444444",
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "axes.formatter.use_mathtext": True,
-    "svg.fonttype": "path",
-}
-WIDTH = 6.4
-"""Inches: the text width of a page."""
 
 
 def quantity_label(trajectory: Trajectory, name: str) -> str:

@@ -13,9 +13,9 @@ import numpy as np
 
 from voronec.algebra.symbols import plain_name
 from voronec.errors import DefinitionError
-from voronec.report.plots import STYLE
 from voronec.report.rolling_drawing import Rolling, draw_rolling, rolling_view
 from voronec.report.sphere_curves import on_sphere
+from voronec.report.style import STYLE
 
 if TYPE_CHECKING:
     from voronec.flow import Trajectory

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from voronec.report.plots import INK, MARK
 from voronec.report.sphere_curves import View, best_view, on_sphere
+from voronec.report.style import INK, MARK
 
 __all__ = ["Rolling", "draw_rolling", "rolling_view"]
 

@@ -11,7 +11,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import printed
 from voronec.algebra.typeset import symbol_latex
 from voronec.errors import DefinitionError
-from voronec.report.plots import INK, MARK, STYLE
+from voronec.report.style import INK, MARK, STYLE
 
 if TYPE_CHECKING:
     from voronec.flow import Section

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from voronec.errors import DefinitionError
-from voronec.report.plots import INK, MARK, PALE, SOFT, STYLE
 from voronec.report.sphere_curves import (
     FINE,
     Arcs,
@@ -27,6 +26,7 @@ from voronec.report.sphere_curves import (
     settled,
     smooth_arcs,
 )
+from voronec.report.style import INK, MARK, PALE, SOFT, STYLE
 
 __all__ = ["SphereTrace", "draw_sphere", "traces_figure"]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voronec.errors import DefinitionError
-from voronec.report.plots import INK, MARK, STYLE
+from voronec.report.style import INK, MARK, STYLE
 
 if TYPE_CHECKING:
     from voronec.closed.special.chart import StabilityChart

@@ -26,7 +26,7 @@ def plot_work_precision(bench: Bench) -> Any:
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    from voronec.report.plots import SOFT, STYLE
+    from voronec.report.style import SOFT, STYLE
 
     shown = [m for m in bench.methods if m.good]
     if not shown:
