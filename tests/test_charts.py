@@ -251,3 +251,11 @@ def test_a_twin_that_is_another_state_is_refuted():
     (twin,) = system.charts[name].twins
     wrong = changed(system, name, twins=({**twin, "theta": sp.Symbol("theta")},))
     assert verdicts(wrong)[name].refuted
+
+
+@pytest.mark.parametrize("twins", [0.5, 10**400, lambda: 1, "x", [3], None])
+def test_twins_that_are_no_maps_are_refused_in_one_line(twins):
+    x = sp.Symbol("x")
+    with pytest.raises(vo.DefinitionError, match="twin") as got:
+        vo.Chart(state={x: -x}, singular=x, twins=twins)
+    assert str(got.value).isprintable()

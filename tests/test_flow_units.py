@@ -141,3 +141,27 @@ def test_a_rate_that_is_rounding_tells_no_size_of_what_is_at_rest() -> None:
     start = {"x": 0.027, "phi": 0, "y": 0.526, "v": -0.131, "w": 0.423}
     run = vo.integrate(sleigh, initial=start, times=[0, 1.968])
     assert abs(run["v"][-1]) < 1e-12 and run.cost.steps < 1000
+
+
+@pytest.mark.parametrize("size", [1e-30, 1e-100, 1e-300])
+def test_small_states_have_all_digits_in_integers(size: float) -> None:
+    x = sp.Symbol("x")
+    spring = vo.System(
+        name="spring", fibration=vo.Fibration((x,)),
+        lagrangian=vo.velocity(x) ** 2 / 2 - x**2 / 2,
+    )  # fmt: skip
+    run = vo.integrate(spring, initial={"x": size}, times=[0, 1], method="flint")
+    assert float(run["x"][-1]) / size == pytest.approx(np.cos(1), rel=1e-13)
+
+
+def test_a_sleigh_in_units_far_apart_takes_the_same_steps() -> None:
+    """m, J and a enter only as m a/(J + m a^2); a w^2 vanishes beside v."""
+    sleigh = vo.derive(vo.load("sleigh"))
+    runs = [
+        vo.integrate(sleigh, times=[0, 8], parameters={"m": m, "J": J, "a": a}, method="heyoka")
+        for m, J, a in ((1e-100, 1e-300, 1e-200), (1, 1e-40, 1e-40))
+    ]
+    assert runs[0].cost.steps == runs[1].cost.steps
+    for run in runs:  # v = -1, w = 0.05 e^t
+        assert run["w"][-1] == pytest.approx(0.05 * np.exp(8), rel=1e-12)
+        assert run["phi"][-1] == pytest.approx(0.05 * (np.exp(8) - 1), rel=1e-12)

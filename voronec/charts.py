@@ -13,7 +13,7 @@ import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.errors import DefinitionError
-from voronec.reading import expression, mapping, shown
+from voronec.reading import expression, mapping, several, shown
 
 if TYPE_CHECKING:
     from voronec.system import System
@@ -66,7 +66,8 @@ class Chart:
 
         for part in ("state", "back", "near"):
             store(part, _named_values(getattr(self, part), part))
-        store("twins", tuple(_named_values(twin, "a twin") for twin in self.twins))
+        twins = several(self.twins, "twins", "{variable: expression}", Mapping)
+        store("twins", tuple(_named_values(twin, "a twin") for twin in twins))
         if not self.state:
             raise DefinitionError("a chart maps nothing; write state={variable: expression}")
         if not self.back:

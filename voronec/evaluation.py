@@ -10,8 +10,8 @@ import mpmath as mp
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.stable import stable_all
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.tape import Tape, as_ball
 from voronec.algebra.verdicts import all_vanish
@@ -145,7 +145,7 @@ def _accelerations(raw: Derivation, values: dict[str, Any], digits: int) -> list
     if connection.group is not None:
         rows, drifts = rows + list(connection.lift), drifts + raw.dot_drift
     lift, total = [e for row in rows for e in row[:n]], len(rows)
-    tape = Tape(cardinal_all([*mass, *raw.force, *lift, *drifts, *raw.definition.relations]))
+    tape = Tape(stable_all([*mass, *raw.force, *lift, *drifts, *raw.definition.relations]))
     unknown = [a for a in tape.atoms if str(a) not in values]
     if unknown:
         name = next((n for n, f in jets(system).items() if f == unknown[0]), None)

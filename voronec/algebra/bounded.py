@@ -18,7 +18,7 @@ from typing import Any
 
 import symengine as se
 
-__all__ = ["bounded", "bounded_all", "holds_exponentials", "tempered"]
+__all__ = ["bounded", "bounded_all", "exponential_sum", "holds_exponentials"]
 
 DEGREE = 6
 """Powers of T up to this one: the sums alternate, and lose more digits the higher they are."""
@@ -54,26 +54,11 @@ def _rewritten(expr: Any, known: dict[Any, Any]) -> Any:
     return found
 
 
-def tempered(expr: Any) -> Any:
-    """An equal expression in which logarithms of sums of exponentials do not overflow.
-
-        log sum c_k exp(k w) = (h + l)/2 w + (h - l)/2 |w| + log sum c_k exp(k w - ...),
-
-    k from l to h: on either side of w = 0 the exponents that are left are not positive.
-    """
-    sums = {a: _tempered(a.args[0]) for a in expr.atoms(se.log) if holds_exponentials(a)}
-    return expr.xreplace({a: e for a, e in sums.items() if e is not None}) if sums else expr
-
-
-def _tempered(inner: Any) -> Any | None:
-    found = [w for f in inner.args or () for w in _arguments(f)] + _arguments(inner)
-    terms = _laurent(inner, min(found, key=_size)) if found else None
-    if terms is None:
-        return None
-    w, low, high = min(found, key=_size), min(terms), max(terms)
-    middle, reach = se.Rational(low + high, 2) * w, se.Rational(high - low, 2) * se.Abs(w)
-    rest = [c * se.exp(k * w - middle - reach) for k, c in terms.items()]
-    return middle + reach + se.log(se.Add(*rest))
+def exponential_sum(expr: Any) -> tuple[Any, dict[int, Any]] | None:
+    """(w, {k: c_k}) of a sum of c_k exp(k w) with several terms; None for anything else."""
+    found = [w for f in (expr, *expr.args) for w in _arguments(f)]
+    terms = _laurent(expr, min(found, key=_size)) if found else None
+    return (min(found, key=_size), terms) if terms is not None and len(terms) > 1 else None
 
 
 def holds_exponentials(*exprs: Any) -> bool:

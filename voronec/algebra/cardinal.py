@@ -2,8 +2,10 @@
 
     sinc w = sin(w)/w,    sinhc w = sinh(w)/w,    exprel w = (exp(w) - 1)/w
 
-are entire.  They are unknown functions of these names in programs alone: proofs see quotients.
-1 - cos w = 2 sin^2(w/2), which loses no digits, and tan w = sin(w)/cos(w) are divided likewise.
+are entire (``numeric_functions``).  1 - cos w = 2 sin^2(w/2), which loses no digits, and
+tan w = sin(w)/cos(w) are divided likewise, and so is tanh, which is even but for the factor w:
+
+    tanh(w)/w = 2 exprel(-2|w|)/(1 + exp(-2|w|)).
 """
 
 from __future__ import annotations
@@ -14,23 +16,9 @@ from typing import Any
 
 import symengine as se
 
-__all__ = [
-    "CARDINAL", "EXPREL", "SINC", "SINHC", "cardinal_all", "cardinal_name", "coefficient", "divided"
-]  # fmt: skip
+from voronec.algebra.numeric_functions import EXPREL, SINC, SINHC, SIZE
 
-SINC, SINHC, EXPREL = "cardinal sine", "hyperbolic cardinal sine", "relative exponential"
-CARDINAL: dict[str, Callable[[Any], Any]] = {
-    SINC: se.sin,
-    SINHC: se.sinh,
-    EXPREL: lambda w: se.exp(w) - 1,
-}
-"""By name, what is divided by w; no function of a user has a name of several words."""
-
-
-def cardinal_name(expr: Any) -> str | None:
-    """The name of a function of this kind; None for any other expression."""
-    name = expr.get_name() if isinstance(expr, se.FunctionSymbol) else None
-    return name if name in CARDINAL and len(expr.args) == 1 else None
+__all__ = ["cardinal_all", "coefficient"]
 
 
 def coefficient(name: str, at: int, order: int, bits: int) -> int:
@@ -46,16 +34,6 @@ def coefficient(name: str, at: int, order: int, bits: int) -> int:
         power = power * at >> bits
         n += 1
     return total
-
-
-def divided(expr: Any) -> Any:
-    """The expression with these functions as quotients again."""
-    names = {f: cardinal_name(f) for f in expr.atoms(se.FunctionSymbol)}
-    while any(names.values()):
-        found = {f: CARDINAL[n](f.args[0]) / f.args[0] for f, n in names.items() if n}
-        expr = expr.xreplace(found)
-        names = {f: cardinal_name(f) for f in expr.atoms(se.FunctionSymbol)}
-    return expr
 
 
 def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
@@ -81,7 +59,7 @@ def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
     return [_rewritten(e, known) for e in given]
 
 
-_KINDS = (se.sin, se.cos, se.tan, se.sinh, se.cosh)
+_KINDS = (se.sin, se.cos, se.tan, se.sinh, se.cosh, se.tanh)
 
 
 def _nodes(exprs: Iterable[Any]) -> Iterator[Any]:
@@ -139,7 +117,7 @@ def _quotient(product: Any, spread: bool = True) -> Any:
         zero = _zero(base) if isinstance(exponent, se.Integer) and exponent > 0 else None
         if zero is None:
             continue
-        name, argument, order, rest = zero
+        argument, order, value = zero
         for u, e in below.items():
             ratio = _ratio(argument, u)
             held = se.Integer(1) if ratio is not None else _factors(argument).get(u)
@@ -147,8 +125,7 @@ def _quotient(product: Any, spread: bool = True) -> Any:
                 continue
             argument = ratio * u if ratio is not None else argument
             times = min(int(exponent), ceil(-e / (order * held)))
-            function = se.Function(name)(argument)
-            whole = rest * function**order * argument**order / base
+            whole = value(argument) * argument**order / base
             return _quotient(product * whole**times, spread)
     for base, exponent in powers.items() if spread else ():
         if isinstance(base, se.Add) and exponent == 1:
@@ -174,20 +151,28 @@ def _shared_out(above: Any, rest: Any, u: Any) -> Any | None:
     return se.Add(*clear) if clear and is_clear(clear[-1]) else None
 
 
-def _zero(factor: Any) -> tuple[str, Any, int, Any] | None:
-    """(name, w, p, c) with c (w name(w))^p equal to a factor that vanishes with w; None."""
-    one = se.Integer(1)
-    if isinstance(factor, (se.sin, se.tan, se.sinh)):
-        w = factor.args[0]
-        rest = 1 / se.cos(w) if isinstance(factor, se.tan) else one
-        return SINHC if isinstance(factor, se.sinh) else SINC, w, 1, rest
+def _zero(factor: Any) -> tuple[Any, int, Callable[[Any], Any]] | None:
+    """(w, p, c) with c(w) w^p equal to a factor that vanishes with w; None for any other."""
+    if isinstance(factor, (se.sin, se.sinh)):
+        name = SINC if isinstance(factor, se.sin) else SINHC
+        return factor.args[0], 1, se.Function(name)
+    if isinstance(factor, se.tan):
+        return factor.args[0], 1, lambda w: se.Function(SINC)(w) / se.cos(w)
+    if isinstance(factor, se.tanh):
+        return factor.args[0], 1, _tangent
     if not isinstance(factor, se.Add) or len(factor.args) != 2:
         return None
     number, term = sorted(factor.args, key=lambda a: not a.is_Number)
-    function = -term / number if number.is_Number else one
+    function = -term / number if number.is_Number else se.Integer(1)
     if isinstance(function, (se.cos, se.cosh)):
         name, sign = (SINC, 1) if isinstance(function, se.cos) else (SINHC, -1)
-        return name, function.args[0] / 2, 2, 2 * sign * number
+        return function.args[0] / 2, 2, lambda w: 2 * sign * number * se.Function(name)(w) ** 2
     if isinstance(function, se.Pow) and function.args[0] == se.E:
-        return EXPREL, function.args[1], 1, -number
+        return function.args[1], 1, lambda w: -number * se.Function(EXPREL)(w)
     return None
+
+
+def _tangent(w: Any) -> Any:
+    """tanh(w)/w, without overflow for large w."""
+    z = -2 * se.Function(SIZE)(w)
+    return 2 * se.Function(EXPREL)(z) / (1 + se.exp(z))

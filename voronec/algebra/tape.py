@@ -16,7 +16,16 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.cardinal import EXPREL, SINC, SINHC, cardinal_name
+from voronec.algebra.numeric_functions import (
+    EXPM1,
+    EXPREL,
+    HYPOT,
+    LOG1P,
+    SINC,
+    SINHC,
+    SIZE,
+    numeric_name,
+)
 from voronec.algebra.text import exact_number
 from voronec.errors import DefinitionError, EngineLimit, shown
 
@@ -44,10 +53,14 @@ _UNARY: dict[type, Callable[[Any], Any]] = {
     se.sign: lambda a: a.sgn(),
     se.floor: lambda a: a.floor(),
 }
-_CARDINAL: dict[str, Callable[[Any], Any]] = {
+_NUMERIC: dict[str, Callable[..., Any]] = {
     SINC: lambda a: a.sinc(),
     SINHC: lambda a: flint.acb(0, a).sinc().real,
     EXPREL: lambda a: (a / 2).exp() * flint.acb(0, a / 2).sinc().real,
+    EXPM1: lambda a: a.expm1(),
+    LOG1P: lambda a: a.log1p(),
+    SIZE: abs,
+    HYPOT: lambda *sides: sum((a * a for a in sides), flint.arb(0)).sqrt(),
 }
 _CONSTANTS: dict[Any, Callable[[], Any]] = {
     se.pi: flint.arb.pi,
@@ -65,7 +78,7 @@ def is_flat(expr: Any) -> bool:
 def is_atom(expr: Any) -> bool:
     """Whether a symengine expression is a symbol, an unknown function or a derivative of one."""
     kinds = (se.Symbol, se.FunctionSymbol, se.Derivative, se.Subs)
-    return isinstance(expr, kinds) and not is_flat(expr) and cardinal_name(expr) is None
+    return isinstance(expr, kinds) and not is_flat(expr) and numeric_name(expr) is None
 
 
 def nodes(exprs: Iterable[Any]) -> Iterator[Any]:
@@ -182,8 +195,8 @@ class Tape:
             return _power(*expr.args)
         if isinstance(expr, se.atan2):
             return (lambda y, x: flint.arb.atan2(y, x)), expr.args
-        name = cardinal_name(expr)
-        unary = _UNARY.get(type(expr)) if name is None else _CARDINAL[name]
+        name = numeric_name(expr)
+        unary = _UNARY.get(type(expr)) if name is None else _NUMERIC[name]
         if unary is None:
             raise EngineLimit(f"'{type(expr).__name__}' has no evaluation in ball arithmetic")
         return unary, expr.args

@@ -16,6 +16,8 @@ import mpmath
 import numpy as np
 import symengine as se
 
+from voronec.algebra.numeric_functions import HYPOT, numeric_name
+from voronec.algebra.stable import stable_all
 from voronec.flow.atlas import Progress
 from voronec.flow.events import Event
 from voronec.flow.modes import Corner, Modes, Surface, held
@@ -458,15 +460,20 @@ class Crossroads:
             else:
                 levels[f"wall {i}"] = corner.signs[wall] * wall.function
         for i, base in enumerate(corner.rims):
-            levels[f"rim {i}"] = base - self._small(base, corner, sides)
+            levels[f"rim {i}"] = self._fall(base, corner, sides)
         return levels
 
-    def _small(self, base: Any, corner: Corner, sides: Mapping[Wall, int]) -> Any:
-        """What a radicand of velocities has vanished at, as an exact number."""
-        program = quantities(corner.form, {"base": base})
+    def _fall(self, base: Any, corner: Corner, sides: Mapping[Wall, int]) -> Any:
+        """What falls through zero where a radicand of velocities has vanished; of a sum of squares,
+        which may be beyond doubles, by its root."""
+        (root,) = stable_all([se.sqrt(base)])
+        power = 2 if numeric_name(root) == HYPOT else 1
+        measure = root if power == 2 else base
+        program = quantities(corner.form, {"size": measure})
         values = self.values(program, sides)
         size = compiled_digits(program)[1](self.grid[0], list(self.start), values)[0]
-        return se.Rational(*float(RIM * abs(size)).as_integer_ratio())
+        small = float(RIM ** (1 / power) * abs(size))
+        return measure - se.Rational(*small.as_integer_ratio())
 
     def _made(
         self, corners: tuple[Corner, ...], sides: Mapping[Wall, int], along: tuple[Surface, ...]

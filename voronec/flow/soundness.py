@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 import symengine as se
 
-from voronec.algebra.cardinal import cardinal_all, divided
+from voronec.algebra.cardinal import cardinal_all
+from voronec.algebra.numeric_functions import elementary
 from voronec.algebra.verdicts import all_vanish
 from voronec.claims import right_of
 from voronec.equations import VoronecEquations
@@ -299,7 +300,7 @@ def _evaluator(form: Any) -> Any:
         return None  # the form of a large system is the one that was integrated
     inputs = [form.time, *form.coordinates, *form.velocities, *form.parameters]
     try:
-        return se.Lambdify(inputs, [divided(e) for e in cardinal_all(flat)], cse=True)
+        return se.Lambdify(inputs, [elementary(e) for e in cardinal_all(flat)], cse=True)
     except (RuntimeError, TypeError, ValueError, NotImplementedError):
         return None
 

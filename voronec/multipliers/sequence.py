@@ -8,7 +8,17 @@ from typing import Any
 import mpmath as mp
 import symengine as se
 
-from voronec.algebra.cardinal import EXPREL, SINC, SINHC, cardinal_all, cardinal_name
+from voronec.algebra.numeric_functions import (
+    EXPM1,
+    EXPREL,
+    HYPOT,
+    LOG1P,
+    SINC,
+    SINHC,
+    SIZE,
+    numeric_name,
+)
+from voronec.algebra.stable import stable_all
 from voronec.errors import DefinitionError
 
 __all__ = ["Sequenced"]
@@ -24,6 +34,10 @@ _FUNCTIONS |= {
     SINC: mp.sinc,
     SINHC: lambda a: mp.sinh(a) / a if a else mp.mpf(1),
     EXPREL: lambda a: mp.expm1(a) / a if a else mp.mpf(1),
+    EXPM1: mp.expm1,
+    LOG1P: mp.log1p,
+    SIZE: mp.fabs,
+    HYPOT: lambda *sides: mp.sqrt(mp.fsum(a * a for a in sides)),
 }
 _CONDITIONS: dict[str, Operation] = {
     "LessThan": lambda a, b: a <= b,
@@ -47,7 +61,7 @@ class Sequenced:
     """
 
     def __init__(self, exprs: Sequence[Any]) -> None:
-        roots = cardinal_all(exprs)
+        roots = stable_all(exprs)
         order = _operands_first(roots)
         symbols = [e for e in order if isinstance(e, se.Symbol)]
         composite = [e for e in order if not isinstance(e, se.Symbol)]
@@ -109,7 +123,7 @@ def _step(expr: Any) -> tuple[Operation, Sequence[Any]]:
         return _product, expr.args
     if isinstance(expr, se.Pow):
         return _power(*expr.args)
-    function = _FUNCTIONS.get(cardinal_name(expr) or type(expr).__name__)
+    function = _FUNCTIONS.get(numeric_name(expr) or type(expr).__name__)
     if function is not None:
         return function, expr.args
     if isinstance(expr, (se.FunctionSymbol, se.Derivative, se.Subs)):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from voronec.algebra.cardinal import EXPREL, SINC, SINHC
+from voronec.algebra.numeric_functions import EXPM1, EXPREL, HYPOT, LOG1P, SINC, SINHC, SIZE
 from voronec.program.printing import FUNCTIONS, Dialect, decimal, fits, identifiers, lines, text
 from voronec.program.straight import Block, Program
 
@@ -44,6 +44,7 @@ _C = Dialect(
     pi="3.141592653589793",
     words={f: f for f in FUNCTIONS}
     | {"Abs": "fabs", "power": "pow", "sign": "sign_of"}
+    | {EXPM1: "expm1", LOG1P: "log1p", HYPOT: "hypot", SIZE: "fabs"}
     | {name: word for name, (word, _) in _CARDINAL.items()},
 )
 

@@ -11,7 +11,15 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.cardinal import CARDINAL, cardinal_name
+from voronec.algebra.numeric_functions import (
+    EXPREL,
+    FORMULAS,
+    HYPOT,
+    SINC,
+    SINHC,
+    SIZE,
+    numeric_name,
+)
 from voronec.errors import EngineLimit
 from voronec.program.printing import rational, rewritten
 
@@ -158,9 +166,9 @@ class Coefficients:
         other = rewritten(expr)
         if other is not None:
             return self.series(other)
-        name = cardinal_name(expr)
+        name = numeric_name(expr)
         if name is not None:
-            return self._cardinal(name, expr.args[0])
+            return self._numeric(name, expr.args)
         return self._function(expr)
 
     def _sum(self, expr: Any) -> str:
@@ -219,9 +227,32 @@ class Coefficients:
         later = f"(sum(map(mul, {weighted}, {name}[::-1])) >> P)//k"
         return self.entry(f"apply('exp', {a}[0])", later)
 
-    def _cardinal(self, name: str, w: Any) -> str:
+    def _numeric(self, name: str, args: Sequence[Any]) -> str:
+        """What programs alone know; all but quotients by its formula, as nothing overflows here."""
+        if name == SIZE:
+            a = self.series(args[0])
+            sign = f"(1 if {a}[0] >= 0 else -1)"  # |w| at w = 0 is what it is on one of its sides
+            return self.entry(f"{sign}*{a}[0]", f"{sign}*{a}[k]")
+        if name == HYPOT:
+            return self._length(args)
+        if name not in (SINC, SINHC, EXPREL):
+            return self.series(FORMULAS[name](*args))
+        return self._quotient_of(name, args[0])
+
+    def _length(self, sides: Sequence[Any]) -> str:
+        """c with c^2 = a^2 + b^2 + ...; squares keep twice the digits, so that none is lost."""
+        moving = [self.series(a) for a in sides if a.free_symbols & self.moving]
+        still = [self.constant(a) for a in sides if not a.free_symbols & self.moving]
+        name = f"a{self.count}"
+        first = " + ".join([f"{a}[0]**2" for a in moving] + [f"{a}**2" for a in still])
+        later = " + ".join(f"sum(map(mul, {a}, {self.reverse(a)}))" for a in moving)
+        half = f"sum(map(mul, {name}[1:], {name}[:0:-1]))"
+        self.divisors.append(name)
+        return self.entry(f"isqrt({first})", f"({later} - {half})//(2*{name}[0])")
+
+    def _quotient_of(self, name: str, w: Any) -> str:
         """sin(w)/w and the like: ``Composed`` divides, or expands where |w| < 1."""
-        a, above = self.series(w), self.series(CARDINAL[name](w))
+        a, above = self.series(w), self.series(FORMULAS[name](w) * w)
         made = f"c_a{self.count}"
         self.first.append(f"{made} = composed({name!r}, {a}, {above})")
         return self.entry(f"{made}.entry(0)", f"{made}.entry(k)")

@@ -11,8 +11,8 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.program.printing import FUNCTIONS, code
-from voronec.program.python import CARDINAL_WORDS, mpmath_source
+from voronec.program.printing import code
+from voronec.program.python import WORDS, mpmath_source
 from voronec.program.straight import Program
 
 __all__ = ["compiled_digits", "precision"]
@@ -38,14 +38,9 @@ def compiled_digits(program: Program) -> tuple[Callable[..., Any], Callable[...,
     linecache.cache[filename] = (len(source), None, source.splitlines(keepends=True), filename)
     namespace: dict[str, Any] = {}
     exec(code(source, filename), namespace)
-    words = {"Abs": "fabs"}
-    for name in (words.get(f, f) for f in FUNCTIONS):
-        if name in namespace:
-            single = getattr(mpmath, name)
-            namespace[name] = np.frompyfunc(single, 2 if name in ("atan2", "power") else 1, 1)
-    for name in ("expm1", *CARDINAL_WORDS):
-        if name in namespace:
-            namespace[name] = np.frompyfunc(namespace[name], 1, 1)
+    for name in namespace.keys() & WORDS:
+        number = 2 if name in ("atan2", "power", "hypot") else 1
+        namespace[name] = np.frompyfunc(namespace[name], number, 1)
     return _careful(namespace["rhs"]), _careful(namespace.get("extras", lambda *_: []))
 
 

@@ -29,7 +29,7 @@ def _nested(expr: Any, still: set[Any], memo: dict[Any, Any]) -> Any:
             terms = [_factors(_nested(t, still, memo)) for t in expr.args]
             done = _bracketed(terms, still)
         else:
-            done = type(expr)(*[_nested(a, still, memo) for a in expr.args])
+            done = expr.func(*[_nested(a, still, memo) for a in expr.args])
         memo[expr] = done
     return done
 

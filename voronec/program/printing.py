@@ -10,7 +10,7 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.cardinal import cardinal_name
+from voronec.algebra.numeric_functions import HYPOT, numeric_name
 from voronec.errors import EngineLimit, shown
 from voronec.program.straight import Block
 
@@ -117,15 +117,17 @@ def _written(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> tuple[str
     other = rewritten(expr)
     if other is not None:
         return _written(other, dialect, names)
-    name = cardinal_name(expr) or type(expr).__name__
+    name = numeric_name(expr) or type(expr).__name__
     if name not in dialect.words:
         raise EngineLimit(f"'{name}' cannot be written as source; use elementary functions")
     return _called(name, expr.args, dialect, names), _ATOM
 
 
 def _called(name: str, args: Iterable[Any], dialect: Dialect, names: Mapping[Any, str]) -> str:
-    inner = ", ".join(text(a, dialect, names) for a in args)
-    return f"{dialect.words[name]}({inner})"
+    word, inner = dialect.words[name], [text(a, dialect, names) for a in args]
+    while name == HYPOT and len(inner) > 2:  # of two sides in most libraries
+        inner = [f"{word}({inner[0]}, {inner[1]})", *inner[2:]]
+    return f"{word}({', '.join(inner)})"
 
 
 def rational(number: Any) -> tuple[int, int]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from voronec.algebra.cardinal import EXPREL, SINC, SINHC
+from voronec.algebra.numeric_functions import EXPM1, EXPREL, HYPOT, LOG1P, SINC, SINHC, SIZE
 from voronec.program.printing import (
     FUNCTIONS,
     Dialect,
@@ -24,18 +24,22 @@ from voronec.program.printing import (
 )
 from voronec.program.straight import Block, Program
 
-__all__ = ["CARDINAL_WORDS", "compiled", "mpmath_source", "python_source"]
+__all__ = ["WORDS", "compiled", "mpmath_source", "python_source"]
 
 Function = Callable[[Any, Any, Any], list[Any]]
 """``f(t, state, parameters)``."""
 
 _ARGUMENTS = ("t", "state", "parameters", "inputs")
-_CARDINAL = {SINC: "sinc", SINHC: "sinhc", EXPREL: "exprel"}
-CARDINAL_WORDS = {"sinc": "sin", "sinhc": "sinh", "exprel": "expm1"}
+_NUMERIC = {SINC: "sinc", SINHC: "sinhc", EXPREL: "exprel"}
+_NUMERIC |= {EXPM1: "expm1", LOG1P: "log1p", HYPOT: "hypot", SIZE: "fabs"}
+_QUOTIENTS = {"sinc": "sin", "sinhc": "sinh", "exprel": "expm1"}
 """Names of sin(x)/x and the like in Python, and what is divided."""
 _HELPING = ("expm1", "where")
-_NUMPY = {f: f.replace("a", "arc", 1) if f[0] == "a" else f for f in FUNCTIONS} | _CARDINAL
-_PLAIN = {f: f for f in FUNCTIONS} | {"Abs": "fabs"} | _CARDINAL
+_NUMPY = {f: f.replace("a", "arc", 1) if f[0] == "a" else f for f in FUNCTIONS} | _NUMERIC
+_NUMPY |= {"Abs": "absolute", SIZE: "absolute"}
+_PLAIN = {f: f for f in FUNCTIONS} | {"Abs": "fabs"} | _NUMERIC
+WORDS = frozenset(_PLAIN.values())
+"""Names of functions in the source on mpmath's numbers."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +66,7 @@ def _double(words: dict[str, str]) -> Dialect:
     )
 
 
-_ARRAYS = _Flavour("numpy", _double(_NUMPY | {"Abs": "absolute"}), "floats or arrays of one shape")
+_ARRAYS = _Flavour("numpy", _double(_NUMPY), "floats or arrays of one shape")
 _FLOATS = _Flavour("math", _double(_PLAIN | {"power": "pow"}), "floats")
 _DIGITS = _Flavour(
     "mpmath",
@@ -131,7 +135,7 @@ def _module(program: Program, flavour: _Flavour, alike: bool = False) -> str:
                                program.extras, names, dialect, program.names,
                                alike))  # fmt: skip
     body = "\n\n".join([*_helpers("".join(parts), flavour.library), *parts])
-    words = {*dialect.words.values(), "mpf", *_HELPING} - CARDINAL_WORDS.keys()
+    words = {*dialect.words.values(), "mpf", *_HELPING} - _QUOTIENTS.keys()
     used = sorted(w for w in words if re.search(rf"\b{w}\(", body))
     used += ["pi"] if re.search(r"\bpi\b", body) else []
     used = [w for w in used if (flavour.library, w) != ("math", "sign")]
@@ -142,11 +146,11 @@ def _module(program: Program, flavour: _Flavour, alike: bool = False) -> str:
 def _helpers(body: str, library: str) -> list[str]:
     """The functions sin(x)/x and the like that are called."""
     rows = []
-    for word in (w for w in CARDINAL_WORDS if re.search(rf"\b{w}\(", body)):
-        value = f"{CARDINAL_WORDS[word]}(x)/x if x else x + 1"
+    for word in (w for w in _QUOTIENTS if re.search(rf"\b{w}\(", body)):
+        value = f"{_QUOTIENTS[word]}(x)/x if x else x + 1"
         if library == "numpy":
-            value = f"where(x == 0, 1.0, {CARDINAL_WORDS[word]}(x)/where(x == 0, 1.0, x))"
-        rows.append(f'def {word}(x):\n    """{CARDINAL_WORDS[word]}(x)/x."""\n    return {value}\n')
+            value = f"where(x == 0, 1.0, {_QUOTIENTS[word]}(x)/where(x == 0, 1.0, x))"
+        rows.append(f'def {word}(x):\n    """{_QUOTIENTS[word]}(x)/x."""\n    return {value}\n')
     return rows
 
 

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import symengine as se
 
-from voronec.algebra.bounded import tempered
-from voronec.algebra.cardinal import cardinal_all
+from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed
 from voronec.algebra.tape import is_atom
 from voronec.errors import DefinitionError
@@ -122,7 +121,7 @@ def _program(form: FirstOrderForm, extras: tuple[tuple[str, Any], ...]) -> Progr
     known = [form.time, *form.coordinates, *form.velocities, *form.parameters, *inputs]
     dots = form.velocity_symbols
     rates = dict(zip(dots, form.rates, strict=bool(dots))) | dict(form.dependent)
-    observed = [tempered(e.xreplace(rates)) for e in wanted.values()]
+    observed = [e.xreplace(rates) for e in wanted.values()]
     matrix = [e for row in form.mass for e in row]
     names = [name for name, _ in form.stages]
     inner = [e for _, e in form.stages]
@@ -204,10 +203,12 @@ def _derivative(form: FirstOrderForm, known: tuple[Any, ...]) -> Block:
     blocks = eliminations(rows, form.parameters, form.relations, form.positive)
     exprs = [*form.rates, *single.values(), *(form.force[i] for i in left)]
     exprs += [e for block in blocks for e in block.expressions]
+    # before sums are bracketed: what cancels in them is seen in their powers
+    exprs, inner = stable_all(exprs), stable_all(e for _, e in form.stages)
 
     def written(change: Callable[[Any], Any]) -> Block:
         fresh = _fresh(known)
-        stages = [(name, change(e)) for name, e in form.stages]
+        stages = [(name, change(e)) for (name, _), e in zip(form.stages, inner, strict=True)]
         shared = _shared([change(e) for e in exprs], fresh, stages)
         return _eliminated(form, single, left, blocks, shared, fresh)
 
@@ -257,7 +258,7 @@ def _shared(
     stages = _pruned(stages, exprs).assignments
     if not exprs:
         return Block((), ())
-    replacements, reduced = se.cse(cardinal_all([*(e for _, e in stages), *exprs]))
+    replacements, reduced = se.cse(stable_all([*(e for _, e in stages), *exprs]))
     inner = [name for name, _ in stages]
     pending = dict([*replacements, *zip(inner, reduced, strict=False)])
     results = reduced[len(stages) :]

@@ -7,12 +7,23 @@ denominator is no power of two.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial, reduce
 from math import factorial
 from typing import Any
 
 import symengine as se
 
-from voronec.algebra.cardinal import EXPREL, SINC, SINHC, cardinal_name
+from voronec.algebra.numeric_functions import (
+    EXPM1,
+    EXPREL,
+    FORMULAS,
+    HYPOT,
+    LOG1P,
+    SINC,
+    SINHC,
+    SIZE,
+    numeric_name,
+)
 from voronec.errors import EngineLimit
 from voronec.program.printing import rational, rewritten
 from voronec.program.straight import Block, Program
@@ -60,6 +71,7 @@ def _names(program: Program, units: Sequence[float], hy: Any) -> tuple[list[Any]
     states = [y if u == 1 else u * y for y, u in zip(variables, sizes, strict=True)]
     known: dict[Any, Any] = dict(zip(program.state, states, strict=True))
     known |= {p: hy.par[i] for i, p in enumerate(program.parameters)}
+    known[HYPOT] = any(u != 1 for u in sizes)  # then squares may overflow
     known[program.time] = hy.time
     return variables, known
 
@@ -89,10 +101,14 @@ def _built(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
     other = rewritten(expr)
     if other is not None:
         return _build(other, known, hy)
+    numeric = numeric_name(expr)
+    if numeric == HYPOT and known.get(HYPOT):
+        return _length([_build(a, known, hy) for a in expr.args], hy)
+    if numeric is not None and numeric not in _NUMERIC:
+        return _build(FORMULAS[numeric](*expr.args), known, hy)
     args = [_build(a, known, hy) for a in expr.args]
-    cardinal = cardinal_name(expr)
-    if cardinal is not None:
-        return _cardinal(cardinal, args[0], hy)
+    if numeric is not None:
+        return _NUMERIC[numeric](args[0], hy)
     if isinstance(expr, se.Add):
         return hy.sum(args)
     if isinstance(expr, se.Mul):
@@ -100,7 +116,7 @@ def _built(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
     if isinstance(expr, se.Pow):
         return _power(expr, args, hy)
     if isinstance(expr, se.Abs):
-        return hy.select(hy.lt(args[0], 0.0), -args[0], args[0])
+        return _size(args[0], hy)
     if isinstance(expr, se.sign):
         negative = hy.select(hy.lt(args[0], 0.0), -1.0, 0.0)
         return hy.select(hy.gt(args[0], 0.0), 1.0, negative)
@@ -108,6 +124,32 @@ def _built(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
     if function is None:
         raise EngineLimit(f"heyoka has no function '{type(expr).__name__}'; use method='scipy'")
     return function(*args)
+
+
+def _size(w: Any, hy: Any) -> Any:
+    return hy.select(hy.lt(w, 0.0), -w, w)
+
+
+def _length(sides: list[Any], hy: Any) -> Any:
+    """The root of a sum of squares, the largest taken out: equal whichever it is."""
+
+    def larger(a: Any, b: Any) -> Any:
+        return hy.select(hy.lt(a, b), b, a)
+
+    largest = reduce(larger, [_size(a, hy) for a in sides])
+    return largest * hy.sqrt(hy.sum([(a / largest) ** 2.0 for a in sides]))
+
+
+def _beside_one(x: Any, hy: Any) -> Any:
+    """log(1 + x) = 2 artanh(x/(2 + x)), which loses no digits of a small x."""
+    return hy.select(hy.lt(x, 1.0), 2.0 * hy.atanh(x / (2.0 + x)), hy.log(1.0 + x))
+
+
+def _less_one(w: Any, hy: Any) -> Any:
+    """exp(w) - 1 = 2 exp(w/2) sinh(w/2), which loses no digits of a small w."""
+    half = w / 2.0
+    product = 2.0 * hy.exp(half) * hy.sinh(half)
+    return hy.select(hy.lt(w, -1.0), hy.exp(w) - 1.0, product)
 
 
 def _cardinal(name: str, w: Any, hy: Any) -> Any:
@@ -122,7 +164,16 @@ def _cardinal(name: str, w: Any, hy: Any) -> Any:
     series = hy.expression(0.0)
     for n in reversed(range(0, TERMS, step)):
         series = series * power + sign ** (n // 2) / factorial(n + 1)
-    return hy.select(hy.lt(hy.select(hy.lt(w, 0.0), -w, w), 1.0), series, above(w) / w)
+    return hy.select(hy.lt(_size(w, hy), 1.0), series, above(w) / w)
+
+
+_NUMERIC: dict[str, Callable[[Any, Any], Any]] = {
+    **{name: partial(_cardinal, name) for name in (SINC, SINHC, EXPREL)},
+    EXPM1: _less_one,
+    LOG1P: _beside_one,
+    SIZE: _size,
+}
+"""Functions that programs alone know, where they are not written by their formulas."""
 
 
 def _power(expr: Any, args: list[Any], hy: Any) -> Any:

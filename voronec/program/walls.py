@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import symengine as se
 
+from voronec.algebra.numeric_functions import formula
 from voronec.algebra.ring import Ring
 from voronec.algebra.tape import is_flat
 from voronec.errors import EngineLimit
@@ -180,6 +181,8 @@ def is_rough(
         if expr.free_symbols & moving:
             moving.add(name)
     for node in _nodes([*meaning.values(), *map(se.sympify, results)]):
+        plain = formula(node)
+        node = node if plain is None else plain
         if isinstance(node, _ROUGH):
             return True
         if isinstance(node, se.Pow) and _is_root(node):

@@ -13,6 +13,8 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.numeric_functions import formula
+
 __all__ = ["evaluation_weight", "taylor_weight"]
 
 SQUARE, QUOTIENT, ROOT, POWER = 0.5, 1.1, 1.2, 1.5
@@ -60,12 +62,13 @@ def evaluation_weight(expressions: Iterable[Any]) -> int:
         if not node.args or node in seen or node.is_Number:
             continue
         seen.add(node)
-        stack += node.args
+        plain = formula(node)
+        stack += node.args if plain is None else (plain,)
         if isinstance(node, se.Add | se.Mul):
             total += len(node.args) - 1
         elif isinstance(node, se.Pow) and node.args[1].is_Number:
             total += _power_steps(node.args[1])
-        else:
+        elif plain is None:
             total += CALL
     return total
 
@@ -99,6 +102,9 @@ class _Weighing:
         if not expr.args or expr in self._seen or not self.moves(expr):
             return 0.0
         self._seen.add(expr)
+        plain = formula(expr)
+        if plain is not None:
+            return self.of(plain)
         moving = [a for a in expr.args if self.moves(a)]
         if isinstance(expr, se.Add):
             return LINEAR * (len(expr.args) - 1) + sum(self.of(a) for a in moving)

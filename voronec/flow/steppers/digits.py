@@ -14,7 +14,7 @@ import numpy as np
 from voronec.algebra.tape import as_ball
 from voronec.flow.steppers.marching import Halted, Levels, Stride, march
 from voronec.flow.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
-from voronec.flow.steppers.units import natural_units
+from voronec.flow.steppers.units import SMALL, natural_units
 from voronec.program import Program
 from voronec.program.digits import compiled_digits
 from voronec.program.recurrences import Recurrences, fixed, recurrences
@@ -122,12 +122,19 @@ class _Walker:
     def __post_init__(self) -> None:
         self.kept = self.bits - GUARD // 2
         self.order = ceil(ORDER * -log(self.problem.tol)) + 3
+        self.units = natural_units(self.problem)
+        self.bits += self._below_one()
         self.expand = self.rules.expansion(self.problem.parameters, self.bits)
         self.state = [_units(x, self.bits) for x in self.problem.start]
         self.time, self.end = (_units(t, self.bits) for t in self.grid[[0, -1]])
-        self.units = natural_units(self.problem)
         self.least = SMALLEST * float(np.ptp(self.grid))
         self.guess = min(abs(self.end - self.time), 1 << self.bits)
+
+    def _below_one(self) -> int:
+        """Bits before the first of what is smallest: fixed points have no digits of it without."""
+        values = [abs(float(x)) for x in self.problem.parameters]
+        least = min([x for x in (*self.units.tolist(), *values) if x > 0], default=1.0)
+        return max(0, ceil(-log2(least))) if least < SMALL else 0
 
     def advance(self) -> Stride:
         """The next step, as long as the guess or, where that is too long, shorter."""

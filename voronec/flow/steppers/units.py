@@ -16,7 +16,7 @@ from voronec.flow.steppers.angles import angles_among
 from voronec.flow.steppers.run import Problem
 from voronec.program import Program, compiled
 
-__all__ = ["natural_units", "units_of_many"]
+__all__ = ["SMALL", "natural_units", "units_of_many"]
 
 SMALL, LARGE = 2.0**-24, 2.0**10
 """Sizes between these are ordinary: their unit is 1."""

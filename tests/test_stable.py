@@ -1,0 +1,125 @@
+"""What is computed neither overflows nor cancels where the value is an ordinary number."""
+
+from __future__ import annotations
+
+import shutil
+
+import mpmath as mp
+import numpy as np
+import pytest
+import sympy as sp
+from test_program import c_function
+
+import voronec as vo
+from voronec import Fibration, System, velocity
+from voronec.algebra.door import Door
+from voronec.algebra.numeric_functions import elementary
+from voronec.algebra.stable import stable_all
+from voronec.program import Program, compiled
+from voronec.program.taylor import taylor_system
+
+x, y = sp.symbols("x y", real=True)
+v = velocity(x)
+
+SMALL, LARGE = (1e-20, -1e-9, 0.3, 3.0), (300.0, -300.0, 40.0, -40.0)
+HUGE = (1e200, -3e200, 1e-200, 3.0)
+CASES = {
+    sp.sqrt(x**2 + 4 * y**2): HUGE, -x / sp.sqrt(x**2 + y**2): HUGE, sp.sqrt(1 + x**2): HUGE,
+    sp.log(1 + sp.exp(x)): (*SMALL, *LARGE, 800.0), sp.log(2 + 3 * sp.exp(2 * x)): (800.0, -800.0),
+    sp.log(sp.cosh(x)): (3.0, 800.0, -800.0), sp.log(sp.cosh(x) + 2): (0.1, 800.0, -800.0),
+    sp.log(1 + x): SMALL, sp.log(1 + x * y): SMALL, sp.exp(x) - 1: (*SMALL, -800.0),
+    2 * sp.exp(-x / 2) - 2: SMALL, sp.exp(-x) - sp.exp(-2 * x): (*SMALL, 300.0),
+    y * sp.exp(x) - y + x: SMALL, sp.tanh(x) / x: (*SMALL, 800.0, -800.0),
+    1 / sp.cosh(x): (*SMALL, *LARGE), 1 / sp.cosh(x) ** 4: (3.0, 40.0, -40.0),
+    1 / (1 + sp.exp(x)) ** 3: (3.0, 40.0, -800.0), sp.exp(x) / (1 + sp.exp(x)): LARGE,
+    sp.sinh(x) / sp.cosh(x) ** 3: (*SMALL, 40.0, -40.0), 1 - sp.tanh(x): (3.0, 40.0, -40.0),
+}  # fmt: skip
+"""Forces, and where they are ordinary numbers."""
+ROOTS = [e for e in CASES if e.atoms(sp.Pow) and CASES[e] is HUGE]
+
+
+def system(force) -> System:
+    rate = velocity(y)
+    return System(
+        name="s", fibration=Fibration((x, y)), lagrangian=(v**2 + rate**2) / 2, forces={x: force}
+    )
+
+
+def taylor_of(program):
+    import heyoka as hy
+
+    rows = taylor_system(program)
+    function = hy.cfunc([rate for _, rate in rows], [variable for variable, _ in rows])
+    return lambda _t, state, _parameters: function(np.array(state))
+
+
+@pytest.mark.parametrize("force", CASES, ids=str)
+def test_every_emitter_has_the_digits_of_many_digits(force, tmp_path):
+    made, written = vo.derive(system(force)), {}
+    exec(made.python(), written)
+    program = Program.of(made.form)
+    functions = [written["rhs"], compiled(program)[0], compiled(program, True)[0]]
+    functions += [c_function(made.c(), tmp_path, 4)] if shutil.which("cc") else []
+    functions += [taylor_of(program)] if force not in ROOTS else []  # there states have units
+    for place in CASES[force]:
+        with mp.workdps(1500):
+            truth = float(sp.lambdify((x, y), force, "mpmath")(mp.mpf(place), mp.mpf(1)))
+        value = pytest.approx(truth, rel=3e-14, abs=0)
+        state = [place, 1.0, 0.0, 0.0]
+        assert [float(f(0.0, state, [])[2]) for f in functions] == [value] * len(functions), place
+        point = {x: place, y: 1, v: 0, velocity(y): 0}
+        theirs = vo.multiplier_acceleration(system(force), point, 20)
+        for found in (made.acceleration(point, 20), theirs):
+            assert float(found[x]) == value
+
+
+@pytest.mark.parametrize("force", CASES, ids=str)
+def test_what_is_computed_equals_what_was_given(force):
+    door = Door()
+    (found,) = stable_all([door.inward(force)])
+    outward = sp.lambdify((x, y), door.outward(elementary(found)), "mpmath")
+    given = sp.lambdify((x, y), force, "mpmath")
+    with mp.workdps(60):
+        for place in (mp.mpf("-1.7"), mp.mpf("0.4"), mp.mpf(2)):
+            if not (force.has(sp.log(1 + x)) or force.has(sp.log(1 + x * y))) or place > 0:
+                assert abs(outward(place, 3) - given(place, mp.mpf(3))) < mp.mpf(10) ** -50
+
+
+@pytest.mark.parametrize("method", ["scipy", "heyoka", "flint"])
+@pytest.mark.parametrize("unit", [1e200, 1e-200])
+def test_friction_against_the_slip_has_its_direction_in_any_unit(unit, method):
+    """Dry friction in the plane, v' = -mu v/|v|: a straight line, the speed falls evenly."""
+    u, w = velocity(x), velocity(y)
+    slip = sp.sqrt(u**2 + w**2)
+    disc = System(
+        name="disc", fibration=Fibration((x, y)), lagrangian=(u**2 + w**2) / 2,
+        forces={x: -sp.Symbol("mu") * u / slip, y: -sp.Symbol("mu") * w / slip},
+        parameters=(vo.Parameter(sp.Symbol("mu"), positive=True),),
+    )  # fmt: skip
+    start = {u: 3 * unit, w: -4 * unit}
+    run = vo.integrate(disc, times=[0, 1], parameters={"mu": unit}, initial=start, method=method)
+    assert float(run["xdot"][-1]) == pytest.approx(2.4 * unit, rel=1e-12)
+    assert float(run["y"][-1]) == pytest.approx(-0.8 * 4.5 * unit, rel=1e-12)
+
+
+@pytest.mark.parametrize("method", ["scipy", "heyoka", "flint"])
+def test_a_soft_wall_throws_back(method):
+    """A force from the potential log(1 + exp(k x))/k, steep and flat to the last digit outside."""
+    k = 50
+    potential = 4 * sp.log(1 + sp.exp(k * x)) / k
+    wall = System(name="wall", fibration=Fibration(x), lagrangian=v**2 / 2 - potential)
+    run = vo.integrate(wall, times=[0, 4], initial={x: -1, v: 1}, method=method)
+    with mp.workdps(50):
+
+        def height(s):
+            return mp.mpf(4) * mp.log(1 + mp.exp(k * s)) / k
+
+        energy = mp.mpf(1) / 2 + height(-1)
+        top = mp.findroot(lambda s: height(s) - energy, 0.125)
+
+        def time_from(place):  # s = top - r^2 takes away the root at the turning point
+            nodes = [mp.mpf("1e-15"), *mp.linspace(0, mp.sqrt(top - place), 12)[1:]]
+            return mp.quad(lambda r: 2 * r / mp.sqrt(2 * (energy - height(top - r * r))), nodes)
+
+        passed = time_from(mp.mpf(-1)) + time_from(mp.mpf(float(run["x"][-1])))
+    assert float(passed) == pytest.approx(4, abs=1e-9)

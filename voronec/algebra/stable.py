@@ -1,0 +1,213 @@
+"""Expressions as they are computed: equal to what is given, without overflow and cancellation.
+
+Where a formula is exact and useless in doubles it is written otherwise, for numbers alone:
+
+    sqrt(a^2 + b^2)                     ->  hypot(a, b)
+    log(1 + x),   c exp(w) - c          ->  log1p x,   c expm1 w
+    log(1 + exp(w))                     ->  (w + |w|)/2 + log1p exp(-|w|)
+    1 - tanh w                          ->  2 exp(-w - |w|)/(1 + exp(-2|w|)), and powers of it
+
+The last two are the same functions of w on both sides of w = 0, so that |w| is no wall there.
+Quotients such as sin(w)/w are those of ``cardinal``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.bounded import exponential_sum
+from voronec.algebra.cardinal import cardinal_all
+from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, SIZE
+
+__all__ = ["stable_all"]
+
+_Terms = dict[int, Any]
+"""Powers with their coefficients."""
+
+
+def stable_all(exprs: Iterable[Any]) -> list[Any]:
+    """Equal expressions, as they are computed."""
+    known: dict[Any, Any] = {}
+    return [_stable(e, known) for e in cardinal_all(exprs)]
+
+
+def _stable(expr: Any, known: dict[Any, Any]) -> Any:
+    if not expr.args or isinstance(expr, (se.Derivative, se.Subs)):
+        return expr
+    found = known.get(expr)
+    if found is None:
+        whole = _written(expr)
+        args = [_stable(a, known) for a in whole.args]
+        found = known[expr] = whole if args == list(whole.args) else whole.func(*args)
+    return found
+
+
+def _written(expr: Any) -> Any:
+    if isinstance(expr, se.Pow):
+        return _root(*expr.args) or expr
+    if isinstance(expr, se.log):
+        return _logarithm(expr.args[0]) or expr
+    if isinstance(expr, se.Add):
+        return _with_tails(_with_differences(expr))
+    return expr
+
+
+def _root(base: Any, exponent: Any) -> Any | None:
+    """A root of a sum of squares; None for any other power."""
+    if not isinstance(base, se.Add) or not isinstance(exponent, se.Rational) or exponent.q == 1:
+        return None
+    sides = [_side(term) for term in base.args]
+    if any(side is None for side in sides):
+        return None
+    return se.Function(HYPOT)(*sides) ** (2 * exponent)
+
+
+def _side(term: Any) -> Any | None:
+    """A root of a term that is a square at sight; None of any other."""
+    roots = []
+    for factor in term.args if isinstance(term, se.Mul) else (term,):
+        if factor.is_Number:
+            if factor < 0:
+                return None
+            roots.append(se.sqrt(factor))
+        elif isinstance(factor, se.Pow) and _is_even(factor.args[1]):
+            roots.append(factor.args[0] ** (factor.args[1] / 2))
+        else:
+            return None
+    return se.Mul(*roots)
+
+
+def _is_even(exponent: Any) -> bool:
+    return isinstance(exponent, se.Integer) and int(exponent) % 2 == 0
+
+
+def _logarithm(inner: Any) -> Any | None:
+    """log of a sum that may lie close to one, or overflow; None of any other."""
+    found = exponential_sum(inner)
+    if found is None:
+        beside = isinstance(inner, se.Add) and se.Integer(1) in inner.args
+        return se.Function(LOG1P)(inner - 1) if beside else None
+    w, terms = found
+    low, high = min(terms), max(terms)
+    ends = terms[low], terms[high]
+    if len(terms) == 2 and all(c.is_Number and c > 0 for c in ends):
+        shift = se.log(ends[1] / ends[0])
+        return low * w + se.log(ends[0]) + _soft((high - low) * w + shift)
+    middle, size = (low + high) * w / 2, se.Function(SIZE)(w)
+    reach = (high - low) * size / 2
+    if all(terms.get(low + high - k) == c for k, c in terms.items()) and ends[0].is_Number:
+        rest = [c / ends[0] * se.exp((k - high) * size) for k, c in terms.items() if k != high]
+        return middle + reach + se.log(ends[0]) + se.Function(LOG1P)(se.Add(*rest))
+    return (
+        middle
+        + reach
+        + se.log(se.Add(*[c * se.exp(k * w - middle - reach) for k, c in terms.items()]))
+    )
+
+
+def _soft(w: Any) -> Any:
+    """log(1 + exp(w))."""
+    size = se.Function(SIZE)(w)
+    return (w + size) / 2 + se.Function(LOG1P)(se.exp(-size))
+
+
+def _with_differences(total: Any) -> Any:
+    """A sum in which c exp(w) - c exp(u), u = 0 or a fraction of w, is c exp(u) expm1(w - u)."""
+    terms = [_exponential(term) for term in total.args]
+    if all(w == 0 for _, w in terms):
+        return total
+    # the longest exponents first: what they are paired with is a part of them
+    terms.sort(key=lambda term: -_length(term[1]))
+    kept = []
+    while terms:
+        c, w = terms.pop(0)
+        other = next((t for t in terms if t[0] == -c and _is_part(t[1], w)), None)
+        if other is not None:
+            terms.remove(other)
+            kept.append(c * se.exp(other[1]) * se.Function(EXPM1)(w - other[1]))
+        else:
+            kept.append(c * se.exp(w))
+    return se.Add(*kept)
+
+
+def _exponential(term: Any) -> tuple[Any, Any]:
+    """(c, w) with c exp(w) the term, and w = 0 where no exponential is in it."""
+    factors = term.args if isinstance(term, se.Mul) else (term,)
+    powers = [f for f in factors if isinstance(f, se.Pow) and f.args[0] == se.E]
+    w = se.Add(*[f.args[1] for f in powers])
+    return se.Mul(*[f for f in factors if f not in powers]), w
+
+
+def _length(w: Any) -> float:
+    numbers = [a for a in w.args if a.is_Number] if isinstance(w, se.Mul) else []
+    return 0.0 if w == 0 else abs(float(numbers[0])) if numbers else 1.0
+
+
+def _is_part(u: Any, w: Any) -> bool:
+    """Whether u is zero, or w times a number between 0 and 1, and w moves."""
+    if w == 0 or not w.free_symbols:
+        return False
+    ratio = u / w
+    return u == 0 or bool(ratio.is_Number and 0 < ratio < 1)
+
+
+def _with_tails(total: Any) -> Any:
+    """A sum that vanishes where tanh w = 1 or -1, with factors 1 - tanh w and 1 + tanh w."""
+    if not isinstance(total, se.Add):
+        return total
+    tangents = [f for term in total.args for f in _tangents(term)]
+    for tangent in dict.fromkeys(tangents):
+        terms = _in_powers(total, tangent)
+        tails, w = se.Integer(1), tangent.args[0]
+        for end in (1, -1) if terms else ():
+            while (rest := _without_root(terms, end)) is not None:
+                terms, tails = rest, tails * _tail(end, w)
+        if tails != 1:
+            return tails * se.Add(*[c * tangent**k for k, c in terms.items()])
+    return total
+
+
+def _tangents(term: Any) -> list[Any]:
+    factors = term.args if isinstance(term, se.Mul) else (term,)
+    bases = [f.args[0] if isinstance(f, se.Pow) else f for f in factors]
+    return [b for b in bases if isinstance(b, se.tanh)]
+
+
+def _in_powers(total: Any, tangent: Any) -> _Terms:
+    """The coefficients of a sum in powers of a tangent; none where it is no polynomial in it."""
+    found: _Terms = {}
+    for term in total.args:
+        power, rest = 0, [se.Integer(1)]
+        for factor in term.args if isinstance(term, se.Mul) else (term,):
+            base, exponent = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
+            if base == tangent and isinstance(exponent, se.Integer) and exponent > 0:
+                power += int(exponent)
+            else:
+                rest.append(factor)
+        coefficient = se.Mul(*rest)
+        if tangent in coefficient.atoms(se.tanh):
+            return {}
+        found[power] = found.get(power, se.Integer(0)) + coefficient
+    return found
+
+
+def _without_root(terms: _Terms, end: int) -> _Terms | None:
+    """P/(1 - end T) where P vanishes at T = end; None where it does not."""
+    if max(terms, default=0) == 0:
+        return None
+    quotient, carried = {}, se.Integer(0)
+    for k in range(max(terms) + 1):  # P = (1 - end T) Q, from the lowest power on
+        carried = (terms.get(k, se.Integer(0)) + end * carried).expand()
+        quotient[k] = carried
+    if quotient.pop(max(terms)) != 0:
+        return None
+    return {k: c for k, c in quotient.items() if c != 0}
+
+
+def _tail(end: int, w: Any) -> Any:
+    """1 - tanh w, or 1 + tanh w for the other end."""
+    size = se.Function(SIZE)(w)
+    return 2 * se.exp(-end * w - size) / (1 + se.exp(-2 * size))
