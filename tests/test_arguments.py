@@ -102,6 +102,33 @@ DOORS = {
 }
 
 
+def boom(*_):
+    raise ValueError("two\nlines")
+
+
+CALLED = {
+    "ensemble": lambda f: vo.ensemble(
+        vo.load("sleigh"), {"v": [1, 2]}, times=[0, 1], method="scipy", progress=f
+    ),
+    "section": lambda f: vo.section(
+        vo.load("sleigh"), plane="x", crossings=1, until=1, method="scipy", progress=f
+    ),
+    "search_integrals": lambda f: vo.search_integrals(
+        vo.load("sleigh"), degree=1, positions=1, progress=f
+    ),
+}
+
+
+@pytest.mark.parametrize("progress", [len, boom, 3])
+@pytest.mark.parametrize("door", CALLED)
+def test_what_a_function_of_the_user_raises_is_told_as_its_own(door, progress):
+    with pytest.raises(DefinitionError, match=f"{door}: .*progress") as caught:
+        CALLED[door](progress if door != "search_integrals" or progress != len else boom)
+    assert str(caught.value).isprintable()
+    if progress is boom:
+        assert isinstance(caught.value.__cause__, ValueError)
+
+
 @pytest.mark.parametrize("word", DOORS)
 def test_a_wrong_kind_is_refused_in_one_line(word):
     with pytest.raises(VoronecError) as caught:

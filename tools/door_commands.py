@@ -25,7 +25,7 @@ STATUSES = (0, 1, 2, 130)
 LEAST = {
     "list": (), "show": ("sleigh",), "derive": ("sleigh",), "explain": ("sleigh",),
     "regenerate": ("demchenko", "--label", "nothing"), "run": ("sleigh", "--times", "0:1:3"),
-    "check": ("sleigh",), "compare": ("sleigh", "sleigh"), "graph": ("sleigh",),
+    "check": ("x.py",), "compare": ("sleigh", "sleigh"), "graph": ("sleigh",),
     "section": ("sleigh", "--until", "1", "--crossings", "1"),
     "gallery": ("demchenko", "--only", "A"), "bench": ("sleigh", "--time", "x"),
     "hard": ("--list",), "search": ("integrals", "sleigh", "--degree", "1", "--positions", "1"),

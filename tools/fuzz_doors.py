@@ -30,11 +30,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import sympy as sp
 from child_time import ChildClock
 from door_commands import Wrong, command_door, environment_door, plugin_door
 from door_names import python_door
 from door_values import CANARY
 
+import voronec as vo
 from voronec.errors import VoronecError
 
 HANG = 20.0
@@ -100,7 +102,11 @@ def opened(seed: int, number: int, kind: str | None, home: Path) -> tuple[str, s
     os.chdir(place)
     what, enter = DOORS[kind][1](dice, place)
     RAN.clear()
+    kept = [(module, dict(vars(module))) for module in (sp, vo)]
     wrong = _entered(enter)
+    for module, names in kept:  # a plugin may write ``sp.oo = ...``, which others would read
+        vars(module).clear()
+        vars(module).update(names)
     os.chdir(place)
     if RAN or any(place.rglob(CANARY)):
         wrong = f"text was run: {RAN[:1]}"

@@ -27,6 +27,7 @@ __all__ = [
     "VALUES",
     "Kind",
     "accepts",
+    "callback",
     "instance",
     "require",
 ]
@@ -99,6 +100,24 @@ def require(place: str, name: str, value: Any, kind: Kind) -> None:
         raise DefinitionError(f"{place}: {name} = {shown(value)} is not {kind.words}; give one")
 
 
+def callback(place: str, name: str, function: Any) -> Callable[..., Any] | None:
+    """A user's function, or None, whose errors say that they are its own."""
+    require(place, name, function, CALLABLE)
+    if function is None:
+        return None
+
+    def called(*args: Any) -> Any:
+        try:
+            return function(*args)
+        except Exception as error:
+            told = f"{type(error).__name__}: {error}"
+            raise DefinitionError(
+                f"{place}: the function given as {name} raised {shown(told)}; mend it"
+            ) from error
+
+    return called
+
+
 def accepts(**kinds: Kind) -> Callable[[Function], Function]:
     """Let a function begin only where these arguments of it are of these kinds."""
 
@@ -107,10 +126,13 @@ def accepts(**kinds: Kind) -> Callable[[Function], Function]:
 
         @wraps(function)
         def checked(*args: Any, **options: Any) -> Any:
-            for name, value in signature.bind(*args, **options).arguments.items():
+            bound = signature.bind(*args, **options)
+            for name, value in [*bound.arguments.items()]:
                 if name in kinds:
                     require(function.__name__, name, value, kinds[name])
-            return function(*args, **options)
+                    if kinds[name] is CALLABLE:
+                        bound.arguments[name] = callback(function.__name__, name, value)
+            return function(*bound.args, **bound.kwargs)
 
         return cast(Function, checked)
 

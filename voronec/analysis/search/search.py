@@ -7,7 +7,7 @@ generic parameters.  What it allows is lifted to Q and the parameters, and prove
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any
@@ -33,6 +33,7 @@ from voronec.analysis.search.probe import Probe, Values
 from voronec.analysis.search.question import Question
 from voronec.analysis.search.residues import Array
 from voronec.analysis.search.result import FoundIntegral, IntegralSearch
+from voronec.arguments import callback
 from voronec.equations import VoronecEquations
 from voronec.errors import EngineLimit
 from voronec.system import System
@@ -72,7 +73,7 @@ def search_integrals(system: System | VoronecEquations, **options: Any) -> Integ
     Every integral returned carries the verdict of the exact algebra; ``statement`` says what there
     is not.
     """
-    progress: Callable[[str], None] | None = options.pop("progress", None)
+    progress = callback("search_integrals", "progress", options.pop("progress", None))
     last = None
     for last in searches(system, **options):
         if progress is not None:
