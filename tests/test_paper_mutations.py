@@ -104,6 +104,25 @@ def test_the_outcome_of_an_error_is_told():
     assert outcome(section, r"$\dot x=w+$", place=1) == "noticed at the right record"
 
 
+OTHERS = (Display(r"$\dot x=w$"), Display("$2N=2ma$"), Display("$Nx=max$"))
+
+
+def test_a_letter_that_other_formulas_have_is_missing_in_the_dictionary_else_misprinted():
+    section = page(Display("$N=ma$"), Display("$Qx=Qx+w-w$"), *OTHERS)
+    assert outcome(section, "$N=QwQ+x^3$") == "undecided"
+    assert outcome(section, "$N=ZwZ+x^3$") == "noticed at the right record"
+    assert outcome(section, "$N=m(a$") == "noticed at the right record"
+
+
+def test_what_the_reader_overlooks_has_not_become_true():
+    definitions = (Check("definition"),)
+    defined, used = Display("$P=7m+3ax+5$", definitions), Display("$Pw-7mw=3axw+5w$")
+    section = page(Display(r"$\frac{d}{dt}x=w$"), defined, used, *OTHERS)
+    assert outcome(section, r"$\frac{d}{dt^2}x=w$") == "noticed at the right record"
+    assert outcome(section, "$PP=7m+3ax+5$", place=1) == "noticed at the right record"
+    assert outcome(section, "$p=7m+3ax+5$", place=1) == "undecided"  # nothing else has p
+
+
 def test_an_error_in_a_definition_is_noticed_where_it_is_used():
     definition = Display("$P=2m$", (Check("definition"),))
     section = page(definition, Display("$Pa=2N$"))

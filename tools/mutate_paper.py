@@ -2,7 +2,7 @@
 
     python tools/mutate_paper.py [--paper NAME] [--seed N] [--count N] [--seconds S]
                                  [--section K] [--only K.N] [--sentences] [--corrections]
-                                 [--least SHARE]
+                                 [--least SHARE] [--jobs N]
 
 An error is made on the LaTeX of the paper, which is first corrected where the audit found a
 misprint, so that every formula is true before.  Then what depends on it is audited again.  An error
@@ -10,18 +10,20 @@ leaves the count only if the changed formula is proved to say the same as before
 makes error N of section K again, ``--sentences`` changes sentences of the text in place of
 formulas, ``--corrections`` looks at the corrections that are proposed, and
 with ``--least`` the exit status is 1 where a smaller share is noticed at the right record.
+``--jobs`` says how many processes share the work; the counts do not depend on it.
 """
 
 from __future__ import annotations
 
 import argparse
 import collections
+import multiprocessing
 import random
 import signal
 import sys
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache, partial
 from typing import Any
 
 from latex_errors import Slip
@@ -36,17 +38,42 @@ OUTCOMES = (NOTICED, "noticed elsewhere", "undecided", "survived", "became true"
 AROUND = 30
 """Characters that are shown on each side of a change."""
 
+TOGETHER = 60
+"""Errors of one section that a process makes at a time: what they share is derived once."""
+
 Number = tuple[int, int]
+Task = tuple[int, list[int]]
+Outcome = tuple[str, Trial]
 
 
 def main() -> int:
     """Make the errors, print a line for each that is not noticed where it is, and the counts."""
     chosen = _arguments()
-    pages = _pages(chosen)
-    signal.signal(signal.SIGPROF, _give_up)
     print(f"seed {chosen.seed}", flush=True)
-    begun, trials = time.process_time(), list[tuple[Slip, Trial]]()
-    for number, page, place, slip in _chosen(chosen, pages):
+    tasks, trials, seconds = _tasks(chosen), list[Outcome](), 0.0
+    with multiprocessing.get_context("fork").Pool(chosen.jobs) as pool:
+        try:
+            for lines, found, spent in pool.imap_unordered(partial(_done, chosen), tasks):
+                print("".join(f"{line}\n" for line in lines), end="", flush=True)
+                trials += found
+                seconds += spent
+                if chosen.seconds and seconds > chosen.seconds:
+                    break
+        except KeyboardInterrupt:
+            print("interrupted", flush=True)
+    share = _summary(trials, seconds)
+    return 1 if share < chosen.least else 0
+
+
+def _done(chosen: argparse.Namespace, task: Task) -> tuple[list[str], list[Outcome], float]:
+    """What is printed of some errors of one section, their outcomes, and the seconds of CPU."""
+    section, numbers = task
+    signal.signal(signal.SIGPROF, _give_up)
+    begun, lines, found = time.process_time(), list[str](), list[Outcome]()
+    page = _page(chosen.paper, section)
+    every = _slips(page, chosen.sentences)
+    for n in numbers:
+        place, slip = every[n - 1]
         signal.setitimer(signal.ITIMER_PROF, HANG)
         try:
             trial = page.trial(place, slip, chosen.corrections)
@@ -54,13 +81,21 @@ def main() -> int:
             trial = Trial("undecided", f"given up after {HANG} s")
         finally:
             signal.setitimer(signal.ITIMER_PROF, 0)
-        trials.append((slip, trial))
+        found.append((slip.kind, trial))
         if trial.outcome != NOTICED or trial.correction == "other" or chosen.only:
-            print(_line(number, page, place, slip, trial), flush=True)
-        if chosen.seconds and time.process_time() - begun > chosen.seconds:
-            break
-    share = _summary(trials, time.process_time() - begun)
-    return 1 if share < chosen.least else 0
+            lines.append(_line((section, n), page, place, slip, trial))
+    return lines, found, time.process_time() - begun
+
+
+@cache
+def _page(paper: str, section: int) -> Page:
+    """A section of a paper, made once in each process."""
+    sections = load_paper(paper).sections
+    return Page(sections[section - 1], formulas_by_label(sections))
+
+
+def _slips(page: Page, sentences: bool) -> list[tuple[int, Slip]]:
+    return list(page.sentence_slips() if sentences else page.slips())
 
 
 def _arguments() -> argparse.Namespace:
@@ -74,33 +109,31 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--sentences", action="store_true")
     parser.add_argument("--corrections", action="store_true")
     parser.add_argument("--least", type=float, default=0.0)
+    parser.add_argument("--jobs", type=int, default=1)
     return parser.parse_args()
 
 
-def _pages(chosen: argparse.Namespace) -> dict[int, Page]:
-    sections = load_paper(chosen.paper).sections
-    wanted = int(chosen.only.split(".")[0]) if chosen.only else chosen.section
-    labels = formulas_by_label(sections)
-    return {k: Page(s, labels) for k, s in enumerate(sections, start=1) if wanted in (0, k)}
-
-
-def _chosen(
-    chosen: argparse.Namespace, pages: dict[int, Page]
-) -> Iterator[tuple[Number, Page, int, Slip]]:
-    """The errors that are made, in an order drawn from the seed."""
-    every = [
-        ((k, n), page, place, slip)
-        for k, page in pages.items()
-        for n, (place, slip) in enumerate(
-            page.sentence_slips() if chosen.sentences else page.slips(), start=1
-        )
-    ]
+def _tasks(chosen: argparse.Namespace) -> list[Task]:
+    """The errors that are made, drawn by the seed: some of one section at a time."""
     if chosen.only:
-        wanted = tuple(int(x) for x in chosen.only.split("."))
-        yield from (one for one in every if one[0] == wanted)
-        return
+        section, number = (int(x) for x in chosen.only.split("."))
+        return [(section, [number])]
+    count = len(load_paper(chosen.paper).sections)
+    sections = [k for k in range(1, count + 1) if chosen.section in (0, k)]
+    every = [
+        (k, n)
+        for k in sections
+        for n, _ in enumerate(_slips(_page(chosen.paper, k), chosen.sentences), start=1)
+    ]
     random.Random(chosen.seed).shuffle(every)
-    yield from every[: chosen.count]
+    drawn: dict[int, list[int]] = {}
+    for k, n in every[: chosen.count]:
+        drawn.setdefault(k, []).append(n)
+    return [
+        (k, numbers[i : i + TOGETHER])
+        for k, numbers in sorted(drawn.items(), key=lambda item: -len(item[1]))
+        for i in range(0, len(numbers), TOGETHER)
+    ]
 
 
 def _give_up(*_: Any) -> None:
@@ -134,12 +167,12 @@ def _line(number: Number, page: Page, place: int, slip: Slip, trial: Trial) -> s
     )
 
 
-def _summary(trials: list[tuple[Slip, Trial]], seconds: float) -> float:
+def _summary(trials: list[Outcome], seconds: float) -> float:
     """Print the counts; the share that is noticed where it is."""
-    kinds = sorted({slip.kind for slip, _ in trials})
+    kinds = sorted({kind for kind, _ in trials})
     print(f"{len(trials)} errors in {seconds:.0f} s of CPU")
     for outcome in OUTCOMES:
-        found = [slip.kind for slip, trial in trials if trial.outcome == outcome]
+        found = [kind for kind, trial in trials if trial.outcome == outcome]
         counts = collections.Counter(found)
         told = ", ".join(f"{counts[kind]} {kind}" for kind in kinds if counts[kind])
         print(f"{len(found):6} {outcome}: {told}")

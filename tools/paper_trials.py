@@ -17,12 +17,13 @@ from voronec.algebra.verdicts import prove_equal
 from voronec.audit import Display, Section, Study, Transcript
 from voronec.audit.comparisons import value_of
 from voronec.audit.consistency import Examined
-from voronec.audit.latex.nodes import Chain, Node, Number, Power, Product, Quotient, Sum
+from voronec.audit.latex.nodes import Chain, Integral, Node, Number, Power, Product, Quotient, Sum
 from voronec.audit.latex.reader import read
 from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.record import VERDICTS
 from voronec.audit.run import Item, Work, items
 from voronec.audit.slots import Labels
+from voronec.audit.structure import integrand, new_names
 from voronec.audit.transcript import Formula, assignments
 from voronec.errors import VoronecError
 
@@ -30,6 +31,7 @@ __all__ = ["NOTICED", "Page", "Trial", "same_claim"]
 
 FAULTS = ("convention", "misprint")
 NOTICED = "noticed at the right record"
+BRACKETS = frozenset("()[]{}")
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ class Page:
     def _work(
         self, section: Section, studies: Mapping[str, Study] | None, corrects: bool = False
     ) -> Work:
-        return Work(section, self.labels, studies, corrects)
+        return Work(section, self.labels, studies, corrects, prints=False)
 
     @cached_property
     def _spied(self) -> tuple[Mapping[str, Study], set[str]]:
@@ -87,7 +89,7 @@ class Page:
         wrong = [
             item
             for item in items(work.transcript)
-            if item.formulas and any(e.record.verdict == "misprint" for e in work.examine(item))
+            if item.formulas and _worst(work.examine(item)) in ("misprint", "undecided")
         ]
         seeking = self._work(self.source, self._spied[0], True)
         mends: dict[str, list[tuple[int, int, str]]] = {}
@@ -110,11 +112,20 @@ class Page:
     def _before(self) -> dict[int, list[Examined]]:
         return {}
 
+    @cached_property
+    def _items(self) -> list[Item]:
+        return list(items(self._whole.transcript))
+
     def before(self, item: Item) -> list[Examined]:
-        """The verdicts of a record without an error."""
+        """The verdicts of a record, or of some of its formulas, without an error."""
+        whole = self._items[item.ordinal - 1]
         if item.ordinal not in self._before:
-            self._before[item.ordinal] = self._whole.examine(item)
-        return self._before[item.ordinal]
+            self._before[item.ordinal] = self._whole.examine(whole)
+        found = self._before[item.ordinal]
+        if whole.sentence is not None:
+            return found
+        here = {formula.position for formula in item.formulas}
+        return [e for f, e in zip(whole.formulas, found, strict=True) if f.position in here]
 
     @property
     def _displays(self) -> tuple[Display, ...]:
@@ -122,7 +133,7 @@ class Page:
 
     @cached_property
     def _sentences(self) -> list[Item]:
-        return [i for i in items(self._whole.transcript) if i.sentence is not None]
+        return [i for i in self._items if i.sentence is not None]
 
     def latex(self, place: int) -> str:
         """What is printed at a place."""
@@ -136,7 +147,7 @@ class Page:
         if place >= len(self._displays):
             here = [self._sentences[place - len(self._displays)].called]
         else:
-            here = [i.called for i in items(self._whole.transcript) if self._at(i, place)]
+            here = [i.called for i in self._items if self._at(i, place)]
         return f"{', '.join(here)} of '{self.section.title}'"
 
     def _at(self, item: Item, place: int) -> bool:
@@ -200,7 +211,10 @@ class Page:
         displays = tuple(display if d is old else d for d in self.section.displays)
         inline = tuple(display if d is old else d for d in self.section.inline)
         section = replace(self.section, displays=displays, inline=inline)
-        studies = None if self._is_read(old) else self._whole_studies
+        if self._is_read(old):
+            return self._work(section, None), display
+        defines = any(check.role == "definition" for check in old.checks)
+        studies = self._whole_studies if defines else self._whole.bench.studies
         return self._work(section, studies), display
 
     @cached_property
@@ -216,7 +230,7 @@ class Page:
 
     def _pairs(self, work: Work, place: int, display: Display) -> list[tuple[Item | None, Item]]:
         """The records at a place before and now, as far as the error is in them."""
-        old = [i for i in items(self._whole.transcript) if self._at(i, place)]
+        old = [i for i in self._items if self._at(i, place)]
         new = [i for i in items(work.transcript) if i.formulas and i.formulas[0].display is display]
         if len(old) != len(new):
             return [(None, item) for item in new]
@@ -225,8 +239,15 @@ class Page:
     def _judged(
         self, work: Work, pairs: list[tuple[Item | None, Item]], corrections: bool
     ) -> Trial | None:
-        """The trial, where the verdict of a record at the place itself has become worse."""
-        for old, item in pairs:
+        """The trial, where the verdict of a record at the place itself has become worse.
+
+        The formulas that bear the error are looked at first, and mostly that is enough.
+        """
+        narrow = [_narrowed(old, new) for old, new in pairs]
+        several = [*narrow, *(pair for pair in pairs if pair not in narrow)]
+        for old, item in several:
+            if not item.formulas:
+                continue
             found = work.examine(item)
             before = "proved" if old is None else _worst(self.before(old))
             if _worst(found) == "undecided" or (corrections and _worst(found) == "misprint"):
@@ -255,14 +276,15 @@ class Page:
 
     def _dependents(self, place: int, display: Display) -> Iterator[Item]:
         """The other records that rest on a place, directly or through definitions."""
-        every = [i for i in items(self._whole.transcript) if not self._at(i, place)]
+        every = [i for i in self._items if not self._at(i, place)]
+        yield from (i for i in self._items if self._at(i, place) and len(display.units) > 1)
         if self._is_read(self._displays[place]):
             yield from every
             return
         roles = {check.role for check in display.checks}
         if not roles & {"definition", "condition"}:
             return
-        here = [i for i in items(self._whole.transcript) if self._at(i, place)]
+        here = [i for i in self._items if self._at(i, place)]
         known = {e.defines for i in here for e in self.before(i)} - {""}
         labels = {i.label for i in here} - {None}
         for item in every:
@@ -274,11 +296,27 @@ class Page:
     def _survivor(self, work: Work, pairs: list[tuple[Item | None, Item]], slip: Slip) -> Trial:
         """Whether an error that changes no verdict is one at all."""
         verdicts = "; ".join(_told(work.examine(item)) for _, item in pairs) or "nothing changed"
-        if slip.kind != "repeated" and all(
-            old is not None and _same_record(old, item, work) for old, item in pairs
-        ):
+        same = [old is not None and _same_record(old, item, work) for old, item in pairs]
+        if slip.kind != "repeated" and pairs and all(same):
             return Trial("became true", verdicts)
         return Trial("survived", verdicts)
+
+
+def _narrowed(old: Item | None, new: Item) -> tuple[Item | None, Item]:
+    """Two records with only those formulas that differ."""
+    if old is None or len(old.formulas) != len(new.formulas):
+        return old, new
+    several = [
+        (a, b)
+        for a, b in zip(old.formulas, new.formulas, strict=True)
+        if a.printed != b.printed or _quantifiers(a) != _quantifiers(b)
+    ]
+    before, after = (tuple(pair[k] for pair in several) for k in (0, 1))
+    return replace(old, formulas=before), replace(new, formulas=after)
+
+
+def _quantifiers(formula: Formula) -> list[list[str]]:
+    return [[word.text for word in words] for words in formula.piece.quantifiers]
 
 
 def _mended(display: Display, mends: Mapping[str, list[tuple[int, int, str]]]) -> Display:
@@ -309,16 +347,22 @@ def _same_record(old: Item, item: Item, work: Work) -> bool:
         return False
     for before, after in zip(old.formulas, item.formulas, strict=True):
         study = work.bench.study(after.display.check(after.position))
-        words = [[w.text for q in f.piece.quantifiers for w in q] for f in (before, after)]
-        if words[0] != words[1]:
+        if _quantifiers(before) != _quantifiers(after):
             return False
         try:
             one, two = (f.tree(study.vocabulary) for f in (before, after))
         except VoronecError:
             return False
-        if not same_claim(one, two, study):
+        if new_names(one, study) != new_names(two, study):
             return False
+        if not same_claim(one, two, study) or (one == two and _words(before) != _words(after)):
+            return False  # in the second case the reader overlooks what has changed
     return True
+
+
+def _words(formula: Formula) -> list[str]:
+    """The words of a formula without its brackets, of which there may be too many."""
+    return [w.text for w in formula.piece.tokens if w.text not in BRACKETS]
 
 
 def same_claim(old: Chain, new: Chain, study: Study) -> bool:
@@ -353,6 +397,9 @@ def same_claim(old: Chain, new: Chain, study: Study) -> bool:
 def _equal(a: Node, b: Node, study: Study, where: Mapping[str, int]) -> bool:
     if a == b:
         return True
+    if isinstance(a, Integral) and isinstance(b, Integral):
+        (x, one), (y, two) = integrand(a), integrand(b)
+        return (x, a.lower, a.upper) == (y, b.lower, b.upper) and _equal(one, two, study, where)
     one, two = (study.motion.along(value_of(x, study, dict(where))) for x in (a, b))
     if hasattr(one, "shape") != hasattr(two, "shape"):
         return False

@@ -9,12 +9,12 @@ import sympy as sp
 
 from voronec.algebra.symbols import time
 from voronec.audit.latex.nodes import Call, Dot, Dots, Name, Node, Variation, walk
+from voronec.audit.latex.tokens import Misprint
 from voronec.audit.latex.vocabulary import APPLIED
 from voronec.audit.structure import free_indices
 from voronec.audit.study import Study, key_of
-from voronec.errors import DefinitionError
 
-__all__ = ["ELEMENTARY", "call", "called", "is_named"]
+__all__ = ["ELEMENTARY", "call", "called", "is_named", "listed_values"]
 
 Where = Mapping[str, int]
 Evaluate = Callable[[Node, Study, Where], Any]
@@ -36,7 +36,7 @@ def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
     """The value of a function of the dictionary, or of an expression that lists what it holds."""
     inner = (part for argument in node.arguments for part in walk(argument))
     if node.function in inner and not _is_quantity_too(node.function, study):
-        raise DefinitionError(f"'{called(node.function)}' stands among its own arguments")
+        raise Misprint(f"'{called(node.function)}' stands among its own arguments")
     function = _function(node.function, study)
     value: Any = evaluate(node.function, study, where) if function is None else None
     if callable(value) and not isinstance(value, sp.Basic):
@@ -47,7 +47,7 @@ def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
     variables = set(study.motion.rates) | set(study.motion.constrained) | {time}
     missing = (value.free_symbols & variables) - listed
     if missing:
-        raise DefinitionError(
+        raise Misprint(
             f"'{called(node.function)}' depends on '{sorted(map(str, missing))[0]}', which its "
             "list of arguments leaves out"
         )
@@ -81,30 +81,52 @@ def _is_quantity_too(node: Node, study: Study) -> bool:
 def _listed_symbols(
     items: tuple[Node, ...], study: Study, where: Where, evaluate: Evaluate
 ) -> set[sp.Expr]:
-    """The symbols that a list of arguments names; dots and bare families are filled in."""
-    found: set[sp.Expr] = set()
+    """The symbols that a list of arguments names."""
+    for item in items:
+        if isinstance(item, Dots):
+            continue
+        if items.count(item) > 1:
+            raise Misprint(f"a list of arguments has '{called(item)}' twice")
+        if not is_named(item):
+            what = f"a list of arguments holds a {called(item).lower()}, which is no variable"
+            raise Misprint(what)
+        if isinstance(item, Name) and item.head in study.functions:
+            raise Misprint(f"a list of arguments holds '{called(item)}', which is a function")
+    values = listed_values(items, study, where, evaluate)
+    return set[sp.Expr]().union(*(value.free_symbols for value in values))
+
+
+def listed_values(
+    items: tuple[Node, ...], study: Study, where: Where, evaluate: Evaluate
+) -> list[Any]:
+    """The values of what is listed, in order; dots and bare families are filled in."""
+    found: list[Any] = []
     for position, item in enumerate(items):
         if isinstance(item, Dots):
-            found |= _between(items[position - 1], items[position + 1], study, where, evaluate)
+            if not 0 < position < len(items) - 1:
+                raise Misprint("dots stand at an end of a list of arguments")
+            found += _between(items[position - 1], items[position + 1], study, where, evaluate)
             continue
         letters = [x for x in free_indices(item, study) if x not in where]
         if letters:
             for value in range(1, study.indices[letters[0]] + 1):
-                found |= evaluate(item, study, {**where, letters[0]: value}).free_symbols
-        elif f"{called(item)}_#" in study.table:
+                found.append(evaluate(item, study, {**where, letters[0]: value}))
+        elif is_named(item) and f"{called(item)}_#" in study.table:
             top = max(study.indices.values())
-            found |= {study.table[f"{called(item)}_#"](i) for i in range(1, top + 1)}
+            found += [study.table[f"{called(item)}_#"](i) for i in range(1, top + 1)]
         else:
-            found |= evaluate(item, study, where).free_symbols
+            found.append(evaluate(item, study, where))
     return found
 
 
-def _between(
-    first: Node, last: Node, study: Study, where: Where, evaluate: Evaluate
-) -> set[sp.Expr]:
+def _between(first: Node, last: Node, study: Study, where: Where, evaluate: Evaluate) -> list[Any]:
+    """What dots between two members of a family stand for."""
+    one, other = (key_of(x, lambda _: "#") for x in (first, last))
+    if one != other:
+        raise Misprint(f"a list of arguments begins as '{one}' and ends as '{other}'")
     low, high = (int(evaluate(_innermost(x).sub[0], study, where)) for x in (first, last))
-    family = study.table[key_of(first, lambda _: "#")]
-    return {family(i) for i in range(low, high + 1)}
+    family = study.table[one]
+    return [family(i) for i in range(low + 1, high)]
 
 
 def _innermost(node: Node) -> Node:

@@ -12,6 +12,7 @@ import sympy as sp
 from voronec.algebra.symbols import time
 from voronec.audit.hooks import asked
 from voronec.audit.latex.nodes import Chain, Integral
+from voronec.audit.latex.tokens import Misprint
 from voronec.audit.meaning import evaluate, rate
 from voronec.audit.paper import Check
 from voronec.audit.structure import integrand, names_constant, new_names, whole_name
@@ -105,9 +106,7 @@ def _equalities(chain: Chain) -> list[Chain]:
 def _only_equalities(chain: Chain) -> None:
     for relation in chain.relations:
         if relation != "=":
-            raise DefinitionError(
-                f"the relation '{relation}' cannot stand in an equation of motion"
-            )
+            raise Misprint(f"the relation '{relation}' cannot stand in an equation of motion")
 
 
 def _componentwise(
@@ -115,7 +114,7 @@ def _componentwise(
 ) -> Iterator[Comparison]:
     left, right = _as_vectors(left, right)
     if isinstance(left, sp.MatrixBase) != isinstance(right, sp.MatrixBase):
-        raise DefinitionError("a vector is set equal to a number")
+        raise Misprint("a vector is set equal to a number")
     if not isinstance(left, sp.MatrixBase):
         yield Comparison(left, right, where, about)
         return
@@ -135,7 +134,7 @@ def _as_vectors(left: Any, right: Any) -> tuple[Any, Any]:
 def _equation(chain: Chain, check: Check, study: Study, where: dict[str, int]) -> Comparison:
     _only_equalities(chain)
     if len(chain.parts) != 2:
-        raise DefinitionError("an equation of motion has two sides, one '=' between them")
+        raise Misprint("an equation of motion has two sides, one '=' between them")
     left, right = (value_of(part, study, where) for part in chain.parts)
     truth = asked(check.truth, study, where) if check.truth else sp.Integer(0)
     truth = truth.xreplace(dict(study.given))
@@ -158,7 +157,7 @@ def _stationary(
         raise DefinitionError("a stationary principle needs a truth")
     variable, body = integrand(integral)
     if evaluate(variable, study, where) != time:
-        raise DefinitionError("the integral of a principle runs over the time")
+        raise Misprint("the integral of a principle runs over the time")
     value = study.motion.restrict(evaluate(body, study, where))
     letter = next(iter(study.indices), "i")
     free = [d for d in study.variations.values() if d in study.motion.rates]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import wraps
+from functools import cached_property, wraps
 from typing import Any
 
 import sympy as sp
@@ -13,14 +13,15 @@ from voronec.algebra.verdicts import Verdict
 from voronec.audit.correction import Correction, Spare, closed, correct
 from voronec.audit.derived import derived_latex
 from voronec.audit.hooks import HookError, asked
+from voronec.audit.latex.displays import Piece
 from voronec.audit.latex.nodes import Chain
 from voronec.audit.latex.reader import read, read_tokens
-from voronec.audit.latex.tokens import ELLIPSES, Token
+from voronec.audit.latex.tokens import ELLIPSES, Misprint, Token
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.paper import Check, Decision, Sentence
 from voronec.audit.record import FormulaRecord
 from voronec.audit.slots import Labels
-from voronec.audit.structure import free_indices, new_names
+from voronec.audit.structure import free_indices, marks, mentions, new_names
 from voronec.audit.study import Range, Study, UnknownRate
 from voronec.audit.transcript import Formula, Transcript
 from voronec.audit.verify import Finding, by_range, verify
@@ -39,12 +40,16 @@ __all__ = ["Bench", "judge_formula", "judge_sentence"]
 
 @dataclass(frozen=True)
 class Bench:
-    """What the formulas of one section are checked with; ``corrects``: corrections are sought."""
+    """What the formulas of one section are checked with.
+
+    ``corrects``: corrections are sought; ``prints``: what was derived is printed beside a verdict.
+    """
 
     transcript: Transcript
     studies: Mapping[str, Study]
     labels: Labels = field(default_factory=dict)
     corrects: bool = True
+    prints: bool = True
 
     def correction(
         self, formula: Formula, check: Check, study: Study, senseless: bool = False
@@ -61,6 +66,32 @@ class Bench:
         if isinstance(check, Sentence) or not check.given:
             return study
         return replace(study, given={**self._given(check, study), **study.given})
+
+    def mentioned(
+        self, name: str, formula: Formula, check: Check, index: bool = False, anywhere: bool = False
+    ) -> bool:
+        """Whether another formula has a name, as an index or not; under the same dictionary only,
+        unless ``anywhere``."""
+        study = self.study(check)
+        for other in self.transcript.formulas():
+            own = (other.display, other.position) == (formula.display, formula.position)
+            same = other.display.check(other.position).study == check.study
+            if own or not (same or anywhere):
+                continue
+            try:
+                names = marks(other.tree(study.vocabulary), study, index)
+            except DefinitionError:
+                continue  # reported where that formula gets its verdict
+            if name in names:
+                return True
+        return False
+
+    @cached_property
+    def settled(self) -> bool:
+        """Whether enough other formulas are there to tell what the paper's letters are."""
+        displays = (*self.transcript.section.displays, *self.transcript.section.inline)
+        pieces = sum(len(unit.pieces) for display in displays for unit in display.units)
+        return pieces > OTHERS
 
     def refuse_unknown(self, where: str) -> None:
         """``DefinitionError`` where a check names a study, a range or a label that is not there."""
@@ -171,6 +202,8 @@ def _unreadable(
     found = _made_true(formula, check, bench, f"it cannot be read as printed ({error})")
     if found is None and check.role == "cited":
         return FormulaRecord(formula.printed, "cited", "quoted")
+    if found is None and isinstance(error, Misprint):
+        return FormulaRecord(formula.printed, "misprint", f"it cannot be read as printed: {error}")
     return found or FormulaRecord(formula.printed, "undecided", f"it cannot be read: {error}")
 
 
@@ -181,8 +214,33 @@ def _senseless(formula: Formula, check: Check, bench: Bench, error: Exception) -
         found = _made_true(formula, check, bench, f"it has no value as printed ({error})")
     if found is None and check.role == "cited":
         return FormulaRecord(formula.printed, "cited", str(error))
+    fault = "" if found is not None else _meaningless(formula, check, bench, error)
+    if fault:
+        return FormulaRecord(formula.printed, "misprint", f"it has no value as printed: {fault}")
     return found or FormulaRecord(formula.printed, "undecided", str(error))
 
+
+def _meaningless(formula: Formula, check: Check, bench: Bench, error: Exception) -> str:
+    """What is wrong with a formula that no dictionary could give a value; else nothing.
+
+    A name that other formulas have, too, is one that the dictionary lacks: no fault of the print.
+    """
+    if isinstance(error, (Misprint, TypeError, ValueError, AttributeError)):
+        return str(error)
+    if not isinstance(error, UnknownName):
+        return ""
+    if not bench.settled:
+        return ""  # it may be the dictionary that lacks it
+    chain = formula.tree(bench.study(check).vocabulary)
+    if check.role == "definition" and error.name in mentions(chain.parts[0]):
+        return f"it introduces nothing, and '{error.name}' has no value"
+    if bench.mentioned(error.name, formula, check, error.index):
+        return ""
+    return f"nothing introduces '{error.name}', and no other formula here has it"
+
+
+OTHERS = 3
+"""With more other formulas in its section, a letter that no one of them has was misprinted."""
 
 PRINTED = (DefinitionError, TypeError, ValueError, AttributeError)
 """What may be wrong in print: a name, a vector in the place of a number; no limit of the engine."""
@@ -247,9 +305,19 @@ def _judged(
         return FormulaRecord(printed, "definition", "a condition")
     finding = verify(chain, check, study)
     proved = finding.verdict.proved
-    derived = derived_latex(chain, formula.unit.display, check, study, proved)
+    derived = None
+    if bench.prints:
+        derived = derived_latex(chain, formula.unit.display, check, study, proved)
     if finding.verdict.refuted:
         return _refuted(formula, chain, check, study, finding, derived, bench)
+    if proved and not finding.count and (unused := _unused(formula, chain, check, bench)):
+        fault = f"it introduces '{unused}', which no other formula here has"
+        mended = _made_true(formula, check, bench, fault)
+        if mended is not None and unused not in mentions(
+            read(str(mended.correction), study.vocabulary)
+        ):
+            return mended
+        return FormulaRecord(printed, "undecided", fault, derived)
     if not proved:
         status = "cited" if check.role == "cited" else "undecided"
         record = FormulaRecord(printed, status, finding.verdict.method, derived)
@@ -277,18 +345,29 @@ def _said_before(formula: Formula, chain: Chain, study: Study, bench: Bench) -> 
             same = other.tree(study.vocabulary) == chain
         except DefinitionError:
             continue  # reported where that formula gets its verdict
-        if same and other.piece.quantifiers == formula.piece.quantifiers:
+        if same and _words(other.piece) == _words(formula.piece):
             return f"formula {other.position + 1} of the same display says this already"
     return ""
+
+
+def _unused(formula: Formula, chain: Chain, check: Check, bench: Bench) -> str:
+    """A name that a definition introduces and nothing else has; else nothing."""
+    names = sorted(new_names(chain, bench.study(check)))
+    if not bench.settled or any(bench.mentioned(x, formula, check, anywhere=True) for x in names):
+        return ""
+    return names[0] if names else ""
+
+
+def _words(piece: Piece) -> list[list[str]]:
+    return [[word.text for word in words] for words in piece.quantifiers]
 
 
 def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
     """What is wrong with the printed ranges of the indices, ``i=1,\\dots,n``; else nothing."""
     for words in formula.piece.quantifiers:
-        letters = [w.text for w in words if w.text in study.indices]
         equal = [i for i, word in enumerate(words) if word.text == "="]
-        if not letters or not equal:
-            continue
+        if not equal and ELLIPSES.isdisjoint(word.text for word in words):
+            continue  # no range of an index
         letter, after = words[0].text, _last_part(words)
         if equal != [1] or letter not in study.indices:
             return "the range of an index reads '" + " ".join(w.text for w in words) + "'"
@@ -328,8 +407,8 @@ def _refuted(
     """Not an identity as printed: another reading, another convention, or a misprint."""
     record = FormulaRecord(formula.printed, "misprint", "", derived, witness=witness_of(finding))
     record = replace(record, ranges=ranges_of(finding))
-    wide = replace(study.vocabulary, wide_sums=True)
-    if verify(formula.tree(wide), check, study).verdict.proved:
+    wide = formula.tree(replace(study.vocabulary, wide_sums=True))
+    if wide != chain and verify(wide, check, study).verdict.proved:
         method = "proved with the sum sign reaching to the end of its group"
         return replace(record, verdict="proved", method=method, witness=None)
     if check.convention is not None:

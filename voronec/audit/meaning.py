@@ -24,8 +24,9 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, time, velocity
-from voronec.audit.calls import ELEMENTARY, call, called, is_named
+from voronec.audit.calls import ELEMENTARY, call, called, is_named, listed_values
 from voronec.audit.latex.nodes import (
+    POINT,
     Bound,
     Call,
     Cross,
@@ -47,6 +48,7 @@ from voronec.audit.latex.nodes import (
     Variation,
     Wedge,
 )
+from voronec.audit.latex.tokens import Misprint
 from voronec.audit.study import Study, UnknownRate, key_of, spell
 from voronec.errors import DefinitionError, VoronecError
 
@@ -68,11 +70,11 @@ SENSELESS = (
 
 
 class UnknownName(DefinitionError):
-    """A name that the dictionary does not hold."""
+    """A name that the dictionary does not hold; ``index`` says that it stands as an index."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, index: bool = False) -> None:
         super().__init__(f"the name '{name}' is not in the dictionary; add it")
-        self.name = name
+        self.name, self.index = name, index
 
 
 def evaluate(node: Node, study: Study, where: Where | None = None) -> Any:
@@ -119,7 +121,7 @@ def _member(family: Any, values: list[int], name: str) -> Any:
             return family(*values)
         except (IndexError, KeyError):
             pass
-    raise DefinitionError(f"'{name}' has no member with the indices {values}")
+    raise Misprint(f"'{name}' has no member with the indices {values}")
 
 
 def _index_value(name: Name, study: Study, where: Where, node: Node) -> Any:
@@ -132,9 +134,9 @@ def _integer(node: Node, study: Study, where: Where) -> int:
     try:
         value = evaluate(node, study, where)
     except UnknownName:
-        raise UnknownName(spell(node)) from None
+        raise UnknownName(spell(node), index=True) from None
     if not getattr(value, "is_Integer", False):
-        raise DefinitionError(f"the index '{spell(node)}' has no integer value")
+        raise Misprint(f"the index '{spell(node)}' has no integer value")
     return int(value)
 
 
@@ -219,7 +221,7 @@ def _partial(node: Partial, study: Study, where: Where) -> Any:
 def _variable(node: Node, study: Study, where: Where) -> sp.Symbol:
     symbol = evaluate(node, study, where)
     if not isinstance(symbol, sp.Symbol):
-        raise DefinitionError(f"'{called(node)}' is not a variable to differentiate by")
+        raise Misprint(f"'{called(node)}' is not a variable to differentiate by")
     return symbol
 
 
@@ -245,10 +247,10 @@ def _power(node: Power, study: Study, where: Where) -> Any:
     exponent = evaluate(node.exponent, study, where)
     if isinstance(base, sp.MatrixBase) and not base.is_square:
         if exponent != 2:
-            raise DefinitionError("a vector has a square, but no other power")
+            raise Misprint("a vector has a square, but no other power")
         return base.dot(base)
     if isinstance(base, sp.MatrixBase) and not exponent.is_Integer:
-        raise DefinitionError("the power of a matrix must be an integer")
+        raise Misprint("the power of a matrix must be an integer")
     return base**exponent
 
 
@@ -267,6 +269,8 @@ def _add(values: list[Any]) -> Any:
 
 
 def _listing(node: Listing, study: Study, where: Where) -> Any:
+    if node.bracket == POINT:
+        return sp.Matrix(listed_values(node.items, study, where, evaluate))
     left, right = (evaluate(item, study, where) for item in node.items)
     return left.cross(right) if node.bracket == "[" else left.dot(right)
 

@@ -168,13 +168,15 @@ class Work:
     """The work on one section.
 
     ``labels`` are the formulas of the whole paper; ``studies`` the dictionaries, where they are
-    made already; ``corrects`` tells whether corrections are sought for what is refuted.
+    made already; ``corrects`` tells whether corrections are sought for what is refuted, and
+    ``prints`` whether what was derived is printed beside each verdict.
     """
 
     section: Section
     labels: Labels
     studies: Mapping[str, Study] | None = None
     corrects: bool = True
+    prints: bool = True
 
     @cached_property
     def transcript(self) -> Transcript:
@@ -192,7 +194,7 @@ class Work:
             if not isinstance(study, Study):
                 raise DefinitionError(f"{where}: the study '{name}' is a {type(study).__name__}")
         studies = {n: _with_definitions(s, self.transcript) for n, s in found.items()}
-        bench = Bench(self.transcript, studies, self.labels, self.corrects)
+        bench = Bench(self.transcript, studies, self.labels, self.corrects, self.prints)
         bench.refuse_unknown(where)
         return bench
 

@@ -12,12 +12,13 @@ from voronec.audit.latex.nodes import (
     Chain,
     Differential,
     Integral,
+    Listing,
     Name,
     Node,
     Product,
     walk,
 )
-from voronec.audit.study import Study, key_of
+from voronec.audit.study import Study, key_of, spell
 from voronec.errors import DefinitionError
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "free_indices",
     "free_names",
     "integrand",
+    "marks",
     "mentions",
     "names_constant",
     "new_names",
@@ -75,6 +77,22 @@ def mentions(node: Node) -> set[str]:
     return {key_of(part) for part in walk(node) if isinstance(part, Name)}
 
 
+def marks(node: Any, study: Study, index: bool) -> set[str]:
+    """The keys of the names in a tree: of those that stand as indices, or of all others.
+
+    What stands as an index in a name that the dictionary has as a whole is no index.
+    """
+    found: set[str] = set()
+    if isinstance(node, tuple):
+        return found.union(*(marks(item, study, index) for item in node))
+    if isinstance(node, Name):
+        inside = () if key_of(node) in study.table else (*node.sub, *node.sup)
+        return mentions(Listing(inside, "(")) if index else {key_of(node)}
+    if hasattr(node, "at"):
+        return found.union(*(marks(value, study, index) for value in vars(node).values()))
+    return found
+
+
 def names_constant(part: Node) -> bool:
     """Whether a part of a chain is the word "const"."""
     return isinstance(part, Name) and part.head == "const"
@@ -85,7 +103,11 @@ def whole_name(part: Node, study: Study) -> str | None:
     if not isinstance(part, Name) or names_constant(part):
         return None
     key = key_of(part)
-    family = study.key(part)
+
+    def slot(index: Node) -> str:
+        return "#" if any(study.is_index(name) for name in walk(index)) else spell(index)
+
+    family = key_of(part, slot)
     return None if key in study.table or family in study.table else key
 
 

@@ -236,6 +236,8 @@ class Study:
 
     def join(self, defined: Mapping[str, Node]) -> Study:
         """The same study with names that the paper defines itself."""
+        if all(self.defined.get(key) == node for key, node in defined.items()):
+            return self  # with all that it has made of its names
         return replace(self, defined={**self.defined, **defined})
 
 

@@ -6,13 +6,11 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
 
 from voronec.audit.latex.displays import Piece, Unit, script_ranges
 from voronec.audit.latex.nodes import Chain, Node
 from voronec.audit.latex.reader import read_tokens
 from voronec.audit.latex.vocabulary import Vocabulary
-from voronec.audit.meaning import evaluate
 from voronec.audit.paper import Display, Section
 from voronec.audit.structure import free_indices
 from voronec.audit.study import Study
@@ -63,25 +61,6 @@ class Transcript:
             if formula.unit.label == label:
                 return formula
         raise DefinitionError(f"no display of '{self.section.title}' is labelled '{label}'")
-
-    def residuals(self, label: str, study: Study) -> list[Any]:
-        """Left minus right of a labelled equation, for all values of its free indices."""
-        try:
-            chain = self.labelled(label).tree(study.vocabulary)
-            if len(chain.parts) != 2:
-                raise DefinitionError("an equation has two sides, one '=' between them")
-            left, right = chain.parts
-            values = assignments(chain, study)
-            return [evaluate(left, study, w) - evaluate(right, study, w) for w in values]
-        except DefinitionError as error:
-            said = f"({label}), from which others are derived, has no value as printed: {error}"
-            raise DefinitionError(said) from None
-
-    def left(self, label: str, where: Mapping[str, int], study: Study) -> str:
-        """The left side of a labelled formula as printed, with values for its index letters."""
-        formula = self.labelled(label)
-        part = formula.tree(study.vocabulary).parts[0]
-        return instance(part, formula.unit.display, where)
 
     def indices(self, study: Study) -> tuple[str, ...]:
         """Every subscript that the section prints with an index letter in it, each once."""

@@ -118,7 +118,8 @@ def _ordered(gaps: Sequence[tuple[Any, str, Any]], where: Range) -> Verdict:
 def _equal(comparison: Comparison, check: Check, study: Study) -> Verdict:
     left, right = comparison.left, comparison.right
     verdict = prove_equal(left, right, study.relations)
-    if check.truth is None and verdict.refuted and _unsolved(left - right, study):
+    along = check.truth is None and check.role != "definition"  # what defines is true off it, too
+    if along and verdict.refuted and _unsolved(left - right, study):
         return UNSOLVED
     if verdict.proved or check.truth is None:
         return verdict

@@ -219,6 +219,7 @@ class Ball:
             "R_1": R1,
             "R_2": R2,
             r"\mathbf M": M,
+            "D": shorten([-sp.diff(self.momentum[0], OMEGA[1]) / (GAMMA[0] * GAMMA[1])])[0],
             r"D(\cdot)": lambda a, b: D * a.dot(b),  # a list behind D is a scalar product
             r"\epsilon": self.epsilon,
             r"\omega": OMEGA,

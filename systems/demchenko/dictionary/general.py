@@ -1,13 +1,14 @@
 """The dictionary of the section on the Voronec principle: a general system, nothing special in it.
 
-Two base and two fibre coordinates; every coefficient is an unknown function of all coordinates and
-the time.  Its constraints are those that the paper states, read from the transcription; what the
-paper's equations are compared with is d'Alembert's principle, made from these constraints alone.
+Three base and two fibre coordinates; every coefficient is an unknown function of all coordinates
+and the time.  Its constraints are any that are affine in the velocities, and the a's of the paper
+are their coefficients; what the paper's equations are compared with is d'Alembert's principle, made
+from these constraints alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,7 +16,7 @@ from typing import Any
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Motion, Study, Transcript
+from voronec.audit import Motion, Study
 
 from .principle import dalembert, lagrange
 
@@ -62,6 +63,13 @@ def stated_names(unknown: Callable[[str], sp.Expr] = unknown) -> dict[str, Any]:
     }
 
 
+def constraints(names: Mapping[str, Any]) -> Iterator[sp.Expr]:
+    """What vanishes: a dependent velocity less one that is affine in the independent ones."""
+    for nu in range(1, FIBRE + 1):
+        along = [names[r"a_{\nu i}"](nu, i + 1) * w for i, w in enumerate(V[:BASE])]
+        yield V[BASE + nu - 1] - sp.Add(*along, names[r"a_{\nu}"](nu))
+
+
 @dataclass(frozen=True)
 class General:
     """The derived general system: engine, motion, and the lift of the base velocities."""
@@ -70,36 +78,33 @@ class General:
     eqs: Any
     motion: Motion
     lift: tuple[tuple[sp.Expr, ...], ...]
-    left: str
 
     @classmethod
-    def of(cls, transcript: Transcript) -> General:
-        """Derive it from the constraints as the paper prints them."""
-        return cls._with(transcript, stated_names())
+    def derived(cls) -> General:
+        """Derive it."""
+        return cls._with(stated_names())
 
     @classmethod
-    def chaplygin(cls, transcript: Transcript) -> General:
+    def chaplygin(cls) -> General:
         """The same where nothing depends on the fibre coordinates, nor on the time, and the
         constraints are homogeneous."""
         still: dict[str, Any] = {r"a_{\nu}": lambda nu: sp.Integer(0)}
-        return cls._with(transcript, stated_names(of_base) | still)
+        return cls._with(stated_names(of_base) | still)
 
     @classmethod
-    def _with(cls, transcript: Transcript, names: Mapping[str, Any]) -> General:
-        draft = Study(names, INDICES)
+    def _with(cls, names: Mapping[str, Any]) -> General:
         system = vo.System(
             name="general",
             fibration=vo.Fibration(base=Q[:BASE], fibre=Q[BASE:]),
             lagrangian=names["T"],
-            constraints=tuple(transcript.residuals("v1", draft)),
+            constraints=tuple(constraints(names)),
             parameters=FORCES,
             forces=dict(zip(Q, FORCES, strict=True)),
         )
         eqs = vo.derive(system)
         lift = tuple(tuple(sp.diff(rate, v) for v in V[:BASE]) for rate in eqs.rates)
         motion = Motion.of(eqs, {d: vo.velocity(d) for d in DELTA})
-        left = transcript.left("v4", {"i": 1}, draft)
-        return cls(names, eqs, motion, lift, left)
+        return cls(names, eqs, motion, lift)
 
     def dalembert(self, where: Mapping[str, int]) -> sp.Expr:
         """The d'Alembert equation of a base coordinate, as an expression that vanishes."""
@@ -156,7 +161,7 @@ class General:
         for nu in range(1, FIBRE + 1):
             factor = sp.diff(rest, unknown(f"l{BASE + nu}"))
             right += sp.Symbol(f"K_{{{nu}}}") * self._named(factor, nu)
-        return [(self.left, right)]
+        return [(r"\frac{d}{dt}\frac{\partial\Theta}{\partial\dot q_{1}}", right)]
 
     def _named(self, factor: sp.Expr, nu: int) -> sp.Expr:
         """A combination of velocities, with coefficients called by their name where they are

@@ -116,7 +116,7 @@ class Geometry:
             r"a_{\nu i}": coefficient,
             r"A_{ij}^{(\nu)}": lambda i, j, nu: eqs.curvature[nu - 1, i - 1, j - 1],
             r"B_{ij}^{\nu}": lambda i, j, nu: link.bracket(i, j)[BASE + nu - 1],
-            r"\pi(\cdot)": lambda q: sp.Matrix(q[:BASE]),
+            r"\pi(\cdot)": base_point,
             "T_q": span(sp.eye(TOTAL)),
             "Q": sp.Integer(1),
             r"\mathcal D_q": kernel(sp.Matrix(CONSTRAINTS)),
@@ -258,6 +258,13 @@ def geometry() -> Geometry:
 def opposite(x: Any, y: Any) -> sp.Matrix:
     """B(X, Y) with the sign changed."""
     return -geometry().connection.curvature(x, y)
+
+
+def base_point(place: Any) -> sp.Matrix:
+    """The projection onto the base: the first coordinates of a point."""
+    if len(place) != TOTAL:
+        raise vo.DefinitionError(f"a point has {TOTAL} coordinates here, not {len(place)}")
+    return sp.Matrix(place[:BASE])
 
 
 def constraint_rows() -> sp.Matrix:

@@ -63,7 +63,7 @@ def invariant_form() -> Check:
     )
 
 
-CITED = Check("cited", study="torus")
+CITED = Check(study="torus", cited="that motions over invariant tori have this form is quoted")
 
 DISPLAYS = (
     Display(
@@ -86,7 +86,7 @@ B(X,Y)=-A([X^h,Y^h])
 && B_{ij}^{\nu}=  - \big(\frac{\partial a_{\nu i}}{\partial q_j}+\sum_{\mu=1}^k a_{\mu j}\frac{\partial a_{\nu i}}{\partial q_{n+\mu}}\big)
                    +\big(\frac{\partial a_{\nu j}}{\partial q_i}+\sum_{\mu=1}^k a_{\mu i}\frac{\partial a_{\nu j}}{\partial q_{n+\mu}}\big),
 \end{eqnarray*}""",
-        (WORDS, SPACE, SPACE, SPACE, SPACE, SPACE),
+        (DEFINITION, SPACE, SPACE, SPACE, SPACE, SPACE),
     ),
     Display(
         r"""\begin{equation}

@@ -21,13 +21,13 @@ def dalembert(stationary: bool = False) -> Check:
     )
 
 
-def studies(transcript: Transcript) -> dict[str, Study]:
+def studies(_: Transcript) -> dict[str, Study]:
     """The dictionary of the section on the Voronec principle."""
     from ..dictionary.general import General
 
     return {
-        "general": General.of(transcript).study(),
-        "chaplygin": General.chaplygin(transcript).study(),
+        "general": General.derived().study(),
+        "chaplygin": General.chaplygin().study(),
     }
 
 

@@ -21,7 +21,15 @@ from voronec.audit.latex.nodes import (
     Variation,
 )
 from voronec.audit.latex.scripts import scripts
-from voronec.audit.latex.tokens import ACCENTS, ELEMENTARY, FUNCTIONS, GREEK, Token, complain
+from voronec.audit.latex.tokens import (
+    ACCENTS,
+    ELEMENTARY,
+    FUNCTIONS,
+    GREEK,
+    Misprint,
+    Token,
+    complain,
+)
 
 if TYPE_CHECKING:
     from voronec.audit.latex.reader import Reader
@@ -46,6 +54,10 @@ def atom(reader: Reader, token: Token) -> Node:
         return _elementary(reader, token)
     if text in ACCENTS:
         return _accented(reader, token)
+    before = reader.tokens[reader.position - 2].text if reader.position > 1 else ""
+    if text in (")", "]", "}") and before != "{":  # braces around nothing bear an index
+        what = f"something before '{text}' is missing"
+        raise complain(reader.source, token.start, what, Misprint)
     raise complain(reader.source, token.start, f"'{text}' is not understood")
 
 

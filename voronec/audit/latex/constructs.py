@@ -17,7 +17,7 @@ from voronec.audit.latex.nodes import (
     Root,
     Sum,
 )
-from voronec.audit.latex.tokens import Token
+from voronec.audit.latex.tokens import Misprint, Token
 
 if TYPE_CHECKING:
     from voronec.audit.latex.reader import Reader
@@ -115,7 +115,7 @@ def _partial_fraction(reader: Reader, token: Token) -> Node | None:
     if (reader.peek(), reader.peek(1)) != ("{", "\\partial"):
         return None
     reader.position += 2
-    _order(reader)
+    order = _order(reader)
     body = None if reader.peek() == "}" else reader.term()
     reader.take("}")
     reader.take("{")
@@ -123,9 +123,12 @@ def _partial_fraction(reader: Reader, token: Token) -> Node | None:
     while reader.peek() == "\\partial":
         reader.take()
         variables.extend(_repeated(reader.factor()))
-    reader.take("}")
+    if reader.peek() != "}":
+        reader.fail("below the line of a derivative stand variables alone", Misprint)
+    reader.take()
     if not variables:
         reader.fail("a partial derivative needs a variable")
+    _same_order(reader, order, len(variables))
     if body is None and not reader.ends_term():
         body = reader.term()
     return Partial(body, tuple(variables), reader.since(token.start))
@@ -141,11 +144,19 @@ def _total_fraction(reader: Reader, token: Token) -> Node | None:
     reader.take("}")
     reader.take("{")
     reader.take("d")
-    variable = reader.factor()
+    variables = _repeated(reader.factor())
     reader.take("}")
+    _same_order(reader, order, len(variables))
     if body is None:
         body = reader.term()
-    return Derivative(body, _repeated(variable)[0], order, reader.since(token.start))
+    return Derivative(body, variables[0], order, reader.since(token.start))
+
+
+def _same_order(reader: Reader, above: int, below: int) -> None:
+    """Above and below its line a derivative is of one order."""
+    if above != below:
+        what = f"a derivative of order {above} above its line is of order {below} below"
+        reader.fail(what, Misprint)
 
 
 def _order(reader: Reader) -> int:
@@ -155,7 +166,7 @@ def _order(reader: Reader) -> int:
     reader.take()
     order = reader.argument()
     if not isinstance(order, Number):
-        reader.fail("the order of a derivative must be a number")
+        reader.fail("the order of a derivative must be a number", Misprint)
     return int(order.text)
 
 

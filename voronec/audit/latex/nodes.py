@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 __all__ = [
+    "POINT",
     "Bound",
     "Call",
     "Chain",
@@ -37,6 +38,7 @@ __all__ = [
 ]
 
 Node = Any
+POINT = "\\mapsto"
 Place = tuple[int, int]
 
 
@@ -180,7 +182,10 @@ class Call:
 
 @dataclass(frozen=True)
 class Listing:
-    """``(a, b)`` or ``[a, b]`` that applies nothing: a scalar or a vector product."""
+    """``(a, b)`` or ``[a, b]`` that applies nothing: a scalar or a vector product.
+
+    With ``POINT`` for its bracket, the point with these coordinates.
+    """
 
     items: tuple[Node, ...]
     bracket: str

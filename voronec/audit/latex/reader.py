@@ -14,11 +14,13 @@ from typing import NoReturn
 from voronec.audit.latex.atoms import atom
 from voronec.audit.latex.displays import RELATIONS
 from voronec.audit.latex.nodes import (
+    POINT,
     Call,
     Chain,
     Cross,
     Differential,
     Dots,
+    Listing,
     Name,
     Node,
     Partial,
@@ -28,14 +30,16 @@ from voronec.audit.latex.nodes import (
     Wedge,
 )
 from voronec.audit.latex.scripts import scripts
-from voronec.audit.latex.tokens import ELLIPSES, Token, complain, tokenize
+from voronec.audit.latex.tokens import ELLIPSES, Misprint, Token, complain, tokenize
 from voronec.audit.latex.vocabulary import APPLIED, Vocabulary
+from voronec.errors import DefinitionError
 
 __all__ = ["read", "read_name", "read_tokens"]
 
 _CLOSERS = {")": "(", "]": "[", "}": "{"}
 _SIGNS = {"+": 1, "-": -1, "\\pm": 1, "\\mp": -1}
 _STOP = {")", "]", "}", ",", "\\quad", "\\qquad"} | RELATIONS | set(_SIGNS)
+_ARROWS = (["\\mapsto"], ["\\longmapsto"])
 _SIGN_NAMES = {"\\pm", "\\oplus", "\\ker", "\\in"}
 _BETWEEN: dict[str, Callable[[Node, Node, tuple[int, int]], Node]] = {
     "\\times": Cross,
@@ -90,19 +94,18 @@ class Reader:
 
     def take(self, wanted: str | None = None) -> Token:
         if self.position >= len(self.tokens):
-            self.fail(
-                f"the formula ends where '{wanted}' is missing" if wanted else "it ends early"
-            )
+            what = f"the formula ends where '{wanted}' is missing" if wanted else "it ends early"
+            self.fail(what, Misprint)
         token = self.tokens[self.position]
         if wanted is not None and token.text != wanted:
             self.fail(f"'{wanted}' is missing")
         self.position += 1
         return token
 
-    def fail(self, what: str) -> NoReturn:
+    def fail(self, what: str, kind: type[DefinitionError] = DefinitionError) -> NoReturn:
         last = self.position >= len(self.tokens)
         token = self.tokens[-1 if last else self.position] if self.tokens else Token("", "", 0, 0)
-        raise complain(self.source, token.end if last else token.start, what)
+        raise complain(self.source, token.end if last else token.start, what, kind)
 
     def expect_end(self) -> None:
         if self.position < len(self.tokens):
@@ -117,7 +120,10 @@ class Reader:
     # -- formulas and sums ----------------------------------------------------------------
 
     def formula(self) -> Chain:
-        r"""Parts with relations; ``x\in D`` is x = ``\in``(x, D), the part of x that lies in D."""
+        r"""Parts with relations; ``x\in D`` is x = ``\in``(x, D), the part of x that lies in D.
+
+        ``f\colon (a, b)\mapsto (c, d)`` is an equality of points, f(a, b) = (c, d).
+        """
         start, parts, relations = self.begin(), [self.sum()], []
         while self.peek() in RELATIONS:
             token = self.take()
@@ -128,6 +134,9 @@ class Reader:
             parts.append(part)
             relations.append("=" if token.text == "\\in" else token.text)
         self.expect_end()
+        points = [replace(p, bracket=POINT) for p in parts if isinstance(p, Listing)]
+        if relations[:1] == ["\\colon"] and relations[1:] in _ARROWS and len(points) == 2:
+            parts, relations = [Call(parts[0], (points[0],), self.since(start)), points[1]], ["="]
         return Chain(tuple(parts), tuple(relations), self.since(start))
 
     def sum(self) -> Node:
@@ -156,7 +165,7 @@ class Reader:
             else:
                 factors.append(self.factor())
         if not factors:
-            self.fail("a term is missing")
+            self.fail("a term is missing", Misprint)
         return _product(factors, self.since(start))
 
     def ends_term(self) -> bool:
@@ -169,7 +178,7 @@ class Reader:
         ``\partial f/\partial x`` is a derivative, and only the factor before it belongs to it.
         """
         if not factors:
-            self.fail(f"a factor before '{sign}' is missing")
+            self.fail(f"a factor before '{sign}' is missing", Misprint)
         left = _product(factors, self.since(start))
         token = self.take()
         right = self.factor()
@@ -215,11 +224,16 @@ class Reader:
         while self.peek() == ",":
             self.take()
             items.append(self._item())
-        if self.peek() == "" or (self.peek() in _CLOSERS and self.peek() != closer):
+        if self.peek() != closer and (self.peek() in (*_CLOSERS, "") or not self._balanced()):
             what = f"the '{opening.text}' here is not closed: '{closer}' is missing"
-            raise complain(self.source, opening.start, what)
+            raise complain(self.source, opening.start, what, Misprint)
         self.take(closer)
         return tuple(items)
+
+    def _balanced(self) -> bool:
+        """Whether as many brackets close in the formula as open."""
+        texts = [token.text for token in self.tokens]
+        return sum(t in _CLOSERS for t in texts) == sum(t in _CLOSERS.values() for t in texts)
 
     def _item(self) -> Node:
         if self.peek() in ELLIPSES:

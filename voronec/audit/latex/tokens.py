@@ -13,6 +13,7 @@ __all__ = [
     "ELLIPSES",
     "FUNCTIONS",
     "GREEK",
+    "Misprint",
     "Token",
     "complain",
     "tokenize",
@@ -57,11 +58,17 @@ class Token:
     end: int
 
 
-def complain(source: str, at: int, what: str) -> DefinitionError:
-    """An error that shows the place in the formula."""
+class Misprint(DefinitionError):
+    """A bracket, a term or an order that is wrong in print, whatever the letters mean."""
+
+
+def complain(
+    source: str, at: int, what: str, kind: type[DefinitionError] = DefinitionError
+) -> DefinitionError:
+    """An error of a kind that shows the place in the formula."""
     before = " ".join(source[max(0, at - 25) : at].split())
     after = " ".join(source[at : at + 25].split())
-    return DefinitionError(f"formula, character {at + 1}: {what}, at '{before} >>> {after}'")
+    return kind(f"formula, character {at + 1}: {what}, at '{before} >>> {after}'")
 
 
 def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token]:
