@@ -379,3 +379,44 @@ def test_a_denominator_whose_conjugate_vanishes_is_answered():
     (found,) = shorten([1 / (root + x)])
     assert found.subs(x, 3) == sp.Rational(1, 6)
     assert prove_equal(x / (root + x) + root / (root + x), 1).proved
+
+
+LETTERS = sp.symbols("a0:12")
+LONG_SUM = sum(LETTERS)
+LONG_PRODUCT = sum(n * p * q for n, (p, q) in enumerate(itertools.pairwise(LETTERS), 1))
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [
+        (
+            2 * sp.sin(LONG_SUM) * sp.sin(LONG_PRODUCT),
+            sp.cos(LONG_SUM - LONG_PRODUCT) - sp.cos(LONG_SUM + LONG_PRODUCT),
+        ),
+        (sp.sin(LONG_SUM) ** 2 + sp.cos(LONG_SUM) ** 2, 1),
+        (
+            sp.sin(LONG_SUM + LONG_PRODUCT / 2) + sp.sin(LONG_SUM - LONG_PRODUCT / 2),
+            2 * sp.sin(LONG_SUM) * sp.cos(LONG_PRODUCT / 2),
+        ),
+    ],
+)
+def test_sines_of_long_sums_are_not_written_out_term_by_term(left, right):
+    assert prove_equal(left, right).proved
+    assert prove_equal(left, right + sp.sin(LONG_SUM) / 1000).refuted
+
+
+def test_what_is_too_large_is_left_undecided_with_the_reason():
+    angles = [p * LONG_SUM + q for p, q in itertools.pairwise(LETTERS)]
+    angles += [p * LONG_PRODUCT for p in LETTERS]
+    large = sp.Mul(*[sp.sin(a) + 2 for a in angles])
+    mixed = sp.sin(sp.Add(*angles)) * large * (sp.sqrt(x**2) + x) * (sp.sqrt(x**2) - x)
+    verdict = prove_equal(mixed + sp.exp(sp.log(x**2 + 1) / 3), sp.cbrt(x**2 + 1))
+    assert verdict.proved or (verdict.undecided and "large" in verdict.method)
+
+
+def test_a_polynomial_of_a_huge_degree_is_not_factored():
+    x_to = x**5003 + x + 1
+    verdict = prove_equal(sp.sqrt((x_to * y) ** 2) / x_to, sp.Abs(y) * sp.Abs(x_to) / x_to)
+    assert not verdict.refuted
+    verdict = prove_equal(sp.sin(1 / x_to) * sp.sign(x_to**2), sp.sin(1 / x_to) + x - x * ONE)
+    assert verdict.undecided and "degree" in verdict.method

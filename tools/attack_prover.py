@@ -1,12 +1,13 @@
 """Attempts to make the prover lie: statements of known truth, asked for verdicts.
 
     python tools/attack_prover.py [--seed N] [--count N] [--seconds S] [--jobs N] [--kind K]
-                                  [--only I]
+                                  [--only I] [--limit S]
 
 Identities, claims and relations are made from the seed and a number alone, true ones and false
 ones, so ``--seed N --kind K --only I`` asks one again.  A failure is what is false and proved, what
 is true and refuted, a witness whose values are others by mpmath, or an error.  Exit status 1 where
-there is one.  Printed besides: the shares left undecided, and what is false and said to agree.
+there is one.  Printed besides: the shares left undecided, what is false and said to agree, and
+what has no answer within the limit of processor time for one statement.
 """
 
 from __future__ import annotations
@@ -16,9 +17,11 @@ import collections
 import multiprocessing as mp
 import os
 import random
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import attack_claims
@@ -39,11 +42,19 @@ DRAWS = 60
 """How often the dice are thrown for a statement whose truth is known."""
 
 
+LIMIT = 60.0
+"""Seconds of processor time for a statement, to be made and to be asked."""
+
+
+class NoAnswer(BaseException):
+    """A statement had no answer within its time; no error that the prover may take as its own."""
+
+
 def main() -> int:
     """Ask, print a line for each failure and the counts."""
     chosen = _arguments()
     if chosen.only is not None:
-        family, outcome, text = asked(chosen.seed, chosen.only, chosen.kind)
+        family, outcome, text = asked(chosen.seed, chosen.only, chosen.kind, chosen.limit)
         print(f"{family}: {text}\n{outcome}")
         return 1 if outcome.startswith("wrong") else 0
     begun = time.monotonic()
@@ -60,7 +71,9 @@ def main() -> int:
             kind = f" --kind {chosen.kind}" if chosen.kind else ""
             print(f"--seed {chosen.seed}{kind} --only {index}  {family}: {text}\n    {outcome}",
                   flush=True)  # fmt: skip
-        elif chosen.open and word in ("true undecided", "false said to agree"):
+        elif word == NO_ANSWER or (
+            chosen.open and word in ("true undecided", "false said to agree")
+        ):
             print(f"{index} {family}: {text}\n    {outcome}", flush=True)
     _print_counts(counts)
     total = sum(counts.values())
@@ -76,6 +89,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--kind", choices=[*KINDS], default=None)
     parser.add_argument("--only", type=int, default=None)
+    parser.add_argument("--limit", type=float, default=LIMIT)
     parser.add_argument("--open", action="store_true", help="print what is left undecided, too")
     chosen = parser.parse_args()
     if chosen.seed is None:
@@ -83,11 +97,43 @@ def _arguments() -> argparse.Namespace:
     return chosen
 
 
-def asked(seed: int, index: int, kind: str | None) -> tuple[str, str, str]:
+NO_ANSWER = "no answer"
+OPEN = ("true undecided", "false said to agree")
+
+
+def asked(seed: int, index: int, kind: str | None, limit: float = LIMIT) -> tuple[str, str, str]:
     """The family of a statement, what became of it, and what it says."""
-    statement = _statement(seed, index, kind)
-    if statement is None:
-        return "none", "not made", ""
+    statement = None
+    try:
+        with _limited(limit):
+            statement = _statement(seed, index, kind)
+            if statement is None:
+                return "none", "not made", ""
+            return outcome_of(statement)
+    except NoAnswer:
+        if statement is None:
+            return "none", f"{NO_ANSWER}: not made within {limit:g} s", ""
+        return statement.family, f"{NO_ANSWER}: within {limit:g} s", statement.text
+
+
+@contextmanager
+def _limited(seconds: float) -> Iterator[None]:
+    """Raises ``NoAnswer`` after so much processor time, where Python comes to it."""
+
+    def stop(*_: Any) -> None:
+        raise NoAnswer
+
+    before = signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        signal.signal(signal.SIGVTALRM, before)
+
+
+def outcome_of(statement: Statement) -> tuple[str, str, str]:
+    """The family of a statement, what the prover says against its truth, and its text."""
     truth = "true" if statement.true else "false"
     try:
         verdict = statement.ask()
@@ -141,7 +187,7 @@ def _confirmed(sides: tuple[Any, Any], witness: Any) -> bool:
         return all(near) and witness.left != witness.right
 
 
-def _work(task: tuple[int, int, str | None]) -> tuple[int, tuple[str, str, str]]:
+def _work(task: tuple[int, int, str | None, float]) -> tuple[int, tuple[str, str, str]]:
     return task[1], asked(*task)
 
 
@@ -149,7 +195,7 @@ def _results(
     chosen: argparse.Namespace, begun: float
 ) -> Iterator[tuple[int, tuple[str, str, str]]]:
     """Statements in blocks, until there are enough or the time is over."""
-    tasks = [(chosen.seed, i, chosen.kind) for i in range(chosen.count)]
+    tasks = [(chosen.seed, i, chosen.kind, chosen.limit) for i in range(chosen.count)]
     if chosen.jobs == 1:
         for task in tasks:
             if time.monotonic() - begun > chosen.seconds:

@@ -19,6 +19,7 @@ from typing import Any
 import flint
 import symengine as se
 
+from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.groebner import groebner_basis, reduce_by
 from voronec.algebra.ring import Ring
 from voronec.algebra.simple_zeros import composed, has_simple_zeros
@@ -109,7 +110,7 @@ def _factored(ring: Ring, above: Any, below: Any) -> Product:
     halves = _Halves.of(ring)
     content, powers = se.Integer(1), dict[Any, int]()
     for poly, side in ((above, 1), (below, -1)):
-        unit, factors = halves.poly(poly).factor()
+        unit, factors = irreducible_factors(halves.poly(poly))
         number = se.Integer(int(unit.p)) / se.Integer(int(unit.q))
         content = content * number if side > 0 else content / number
         for factor, e in factors:

@@ -16,6 +16,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.conditions import comparisons
+from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import Fraction
 from voronec.errors import EngineLimit
 
@@ -30,6 +31,8 @@ _DEPTH = 8
 _SHALLOW, _FEW = 2, 24
 """The same, and how many terms a polynomial may have, for signs that normal forms ask for: the
 search grows with the power of the number of variables."""
+_MOST_ASKED = 3_000
+"""How many polynomials the search for one certificate may lead to."""
 _KINDS = {1: ("nonnegative", "positive"), -1: ("nonpositive", "negative")}
 """What a generator is by the sign it is known to have: not strictly, and strictly."""
 _ONE_SIGN = {"positive": 1, "nonnegative": 1, "negative": -1, "nonpositive": -1}
@@ -106,9 +109,9 @@ class Signs:
         the one factor of it whose sign is not known."""
         try:
             fraction = self.ring.fraction(expr)
-        except (KeyError, EngineLimit):  # the hypothesis is about something else
+            unit, factors = irreducible_factors(fraction.num)
+        except (KeyError, EngineLimit):  # the hypothesis is about something else, or too large
             return
-        unit, factors = fraction.num.factor()
         factors = [*factors, *self.ring.field.factors(fraction.den)]
         value, open_ones = (1 if unit > 0 else -1), []
         for factor, exponent in factors:
@@ -157,7 +160,7 @@ class Signs:
         """The sign of a polynomial, by its factors."""
         key = str(poly)
         sign, tried = self.known.get(key, (None, _DEPTH + 1))
-        if sign is None and depth < tried:
+        if sign is None and depth < tried and len(self.known) < _MOST_ASKED:
             self.known[key] = None, depth  # what is being asked for is no reason
             self.known[key] = self._of_factors(poly, depth), depth
         return self.known.get(key, (None, depth))[0]
@@ -165,7 +168,10 @@ class Signs:
     def _of_factors(self, poly: Any, depth: int) -> Sign | None:
         if poly == 0:
             return Sign(0, True, "the normal form is zero")
-        unit, factors = poly.factor()
+        try:
+            unit, factors = irreducible_factors(poly)
+        except EngineLimit:
+            return None
         found = Sign(1 if unit > 0 else -1, True, "")
         for factor, exponent in factors:
             sign = self._of_irreducible(factor, depth)
@@ -340,7 +346,7 @@ class Signs:
     def vanishing(self, poly: Any) -> list[tuple[Any, Any]]:
         """(variable, value): where factors that are linear in a variable vanish."""
         found = []
-        for factor, _ in poly.factor()[1] if poly != 0 else ():
+        for factor, _ in irreducible_factors(poly)[1] if poly != 0 else ():
             for place in self._used(factor):
                 parts = self._collected(factor, place)
                 if max(parts) == 1 and not self._is_bound(place):

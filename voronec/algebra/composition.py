@@ -18,6 +18,7 @@ import symengine as se
 
 from voronec.algebra.certificates import Signs
 from voronec.algebra.conditions import parted
+from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factors
 from voronec.algebra.normal import canonical
 from voronec.algebra.ring import Ring
@@ -25,7 +26,7 @@ from voronec.algebra.roots import defined_where
 from voronec.algebra.tape import Tape, is_atom, nodes
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["are_equal"]
+__all__ = ["angles_of", "are_equal", "folded"]
 
 LARGEST = 400
 """Nodes of a graph beyond which no further form is tried."""
@@ -202,7 +203,7 @@ class Composition:
         """Expressions with the angles in normal form, as far as no sines stand in them, and
         folded."""
         at: dict[Any, tuple[Any, Any]] = {}
-        for angle in _angles(exprs):
+        for angle in angles_of(exprs):
             vector = linear_terms(angle)
             outer = [t for t in vector if t.atoms(*TRIGONOMETRIC)]
             kept = se.Add(*[vector.pop(t) * t for t in outer])
@@ -244,13 +245,13 @@ class Composition:
         try:
             ring = Ring([argument], self._hypotheses, INNER_WORK)
             fraction = ring.fraction(argument)
-            unit, factors = fraction.num.factor()
+            unit, factors = irreducible_factors(fraction.num)
             signs = Signs.of(ring, self._conditions, bounded=True)
         except (EngineLimit, DefinitionError):
             return se.log(argument)
         powers = [*factors]
         for poly, e in ring.field.factors(fraction.den):
-            content, parts = poly.factor()
+            content, parts = irreducible_factors(poly)
             unit /= content**e
             powers += [(part, -e * times) for part, times in parts]
         terms, others = list[Any](), list[_Term]()
@@ -324,30 +325,26 @@ def _of_inverse(term: Any) -> tuple[Any, Any]:
     return u / size, below / size
 
 
-def _angles(exprs: Iterable[Any]) -> list[Any]:
+def angles_of(exprs: Iterable[Any]) -> list[Any]:
     """What sines and the like are taken of."""
     return [*dict.fromkeys(n.args[0] for n in nodes(exprs) if isinstance(n, TRIGONOMETRIC))]
 
 
 def folded(exprs: Sequence[Any]) -> list[Any]:
-    """Expressions with whole multiples of new symbols for what of angles holds no sines: of one for
-    all multiples of the same sum, where such sums are independent, else of one for each
-    term.  So the half of x + y is the half of something, and sin(x) is 2 sin(x/2) cos(x/2)."""
-    vectors = {a: linear_terms(a) for a in _angles(exprs)}
+    """Expressions with whole multiples of new symbols for what of angles holds no sines.
+
+    The symbols stand for parts of sums that span them all over the rational numbers.  So the half
+    of x + y is the half of something, sin(x) is 2 sin(x/2) cos(x/2), and however long two angles
+    are, their sum and their difference are made of two letters.
+    """
+    vectors = {a: linear_terms(a) for a in angles_of(exprs)}
     kept = {a: _taken(v) for a, v in vectors.items()}
-    classes: list[dict[Any, Any]] = []
-    for vector in vectors.values():
-        if vector and all(_ratio(vector, first) is None for first in classes):
-            classes.append(vector)
-    if not _independent(classes):
-        classes = [{t: se.Integer(1)} for t in dict.fromkeys(t for c in classes for t in c)]
     new = dict.fromkeys(vectors, se.Integer(0))
-    for first in classes:
-        held = {a: _part(v, first) for a, v in vectors.items()}
-        fine = lcm(*(int(r.q) for r in held.values()))
+    for held in _coordinates([*vectors.values()]):
+        fine = lcm(*(int(r.q) for r in held))
         name = se.Dummy()
-        for a, ratio in held.items():
-            new[a] += ratio * fine * name
+        for a, ratio in zip(vectors, held, strict=True):
+            new[a] += se.Integer(int((ratio * fine).p)) * name
     known: dict[Any, Any] = {}
     at = {a: (kept[a], new[a]) for a in vectors}
     return [_with_angles(e, at, known) for e in exprs]
@@ -363,30 +360,27 @@ def _taken(vector: dict[Any, Any]) -> Any:
     return se.Add(*[vector.pop(t) * t for t in stay])
 
 
-def _part(vector: dict[Any, Any], first: dict[Any, Any]) -> Any:
-    """How often a sum holds another one: wholly, or one term of it."""
-    if len(first) == 1:
-        (term,) = first
-        return vector.get(term, se.Integer(0)) / first[term]
-    return _ratio(vector, first) or se.Integer(0)
-
-
-def _ratio(vector: dict[Any, Any], first: dict[Any, Any]) -> Any:
-    """The factor between two sums, if they are multiples of each other."""
-    if vector.keys() != first.keys():
-        return None
-    ratios = {vector[k] / first[k] for k in first}
-    return ratios.pop() if len(ratios) == 1 else None
-
-
-def _independent(vectors: Sequence[dict[Any, Any]]) -> bool:
-    """Whether sums are linearly independent over the rational numbers."""
+def _coordinates(vectors: Sequence[dict[Any, Any]]) -> Iterator[list[Any]]:
+    """Rows of coordinates of vectors, in a basis of some of them, the shortest first; in the terms
+    themselves where there are no more of these."""
     names = [*dict.fromkeys(k for v in vectors for k in v)]
-    entries = [
-        [flint.fmpq(int(v[k].p), int(v[k].q)) if k in v else flint.fmpq(0) for k in names]
-        for v in vectors
-    ]
-    return not entries or int(flint.fmpq_mat(entries).rank()) == len(vectors)
+    rows = [[_rational(v.get(k, 0)) for v in vectors] for k in names]
+    if not names:
+        return
+    order = sorted(range(len(vectors)), key=lambda i: len(vectors[i]))
+    matrix = flint.fmpq_mat([[row[i] for i in order] for row in rows])
+    reduced, rank = matrix.rref()
+    if rank == len(names) and any(len(v) == 1 for v in vectors):
+        yield from rows
+        return
+    back = sorted(range(len(order)), key=order.__getitem__)
+    for i in range(rank):
+        yield [reduced[i, j] for j in back]
+
+
+def _rational(number: Any) -> Any:
+    number = se.sympify(number)
+    return flint.fmpq(int(number.p), int(number.q))
 
 
 def _with_angles(expr: Any, at: dict[Any, tuple[Any, Any]], known: dict[Any, Any]) -> Any:

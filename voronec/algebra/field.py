@@ -13,6 +13,7 @@ from typing import Any
 
 import flint
 
+from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.groebner import groebner_basis, reduce_by
 from voronec.errors import EngineLimit
 
@@ -20,6 +21,8 @@ __all__ = ["WORK_LIMIT", "Field", "Fraction"]
 
 WORK_LIMIT = 3_000_000
 """Term products a field may spend before it gives up with ``EngineLimit``: about a second."""
+LARGEST = 20_000_000
+"""Exponents, terms times generators, that a polynomial may have: some 100 MB of memory."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,8 @@ class Field:
     def reduce(self, poly: Any) -> Any:
         """The normal form of a polynomial modulo all relations."""
         while poly != 0:
+            if len(poly) * len(self.gens) > LARGEST:
+                raise EngineLimit(f"a polynomial of {len(poly)} terms is too large")
             start, degrees = poly, poly.degrees()
             for generator, degree, relation in self.rules:  # outer radicals before inner ones
                 if degrees[generator] >= degree:
@@ -76,6 +81,7 @@ class Field:
                         return poly
                     degrees = poly.degrees()
             if self.ideal:
+                self._spend(len(poly))
                 poly = reduce_by(poly, self.ideal)
             if not self.ideal or poly == start:
                 break
@@ -83,8 +89,23 @@ class Field:
 
     def product(self, a: Any, b: Any) -> Any:
         """The reduced product of two polynomials."""
-        self._spend(len(a) * len(b))
-        return self.reduce(a * b)
+        return self.reduce(self._times(a, b))
+
+    def _times(self, a: Any, b: Any) -> Any:
+        work = len(a) * len(b)
+        self._spend(work)
+        if work * len(self.gens) > 4 * LARGEST:  # a product has seldom fewer terms by far
+            raise EngineLimit(f"a product of {len(a)} by {len(b)} terms is too large")
+        return a * b
+
+    def turned(self, angle: tuple[Any, Any], c: Any, s: Any) -> tuple[Any, Any]:
+        """Cosine and sine of an angle, turned by one with the cosine c and the sine s."""
+        cosine, sine = angle
+        times = self._times
+        return (
+            self.reduce(times(cosine, c) - times(sine, s)),
+            self.reduce(times(sine, c) + times(cosine, s)),
+        )
 
     # -- denominators ---------------------------------------------------------------------
 
@@ -99,7 +120,8 @@ class Field:
         """A factored denominator, multiplied out."""
         total = self.one
         for i, e in den:
-            total = total * self._factors[i] ** e
+            for _ in range(e):
+                total = self._times(total, self._factors[i])
         return total
 
     def factors(self, den: Iterable[tuple[int, int]]) -> list[tuple[Any, int]]:
@@ -246,7 +268,7 @@ class Field:
         if f.num == 0:
             raise EngineLimit("an expression divides by zero")
         self._spend(20 * len(f.num) ** 2)
-        content, parts = f.num.factor()
+        content, parts = irreducible_factors(f.num)
         up = [Fraction(self.denominator(f.den) / content)]
         den: dict[int, int] = {}
         for poly, e in parts:
@@ -297,7 +319,7 @@ class Field:
         """The keys of the factors of f in g**2 = f, and f."""
         if generator not in self._rule_factors:
             rest = self.gens[generator] ** 2 - relation
-            _, parts = rest.factor()
+            _, parts = irreducible_factors(rest)
             keys = [(str(p / p.leading_coefficient()), e) for p, e in parts]
             self._rule_factors[generator] = (keys, rest)
         return self._rule_factors[generator]

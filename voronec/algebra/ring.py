@@ -199,7 +199,10 @@ class Ring:
         """
         field, value = self.field, self._element(base)
         den = field.denominator(value.den)
-        power = field.reduce(value.num * den ** (q - 1))
+        power = value.num
+        for _ in range(q - 1 if den != 1 else 0):
+            power = field.product(power, den)
+        power = field.reduce(power)
         scale = _root_of_content(power, q)
         power = power / scale**q
         below = Fraction(field.one * scale, value.den)
@@ -243,10 +246,7 @@ class Ring:
                     raise EngineLimit(f"the {abs(n)}-fold angle of '{term}' is not expanded")
                 steps, sign = abs(n), 1 if n > 0 else -1
             for _ in range(steps):
-                cosine, sine = (
-                    self.field.reduce(cosine * c - sign * sine * s),
-                    self.field.reduce(sine * c + sign * cosine * s),
-                )
+                cosine, sine = self.field.turned((cosine, sine), c, sign * s)
         return cosine, sine
 
     def _trigonometric(self, expr: Any) -> Fraction:

@@ -14,6 +14,7 @@ import symengine as se
 
 from voronec.algebra.certificates import Signs
 from voronec.algebra.conditions import comparisons
+from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import Fraction
 from voronec.algebra.generators import prime_factors
 from voronec.algebra.tape import is_atom, nodes
@@ -174,10 +175,10 @@ class Roots:
 
     def _powers(self, fraction: Fraction) -> tuple[Any, list[_Power]]:
         """A number, and primitive polynomials with their exponents."""
-        unit, factors = fraction.num.factor()
+        unit, factors = irreducible_factors(fraction.num)
         powers = list(factors)
         for poly, e in self.ring.field.factors(fraction.den):
-            content, parts = poly.factor()
+            content, parts = irreducible_factors(poly)
             unit /= content**e
             powers += [(part, -e * times) for part, times in parts]
         return unit, powers

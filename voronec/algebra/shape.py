@@ -9,6 +9,7 @@ import flint
 import symengine as se
 
 from voronec.algebra.differences import in_differences
+from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import Fraction
 from voronec.algebra.ring import Monomial, Ring, sparse_terms
 
@@ -146,7 +147,7 @@ def _cheapest(ring: Ring, poly: Any) -> Any:
         return _sum(ring, sparse_terms(poly))
     if len(poly) > FACTOR_LIMIT:
         return _nested(ring, sparse_terms(poly))
-    content, parts = poly.factor()
+    content, parts = irreducible_factors(poly)
     number = se.Integer(int(content.p)) / se.Integer(int(content.q))
     forms = [_sum(ring, sparse_terms(poly))]
     if len(parts) > 1 or parts[0][1] > 1 or content != 1:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +11,11 @@ import symengine as se
 import sympy as sp
 from sympy.logic.boolalg import Boolean
 
-from voronec.algebra.composition import are_equal
+from voronec.algebra.composition import angles_of, are_equal, folded
 from voronec.algebra.conditions import condition, parted
 from voronec.algebra.door import Door
 from voronec.algebra.field import WORK_LIMIT
+from voronec.algebra.generators import linear_terms
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.ring import Ring
 from voronec.algebra.roots import defined_where
@@ -39,6 +40,8 @@ DIGITS = 30
 NO_POINT = "no point was found at which both sides have real values"
 PROOF_LIMIT = 20_000_000
 """The work a proof may cost: more than a normal form, since nothing has to be written out."""
+LONG_SUM, MOST_LONG = 8, 12
+"""Terms of an angle whose sine would have some 2^9 terms, and how many angles are looked at."""
 
 
 @dataclass(frozen=True)
@@ -181,9 +184,11 @@ def decide_equal(
     equations, conditions = parted(relations)
     known = [*conditions, *defined_where([a, b])]
     try:  # signs cost more than most proofs, and most need none
-        for hypotheses in (equations, [*equations, *known]) if known else (equations,):
-            if Ring([a, b], hypotheses, work_limit).fraction(a - b).num == 0:
-                return Verdict("proved", "zero in exact normal form")
+        given = (equations, [*equations, *known]) if known else (equations,)
+        for left, right in _forms(a, b):
+            for hypotheses in given:
+                if Ring([left, right], hypotheses, work_limit).fraction(left - right).num == 0:
+                    return Verdict("proved", "zero in exact normal form")
     except EngineLimit as limit:
         reason = str(limit)
     if tape is None:
@@ -209,6 +214,16 @@ def decide_equal(
         else NO_POINT
     )
     return Verdict("undecided", f"{reason}; {evidence}")
+
+
+def _forms(a: Any, b: Any) -> Iterator[tuple[Any, Any]]:
+    """Both sides, first with one letter for each angle where one is a long sum, whose sine is no
+    polynomial of bearable length."""
+    angles = angles_of([a, b])
+    if len(angles) <= MOST_LONG and any(len(linear_terms(angle)) > LONG_SUM for angle in angles):
+        left, right = folded([a, b])
+        yield left, right
+    yield a, b
 
 
 def all_vanish(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> bool:

@@ -18,6 +18,7 @@ import flint
 import symengine as se
 
 from voronec.algebra.conditions import domain_of, parted
+from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.points import consistent, lifted
 from voronec.algebra.ring import Ring
 from voronec.algebra.tape import Tape, nodes
@@ -280,7 +281,7 @@ def _factors(wall: Any) -> list[Any]:
         return [wall]
     if fraction.num == 0:
         return []
-    parts = [p for p, _ in fraction.num.factor()[1]]
+    parts = [p for p, _ in irreducible_factors(fraction.num)[1]]
     parts += [p for p, _ in ring.field.factors(fraction.den)]
     return [ring.polynomial(p) for p in parts]
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import symengine as se
 
+from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.numeric_functions import formula
 from voronec.algebra.ring import Ring
 from voronec.algebra.tape import is_flat
@@ -319,7 +320,7 @@ def _square_factor(base: Any) -> tuple[Any, Any]:
     """The same of a sum, by its factors; 1 -+ cos a is twice the square of a sine or cosine."""
     ring = Ring([base])
     value = ring.fraction(base)
-    content, factors = value.num.factor()
+    content, factors = irreducible_factors(value.num)
     halves = []
     for angle, (c, _) in ring.pairs.items():
         half = angle / (2 * ring.found.angles[angle])
