@@ -165,3 +165,27 @@ def test_a_sleigh_in_units_far_apart_takes_the_same_steps() -> None:
     for run in runs:  # v = -1, w = 0.05 e^t
         assert run["w"][-1] == pytest.approx(0.05 * np.exp(8), rel=1e-12)
         assert run["phi"][-1] == pytest.approx(0.05 * (np.exp(8) - 1), rel=1e-12)
+
+
+def test_terms_that_cancel_in_every_state_show_as_well() -> None:
+    """A roller racer comes to run in a circle, phidot falls to 1e-13: its rate is the difference of
+    terms of order 100, at every angle of the joint, and rounding of these is not to be resolved."""
+    theta, phi, x, y = sp.symbols("theta phi x y")
+    turn, bend, along, across = map(vo.velocity, (theta, phi, x, y))
+    joint = (along - 1.4 * turn * sp.sin(theta), across + 1.4 * turn * sp.cos(theta))
+    racer = vo.System(
+        name="racer", fibration=vo.Fibration(base=(theta, phi), fibre=(x, y)),
+        lagrangian=5 * turn**2 / 8 + 27 * (along**2 + across**2) / 40 + (bend + turn) ** 2 / 4,
+        constraints=(
+            across * sp.cos(theta) - along * sp.sin(theta),
+            joint[1] * sp.cos(phi + theta) - joint[0] * sp.sin(phi + theta) + 1.5 * (bend + turn),
+        ),
+    )  # fmt: skip
+    start = {
+        "theta": 1.142, "phi": -0.261, "x": 0.219, "y": 2.242, "thetadot": -1.344, "phidot": 0.51,
+    }  # fmt: skip
+    times = [0, 5.3, 7]
+    truth = vo.integrate(racer, initial=start, times=times, outputs=("x", "phi"), method="heyoka")
+    found = vo.integrate(racer, initial=start, times=times, outputs=("x", "phi"), method="lsoda")
+    assert np.abs(found["x"] - truth["x"]).max() < 1e-7
+    assert found.cost.steps < 3000

@@ -25,8 +25,9 @@ STILL = 2.0**-40
 
 Slopes = Callable[[np.ndarray], np.ndarray]
 """Rates (s, n) of states (s, n)."""
-NUDGE = 2.0**-10
-"""The part of its size by which a state is moved to see what depends on it."""
+NUDGE = 2.0**-48
+"""The part of its size by which a state is moved to see what depends on it, and what of a rate is
+rounding: little more than rounding itself, so that terms which cancel for every state show too."""
 
 
 def natural_units(problem: Problem) -> np.ndarray:
