@@ -81,3 +81,15 @@ def test_an_answer_that_is_off_is_wrong_and_a_right_one_is_right(monkeypatch):
         scene, "_asked", lambda *a: {n: column + 1e-6 for n, column in asked(*a).items()}
     )
     assert scene.Workshop(1, "sleigh").judged("smooth", 1)[1] == "wrong"
+
+
+def test_starts_at_singular_places_are_swept_and_judged(monkeypatch):
+    sweep = tool("sweep_starts")
+    bench = sweep.Bench.of("ball-on-turntable", 1)
+    where, place = next(iter(bench.places()))
+    assert where == "theta = 0: coordinates" and place[1] == 0
+    starts = list(bench.starts(place))
+    assert bench.judged(starts[0])[0] == "right"
+    answer = bench.answer(starts[0])
+    monkeypatch.setattr(sweep.Bench, "answer", lambda *_: {**answer, "n": answer["n"] + 1e-3})
+    assert bench.judged(starts[0])[0] == "wrong"

@@ -23,7 +23,7 @@ import symengine as se
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.tape import is_atom
 
-__all__ = ["Divisor", "Field", "around", "bases", "crossed", "divisors"]
+__all__ = ["Divisor", "Field", "around", "bases", "crossed", "divisors", "without_factors"]
 
 SAMPLES = 64
 """So many random places tell whether a function changes its sign, and how large it is."""
@@ -76,6 +76,21 @@ def bases(exprs: Iterable[Any]) -> Iterable[Any]:
         elif isinstance(node, se.cot):
             yield se.sin(node.args[0])
         stack.extend(node.args)
+
+
+def without_factors(function: Any, factors: Iterable[Any]) -> Any:
+    """A function divided by factors, each as often as it divides every one of its terms.
+
+    What is a pole of coordinates may stand in a divisor that is none: sin(beta) in
+    sin(beta) cos(beta) r - sin(beta)^2, with a rest that vanishes elsewhere.
+    """
+    for factor in factors:
+        name = se.Dummy("factor")
+        rest = se.expand(function.xreplace({factor: name}))
+        while name in rest.free_symbols and rest.xreplace({name: se.Integer(0)}) == 0:
+            rest = se.expand(rest / name)
+            function = rest.xreplace({name: factor})
+    return function
 
 
 def around(start: np.ndarray) -> np.ndarray:

@@ -18,7 +18,7 @@ from voronec.flow.blind import (
     open_beyond,
     polar_directions,
 )
-from voronec.flow.conditions import NoFrame, Rates
+from voronec.flow.conditions import CONSISTENT, NoFrame, Rates
 from voronec.flow.exactly import Exactly
 from voronec.flow.given import Given
 from voronec.flow.inertia import require_inertia
@@ -42,18 +42,34 @@ __all__ = ["Outset", "rates_at"]
 def rates_at(
     equations: VoronecEquations, form: Any, constants: Mapping[str, float], time: float
 ) -> Rates:
-    """The velocities of all coordinates by a form of the equations, or, where that has a pole, by
-    their normal form."""
-
-    def looking(own: Any) -> Probe:
-        values = [constants.get(str(p), np.nan) for p in own.parameters]
-        return Probe(equations.system.name, own, quantities(own, {}), values, time)
+    """The velocities of all coordinates by a form of the equations, or, where that has a pole or
+    loses all digits, by their normal form; not a number where that does, too."""
+    ground = SplitGround(equations, constants, time)
 
     def rates(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        found = looking(form).rates(q, v)
-        return found if np.isfinite(found).all() else looking(equations.form).rates(q, v)
+        found = v
+        for own in (form, equations.form):
+            values = [constants.get(str(p), np.nan) for p in own.parameters]
+            probe = Probe(equations.system.name, own, quantities(own, {}), values, time)
+            found = probe.rates(q, v)
+            if np.isfinite(found).all() and _are_rates(ground, q, v, found):
+                return found
+        return np.full_like(found, np.nan)
 
     return rates
+
+
+def _are_rates(ground: SplitGround, q: np.ndarray, v: np.ndarray, w: np.ndarray) -> bool:
+    """Whether velocities w (n, k) of coordinates meet A w + a = 0 and F w + f = v, for v (m, k):
+    where a pivot is rounding alone, quotients by it are finite, and mean nothing."""
+    if ground.home.definition.group is not None:
+        return True
+    conditions, frame = ground.rows(ground.time, np.concatenate([q, np.zeros(len(w))]))
+    rows = np.vstack([conditions, frame])
+    off = rows[:, :-1] @ w + rows[:, -1:]
+    off[len(conditions) :] -= v
+    size = 1.0 + np.abs(rows[:, :-1]) @ np.abs(w) + np.abs(rows[:, -1:])
+    return bool((np.abs(off) <= CONSISTENT * size).all())
 
 
 def _at_rest(vocabulary: Vocabulary, ground: SplitGround, given: Given) -> np.ndarray:

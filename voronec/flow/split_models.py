@@ -18,7 +18,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.derivation import FirstOrderForm
 from voronec.equations import VoronecEquations
 from voronec.errors import VoronecError
-from voronec.flow.divisors import Divisor, around, bases, crossed, divisors
+from voronec.flow.divisors import Divisor, around, bases, crossed, divisors, without_factors
 from voronec.flow.observing import Watch
 from voronec.flow.probe import quantities
 from voronec.flow.reactions import Multipliers
@@ -38,6 +38,8 @@ __all__ = ["CLEAR", "NEAR", "SplitGround", "SplitModel", "candidates"]
 NEAR, CLEAR = 0.05, 0.15
 """Below the one, in units of its usual size, a divisor makes its split be left; above the other a
 split is good enough.  What is lost in digits is the square of such a number at most."""
+AT_POLE = 1e-6
+"""Coordinates are singular where a chart's ``singular`` is below it, as in ``blind``."""
 ON_RELATIONS, NEWTON = 1e-9, 12
 """Places are on the relations where these leave less; so many steps lead there, or none do."""
 _KEPT = "_divisors"
@@ -143,7 +145,8 @@ class SplitGround:
         """
         key = (form.coordinates, tuple(sorted(self.constants.items())))
         kept = self.home.system.__dict__.setdefault(_KEPT, {})
-        found = [f for f in divisors(form) if f not in self._others]
+        left = (without_factors(f, self._poles) for f in divisors(form) if f not in self._others)
+        found = [f for f in dict.fromkeys(left) if f not in self._others and not f.is_Number]
         fresh = [f for f in found if (f, key) not in kept]
         risky = self._crossed(fresh, form, below, start) if fresh else []
         kept |= {(f, key): None for f in fresh} | {(d.function, key): d for d in risky}
@@ -152,11 +155,17 @@ class SplitGround:
     @cached_property
     def _others(self) -> set[Any]:
         """Divisors that are none of a split: those of forces, and poles of charts."""
-        d, found = self.home.definition, set()
+        d = self.home.definition
+        return {*self._poles, *bases((d.lagrangian, *d.forces))}
+
+    @cached_property
+    def _poles(self) -> tuple[Any, ...]:
+        """The factors of what vanishes where declared charts begin, each once."""
+        found: dict[Any, None] = {}
         for chart in self.home.system.charts.values():
-            inside = d.door.inward(chart.singular)
-            found |= {*inside.args} if isinstance(inside, se.Mul) else {inside}
-        return found | {*bases((d.lagrangian, *d.forces))}
+            inside = self.home.definition.door.inward(chart.singular)
+            found |= dict.fromkeys(inside.args if isinstance(inside, se.Mul) else (inside,))
+        return tuple(found)
 
     def _crossed(
         self, found: list[Any], form: FirstOrderForm, below: Program, start: np.ndarray
@@ -233,7 +242,10 @@ class SplitModel:
         """A split with what is watched and the functions of events, given for the home split."""
         home = ground.home
         meaning = dict(home.raw.form.dependent)
-        quasi = dict(zip(home.definition.velocities, home.raw.form.definitions, strict=True))
+        own = tuple(home.definition.velocities)
+        quasi = dict(zip(own, home.raw.form.definitions, strict=True))
+        if tuple(form.velocities) == own:  # those of coordinates need not exist, at poles
+            quasi = {}
 
         def moved(expr: Any) -> Any:
             return se.sympify(expr).xreplace(meaning).xreplace(quasi)
@@ -245,8 +257,8 @@ class SplitModel:
             multipliers = Multipliers.of(equations.definition)
             expressions |= multipliers.entries
         inside = (*home.definition.coordinates, *home.definition.velocities)
-        own = (*home.system.coordinates, *home.system.velocities)
-        for x, symbol in zip(own, inside, strict=True):
+        names = (*home.system.coordinates, *home.system.velocities)
+        for x, symbol in zip(names, inside, strict=True):
             expressions[f"home {plain_name(x)}"] = moved(symbol)
         model = cls(
             ground,
@@ -313,18 +325,25 @@ class SplitModel:
 
     def quality(self, time: Any, wide: np.ndarray) -> float:
         """How far the divisors are from zero at a wide state, in units of their usual sizes; 0
-        where the equations have no value there."""
+        where the equations have no value there, and no chart leads on."""
         wide = wide.astype(float)
-        state = self.narrow(float(time), wide)
-        program = self.program
-        with np.errstate(all="ignore"):
-            rates = compiled(program)[0](
-                np.float64(time), [np.float64(x) for x in state], self.ground.values(program)
-            )
-        if not np.isfinite(np.array(rates, dtype=float)).all():
-            return 0.0
+        state, program = self.narrow(float(time), wide), self.program
         values = self.ground.values(program)
+        with np.errstate(all="ignore"):
+            rates = compiled(program)[0](np.float64(time), [np.float64(x) for x in state], values)
+        defined = np.isfinite(np.array(rates, dtype=float)).all()
+        if not (defined or (np.isfinite(state).all() and self._at_pole(state))):
+            return 0.0
         return self.ground.smallest(self.form, self.guards, state, values)
+
+    def _at_pole(self, state: np.ndarray) -> bool:
+        """Whether a state is where the coordinates are singular and charts of the split begin."""
+        d = self.equations.definition
+        charts = self.equations.system.charts.values()
+        singular = [d.door.inward(chart.singular) for chart in charts]
+        program = quantities(self.form, {str(i): e for i, e in enumerate(singular)})
+        there = numbers(program, self.ground.time, state.tolist(), self.ground.values(program))
+        return any(abs(x) < AT_POLE for x in there)
 
 
 def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:

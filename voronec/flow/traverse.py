@@ -156,7 +156,8 @@ class _Journey:
             self.look(times, rows)
         inside = part.inside
         sampled = None if inside is None else lambda t: home(t, inside(t))
-        stretch = _Stretch(times, rows, angles, sampled)
+        # in the own chart angles are on their branches as they are
+        stretch = _Stretch(times, rows, angles & (not own), sampled)
         ahead = self.order * self.grid[self.done :]
         count = int(np.searchsorted(ahead, self.order * times[-1], side="right"))
         self.rows.append(rows[np.searchsorted(self.order * times, ahead[:count])])
@@ -168,7 +169,7 @@ class _Journey:
         self.idle = (0.0 if count else self.idle) + share * part.steps
         for event in self.atlas.problem.events:
             t, states = part.crossings[event.name]
-            found = states if own else stretch.branched(t, home(t, states))
+            found = stretch.branched(t, home(t, states))
             self.crossings.setdefault(event.name, []).append((t, found))
         if self.atlas.problem.dense:
             self.stretches.append(stretch)
@@ -192,6 +193,8 @@ class _Journey:
         if self.atlas.distances(times[:1], begin)[0] >= APART:
             return rows
         free = self.atlas.blind(place.name, times[0], self.last)
+        if not free.any():
+            return rows
         which = int(np.argmax(np.abs(free)))
         there = self.atlas.distances(times, rows) < TOUCH
         there[0] = True
