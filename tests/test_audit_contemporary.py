@@ -233,3 +233,35 @@ def test_the_printed_density_needs_a_unit_vector():
     growth = sum(sp.diff(printed * rate, x) for x, rate in flow)
     assert vo.prove_equal(growth, 0, [GAMMA.dot(GAMMA) - 1]).proved
     assert vo.prove_equal(growth, 0).refuted
+
+
+@pytest.mark.parametrize(
+    ("fragment", "before", "after", "verdict"),
+    [
+        ("label{mu-ch}", r"\mu(\gamma)", r"\mu(\omega)", "misprint"),  # it depends on gamma
+        (r"\mu_\epsilon(\gamma)", r"\mu_\epsilon(\gamma)", r"\mu_\epsilon(\omega)", "misprint"),
+        (
+            "label{cl:int}",
+            r"({\mathbf G},{\mathbf G})",
+            r"({\mathbf G}+\kappa,{\mathbf G})",
+            "misprint",
+        ),
+        (r"$D=", "=", "=2", "misprint"),
+        (r"\mathbb I=", "I_3", "I_2", "misprint"),
+        (r"\mathbb E=", "1,1,1", "1,1,2", "misprint"),
+        ("label{e3a}", r"(\omega,\gamma)=0", r"(\gamma,\gamma)=1", "misprint"),
+        ("label{ChaplyginRed}", "T_x S", "T_x Q", "misprint"),
+        ("label{Jacobi2}", r"\dot\varphi_1", r"\dot g_1", "misprint"),
+        (r"\longmapsto", r"(q_1,\dots,q_n),\\", r"(q_1,\dots,q_k),\\", "misprint"),
+    ],
+)
+def test_what_was_not_read_before_is_read(fragment, before, after, verdict):
+    assert verdict in changed(fragment, before, after)
+
+
+@pytest.mark.parametrize("kind", ["outer", "plane with gyroscope"])
+def test_integrals_that_are_listed_are_independent(kind):
+    ball = dictionaries()[kind].context
+    assert ball.independent(["F_1", "F_2", "F_3", "F_4"]).proved
+    doubled = replace(ball, more={"F_5": ball.integrals["F_1"] * ball.integrals["F_2"]})
+    assert not doubled.independent(["F_1", "F_2", "F_5"]).proved

@@ -14,6 +14,7 @@ from voronec import DefinitionError
 from voronec.audit import Audit, FormulaRecord, Record
 from voronec.cli import main as voronec
 from voronec.cli.files import wanted_folder
+from voronec.report.audit_page import audit_page
 from voronec.report.audit_report import Figure, audit_table, write_audit
 from voronec.report.audit_words import clauses, gist
 from voronec.report.points import readable, short
@@ -227,12 +228,12 @@ def test_the_page_marks_the_difference_in_both(page):
 
 
 def test_the_page_can_be_searched_and_filtered(page):
-    head = r'<article id="([^"]*)" data-verdicts="([^"]*)" data-kind="([^"]*)"'
+    head = r'<article id="([^"]*)" data-verdict="([^"]*)" data-kind="([^"]*)"'
     records = re.findall(head, page)
     assert [r[1:] for r in records] == [
         ("proved", "display"),
-        ("proved misprint", "display"),
-        ("undecided convention", "display"),
+        ("misprint", "display"),
+        ("undecided", "display"),
         ("convention", "text"),
         ("misprint", "text"),
         ("proved", "text"),
@@ -246,6 +247,25 @@ def test_the_page_can_be_searched_and_filtered(page):
     assert "is negative" in texts[3]
     buttons = re.findall(r'<button data-(?:verdict|kind)="(\w+)"', page)
     assert buttons == ["misprint", "undecided", "convention", "proved", "display", "text"]
+
+
+def test_a_button_shows_as_many_records_as_it_says_and_as_the_table_counts(page):
+    records = re.findall(r'<article [^>]*data-verdict="(\w+)" data-kind="(\w+)"', page)
+    said = re.findall(r'data-(verdict|kind)="(\w+)" aria-pressed="false">[^<]*<small>(\d+)<', page)
+    assert len(said) == 6
+    for group, value, count in said:
+        assert [r[group == "kind"] for r in records].count(value) == int(count)
+    row = r'<span class="badge (\w+)">\w+</span></td><td class="n">(\d+)</td><td class="n">(\d+)<'
+    table = {verdict: int(a) + int(b) for verdict, a, b in re.findall(row, page)}
+    assert table == {value: int(n) for group, value, n in said if group == "verdict"}
+
+
+def test_the_page_lists_what_is_not_audited():
+    open_ = FormulaRecord("", "unaudited", "fame is not derived", says="It is famous")
+    page = audit_page(Audit("p", "T", (Record(None, "s", 1, "It is famous", (open_,), "text"),)))
+    listed = page[page.index('id="unaudited-list"') : page.index("<nav>")]
+    assert "It is famous" in listed
+    assert "fame is not derived" in listed
 
 
 def test_the_page_says_in_which_ranges_a_claim_holds(page):

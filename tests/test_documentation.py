@@ -23,6 +23,10 @@ BLOCKS = [
 ]
 
 
+SHOWN = re.compile(r"^(?:    |\$ |.*/bin/)?voronec (.*)$|`voronec ([^`]*)`", re.MULTILINE)
+"""A command in a block of code, fenced or indented, or between backticks."""
+
+
 @pytest.mark.parametrize("block", BLOCKS)
 def test_examples_run(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -43,8 +47,11 @@ def test_every_command_and_its_options_are_described() -> None:
 @pytest.mark.parametrize("page", [ROOT / "README.md", *PAGES], ids=lambda page: page.stem)
 def test_commands_that_are_shown_are_commands(page: Path) -> None:
     names = {"COMMAND", *dict(_commands(command_parser()))}
-    shown = re.findall(r"^    voronec (.*)$|`voronec ([^`]*)`", page.read_text(), re.MULTILINE)
-    for line in map("".join, shown):
+    text = page.read_text()
+    shown = [found.group(1) or found.group(2) for found in SHOWN.finditer(text)]
+    hidden = re.search(rf"\bvoronec (?:{'|'.join(names)})\b.*", SHOWN.sub("", text))
+    assert hidden is None, f"a command stands where it is not looked for: {hidden and hidden[0]}"
+    for line in shown:
         for alternative in line.split(" | "):
             words = shlex.split(alternative, comments=True)
             assert words[0] in names, line

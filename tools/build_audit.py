@@ -46,7 +46,17 @@ def read_audit(folder: Path, paper: Paper) -> Audit:
 def summary(audit: Audit, paper: Paper) -> str:
     """Counts, errata and conventions in Markdown."""
     lines = [f"- {line}" for line in counted(audit)]
-    return "\n".join([*lines, "", _numbering(paper), "", *_errata(audit), *_conventions(audit)])
+    return "\n".join(
+        [
+            *lines,
+            "",
+            _numbering(paper),
+            "",
+            *_errata(audit),
+            *_conventions(audit),
+            *_unaudited(audit),
+        ]
+    )
 
 
 def _numbering(paper: Paper) -> str:
@@ -91,6 +101,15 @@ def _conventions(audit: Audit) -> Iterator[str]:
             yield f"{mark} `{record.called}` in *{record.section}*: {what}\\"
             mark = "  "
         yield f"   {ended(short(said))}"
+
+
+def _unaudited(audit: Audit) -> Iterator[str]:
+    found = list(with_verdict(audit, "unaudited"))
+    if found:
+        yield "\n### Not audited"
+    for number, (record, formula) in enumerate(found, 1):
+        yield f"\n{number}. `{record.called}` in *{record.section}*: {formula.says}\\"
+        yield f"   {ended(formula.method)}"
 
 
 def pasted(page: str, text: str) -> str:

@@ -13,6 +13,7 @@ from voronec.audit.latex.tokens import Misprint
 from voronec.audit.latex.vocabulary import APPLIED
 from voronec.audit.structure import free_indices
 from voronec.audit.study import Study, key_of
+from voronec.errors import DefinitionError
 
 __all__ = ["ELEMENTARY", "call", "called", "is_named", "listed_values"]
 
@@ -43,8 +44,12 @@ def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
         function = value  # a member of a family of functions
     if function is not None:
         return function(*[evaluate(a, study, where) for a in node.arguments])
-    listed = _listed_symbols(node.arguments, study, where, evaluate)
     variables = set(study.motion.rates) | set(study.motion.constrained) | {time}
+    if not value.free_symbols & variables:
+        vectors = _two_vectors(node.arguments, study, where, evaluate)
+        if vectors is not None:
+            return value * vectors[0].dot(vectors[1])  # a constant before a scalar product
+    listed = _listed_symbols(node.arguments, study, where, evaluate)
     missing = (value.free_symbols & variables) - listed
     if missing:
         raise Misprint(
@@ -71,6 +76,19 @@ def _function(node: Node, study: Study) -> Callable[..., Any] | None:
         if callable(found) and not isinstance(found, sp.Basic):
             return found
     return _MATRICES.get(node.head)
+
+
+def _two_vectors(
+    items: tuple[Node, ...], study: Study, where: Where, evaluate: Evaluate
+) -> tuple[sp.MatrixBase, sp.MatrixBase] | None:
+    """The values of two items, if both are vectors; a list of coordinates has none."""
+    try:
+        values = [evaluate(item, study, where) for item in items]
+    except DefinitionError:
+        return None
+    if len(values) != 2 or not all(isinstance(value, sp.MatrixBase) for value in values):
+        return None
+    return values[0], values[1]
 
 
 def _is_quantity_too(node: Node, study: Study) -> bool:

@@ -10,6 +10,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.verdicts import Verdict
+from voronec.audit.constraints import independent_conditions
 from voronec.audit.correction import Correction, Spare, closed, correct
 from voronec.audit.derived import derived_latex
 from voronec.audit.hooks import HookError, asked
@@ -20,7 +21,7 @@ from voronec.audit.latex.tokens import ELLIPSES, Misprint, Token
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.paper import Check, Decision, Sentence
 from voronec.audit.record import FormulaRecord
-from voronec.audit.slots import Labels
+from voronec.audit.slots import Labels, tight
 from voronec.audit.structure import free_indices, marks, mentions, new_names
 from voronec.audit.study import Range, Study, UnknownRate
 from voronec.audit.transcript import Formula, Transcript
@@ -167,6 +168,9 @@ def judge_formula(
     """A formula under the dictionaries of its section, and its tree where it can be read."""
     if check.role == "words":
         return FormulaRecord(formula.printed, "definition", "defined in words"), None
+    if check.sentence is not None:
+        said = replace(check.sentence, quotation=formula.printed)
+        return replace(judge_sentence(said, bench), printed=formula.printed, says=""), None
     chain: Chain | None = None
     try:
         study = bench.study(check)
@@ -200,8 +204,6 @@ def _unreadable(
 ) -> FormulaRecord:
     """What cannot be read as printed is a misprint where a small change makes it true."""
     found = _made_true(formula, check, bench, f"it cannot be read as printed ({error})")
-    if found is None and check.role == "cited":
-        return FormulaRecord(formula.printed, "cited", "quoted")
     if found is None and isinstance(error, Misprint):
         return FormulaRecord(formula.printed, "misprint", f"it cannot be read as printed: {error}")
     return found or FormulaRecord(formula.printed, "undecided", f"it cannot be read: {error}")
@@ -212,8 +214,6 @@ def _senseless(formula: Formula, check: Check, bench: Bench, error: Exception) -
     found = None
     if isinstance(error, PRINTED) and not isinstance(error, UnknownRate):
         found = _made_true(formula, check, bench, f"it has no value as printed ({error})")
-    if found is None and check.role == "cited":
-        return FormulaRecord(formula.printed, "cited", str(error))
     fault = "" if found is not None else _meaningless(formula, check, bench, error)
     if fault:
         return FormulaRecord(formula.printed, "misprint", f"it has no value as printed: {fault}")
@@ -297,6 +297,10 @@ def _elsewhere(
     return record
 
 
+NOTHING_LESS = Verdict("proved", "")
+"""What is no constraint need not be sufficient."""
+
+
 def _judged(
     formula: Formula, chain: Chain, check: Check, study: Study, bench: Bench
 ) -> FormulaRecord:
@@ -325,6 +329,12 @@ def _judged(
     fault = _wrong_range(formula, chain, study) or _said_before(formula, chain, study, bench)
     if fault:
         return FormulaRecord(printed, "misprint", fault, derived)
+    several = NOTHING_LESS
+    if check.constrains:
+        several = independent_conditions(formula, chain, check, study, bench.transcript)
+    if not several.proved:
+        verdict = "misprint" if several.refuted else "undecided"
+        return FormulaRecord(printed, verdict, several.method, derived)
     verdict = "convention" if finding.partial else "proved"
     if check.role == "cited" or check.cited:
         verdict = "cited"  # it is what was meant; whether that is a fact is not proved here
@@ -332,7 +342,8 @@ def _judged(
         verdict = "definition"
     if check.role == "definition" and not (finding.count and new_names(chain, study)):
         verdict = "definition"
-    method = "; ".join(filter(None, (method_of(finding, chain, check), check.cited)))
+    words = (method_of(finding, chain, check), several.method, check.cited)
+    method = "; ".join(filter(None, words))
     return replace(FormulaRecord(printed, verdict, method, derived), ranges=ranges_of(finding))
 
 
@@ -365,6 +376,10 @@ def _words(piece: Piece) -> list[list[str]]:
 def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
     """What is wrong with the printed ranges of the indices, ``i=1,\\dots,n``; else nothing."""
     for words in formula.piece.quantifiers:
+        if any(word.text == "\\in" for word in words):
+            fault = _wrong_domain([word.text for word in words], study)
+            if fault:
+                return fault
         equal = [i for i, word in enumerate(words) if word.text == "="]
         if not equal and ELLIPSES.isdisjoint(word.text for word in words):
             continue  # no range of an index
@@ -383,6 +398,17 @@ def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
                 f"the index {_spoken(letter)} runs from 1 to {study.indices[letter]} here, and is "
                 f"printed to run to {last}"
             )
+    return ""
+
+
+def _wrong_domain(words: Sequence[str], study: Study) -> str:
+    """What is wrong with the space in which a vector is printed to lie; else nothing."""
+    cut = words.index("\\in")
+    vector, space = tight(" ".join(words[:cut])), tight(" ".join(words[cut + 1 :]))
+    if vector not in study.domains:
+        return f"it is printed for all {vector}, of which nothing is known here"
+    if space != study.domains[vector]:
+        return f"{vector} lies in {study.domains[vector]}, and is printed to lie in {space}"
     return ""
 
 

@@ -74,6 +74,11 @@ class Check:
         what the derived side was made from, where that is not the source of the study.
     cited
         what of it is proved, where the rest is quoted; the verdict is then at most "cited".
+    constrains
+        how many conditions a constraint adds to those before it in its display; it must hold where
+        the constraints hold, and be independent of these.
+    sentence
+        for a formula that is words in a display: its print with slots, and what decides it.
     """
 
     role: str = "claim"
@@ -91,6 +96,8 @@ class Check:
     proposal: str | None = None
     source: str = ""
     cited: str = ""
+    constrains: int = 0
+    sentence: Sentence | None = None
 
     def __post_init__(self) -> None:
         if self.role not in ROLES:

@@ -133,6 +133,10 @@ class Study:
         conditions in force: symbol -> expression.
     relations
         expressions that vanish, wherever two values are compared.
+    domains
+        LaTeX without spaces of a vector that may vary -> of the space in which it lies.
+    positive
+        expressions that are positive wherever the coordinates are good, as sin u.
     ranges
         ranges of the parameters, for inequalities; the first is the one that the paper has in mind.
     scope
@@ -158,6 +162,8 @@ class Study:
     defined: Mapping[str, Node] = field(default_factory=dict)
     given: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     relations: tuple[sp.Expr, ...] = ()
+    domains: Mapping[str, str] = field(default_factory=dict)
+    positive: tuple[sp.Expr, ...] = ()
     ranges: tuple[Range, ...] = ()
     scope: tuple[str, ...] = ()
     in_velocities: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)

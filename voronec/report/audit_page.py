@@ -10,7 +10,13 @@ from pathlib import Path
 
 from voronec.audit.record import VERDICTS, Audit
 from voronec.report.audit_words import KINDS, MEANING, counts
-from voronec.report.page_records import anchors, conventions, errata, record_html
+from voronec.report.page_records import (
+    anchors,
+    conventions,
+    errata,
+    record_html,
+    unaudited,
+)
 from voronec.report.page_style import SCRIPT, STYLE
 
 __all__ = ["Figure", "audit_page"]
@@ -36,7 +42,8 @@ def audit_page(audit: Audit, figures: Sequence[Figure] = ()) -> str:
         f"{_contents(audit)}<main>\n<h1>{escape(audit.title)}</h1>\n"
         f'<p class="by">{escape(audit.authors)}</p>\n{_summary(audit)}\n'
         f'<section id="errata"><h2>Errata</h2>\n{errata(audit, places)}</section>\n'
-        f"{_conventions(audit, places)}{_search(audit)}\n{sections}{pictures}</main>\n"
+        f"{_conventions(audit, places)}{_unaudited(audit, places)}{_search(audit)}\n"
+        f"{sections}{pictures}</main>\n"
         f"<script>{SCRIPT}</script></body></html>\n"
     )
 
@@ -52,6 +59,8 @@ def _contents(audit: Audit) -> str:
     head = '<li><a href="#errata">Errata</a></li>'
     if any(r.verdict == "convention" for r in audit.records):
         head += '<li><a href="#conventions">Conventions</a></li>'
+    if any(r.verdict == "unaudited" for r in audit.records):
+        head += '<li><a href="#unaudited">Not audited</a></li>'
     return f"<aside><b>Contents</b><ol>{head}</ol><b>Sections</b><ol>{''.join(lines)}</ol></aside>"
 
 
@@ -89,19 +98,36 @@ def _conventions(audit: Audit, places: dict[tuple[str, int], str]) -> str:
     )
 
 
-def _search(audit: Audit) -> str:
-    present = [v for v in reversed(VERDICTS) if any(r.verdict == v for r in audit.records)]
-    buttons = "".join(
-        f'<button data-verdict="{verdict}" aria-pressed="false">{verdict}</button>'
-        for verdict in present
+def _unaudited(audit: Audit, places: dict[tuple[str, int], str]) -> str:
+    found = unaudited(audit, places)
+    if not found:
+        return ""
+    return (
+        f'<section id="unaudited"><h2>Not audited</h2>\n'
+        '<p class="lead">What the text states, and nothing here decides. Sentences on history, on '
+        f"sources and on what comes next state nothing of the kind.</p>{found}</section>\n"
     )
-    for kind in counts(audit):
-        buttons += f'<button data-kind="{kind}" aria-pressed="false">{KINDS[kind]}</button>'
+
+
+def _search(audit: Audit) -> str:
+    found = counts(audit)
+    buttons = ""
+    for verdict, count in audit.count().items():
+        if count:
+            buttons += _button("verdict", verdict, verdict, count)
+    for kind in found:
+        buttons += _button("kind", kind, KINDS[kind], sum(found[kind].values()))
     placeholder = "display 2, (label), words, γ, LaTeX"
     return (
         f'<nav><input id="search" type="search" placeholder="{placeholder}" '
         f'aria-label="search">{buttons}<span id="shown"></span></nav>'
     )
+
+
+def _button(group: str, value: str, name: str, count: int) -> str:
+    """What shows only the records of a verdict, or of a kind, and how many these are."""
+    words = f"{name} <small>{count}</small>"
+    return f'<button data-{group}="{value}" aria-pressed="false">{words}</button>'
 
 
 def _section(audit: Audit, number: int, places: dict[tuple[str, int], str]) -> str:

@@ -19,7 +19,7 @@ from voronec.report.audit_words import (
 from voronec.report.mathml import fits, mathml, prose
 from voronec.report.points import plain, readable, short
 
-__all__ = ["anchors", "conventions", "errata", "record_html"]
+__all__ = ["anchors", "conventions", "errata", "record_html", "unaudited"]
 
 COLUMN, WIDE = 31.0, 64.0
 """How wide a formula may be in one of two columns, and in a line of its own, in em."""
@@ -58,14 +58,22 @@ def conventions(audit: Audit, places: Places) -> str:
     return f'<ol id="conventions-list">{items}</ol>' if items else ""
 
 
+def unaudited(audit: Audit, places: Places) -> str:
+    """The list of what nothing decides, each with the reason."""
+    items = "".join(
+        f'<li>{_place(r, places)}{_statement(f)}<p class="method">{prose(ended(f.method))}</p></li>'
+        for r, f in with_verdict(audit, "unaudited")
+    )
+    return f'<ol id="unaudited-list">{items}</ol>' if items else ""
+
+
 def record_html(record: Record, places: Places) -> str:
     """One record with all its formulas."""
     anchor = places[record.section, record.ordinal]
     formulas = "".join(_formula(f, len(record.formulas) > 1) for f in record.formulas)
-    verdicts = " ".join(dict.fromkeys(f.verdict for f in record.formulas))
     tag = f"{record.kind} {record.ordinal}" if record.label else ""
     return (
-        f'<article id="{anchor}" data-verdicts="{verdicts}" data-kind="{record.kind}" '
+        f'<article id="{anchor}" data-verdict="{record.verdict}" data-kind="{record.kind}" '
         f'data-name="{escape(record.called.lower(), quote=True)}" '
         f'data-text="{escape(_words(record), quote=True)}"><header><a href="#{anchor}">'
         f'{escape(record.called)}</a><span class="tag">{tag}</span>{_badge(record.verdict)}'

@@ -132,7 +132,7 @@ function show(){
  for(const a of records){
   const ok=(named?a.dataset.name==query
     :letter?[...a.querySelectorAll('mi')].some(m=>m.textContent==letter):words.every(forms=>forms.some(w=>a.dataset.text.includes(w))))
-   &&(!verdicts.length||verdicts.some(v=>a.dataset.verdicts.split(' ').includes(v)))
+   &&(!verdicts.length||verdicts.includes(a.dataset.verdict))
    &&(!kinds.length||kinds.includes(a.dataset.kind));
   a.hidden=!ok; n+=ok;}
  for(const s of sections)s.hidden=!s.querySelector('article:not([hidden])');

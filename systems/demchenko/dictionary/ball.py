@@ -199,6 +199,7 @@ class WithRotor:
             names,
             motion=self.motion,
             in_velocities=self.in_velocities(),
+            positive=(sp.sin(u), sp.sin(u1)),
             context=self,
             source=SOURCE,
         )
@@ -266,7 +267,8 @@ class Reduced:
         P = self.eqs.mass[1, 1]
         names |= symbols | ratios(self.eqs) | {"P": P, "I": mass * sp.diff(P, mass)}
         motion = Motion.of(self.eqs).solved(self.eqs)
-        return Study({"t": vo.time, **names}, motion=motion, context=self)
+        sines = tuple(sp.sin(symbol) for symbol in (names["u"], names["u_1"]))
+        return Study({"t": vo.time, **names}, motion=motion, positive=sines, context=self)
 
     def equation(self, row: int) -> sp.Expr:
         """Row of mass * vdot - force."""

@@ -107,6 +107,11 @@ class Ball:
         return shorten([sp.diff(self.reduced.rates[0], GAMMA[1], OMEGA[2])])[0]
 
     @cached_property
+    def surplus(self) -> sp.Expr:
+        """D in G = I omega + D omega - D (omega, gamma) gamma, by its part off the diagonal."""
+        return shorten([-sp.diff(self.momentum[0], OMEGA[1]) / (GAMMA[0] * GAMMA[1])])[0]
+
+    @cached_property
     def motion(self) -> Motion:
         """How omega and gamma change."""
         dots = [vo.velocity(w) for w in OMEGA]
@@ -177,6 +182,18 @@ class Ball:
         """Whether several of the integrals are ones."""
         return worst(self.constant(self.integrals[name], where) for name in names)
 
+    def independent(self, names: Sequence[str]) -> Verdict:
+        """Whether integrals have independent gradients at a point, by exact numbers."""
+        numbers = dict(
+            zip((*MOMENTS, M, R2, *KAPPA), sp.sympify("2 3 5 1 1 3 7 2".split()), strict=True)
+        )
+        numbers |= {R1: sp.Integer(2), SIGNED: sp.Integer(2), **POINT}
+        values = sp.Matrix([self.integrals[name] for name in names])
+        rank = values.jacobian((*GAMMA, *OMEGA)).xreplace(numbers).rank()
+        if rank == len(names):
+            return Verdict("proved", f"their gradients have the rank {rank} at a point")
+        return Verdict("undecided", f"their gradients have the rank {rank} at a point")
+
     @cached_property
     def weighted(self) -> sp.Expr:
         """The only sum b_i G_i gamma_i, up to a factor, that can be an integral."""
@@ -219,18 +236,18 @@ class Ball:
             "R_1": R1,
             "R_2": R2,
             r"\mathbf M": M,
-            "D": shorten([-sp.diff(self.momentum[0], OMEGA[1]) / (GAMMA[0] * GAMMA[1])])[0],
-            r"D(\cdot)": lambda a, b: D * a.dot(b),  # a list behind D is a scalar product
+            "D": self.surplus,
             r"\epsilon": self.epsilon,
             r"\omega": OMEGA,
             r"\gamma": GAMMA,
-            r"\kappa": self.kappa,
             r"\mathbf G": self.momentum,
             r"\mathbb I": sp.diag(*MOMENTS),
             r"\mathbf I": tensor(),
             r"\mathbb E": sp.eye(3),
-            r"\mu(\cdot)": lambda _: self.density,
+            r"\mu": self.density,
         }
+        if not self.kappa.is_zero_matrix:  # the letter of a gyroscope, where there is one
+            found[r"\kappa"] = self.kappa
         for i in (1, 2, 3):
             found[f"I_{i}"] = MOMENTS[i - 1]
             found[rf"\gamma_{i}"] = GAMMA[i - 1]
@@ -246,10 +263,16 @@ class Ball:
             motion=self.motion,
             relations=self.relations,
             ranges=ranges,
+            functions=frozenset({r"\mu"}),
             context=self,
-            note="where (gamma, gamma) = 1",
+            note="where (gamma, gamma) = 1" + self._epsilon_said,
             source="the equations derived for the rolling ball, in omega and the normal",
         )
+
+    @property
+    def _epsilon_said(self) -> str:
+        """The value of epsilon, where it is a number."""
+        return f", for epsilon = {self.epsilon}" if self.epsilon.is_Number else ""
 
     def with_weighted(self) -> Study:
         """The dictionary with the integral linear in the momentum and in the normal."""

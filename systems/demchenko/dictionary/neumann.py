@@ -124,6 +124,14 @@ class Space:
         }
 
     @cached_property
+    def spins(self) -> dict[str, sp.Matrix]:
+        """The angular velocities of the four frames against the space, by their rotations."""
+        found = {"space": sp.zeros(3, 1), "body": self.axes * self.spin}
+        for name, frame in (("fixed", self.frame), ("contact", self.axes)):
+            found[name] = frame * vee(frame.T * sp.Matrix(self.free.derivative(frame)))
+        return found
+
+    @cached_property
     def names(self) -> dict[str, Any]:
         """The dictionary; vectors have components in space."""
         surfaces, contact = self.surfaces, self.surfaces.contact
@@ -154,6 +162,7 @@ class Space:
                 motion=motion,
                 labelled=frozenset({r"\mathfrak{v}"}),
                 given=self.rules,
+                positive=tuple(x for forms in self.surfaces.forms for x in forms.first),
                 context=self,
                 note=NOTE,
                 source="positions and rotations, R^T dR/dt for the angular velocities, and the "

@@ -105,7 +105,15 @@ class Chaplygin:
         note = f"groups of two dimensions, n = {BASE}, every coefficient an arbitrary function"
         note += "; quoted for groups of more dimensions"
         source = "the equations derived for a system with a group of symmetries, and the curvature"
-        return Study(names, {"i": BASE}, self.motion, context=self, note=note, source=source)
+        return Study(
+            names,
+            {"i": BASE},
+            self.motion,
+            domains={r"\delta x": "T_xS"},
+            context=self,
+            note=note,
+            source=source,
+        )
 
     def closed(self) -> Verdict:
         """Whether the group acts as it is said to, and mass, force and L_red are free of it."""

@@ -157,13 +157,13 @@ class Rubber:
         if not self.no_twist.proved:
             raise vo.DefinitionError(f"omega_3 is not what was eliminated: {self.no_twist.method}")
         names = self.free.names()
-        for name in ("F_1", "F_2", "F_3", "F_4", r"\mu(\cdot)"):
+        for name in ("F_1", "F_2", "F_3", "F_4", r"\mu"):
             names.pop(name, None)
         names |= {
             r"\mathbf G": self.momentum,
             r"\dot\gamma": sp.Matrix(self.motion.restrict(self.reduced.rates)),
             r"\lambda": self.multiplier,
-            r"\mu_\epsilon": lambda _: self.density,
+            r"\mu_\epsilon": self.density,
         }
         return Study(
             names,

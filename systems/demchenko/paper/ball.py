@@ -15,6 +15,7 @@ UPRIGHT = "the momentum of ball and rotor, in which k belongs to chi whatever th
 DEFINITION = Check("definition")
 ZHUKOVSKY = Check(study="zhukovsky", given=("uslovZh",))
 BOTH = Check(also=("reduced",))
+CONSTRAINT = Check(also=("reduced",), constrains=1)
 ANY_MOTION = Check(source="true of the frames of ball and rotor, whatever their motion")
 NO_VECTOR = Check(value=lambda study, where: sp.zeros(3, 1))
 
@@ -87,7 +88,7 @@ $$""",
 & \dot{v}_1\sin{u}_1=\mu'\dot{u}\cos\vartheta+\mu'\dot{v}\sin\vartheta\sin u,
 \end{aligned}
 \end{equation}""",
-            (BOTH,),
+            (CONSTRAINT,),
         ),
         Display(
             r"""\begin{equation}\label{4.2.789}

@@ -13,6 +13,7 @@ GYROSCOPE = Check(
 )
 MARKEEV = Check(study="plane with gyroscope")
 RUBBER = Check(study="rubber", also=("rubber inside", "rubber on a plane"))
+NO_TWIST = replace(RUBBER, constrains=1)
 
 
 def studies() -> dict[str, Study]:
@@ -84,7 +85,7 @@ G_2\gamma_2+(I_1+I_2-I_3+D)\mathbf G_3\gamma_3.
 \dot{\mathbf G}=\mathbf G\times \omega+\lambda \gamma, \qquad
 \dot{\gamma}=\epsilon \gamma\times\omega, \qquad (\omega,\gamma)=0,
 \end{equation}""",
-        (RUBBER,),
+        (RUBBER, RUBBER, NO_TWIST),
     ),
     Display(
         r"""\begin{equation}
@@ -105,14 +106,14 @@ G}+\kappa,\gamma)
 )
 
 INLINE = (
-    Display(r"$\mathbb I=\diag(I_1,I_2,I_3)$", (Check("words"),)),
+    Display(r"$\mathbb I=\diag(I_1,I_2,I_3)$", (DEFINITION,)),
     Display(r"$D=\mathbf M R_2^2$", (DEFINITION,)),
     Display(
         r"""${\mathbf G}=\mathbb I \omega+ D\omega-D (\omega,\gamma)\gamma=\mathbf I\omega-D (\omega,\gamma)\gamma$""",
         (EVERYWHERE,),
     ),
     Display(r"$\mathbf I=\mathbb I+D\mathbb E$", (DEFINITION,)),
-    Display(r"$\mathbb E=\diag(1,1,1)$", (Check("words"),)),
+    Display(r"$\mathbb E=\diag(1,1,1)$", (DEFINITION,)),
     Display(
         r"""$F_4=({\mathbf
 G},\gamma)$""",

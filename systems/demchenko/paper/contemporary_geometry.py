@@ -8,7 +8,6 @@ from voronec.audit import Check, Convention, Display, Study
 
 SPACE = Check(study="space")
 DEFINITION = Check("definition", study="space")
-WORDS = Check("words")
 
 
 def opposite(x: Any, y: Any) -> Any:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from voronec.audit import Check, Display, Section, Study, Transcript
 
-from ..sentences.neumann import SENTENCES
+from ..sentences.neumann import SENTENCES, turns
 
 DEFINITION = Check("definition")
 ROLLING = Check(study="rolling")
+CONSTRAINT = Check(study="rolling", constrains=1)
 
 
 LINES = Check(study="lines")
@@ -58,7 +59,7 @@ NEUMANN = Section(
 &\omega_2  \colon &  \text{of $M\mathbf u\mathbf v\mathbf n$ with respect to $M\mathbf u_1\mathbf v_1\mathbf n_1$},\\
 & \omega_3  \colon & \text{of $M\mathbf u_1\mathbf v_1\mathbf n_1$ with respect to $O_1\mathbf x_1\mathbf y_1\mathbf z_1$},
 \end{eqnarray*}""",
-            (Check("words"),),
+            tuple(Check(sentence=line) for line in turns()),
         ),
         Display(
             r"""\begin{equation}\label{uobicajeno}
@@ -83,7 +84,7 @@ NEUMANN = Section(
             r"""\begin{equation}\label{eq:nosliding2}
 \sqrt{E_1}\dot u_1= - \sqrt{E} \dot u \sin \vartheta + \sqrt{G} \dot v \cos \vartheta, \quad \sqrt{G_1}\dot v_1= \sqrt{E} \dot u \cos \vartheta + \sqrt{G} \dot v \sin \vartheta.
 \end{equation}""",
-            (ROLLING,),
+            (CONSTRAINT,),
         ),
         Display(
             r"""\begin{equation}\label{kineticka}

@@ -102,6 +102,7 @@ def always_integrals(
         true,
         agreed(one_of(how, {"always": "all", "never": "none", "sometimes": "some"}), "all", "when"),
         agreed(count, len(good), f"integrals: {', '.join(good)}"),
+        lambda: found.independent(good),
     )
 
 
@@ -234,6 +235,7 @@ def markeev(study: Study, _: Range, *, epsilon: Quoted, same: str, count: int) -
         denied(one_of(same, {"same": True, "different": False}), equal),
         study.context.measure(),
         agreed(count, len(good), "integrals"),
+        lambda: study.context.independent(good),
     )
 
 

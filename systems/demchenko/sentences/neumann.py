@@ -46,6 +46,41 @@ def neumann_angle(
     return equals([(turn[row, column], cosine)], "the cosine between the two axes")
 
 
+FRAMES = {
+    r"$O\mathbf x\mathbf y\mathbf z$": "body",
+    r"$M\mathbf u\mathbf v\mathbf n$": "contact",
+    r"$M\mathbf u_1\mathbf v_1\mathbf n_1$": "fixed",
+    r"$O_1\mathbf x_1\mathbf y_1\mathbf z_1$": "space",
+}
+
+
+def relative_turn(
+    study: Study, _: Range, *, letter: str, moving: Quoted, rest: Quoted
+) -> vo.Verdict:
+    """The letter is the angular velocity of one frame against the other, R^T dR/dt of each."""
+    spins = study.context.spins
+    first, second = (spins[one_of(frame.latex, FRAMES)] for frame in (moving, rest))
+    named = evaluate(Quoted(f"${letter}$").tree(study).parts[0], study)
+    gap = (first - second - named).xreplace(dict(study.given))
+    return equals(((entry, 0) for entry in gap), "the angular velocities")
+
+
+def turns() -> tuple[Sentence, ...]:
+    """The four lines of the display that defines the angular velocities."""
+    line = (
+        r"@letter:word{%s}\colon \text{of @moving:formula{%s} with respect to @rest:formula{%s}%s}"
+    )
+    body, contact, fixed, space = FRAMES
+    end = r", i.e., the angular velocity of the body $\mathrm T$"
+    rows = (
+        (r"\omega", body, space, end),
+        (r"\omega_1 ", body, contact, ""),
+        (r"\omega_2 ", contact, fixed, ""),
+        (r"\omega_3 ", fixed, space, ""),
+    )
+    return tuple(Sentence(line % row, relative_turn) for row in rows)
+
+
 def moving_contact(study: Study, _: Range, *, how: str) -> vo.Verdict:
     """The velocity of M is zero for no motion but rest."""
     speed = study.names[r"\mathfrak v^1"]

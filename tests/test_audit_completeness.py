@@ -1,0 +1,135 @@
+"""What a formula leaves unsaid: constraints that constrain too little, words that nobody reads."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import pytest
+import sympy as sp
+from voronec.systems.demchenko.paper.ball import BALL
+from voronec.systems.demchenko.paper.neumann import NEUMANN
+
+import voronec as vo
+from voronec.audit import Check, Display, Motion, Paper, Section, Sentence, Study, Verdict
+from voronec.audit import audit_paper as audited
+from voronec.audit.run import Work, items
+from voronec.audit.transcript import Transcript, formulas_by_label
+
+x, y, z, xdot, ydot, zdot, xdd = sp.symbols("x y z xdot ydot zdot xdd")
+CONSTRAINT = Check(constrains=1)
+
+
+def disc() -> Study:
+    """ydot = xdot sin z and zdot = xdot cos z, of which the first is singular nowhere."""
+    constrained = {ydot: xdot * sp.sin(z), zdot: xdot * sp.cos(z)}
+    rates = {x: xdot, y: constrained[ydot], z: constrained[zdot], xdot: xdd}
+    names = {
+        "t": vo.time,
+        "x": x,
+        "y": y,
+        "z": z,
+        r"\dot x": xdot,
+        r"\dot y": ydot,
+        r"\dot z": zdot,
+    }
+    return Study({**names, "a": sp.Symbol("a")}, motion=Motion(rates, constrained))
+
+
+def verdict_of(latex: str, *checks: Check, study: Study | None = None) -> str:
+    """The verdict of one display."""
+    here = study or disc()
+    section = Section("s", (Display(latex, checks or (Check(),)),), lambda _: {"only": here})
+    return audited(Paper("p", "P", (section,))).records[0].verdict
+
+
+@pytest.mark.parametrize(
+    ("second", "verdict"),
+    [
+        (r"\dot z=\dot x\cos z", "proved"),
+        (r"\dot z+\dot y=\dot x\sin z+\dot x\cos z", "proved"),
+        (r"2\dot y=2\dot x\sin z", "misprint"),
+        (r"\dot y+\dot y\sin z=\dot x\sin z(1+\sin z)", "misprint"),
+        (r"(\dot z-\dot x\cos z)^2=0", "misprint"),
+        (r"\dot z\sin z=\dot x\cos z\sin z", "undecided"),  # nothing where sin z = 0
+    ],
+)
+def test_a_second_constraint_has_to_constrain(second: str, verdict: str) -> None:
+    display = rf"\[ \dot y=\dot x\sin z, \quad {second} \]"
+    assert verdict_of(display, CONSTRAINT) == verdict
+
+
+def test_what_is_positive_in_the_chart_may_be_a_factor() -> None:
+    display = r"\[ \dot y=\dot x\sin z, \quad \dot z\sin z=\dot x\cos z\sin z \]"
+    chart = replace(disc(), positive=(sp.sin(z),))
+    assert verdict_of(display, CONSTRAINT, study=chart) == "proved"
+
+
+def test_a_constant_before_two_vectors_multiplies_their_product() -> None:
+    a, b = (sp.Matrix(sp.symbols(f"{w}1:4")) for w in "ab")
+    study = Study({"a": a, "b": b, "D": sp.Symbol("D")}, source="letters")
+    right = "+".join(rf"Da_{i}b_{i}" for i in (1, 2, 3))
+    entries = {f"{w}_{i}": v[i - 1] for w, v in (("a", a), ("b", b)) for i in (1, 2, 3)}
+    study = replace(study, names={**study.names, **entries})
+    assert verdict_of(rf"\[ D(a,b)={right} \]", study=study) == "proved"
+
+
+def test_the_space_of_a_vector_is_read() -> None:
+    text = r"\[ \frac{d}{dt}y=\dot x\sin z\quad \mathrm{for\;all}\quad \delta x\in T_x %s \]"
+    known = replace(disc(), domains={r"\delta x": "T_xS"})
+    assert verdict_of(text % "S", study=known) == "proved"
+    assert verdict_of(text % "Q", study=known) == "misprint"
+    assert verdict_of(text % "S") == "misprint"  # of which nothing is known
+
+
+def test_words_in_a_display_are_a_sentence() -> None:
+    def decide(_: Study, __: object, *, n: int) -> Verdict:
+        return Verdict("proved" if n == 2 else "refuted", str(n))
+
+    line = Sentence(r"f\colon \text{of degree @n:number{two}}", decide)
+    for word, verdict in (("two", "proved"), ("three", "misprint"), ("tow", "undecided")):
+        display = rf"\[ f\colon \text{{of degree {word}}}, \]"
+        assert verdict_of(display, Check(sentence=line)) == verdict
+
+
+@cache
+def dictionaries(section: Section) -> dict[str, Study]:
+    return dict(section.studies(Transcript(section)))
+
+
+@pytest.mark.parametrize(
+    ("section", "called", "old", "new"),
+    [
+        (
+            NEUMANN,
+            "(eq:nosliding2)",
+            r"\sqrt{G_1}\dot v_1= \sqrt{E} \dot u \cos \vartheta + \sqrt{G} \dot v \sin \vartheta.",
+            r"2\sqrt{E_1}\dot u_1= - 2\sqrt{E}\dot u\sin\vartheta+2\sqrt{G}\dot v\cos\vartheta.",
+        ),
+        (
+            NEUMANN,
+            "display 3",
+            r"\text{of $M\mathbf u\mathbf v\mathbf n$ with respect to $M\mathbf u_1",
+            r"\text{of $O\mathbf x\mathbf y\mathbf z$ with respect to $M\mathbf u_1",
+        ),
+        (
+            BALL,
+            "(4.2.2)",
+            r"\dot{v}_1\sin{u}_1=\mu'\dot{u}\cos\vartheta+\mu'\dot{v}\sin\vartheta\sin u",
+            r"\dot{u}_1\mu'=-\mu'^2\dot{u}\sin\vartheta+\mu'^2\dot{v}\cos\vartheta\sin u",
+        ),
+    ],
+    ids=lambda value: value if isinstance(value, str) and len(value) < 20 else "",
+)
+def test_prints_of_the_paper_that_say_too_little(
+    section: Section, called: str, old: str, new: str
+) -> None:
+    verdicts = []
+    for print_ in (old, new):
+        displays = tuple(replace(d, latex=d.latex.replace(old, print_)) for d in section.displays)
+        page = replace(section, displays=displays)
+        work = Work(page, formulas_by_label([page]), dictionaries(section), corrects=False)
+        item = next(i for i in items(work.transcript) if i.called == called)
+        verdicts.append({e.record.verdict for e in work.examine(item)})
+    assert verdicts[0] == {"proved"}
+    assert "misprint" in verdicts[1]
