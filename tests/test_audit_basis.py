@@ -124,25 +124,49 @@ def test_every_declaration_matters(changed):
 
 
 @pytest.mark.parametrize(
-    ("file", "matters"), [("algebra/x.py", True), ("kinematics/x.py", True), ("report/x.py", False)]
+    ("file", "matters"),
+    [
+        ("decider.py", True),
+        ("algebra/__init__.py", True),
+        ("algebra/x.py", True),
+        ("late.py", True),
+        ("several.py", True),
+        ("typed.py", False),
+        ("report.py", False),
+    ],
 )
-def test_the_engine_matters_and_the_report_does_not(tmp_path, monkeypatch, file, matters):
-    for folder in ("algebra", "kinematics", "report"):
-        (tmp_path / folder).mkdir()
-        (tmp_path / folder / "x.py").write_text("")
+def test_what_the_decider_imports_matters_and_nothing_else(tmp_path, monkeypatch, file, matters):
+    (tmp_path / "algebra").mkdir()
+    for name in ("__init__", "algebra/__init__", "late", "several", "typed", "report"):
+        (tmp_path / f"{name}.py").write_text("")
+    (tmp_path / "algebra/x.py").write_text(
+        "def late():\n    from voronec import late\n    return late\n"
+    )
+    (tmp_path / "decider.py").write_text(
+        "from voronec.algebra import x\nfrom voronec.several import (\n    a,\n    b,\n)\n"
+        "if TYPE_CHECKING:\n    from voronec.typed import T\n"
+    )
     monkeypatch.setattr(sources, "engine_folder", lambda: tmp_path)
+    monkeypatch.setattr(sources, "_imports_of", sources._imports_of.__wrapped__)
     digest = sources.engine_digest.__wrapped__
-    before = digest()
-    (tmp_path / file).write_text("changed")
-    assert (digest() != before) == matters
+    before = digest(frozenset(("voronec.decider",)))
+    with (tmp_path / file).open("a") as stream:
+        stream.write("# changed")
+    assert (digest(frozenset(("voronec.decider",))) != before) == matters
 
 
-@pytest.mark.parametrize("library", ["sympy", "symengine", "flint", "mpmath", "numpy"])
+def test_what_a_file_takes_from_the_package_matters():
+    used = set(sources._used("import voronec as vo\nfrom voronec import System\nvo.descend(1)\n"))
+    assert {"voronec", vo._HOME["System"], vo._HOME["descend"]} == used
+
+
+@pytest.mark.parametrize("library", sources.LIBRARIES)
 def test_the_libraries_matter(monkeypatch, library):
     digest = sources.engine_digest.__wrapped__
-    before = digest()
-    monkeypatch.setattr(importlib.import_module(library), "__version__", "none")
-    assert digest() != before
+    before = digest(frozenset())
+    known = sources.version
+    monkeypatch.setattr(sources, "version", lambda n: "none" if n == library else known(n))
+    assert digest(frozenset()) != before
 
 
 def test_the_engine_is_this_package():

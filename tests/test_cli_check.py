@@ -322,7 +322,7 @@ def test_another_engine_is_another_check(tmp_path: Path, monkeypatch: pytest.Mon
     file.write_text(sled("mine"))
     stock = Inventory.of([str(file)])
     check_catalogue(["mine"], stock, 1, store)
-    monkeypatch.setattr(sources, "engine_digest", lambda bystanders: "another")
+    monkeypatch.setattr(sources, "engine_digest", lambda modules: "another")
     assert not check_catalogue(["mine"], stock, 1, store).results[0].reused
 
 
@@ -370,9 +370,9 @@ def test_a_library_that_cannot_be_read_counts_by_its_bytes(tmp_path: Path, text:
     library.write_bytes(text)
     own.write_text("import library\n")
     assert sources.closure([own]) == {own, library}
-    before = sources.digest("", [own, library])
+    before = sources.digest("", [own, library], "voronec.errors")
     library.write_bytes(text + b"# more\n")
-    assert sources.digest("", [own, library]) != before
+    assert sources.digest("", [own, library], "voronec.errors") != before
 
 
 def test_a_bad_case_is_a_finding_about_that_case(
@@ -409,3 +409,25 @@ def test_a_family_is_checked_with_its_members() -> None:
     stock = Inventory.of()
     names = {u.name for u in units_of(stock, ["veselova-in-rn"]) if u.kind == "system"}
     assert names == {"veselova-in-rn", *stock.members_of("veselova-in-rn")} and len(names) > 1
+
+
+def test_what_list_tells_is_kept_until_a_file_changes(
+    call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    site = tmp_path / "titles"
+    (site / "zy_plugin").mkdir(parents=True)
+    (site / "zy_plugin/__init__.py").write_text("")
+    file = site / "zy_plugin/zy_one.py"
+    file.write_text(sled("zy-one").replace('name="zy-one"', 'name="zy-one", title="First"'))
+    register(site, "zy-plugin", "zy = zy_plugin")
+    monkeypatch.syspath_prepend(str(site))
+    first = call("list")
+    assert first.status == 0 and "First" in first.out
+    known = set(sys.modules)
+    assert call("list").out == first.out
+    with monkeypatch.context() as inside:
+        inside.setattr("voronec.checking.Inventory.of", None)  # nothing is loaded
+        assert call("list").out == first.out and set(sys.modules) == known
+    del sys.modules["zy_plugin.zy_one"]
+    file.write_text(file.read_text().replace("First", "Second"))
+    assert "Second" in call("list").out

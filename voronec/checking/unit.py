@@ -14,8 +14,8 @@ from voronec.relations import Square
 
 __all__ = ["Unit", "units_of"]
 
-BYSTANDERS = frozenset(("report", "cli", "flow", "program", "audit", "comparison", "testing.py"))
-"""Parts of the package on which no result of a check rests."""
+DECIDER = "voronec.checking.work"
+"""The module that decides what a check says."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Unit:
         files: set[Path] = set()
         for entry in (self.entry, *self.involved, *(e for e, _ in self.through)):
             files |= set(_files(entry, seen))
-        return digest(repr(declared), sorted(files), BYSTANDERS)
+        return digest(repr(declared), sorted(files), DECIDER)
 
 
 def _files(entry: Entry, seen: dict[str, tuple[Path, ...]]) -> tuple[Path, ...]:

@@ -1,7 +1,8 @@
 """``voronec list``: the systems and the papers.
 
-Every system is loaded, to say what it is; one that fails, or whose relations are wrong at sight,
-is a warning and a mark.
+Every system is loaded once, to say what it is; what it says is kept, and told again while its files
+and those that read them are unchanged.  One that fails, or whose relations are wrong at sight, is a
+warning and a mark.
 """
 
 from __future__ import annotations
@@ -17,6 +18,11 @@ if TYPE_CHECKING:
 
 __all__ = ["execute"]
 
+KEPT = 4
+"""Catalogues that are remembered: of a few environments that share a home."""
+DECIDER = "voronec.checking.inventory"
+"""The module that loads systems and their relations."""
+
 
 def execute(arguments: Namespace) -> int:
     """Print the catalogue."""
@@ -24,11 +30,8 @@ def execute(arguments: Namespace) -> int:
         found = names()
         print_json(found) if arguments.json else print("\n".join(found))
         return 0
-    from voronec.checking import Inventory
-
-    warnings = entries()[1]
-    stock = Inventory.of()
-    rows = [_row(stock, entry) for entry in stock.entries.values()]
+    known, warnings = entries()
+    rows = _rows(known)
     if arguments.json:
         print_json({"systems": rows, "papers": papers(), "warnings": list(warnings)})
         return 0
@@ -38,6 +41,25 @@ def execute(arguments: Namespace) -> int:
     for line in columns([row["name"], row["title"], _mark(row, with_paper)] for row in rows):
         print(line)
     return 0
+
+
+def _rows(known: tuple[Entry, ...]) -> list[dict[str, Any]]:
+    """What there is to say of each system; of sound ones from an earlier time where that holds."""
+    from voronec.keeping import Store, closure, digest
+
+    files = closure(e.origin.resolve() for e in known if e.origin is not None)
+    store = Store.of_user("list", KEPT)
+    key = digest(repr(known), sorted(files), DECIDER)
+    kept: list[dict[str, Any]] | None = store.load(key, "rows")
+    if kept is not None:
+        return kept
+    from voronec.checking import Inventory
+
+    stock = Inventory.of()
+    rows = [_row(stock, entry) for entry in stock.entries.values()]
+    if not any(row["trouble"] for row in rows):
+        store.save(key, "rows", rows)
+    return rows
 
 
 def _row(stock: Inventory, entry: Entry) -> dict[str, Any]:

@@ -1,51 +1,110 @@
 """The files that a result rests on, and a digest of them.
 
 A result rests on the file that declares it; on the modules that this one imports, as far as they
-are no installed libraries; on the systems that these load by name; on the engine; and on the
-libraries that the engine computes with.
+are no installed libraries; on the systems that these load by name; on the modules of the engine
+that decide it, and on those behind the names that the files use, with all that these import; and
+on the libraries that the engine computes with.  Modules are read off the imports: no list is kept.
 """
 
 from __future__ import annotations
 
 import ast
+import re
 import sys
 import sysconfig
 from collections.abc import Iterable, Iterator
 from functools import cache as remembered
 from hashlib import sha256
+from importlib.metadata import version
 from pathlib import Path
 
 from voronec.catalogue import entry_of, names
 
-__all__ = ["closure", "digest", "engine_digest", "engine_folder"]
+__all__ = ["closure", "digest", "engine_digest", "engine_files", "engine_folder"]
 
-LIBRARIES = ("sympy", "symengine", "flint", "mpmath", "numpy")
-BYSTANDERS = frozenset(("report", "cli", "flow", "program"))
-"""Parts of the package on which no verdict rests."""
+LIBRARIES = ("sympy", "symengine", "python-flint", "mpmath", "numpy")
+PACKAGE = "voronec"
+IMPORT = re.compile(
+    rf"^[ \t]*(?:from[ \t]+({PACKAGE}[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n#]*)"
+    rf"|import[ \t]+({PACKAGE}[\w.]*)(?:[ \t]+as[ \t]+(\w+))?)",
+    re.MULTILINE,
+)
+ANNOTATION = re.compile(r"^if TYPE_CHECKING:\n(?:[ \t]+[^\n]*\n|\n)+", re.MULTILINE)
+"""Imports of names that only annotate: nothing rests on them."""
 
 
-def digest(declared: str, files: Iterable[Path], bystanders: frozenset[str] = BYSTANDERS) -> str:
-    """A digest of a text, of files as they are now, and of the engine without some parts."""
-    mark = sha256(engine_digest(bystanders).encode())
+def digest(declared: str, files: Iterable[Path], decider: str) -> str:
+    """A digest of a text, of files as they are now, and of the engine as far as ``decider``, the
+    module that decides, and the files rest on it."""
+    files = [*files]
+    texts = [f.read_bytes() if f.is_file() else b"" for f in files]
+    used = {m for text in texts for m in _used(text.decode("utf-8", "replace"))}
+    mark = sha256(engine_digest(frozenset((decider, *used))).encode())
     mark.update(declared.encode())
-    for file in files:
-        mark.update(b"\0" + file.name.encode() + b"\0")
-        mark.update(file.read_bytes() if file.is_file() else b"")
+    for file, text in zip(files, texts, strict=True):
+        mark.update(b"\0" + file.name.encode() + b"\0" + text)
     return mark.hexdigest()
 
 
 @remembered
-def engine_digest(bystanders: frozenset[str] = BYSTANDERS) -> str:
-    """A digest of the engine and of the libraries below it."""
+def engine_digest(modules: frozenset[str]) -> str:
+    """A digest of modules of the engine, of what they import, and of the libraries below."""
     mark = sha256(sys.version.encode())
     for name in LIBRARIES:
-        mark.update(f"{name} {__import__(name).__version__}\0".encode())
-    root = engine_folder()
-    for file in sorted(root.rglob("*.py")):
-        part = file.relative_to(root).parts[0]
-        if part not in bystanders | {"systems", "docs"}:
-            mark.update(str(file.relative_to(root)).encode() + b"\0" + file.read_bytes())
+        mark.update(f"{name} {version(name)}\0".encode())
+    for file in engine_files(modules):
+        mark.update(str(file.relative_to(engine_folder())).encode() + b"\0" + file.read_bytes())
     return mark.hexdigest()
+
+
+def engine_files(modules: Iterable[str]) -> list[Path]:
+    """The files of modules of the engine and of all that they import, inside functions too."""
+    waiting, found = set(modules), dict[str, Path]()
+    while waiting:
+        module = waiting.pop()
+        file = _file_of(module)
+        if module not in found and file is not None:
+            found[module] = file
+            waiting |= _imports_of(file) | {module.rpartition(".")[0]}
+    return sorted(found.values())
+
+
+@remembered
+def _imports_of(file: Path) -> frozenset[str]:
+    return frozenset(_used(ANNOTATION.sub("", file.read_text(encoding="utf-8"))))
+
+
+def _used(text: str) -> Iterator[str]:
+    """Modules of the engine that a source imports, and the homes of names that it takes from the
+    package itself."""
+    prefixes = set[str]()
+    for origin, imported, module, alias in IMPORT.findall(text):
+        if module:
+            yield module
+            prefixes.add(alias or module)
+            continue
+        yield origin
+        for name in re.findall(r"\w+", re.sub(r"\bas\s+\w+|#[^\n]*", "", imported)):
+            inner = f"{origin}.{name}"
+            yield _homes().get(name, inner) if origin == PACKAGE else inner
+    for prefix in prefixes:
+        for name in re.findall(rf"\b{re.escape(prefix)}\.(\w+)", text):
+            yield _homes().get(name, f"{PACKAGE}.{name}")
+
+
+def _homes() -> dict[str, str]:
+    """Where the names of the package itself are defined."""
+    homes: dict[str, str] = sys.modules[PACKAGE]._HOME
+    return homes
+
+
+def _file_of(module: str) -> Path | None:
+    parts = module.split(".")
+    if parts[0] != PACKAGE or parts[1:2] in (["systems"], ["docs"]):
+        return None
+    place = engine_folder().joinpath(*parts[1:])
+    candidates = (place / "__init__.py", place.with_suffix(".py"))
+    return next((c for c in candidates if c.is_file()), None)
 
 
 def engine_folder() -> Path:

@@ -1,0 +1,220 @@
+"""The house in figures: rooms, circles, lines, lone modules, files on the way, CPU of commands.
+
+    python tools/measure_house.py [--json] [--lone] [--quick]
+
+Lines are those of code: docstrings, comments, blank lines and imports aside.  A circle is a set of
+modules that import one another, names that only annotate and imports inside functions included.  A
+file is on the way of a job where one of its functions runs, once the job has run before.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import collections
+import io
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import tokenize
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "voronec"
+ASIDE = {"__main__.py", "py.typed", "__pycache__"}
+BEST_OF = 5
+COMMANDS = {"list": ["list"], "check sleigh": ["check", "sleigh"]}
+
+
+def main() -> int:
+    """Print the figures."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--lone", action="store_true", help="list modules with a single importer")
+    parser.add_argument("--quick", action="store_true", help="run nothing, read the tree alone")
+    chosen = parser.parse_args()
+    graph = imports()
+    found: dict[str, Any] = {
+        "entries of voronec/": len([p for p in PACKAGE.iterdir() if p.name not in ASIDE]),
+        "layers of the contract": _layers(),
+        "modules": len(graph),
+        "circles": [sorted(c) for c in _circles(graph)],
+        "arrows between rooms": len({(_room(a), _room(b)) for a in graph for b in graph[a]}),
+        "lines of voronec/": sum(lines(p) for p in PACKAGE.rglob("*.py")),
+        "lines of systems/ but demchenko": sum(
+            lines(p) for p in (ROOT / "systems").rglob("*.py") if "demchenko" not in p.parts
+        ),
+        "imported by one": _lone(graph),
+    }
+    if not chosen.quick:
+        found["files on the way"] = {job: _way(job) for job in JOBS}
+        found["CPU seconds"] = {name: _seconds(words) for name, words in COMMANDS.items()}
+    if chosen.json:
+        print(json.dumps(found, indent=1))
+        return 0
+    for name, value in found.items():
+        if isinstance(value, dict) and name != "imported by one":
+            print(f"{name}: " + ", ".join(f"{k} {v}" for k, v in value.items()))
+        else:
+            print(f"{name}: {len(value) if isinstance(value, list | dict) else value}")
+    for circle in found["circles"]:
+        print("  circle: " + " ".join(circle))
+    if chosen.lone:
+        for name, idea in found["imported by one"].items():
+            print(f"  {name}: {idea}")
+    return 0
+
+
+def imports() -> dict[str, set[str]]:
+    """Module -> modules of the package that it imports, wherever the import stands."""
+    files = {_name(p): p for p in PACKAGE.rglob("*.py")}
+    return {name: set(_imported(name, path, files)) for name, path in files.items()}
+
+
+def _name(path: Path) -> str:
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def _imported(name: str, path: Path, files: dict[str, Path]) -> Iterator[str]:
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (a.name for a in node.names if a.name in files)
+        elif isinstance(node, ast.ImportFrom) and node.module in files:
+            for alias in node.names:
+                inner = f"{node.module}.{alias.name}"
+                found = inner if inner in files else node.module
+                if found != name:
+                    yield found
+
+
+def _room(module: str) -> str:
+    return [*module.split("."), ""][1]
+
+
+def _circles(graph: dict[str, set[str]]) -> list[set[str]]:
+    import networkx as nx
+
+    edges = [(a, b) for a in graph for b in graph[a]]
+    return [c for c in nx.strongly_connected_components(nx.DiGraph(edges)) if len(c) > 1]
+
+
+def _lone(graph: dict[str, set[str]]) -> dict[str, str]:
+    """Modules that exactly one other imports, with the idea that each holds."""
+    importers = collections.Counter(b for a in graph for b in graph[a])
+    files = {_name(p): p for p in PACKAGE.rglob("*.py")}
+    return {
+        m: (ast.get_docstring(ast.parse(files[m].read_text("utf-8"))) or "").partition("\n")[0]
+        for m in sorted(graph)
+        if importers[m] == 1 and files[m].name != "__init__.py"
+    }
+
+
+def _layers() -> int:
+    import tomllib
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    contracts = project["tool"]["importlinter"]["contracts"]
+    return sum(len(c["layers"]) for c in contracts if c["type"] == "layers")
+
+
+def lines(path: Path) -> int:
+    """Lines of code of a file: docstrings, comments, blank lines and imports aside."""
+    text = path.read_text("utf-8")
+    skip: set[int] = set()
+    for node in ast.walk(ast.parse(text)):
+        bare = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+        if isinstance(node, ast.Import | ast.ImportFrom) or (
+            bare and isinstance(node.value.value, str)  # type: ignore[attr-defined]
+        ):
+            skip.update(range(node.lineno, (node.end_lineno or node.lineno) + 1))  # type: ignore[attr-defined]
+    kept: set[int] = set()
+    void = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT}
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in void | {tokenize.ENDMARKER}:
+            kept.update(range(token.start[0], token.end[0] + 1))
+    return len(kept - skip)
+
+
+def _derive() -> None:
+    import voronec as vo
+
+    vo.derive(vo.load("sleigh"))
+
+
+def _integrate() -> None:
+    import voronec as vo
+
+    vo.integrate(vo.load("vertical-disc"), times=[0.0, 1.0])
+
+
+def _closed() -> None:
+    import voronec as vo
+
+    vo.closed_form(vo.load("demchenko")).at([0.5])
+
+
+def _check() -> None:
+    import voronec as vo
+
+    vo.check_catalogue(["sleigh"])
+
+
+JOBS: dict[str, Callable[[], None]] = {
+    "derive sleigh": _derive,
+    "integrate vertical-disc": _integrate,
+    "closed form to a number": _closed,
+    "check sleigh": _check,
+}
+
+
+def _way(job: str) -> int:
+    """How many files of the package a job runs through, in a process of its own."""
+    command = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(ROOT / 'tools')!r}); "
+               f"import measure_house as m; print(m.files_of({job!r}))"]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return int(done.stdout.split()[-1])
+
+
+def files_of(job: str) -> int:
+    """The files of the package in which functions run during a job, imports aside."""
+    JOBS[job]()
+    seen: set[str] = set()
+
+    def profile(frame: Any, event: str, _: Any) -> None:
+        if event == "call" and frame.f_code.co_name != "<module>":
+            seen.add(frame.f_code.co_filename)
+
+    sys.setprofile(profile)
+    try:
+        JOBS[job]()
+    finally:
+        sys.setprofile(None)
+    return len({s for s in seen if Path(s).is_relative_to(PACKAGE)})
+
+
+def _seconds(words: list[str]) -> float:
+    """CPU of a command, the best of several, with a folder for results that is known to it."""
+    best = float("inf")
+    with tempfile.TemporaryDirectory() as home:
+        environment = {**os.environ, "XDG_CACHE_HOME": home}
+        for _ in range(BEST_OF + 1):
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            subprocess.run(
+                [sys.executable, "-m", "voronec", *words],
+                env=environment,
+                capture_output=True,
+                check=False,
+            )
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            best = min(best, after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
+    return round(best, 2)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
