@@ -420,3 +420,30 @@ def test_a_polynomial_of_a_huge_degree_is_not_factored():
     assert not verdict.refuted
     verdict = prove_equal(sp.sin(1 / x_to) * sp.sign(x_to**2), sp.sin(1 / x_to) + x - x * ONE)
     assert verdict.undecided and "degree" in verdict.method
+
+
+@pytest.mark.parametrize(
+    "real",
+    [sp.sqrt(x), 1 / sp.sqrt(x), x**y, x**sp.pi, sp.log(x), sp.acosh(x), x**y * sp.log(x)],
+    ids=str,
+)
+def test_a_piece_that_is_not_taken_says_nothing_of_where_the_others_are(real):
+    """sqrt(x) for x > 0 and x elsewhere is not sqrt(x) for x > 0 and |x| elsewhere: see x = -1."""
+
+    def pieces(other):
+        return sp.Piecewise((real, x > 0), (other, True))
+
+    assert not prove_equal(pieces(x), pieces(sp.Abs(x))).proved
+    assert not prove_equal(pieces(1) * sp.Abs(x), pieces(1) * x).proved
+    assert not prove_equal(pieces(x) ** 2 * sp.sqrt(x**2), pieces(x) ** 2 * x).proved
+    assert not prove_equal(pieces(1), pieces(2)).proved
+    assert not prove_equal(pieces(x), pieces(-x)).proved
+
+
+def test_the_origin_has_no_angle():
+    """sin(2 atan2(-5z, 4z)) is -40/41 wherever atan2 is defined, which it is not at z = 0."""
+    turned = sp.atan2(-5 * z, 4 * z)
+    assert prove_equal(sp.sin(2 * turned), sp.Rational(-40, 41)).proved
+    size = 5 * sp.Abs(z) + sp.Abs(sp.sin(2 * sp.atan2(-2 * x, 4 * x)))
+    assert not prove_equal(size, 5 * sp.Abs(z) + sp.Rational(4, 5)).refuted
+    assert prove_equal(sp.atan2(y, x), sp.atan(y / x)).refuted

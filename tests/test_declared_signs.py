@@ -261,3 +261,24 @@ def test_systems_are_compared_where_their_parameters_may_lie():
     assert vo.compare(*(spring(r, *SIGNED) for r in roots)).equal
     free = vo.compare(*(spring(r, *PLAIN) for r in roots))
     assert {row.status for row in free.differences} == {"refuted"}
+
+
+def test_what_is_written_bounds_what_is_real_even_where_it_cancels():
+    """sqrt(x)*sqrt(x), not evaluated, is real for x >= 0 alone, and so equals |x|; x does not."""
+    x, y = sp.symbols("x y")
+    written = sp.Mul(sp.sqrt(x), sp.sqrt(x), evaluate=False)
+    assert vo.prove_equal(written, sp.Abs(x)).proved
+    assert vo.prove_equal(x, sp.Abs(x)).refuted
+    twice = sp.Mul(sp.sqrt(y) / sp.sqrt(x), sp.sqrt(x) * sp.sqrt(y), evaluate=False)
+    assert vo.prove_equal(twice, sp.Abs(y)).proved
+    logarithms = sp.Add(sp.log(y), -sp.log(y), sp.Abs(y), evaluate=False)
+    assert vo.prove_equal(logarithms, y).proved
+    found = vo.prove_equal(written, sp.Abs(x) + 1)
+    assert found.refuted and sp.Rational(found.witness.point["x"]) >= 0
+
+
+def test_the_logarithm_of_a_square_is_twice_that_of_the_size():
+    """log(x**2) = 2*log(x) is neither proved nor refuted: for x < 0 the right side has no value."""
+    assert vo.prove_equal(sp.log(x**2), 2 * sp.log(x)).undecided
+    assert vo.prove_equal(sp.log(x**2), 2 * sp.log(sp.Abs(x))).proved
+    assert vo.prove_equal(sp.log(x**2), 2 * sp.log(x), relations=[x > 0]).proved

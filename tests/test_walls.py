@@ -16,6 +16,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec import Case, Equation, Measure, Parameter, Poisson
+from voronec.algebra import simple_zeros
 from voronec.algebra.branches import product_of
 from voronec.algebra.simple_zeros import has_simple_zeros
 from voronec.analysis import check_claims
@@ -319,3 +320,25 @@ def test_factors_in_half_angles_multiply_to_the_function(function, powers):
     found = product_of(function)
     assert sorted(found.powers.values()) == powers
     assert vo.prove_equal(str(found.expression), str(function)).proved
+
+
+@pytest.mark.parametrize("fixed", range(4))
+def test_a_section_that_misses_a_zero_at_infinity_certifies_nothing(fixed, monkeypatch):
+    """(x - 1)^2 r, with r^2 = y^2 + 1 or on y^2 + z^2 = 1, is a double zero at x = 1; a section
+    with x fixed elsewhere does not meet it."""
+    a, b, c = se.symbols("x y z")
+    honest = simple_zeros._line
+    for function, relations in (
+        ((a - 1) ** 2 * se.sqrt(b**2 + 1), ()),
+        ((a - 1) ** 2 * b, (b**2 + c**2 - 1,)),
+    ):
+        calls = iter(range(100))
+
+        def line(gens, source, calls=calls):
+            return 0 * gens[0] + 5 if next(calls) % 4 == fixed else honest(gens, source)
+
+        monkeypatch.setattr(simple_zeros, "_line", line)
+        assert not simple_zeros._certified.__wrapped__(function, relations, frozenset())
+        monkeypatch.setattr(simple_zeros, "_line", honest)
+        simple = (function / (a - 1)).expand()
+        assert simple_zeros._certified.__wrapped__(simple, relations, frozenset())

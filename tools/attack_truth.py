@@ -101,7 +101,7 @@ def _sign(x: Any) -> Any:
 
 
 def _within(x: Any) -> Any:
-    if abs(x) > 1 - NEAR:
+    if abs(x) > 1 - NEAR and abs(x) != 1:
         raise Outside
     return x
 
@@ -129,7 +129,8 @@ _FUNCTIONS: dict[str, Callable[..., Any]] = {
     "acos": lambda x: mp.acos(_within(x)), "atan": mp.atan, "atan2": _angle, "exp": mp.exp,
     "log": lambda x: mp.log(_above(x)), "sinh": mp.sinh, "cosh": mp.cosh, "tanh": mp.tanh,
     "coth": lambda x: mp.coth(_nonzero(x)), "asinh": mp.asinh,
-    "acosh": lambda x: mp.acosh(_above(x - 1) + 1), "atanh": lambda x: mp.atanh(_within(x)),
+    "acosh": lambda x: mp.acosh(_above(x - 1) + 1),
+    "atanh": lambda x: mp.atanh(_within(x) if abs(x) != 1 else _above(0)),
     "Abs": abs, "sign": _sign, "floor": _whole, "Max": max, "Min": min, "Heaviside": _step,
 }  # fmt: skip
 

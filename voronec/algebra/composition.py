@@ -47,14 +47,16 @@ def are_equal(a: Any, b: Any, relations: Sequence[Any], work_limit: int) -> bool
     vanish and conditions among them hold; raises ``EngineLimit`` beyond a bound."""
     if Tape([a, b]).size > LARGEST:
         return False
+    in_pieces = any(isinstance(n, se.sign | se.floor) for n in nodes([a, b]))
     return all(
-        _agree(left, right, hypotheses, work_limit)
+        _agree(left, right, hypotheses, work_limit, in_pieces)
         for left, right, hypotheses in _cases(a, b, relations)
     )
 
 
-def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int) -> bool:
-    known = [*relations, *defined_where([a, b]), *_positive([a, b])]
+def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces: bool) -> bool:
+    """The same in one case; of functions in pieces one that is not taken need not be real."""
+    known = [*relations, *(() if in_pieces else _real_where([a, b]))]
     forms = Composition(known)
     if _has_no_value([a, b]):
         return False
@@ -62,7 +64,7 @@ def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int) -> bool:
     if _has_no_value([left, right]):
         return False
     left, right = folded([left, right])
-    known = [*known, *defined_where([left, right]), *_positive([left, right])]
+    known += () if in_pieces else _real_where([left, right])
     ring = Ring([left, right], known, work_limit)
     if ring.fraction(left - right).num == 0:
         return True
@@ -117,11 +119,21 @@ def _has_no_value(exprs: Iterable[Any]) -> bool:
     return any(node in _NO_NUMBERS for node in nodes(exprs))
 
 
-def _positive(exprs: Iterable[Any]) -> Iterator[Any]:
-    """What is positive where expressions are real: bases of powers with symbolic exponents."""
+def _real_where(exprs: Sequence[Any]) -> Iterator[Any]:
+    """What holds where expressions are real: of radicands, of bases of powers with symbolic
+    exponents, of what inverse functions are taken of.  Of logarithms nothing: log(x**2) is not said
+    to be 2*log(x), which has no value for x < 0."""
+    yield from defined_where(exprs)
     for node in nodes(exprs):
-        if isinstance(node, se.Pow) and not node.args[1].is_Number and node.args[0].free_symbols:
-            yield node.args[0] > 0
+        inner = node.args[0] if node.args and node.free_symbols else None
+        if inner is None or not inner.free_symbols:
+            continue
+        if isinstance(node, se.Pow) and not node.args[1].is_Number:
+            yield inner > 0
+        elif isinstance(node, se.asin | se.acos):
+            yield 1 - inner**2 >= 0
+        elif isinstance(node, se.atanh):
+            yield 1 - inner**2 > 0
 
 
 class Composition:

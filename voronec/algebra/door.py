@@ -8,17 +8,19 @@ Decimal numbers are read as the decimals they were written as: ``9.81`` is ``981
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from math import isfinite
 from typing import Any
 
 import symengine as se
 import sympy as sp
+from symengine.lib.symengine_wrapper import BooleanAtom
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.conditions import known_of
 from voronec.algebra.piecewise import written_with_signs
 from voronec.algebra.symbols import plain_name, time, velocity
+from voronec.algebra.tape import nodes
 from voronec.algebra.text import shown, sympified
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -180,6 +182,16 @@ class Door:
         taken = {d: _taken_at(d, at) for d in inner.atoms(se.Derivative)}
         return inner.xreplace(taken).xreplace(at)
 
+    def lost_conditions(self, expr: sp.Expr) -> list[Any]:
+        """What an expression needs to be real, as it is written, where nothing inside tells it any
+        more: sqrt(x)*sqrt(x), as SymPy may be told to keep it, is x inside."""
+        parts = [*sp.preorder_traversal(expr)]
+        if any(isinstance(n, sp.Piecewise | sp.Derivative | sp.Subs) for n in parts):
+            return []  # a piece need not be real where it is not taken
+        kept = {*nodes([self._enter(expr)])}
+        needed = (_real_where(n, self._enter) for n in parts if self._enter(n) not in kept)
+        return [c for c in needed if c is not None and not isinstance(c, BooleanAtom)]
+
     @property
     def hypotheses(self) -> list[Any]:
         """What SymPy knows of the symbols and functions that have come in, on their symbols inside.
@@ -285,3 +297,13 @@ def _taken_at(derivative: Any, at: dict[Any, Any]) -> Any:
     if any(p.is_Number for p in at.values()):
         raise EngineLimit(f"the derivative of '{function}' at a number; use a parameter for it")
     return moved.xreplace({shift: se.Integer(0) for shift in shifts.values()})
+
+
+def _real_where(node: Any, enter: Callable[[Any], Any]) -> Any:
+    """The condition inside under which a root or a logarithm is real; None for anything else."""
+    if isinstance(node, sp.log):
+        return enter(node.args[0]) > 0
+    if isinstance(node, sp.Pow) and node.exp.is_Rational and not node.exp.is_Integer:
+        base = enter(node.base)
+        return base > 0 if node.exp < 0 else base >= 0
+    return 1 - enter(node.args[0]) ** 2 >= 0 if isinstance(node, sp.asin | sp.acos) else None

@@ -16,7 +16,7 @@ from voronec.algebra.certificates import Signs
 from voronec.algebra.conditions import comparisons
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import Fraction
-from voronec.algebra.generators import prime_factors
+from voronec.algebra.generators import TRIGONOMETRIC, prime_factors
 from voronec.algebra.tape import is_atom, nodes
 from voronec.errors import EngineLimit
 
@@ -100,6 +100,8 @@ class Roots:
 
     def _power(self, base: Any, exponent: Any) -> Any:
         """p**a q**a for (p q)**a; |p| for the root of the square of a p of either sign."""
+        if exponent.is_Number and exponent.q == 2 and (plain := self._plain_root(base)) is not None:
+            return plain ** (base.args[1] * exponent)
         found = self._factors(base)
         if found is None:
             return se.Pow(self.apart(base), exponent)
@@ -111,6 +113,20 @@ class Roots:
         else:
             rest = [p**e for p, e in found.others.items()]
         return se.Mul(*parts, se.Pow(se.Mul(*rest), exponent))
+
+    def _plain_root(self, base: Any) -> Any:
+        """u or -u for the root of u**2, written so, where the sign of u is known: in sines the
+        square need not be seen to be one."""
+        if not (isinstance(base, se.Pow) and isinstance(base.args[1], se.Integer)):
+            return None
+        inner, power = base.args
+        if power % 2 or not inner.atoms(*TRIGONOMETRIC):
+            return None
+        try:
+            sign = self.signs.of_fraction(self.ring.fraction(inner))
+        except (EngineLimit, KeyError):
+            return None
+        return sign.value * self.apart(inner) if sign is not None and sign.value else None
 
     def _logarithm(self, argument: Any) -> Any:
         """log p + log q for log(p q)."""

@@ -3,15 +3,17 @@
 What is no multiple zero on one section is none at all: a component of the zero set along which a
 function vanishes to a higher order would meet the section, with that order, unless at infinity.  So
 one section with rational numbers and no multiple zero is a proof, for real and complex zeros alike
-[Theory, eq. (13c)].  That no zero is at infinity is checked on lines; of sections with relations,
-whose numbers are drawn at random, it is taken for granted.
+[Theory, eq. (13c)].  That no zero is at infinity is seen from the degree on lines, and on sections
+with relations from the terms of the highest weights [Theory, eq. (13d)].
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
+from math import lcm
 from random import Random
 from typing import Any
 
@@ -118,7 +120,31 @@ class _Section:
             return False
         jacobian = [[p.derivative(name) for name in names] for p in cut]
         basis = groebner_basis([*cut, _determinant(jacobian)], context)
-        return any(p.is_constant() and p != 0 for p in basis)
+        if not any(p.is_constant() and p != 0 for p in basis):
+            return False
+        return self._meets_all((*bound, poly), lines, context)
+
+    def _meets_all(self, polys: Sequence[Any], lines: Sequence[Any], context: Any) -> bool:
+        """Whether no zero is at infinity: the terms of highest weight of all polynomials vanish
+        together, along the section, at the origin alone [Theory, eq. (13d)]."""
+        weights = self._weights()
+        origin = [context.constant(0)] * len(context.gens())
+        still = self.still
+        ways = [v if i in still else v - v.compose(*origin) for i, v in enumerate(lines)]
+        tops = [_top(p, weights).compose(*ways, ctx=context) for p in polys]
+        basis = groebner_basis([p for p in tops if p != 0], context)
+        alone = [{i for i, e in enumerate(p.monoms()[0]) if e} for p in basis]
+        return all({i} in alone for i in range(len(context.gens())))
+
+    def _weights(self) -> list[int]:
+        """Whole weights of the generators, such that a root grows as its equation says: one for
+        those that move, none for numbers."""
+        weights = [Fraction(i not in self.still) for i in range(len(self.ring.meaning))]
+        for i, degree, relation in reversed(self.ring.field.rules):  # inner roots before outer ones
+            weights[i] = Fraction(0)
+            weights[i] = _weight(relation, weights) / int(degree)
+        scale = lcm(*(w.denominator for w in weights))
+        return [int(w * scale) for w in weights]
 
     def _degree(self, poly: Any) -> int:
         """The degree on a section that meets every zero, none at infinity: twice that in the sine
@@ -133,25 +159,39 @@ class _Section:
     def _lines(self, context: Any, source: Random, roots: set[int]) -> tuple[list[Any], Any]:
         """A value for each generator; for sines and cosines numerators, and their denominators.
 
-        An angle runs along tan(a/2), turned by a rational angle, so that no place is special.
+        An angle runs along tan(a/2), turned by a rational angle, so that no place is special; a
+        root is an unknown of its own.
         """
         gens, count = context.gens(), len(self.ring.meaning)
-        free = iter(gens)
+        free, straight = iter(gens), gens[len(roots) :]
         values = [
-            context.constant(_number(source)) if i in self.still else _line(gens, source)
+            context.constant(_number(source)) if i in self.still else _line(straight, source)
             for i in range(count)
         ]
         for i in sorted(roots):
-            values[i] = next(free) + _number(source)
+            values[i] = next(free)
         below: dict[int, Any] = {}
         for s, c in self.ring.angle_indices():
-            t, k = _line(gens, source), _number(source)
+            t, k = _line(straight, source), _number(source)
             scale = (1 + k**2) * (1 + t**2)
             cosine, sine = (1 - k**2) * (1 - t**2), 2 * t * (1 - k**2)
             values[c] = cosine - 4 * k * t
             values[s] = sine + 2 * k * (1 - t**2)
             below[s] = below[c] = scale
         return values, below
+
+
+def _weight(poly: Any, weights: Sequence[Any]) -> Any:
+    """The highest weight of the terms of a polynomial."""
+    return max(sum(int(e) * w for e, w in zip(m, weights, strict=True)) for m in poly.to_dict())
+
+
+def _top(poly: Any, weights: Sequence[int]) -> Any:
+    """The terms of the highest weight."""
+    most = _weight(poly, weights)
+    terms = poly.to_dict().items()
+    kept = {m: c for m, c in terms if _weight(poly.context().from_dict({m: c}), weights) == most}
+    return poly.context().from_dict(kept)
 
 
 def _line(gens: Sequence[Any], source: Random) -> Any:

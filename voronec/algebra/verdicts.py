@@ -118,7 +118,8 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
         if any(r == se.false or (r.is_Number and r != 0) for r in ideal):
             raise DefinitionError("one of the relations is a nonzero number: nothing satisfies it")
         left, right = door.inward(a), door.inward(b)
-        verdict = decide_equal(left, right, [*ideal, *door.hypotheses], pointwise=True)
+        known = [*door.hypotheses, *door.lost_conditions(a), *door.lost_conditions(b)]
+        verdict = decide_equal(left, right, [*ideal, *known], pointwise=True)
         return _possible(verdict, a.free_symbols | b.free_symbols)
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))

@@ -71,6 +71,7 @@ class Search:
         parts = [*nodes([self.left, self.right])]
         self._jumps = Tape([n.args[0] for n in parts if isinstance(n, se.sign)])
         self._steps = Tape([n.args[0] for n in parts if isinstance(n, se.floor)])
+        self._turns = Tape([e for n in parts if isinstance(n, se.atan2) for e in n.args])
         self._source = Random("voronec witnesses")
         self.atoms = [*self._sides.atoms]
         equations, conditions = parted(self.relations)
@@ -134,9 +135,16 @@ class Search:
             return False
         if not self.pointwise and self._is_on_jump(point, bits):
             return False
+        if self._has_no_angle(point, bits):
+            return False
         if not left.overlaps(right) and consistent(self.atoms, point, bits):
             self.found = point, [left, right]
         return True
+
+    def _has_no_angle(self, point: Point, bits: int) -> bool:
+        """Whether the angle of the origin is asked for, which ball arithmetic gives as zero."""
+        ends = iter(self._turns.arb(point, bits))
+        return any(y.contains(0) and x.contains(0) for y, x in zip(ends, ends, strict=True))
 
     def _is_on_jump(self, point: Point, bits: int) -> bool:
         return any(v.contains(0) for v in self._jumps.arb(point, bits)) or any(
