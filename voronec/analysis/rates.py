@@ -6,6 +6,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.tape import is_atom
 from voronec.analysis.decision import Decision, all_zero
 from voronec.analysis.walls import across_walls
 from voronec.claims import Equation, expressions_of
@@ -17,8 +18,11 @@ __all__ = ["decide_equation", "decide_integral"]
 def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
     """dF/dt = 0 along the motion."""
     field = motions.deciding([function])
-    rate = field.derivative(field.read_named(function))
-    found = all_zero([("", rate)], field.hypotheses)
+    named = field.read_named(function)
+    inner = _innermost(named, frozenset(field.parameters))
+    found = all_zero([("", field.derivative(inner))], field.hypotheses)
+    if not found.proved and inner != named:
+        found = all_zero([("", field.derivative(named))], field.hypotheses)
     inside = [("", field.read_branches(function))]
     return Decision(across_walls(found, field, inside, constant=True), field.level)
 
@@ -33,6 +37,15 @@ def decide_equation(motions: Motions, equation: Equation) -> Decision:
     verdict = all_zero(_numbered(residuals), field.hypotheses)
     inside = _numbered([field.read_branches(f) for f in equation.function])
     return Decision(across_walls(verdict, field, inside), field.level)
+
+
+def _innermost(function: Any, still: frozenset[Any]) -> Any:
+    """G where a function is f(G): with G it is an integral, off the walls of f."""
+    while True:
+        moving = [a for a in function.args if not a.free_symbols <= still]
+        if len(moving) != 1 or is_atom(function):
+            return function
+        (function,) = moving
 
 
 def _numbered(residuals: list[Any]) -> list[tuple[str, Any]]:
