@@ -447,3 +447,39 @@ def test_the_origin_has_no_angle():
     size = 5 * sp.Abs(z) + sp.Abs(sp.sin(2 * sp.atan2(-2 * x, 4 * x)))
     assert not prove_equal(size, 5 * sp.Abs(z) + sp.Rational(4, 5)).refuted
     assert prove_equal(sp.atan2(y, x), sp.atan(y / x)).refuted
+
+
+WHOLE, EVEN = sp.Symbol("n", integer=True), sp.Symbol("e", even=True)
+BELOW = sp.Symbol("l", negative=True)
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "at"),
+    [
+        ((-1) ** WHOLE, 1, {WHOLE: 1}),
+        (sp.cos(sp.pi * WHOLE) * x, x, {WHOLE: 1, x: 2}),
+        (x**WHOLE, sp.Abs(x) ** WHOLE, {WHOLE: 3, x: -2}),
+        ((x * y) ** WHOLE, sp.Abs(x * y) ** WHOLE, {WHOLE: 3, x: -2, y: 1}),
+        (BELOW**WHOLE, (-BELOW) ** WHOLE, {WHOLE: 3, BELOW: -2}),
+        ((x * y) ** sp.floor(z), sp.Abs(x * y) ** sp.floor(z), {x: -2, y: 1, z: 3}),
+        (sp.Abs(x - 10**5), 10**5 - x, {x: 2 * 10**5}),
+        (sp.Max(x, 10**9), 10**9, {x: 2 * 10**9}),
+    ],
+    ids=str,
+)
+def test_powers_of_negative_numbers_and_walls_far_away(left, right, at):
+    """Whole powers have signs; the truth is what SymPy's numbers say at one point."""
+    left, right = sp.sympify(left), sp.sympify(right)
+    assert left.subs(at) != right.subs(at)
+    verdict = prove_equal(left, right)
+    assert not verdict.proved
+    if not {WHOLE, z} & left.free_symbols:
+        assert verdict.refuted
+
+
+def test_the_logarithm_of_what_is_negative_is_no_logarithm_of_its_size():
+    assert not prove_equal(sp.log(sp.cosh(x) ** 2), 2 * sp.log(-sp.cosh(x))).proved
+    assert prove_equal(sp.log(sp.cosh(x) ** 2), 2 * sp.log(sp.cosh(x))).proved
+    assert prove_equal((x**2 + 1) ** WHOLE * (x**2 + 1), (x**2 + 1) ** (WHOLE + 1)).proved
+    assert prove_equal(sp.log(BELOW * x), sp.log(-BELOW) + sp.log(-x)).proved
+    assert not prove_equal(sp.log(BELOW * x), sp.log(-BELOW) + sp.log(x)).proved

@@ -16,7 +16,7 @@ from typing import Any
 import flint
 import symengine as se
 
-from voronec.algebra.certificates import Signs
+from voronec.algebra.certificates import Sign, Signs
 from voronec.algebra.conditions import parted
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factors
@@ -56,7 +56,8 @@ def are_equal(a: Any, b: Any, relations: Sequence[Any], work_limit: int) -> bool
 
 def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces: bool) -> bool:
     """The same in one case; of functions in pieces one that is not taken need not be real."""
-    known = [*relations, *(() if in_pieces else _real_where([a, b]))]
+    whole = _whole(relations)
+    known = [*relations, *(() if in_pieces else _real_where([a, b], whole))]
     forms = Composition(known)
     if _has_no_value([a, b]):
         return False
@@ -64,7 +65,7 @@ def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces:
     if _has_no_value([left, right]):
         return False
     left, right = folded([left, right])
-    known += () if in_pieces else _real_where([left, right])
+    known += () if in_pieces else _real_where([left, right], whole)
     ring = Ring([left, right], known, work_limit)
     if ring.fraction(left - right).num == 0:
         return True
@@ -119,7 +120,19 @@ def _has_no_value(exprs: Iterable[Any]) -> bool:
     return any(node in _NO_NUMBERS for node in nodes(exprs))
 
 
-def _real_where(exprs: Sequence[Any]) -> Iterator[Any]:
+def _whole(hypotheses: Iterable[Any]) -> frozenset[Any]:
+    """The symbols that are whole numbers by hypothesis."""
+    told = (c for c in parted(hypotheses)[1] if any(isinstance(n, se.floor) for n in nodes(c.args)))
+    return frozenset(a for c in told for a in Tape(c.args).atoms)
+
+
+def _may_be_whole(exponent: Any, whole: frozenset[Any]) -> bool:
+    """Whether an exponent may be a whole number, so that the base may be negative."""
+    parts = [*nodes([exponent])]
+    return any(n in whole or isinstance(n, se.floor | se.sign) for n in parts)
+
+
+def _real_where(exprs: Sequence[Any], whole: frozenset[Any]) -> Iterator[Any]:
     """What holds where expressions are real: of radicands, of bases of powers with symbolic
     exponents, of what inverse functions are taken of.  Of logarithms nothing: log(x**2) is not said
     to be 2*log(x), which has no value for x < 0."""
@@ -129,7 +142,8 @@ def _real_where(exprs: Sequence[Any]) -> Iterator[Any]:
         if inner is None or not inner.free_symbols:
             continue
         if isinstance(node, se.Pow) and not node.args[1].is_Number:
-            yield inner > 0
+            if not _may_be_whole(node.args[1], whole):
+                yield inner > 0
         elif isinstance(node, se.asin | se.acos):
             yield 1 - inner**2 >= 0
         elif isinstance(node, se.atanh):
@@ -142,6 +156,7 @@ class Composition:
     def __init__(self, hypotheses: Sequence[Any]) -> None:
         self._hypotheses = hypotheses
         self._conditions = parted(hypotheses)[1]
+        self._whole = _whole(hypotheses)
         self._known: dict[Any, Any] = {}
 
     def resolved(self, expr: Any) -> Any:
@@ -234,7 +249,10 @@ class Composition:
             return se.Pow(inner if exponent.q == 1 else self._normal(inner), exponent)
         exponent = self.resolved(exponent)
         if base != se.E:
-            exponent = exponent * self._logarithm(self.resolved(base))
+            inner = self.resolved(base)
+            if _may_be_whole(exponent, self._whole) and not self._is_positive(inner):
+                return se.Pow(self._normal(inner), exponent)
+            exponent = exponent * self._logarithm(inner)
         parts, rest = [], []
         for term, c in linear_terms(exponent).items():
             if isinstance(term, se.log):
@@ -242,6 +260,15 @@ class Composition:
             else:
                 rest.append(c * self._product(term))
         return se.Mul(se.exp(se.Add(*rest)), *parts)
+
+    def _is_positive(self, expr: Any) -> bool:
+        """Whether it is known that an expression is positive."""
+        try:
+            ring = Ring([expr], self._hypotheses, INNER_WORK)
+            sign = Signs.of(ring, self._conditions, bounded=True).of_fraction(ring.fraction(expr))
+        except (EngineLimit, DefinitionError):
+            return False
+        return sign is not None and sign.value == 1 and sign.strict
 
     def _product(self, term: Any) -> Any:
         """A term in normal form, its logarithms apart."""
@@ -273,11 +300,14 @@ class Composition:
                 others.append((ring.polynomial(poly), e))
             else:
                 terms.append(e * size)
+                unit = -unit if e % 2 and _is_negative(signs.of_polynomial(poly)) else unit
         odd = [(f, 1 if e > 0 else -1) for f, e in others if e % 2]
         if len(odd) == 1:
             ((single, once),) = odd
             terms.append(once * se.log(single if unit > 0 else -single))
             others = [(f, e - once if f == single else e) for f, e in others]
+        elif unit < 0 and not odd:  # the size of what is negative is another function
+            return se.log(argument)
         terms += [e * HALF * se.log(f**2) for f, e in others]
         for n, side in ((int(unit.p), 1), (int(unit.q), -1)):
             terms += [side * k * se.log(se.Integer(p)) for p, k in prime_factors(abs(n)).items()]
@@ -325,6 +355,10 @@ _RULES: dict[type, Callable[..., Any]] = {
     se.acosh: lambda own, u: own._logarithm(u + se.sqrt(u**2 - 1)),
     se.atanh: lambda own, u: HALF * own._logarithm((1 + u) / (1 - u)),
 }
+
+
+def _is_negative(sign: Sign | None) -> bool:
+    return sign is not None and sign.value < 0
 
 
 def _of_inverse(term: Any) -> tuple[Any, Any]:

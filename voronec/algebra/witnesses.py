@@ -182,7 +182,7 @@ class Search:
     def _beside_walls(self) -> Iterator[Point]:
         """On each wall, where it is linear in something; and on both of its sides, near it."""
         for place, wall in enumerate((*self.walls, *self.edges)):
-            yield from islice(self._on(wall), 6)
+            yield from islice(self._on(wall), 18)
             below = [p for p, signs in self._tried if signs[place] < 0][:3]
             above = [p for p, signs in self._tried if signs[place] > 0][:3]
             tape = Tape([wall])
@@ -190,7 +190,7 @@ class Search:
                 yield from self._bisected(tape, low, high)
 
     def _on(self, wall: Any) -> Iterator[Point]:
-        """Points moved along an atom to a rational zero."""
+        """Points moved along an atom to a rational zero, and to both sides of it, however far."""
         for atom in self.atoms:
             slope = wall.diff(atom) if isinstance(atom, se.Symbol) else se.Integer(0)
             if slope == 0 or atom in slope.free_symbols:
@@ -201,7 +201,8 @@ class Search:
                 above, below = rest.xreplace(at), slope.xreplace(at)
                 if isinstance(above, se.Rational) and isinstance(below, se.Rational) and below != 0:
                     root = -above / below
-                    yield {**start, atom: flint.fmpq(int(root.p), int(root.q))}
+                    for step in (0, 1, -1):
+                        yield {**start, atom: flint.fmpq(int(root.p), int(root.q)) + step}
 
     def _bisected(self, tape: Tape, low: Point, high: Point) -> Iterator[Point]:
         """Points beside a zero of a function, nearer and nearer to it."""
