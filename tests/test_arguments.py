@@ -254,3 +254,19 @@ def test_a_case_that_is_no_system_is_named_and_the_others_stand():
     found = {(c.kind, c.name): c.verdict for c in vo.check_claims(own)}
     assert found["integral", "energy"].proved
     assert found["case", "no mass"].refuted
+
+
+def test_sums_of_thousands_of_terms_are_source_that_python_compiles():
+    terms = [sp.sin(n * x) / n for n in range(1, 5001)]
+    written = system(lagrangian=vo.velocity(x) ** 2 / 2, forces={x: sp.Add(*terms)}, parameters=())
+    namespace = {}
+    exec(vo.derive(written).python(), namespace)
+    truth = math.fsum(math.sin(n) / n for n in range(1, 5001))
+    assert namespace["rhs"](0.0, [1.0, 0.0], [])[1] == pytest.approx(truth, rel=1e-12)
+
+
+@pytest.mark.parametrize("times", [(1e308, -1e308), (-1e308, 1.7e308)])
+def test_a_scene_whose_span_no_double_holds_is_refused(times):
+    scene = vo.Scene({x: 1}, times)
+    with pytest.raises(DefinitionError, match="a span that no double holds"):
+        vo.integrate(system(), scene=scene)

@@ -126,3 +126,16 @@ def test_a_drawing_shows_what_the_run_holds() -> None:
     none = vo.integrate(BALL, times=(0.0, 1.0), outputs=("u", "u1"), method="scipy")
     with pytest.raises(vo.DefinitionError):
         drawing(none)
+
+
+@pytest.mark.parametrize("output", ["1/x", "log(x)", "x/x"])
+def test_an_output_with_a_pole_on_the_way_is_drawn_where_it_is_finite(output: str) -> None:
+    x = sp.Symbol("x")
+    free = vo.System(
+        name="free", fibration=vo.Fibration((x,)), lagrangian=vo.velocity(x) ** 2 / 2
+    )  # fmt: skip
+    run = vo.integrate(
+        free, times=[0, 0.5, 1, 2], initial={x: 1, vo.velocity(x): -1}, outputs=(output,)
+    )
+    (panel,) = plot_trajectory(run).axes
+    assert np.isfinite(panel.get_ylim()).all()

@@ -148,3 +148,13 @@ def test_a_film_that_is_stopped_leaves_nothing(tmp_path):
     time.sleep(0.05)
     with workshop(tmp_path):
         assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_window_that_is_not_there_is_not_asked_for(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = _shell("voronec run sleigh --times 0:1:3 --out out", MPLBACKEND="nonsense")
+    assert done.returncode == 0 and not done.stderr
+    assert {p.name for p in Path("out").iterdir()} == {"plot.svg", "path.svg", "trajectory.csv"}
+    before = os.environ.get("MPLBACKEND")
+    main(["cite", "sleigh"])
+    assert os.environ.get("MPLBACKEND") == before

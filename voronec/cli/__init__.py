@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
 from traceback import extract_tb
@@ -54,8 +54,23 @@ def _executed(arguments: Sequence[str] | None) -> int:
     if chosen.module is None:
         parser.print_help()
         return 0
-    status: int = import_module(chosen.module).execute(chosen)
+    with _files_alone():
+        status: int = import_module(chosen.module).execute(chosen)
     return status
+
+
+@contextlib.contextmanager
+def _files_alone() -> Iterator[None]:
+    """Pictures go to files: whatever the environment names to show them in is not asked for."""
+    before = os.environ.get("MPLBACKEND")
+    os.environ["MPLBACKEND"] = "agg"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["MPLBACKEND"]
+        else:
+            os.environ["MPLBACKEND"] = before
 
 
 def _print_any_letter() -> None:

@@ -183,11 +183,10 @@ def grid_of(system: System, scene: Scene | None, times: Any) -> np.ndarray:
         raise wrong from None
     if grid.ndim == 0 and np.isfinite(grid):
         begin = 0.0 if known is None else number(known.times[0], "the span's end")
-        grid = np.linspace(begin, float(grid), POINTS)
+        grid = _even(begin, float(grid))
     if grid.ndim != 1 or grid.size == 0 or not np.isfinite(grid).all():
         raise wrong
-    if not isfinite(float(grid[-1]) - float(grid[0])):
-        raise DefinitionError("times have a span that no double holds; use another unit of time")
+    _require_span(float(grid[0]), float(grid[-1]))
     steps = np.diff(grid)
     if not ((steps > 0).all() or (steps < 0).all()):
         raise wrong
@@ -200,4 +199,14 @@ def _span(system: System, scene: Scene | None) -> np.ndarray:
             f"system '{system.name}' has no scene to take the span from; give times"
         )
     start, end = (number(x, "the span's end") for x in scene.times)
+    return _even(start, end)
+
+
+def _even(start: float, end: float) -> np.ndarray:
+    _require_span(start, end)
     return np.linspace(start, end, POINTS)
+
+
+def _require_span(start: float, end: float) -> None:
+    if not isfinite(end - start):
+        raise DefinitionError("times have a span that no double holds; use another unit of time")

@@ -41,6 +41,8 @@ _REWRITTEN: dict[type, Callable[[Any], Any]] = {
     se.coth: lambda x: 1 / se.tanh(x),
 }
 _EXACT = 2**53
+TERMS = 200
+"""Longer sums are sums of sums: Python's compiler and others descend a level for every term."""
 _SUM, _PRODUCT, _POWER, _ATOM = range(4)
 
 
@@ -146,7 +148,14 @@ def _number(expr: Any, dialect: Dialect) -> tuple[str, int]:
 def _sum(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> str:
     written = [_written(a, dialect, names)[0] for a in expr.args]
     written.sort(key=lambda term: term.startswith("-"))  # begin with a positive term
-    first, *others = written
+    while len(written) > TERMS:
+        groups = [written[i : i + TERMS] for i in range(0, len(written), TERMS)]
+        written = [f"({_joined(group)})" for group in groups]
+    return _joined(written)
+
+
+def _joined(terms: list[str]) -> str:
+    first, *others = terms
     return first + "".join(f" - {w[1:]}" if w.startswith("-") else f" + {w}" for w in others)
 
 

@@ -37,6 +37,10 @@ def quantity_label(trajectory: Trajectory, name: str) -> str:
     return f"${sp.latex(expr)}$"
 
 
+LARGEST = 1e300
+"""Beyond this the limits of a panel would be no doubles."""
+
+
 def plot_trajectory(
     trajectory: Trajectory, names: Sequence[str] | None = None, title: str | None = None
 ) -> Any:
@@ -81,6 +85,9 @@ def _curve(panel: Any, trajectory: Trajectory, name: str) -> None:
     panel.margins(x=0)
     panel.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
     panel.spines[["top", "right"]].set_visible(False)
-    spread, size = np.ptp(values), np.abs(values).max()
-    if spread <= 1e-9 * size or spread == 0:  # a constant is a level line, not magnified rounding
-        panel.set_ylim(values[0] - 0.5 * (size or 1.0), values[0] + 0.5 * (size or 1.0))
+    known = np.asarray(values, dtype=float)
+    known = known[np.abs(known) < LARGEST]  # an output may have a pole on the way
+    size = np.abs(known).max(initial=0.0)
+    if len(known) and np.ptp(known) <= 1e-9 * size:
+        # a constant is a level line, not magnified rounding
+        panel.set_ylim(known[0] - 0.5 * (size or 1.0), known[0] + 0.5 * (size or 1.0))

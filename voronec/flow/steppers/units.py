@@ -84,7 +84,8 @@ def _units_beside(
         far = (size > 0) & ~((size >= SMALL) & (size <= LARGE)) & np.isfinite(size)
     far &= np.isfinite(slope).all(axis=1)[:, None]
     far[:, angles] = False
-    return np.asarray(np.where(far, np.ldexp(1.0, np.frexp(np.where(far, size, 1.0))[1]), 1.0))
+    powers = np.minimum(np.frexp(np.where(far, size, 1.0))[1], np.finfo(float).maxexp - 1)
+    return np.asarray(np.where(far, np.ldexp(1.0, powers), 1.0))
 
 
 def _balance(slopes: Slopes, states: np.ndarray, sizes: np.ndarray) -> np.ndarray:
