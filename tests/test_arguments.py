@@ -8,13 +8,14 @@ from functools import cache
 import mpmath
 import numpy as np
 import pytest
+import symengine as se
 import sympy as sp
 
 import voronec as vo
 from voronec.algebra.text import in_doubles
 from voronec.arguments import COUNT, REAL, accepts
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
-from voronec.program.printing import code
+from voronec.program.printing import Dialect, code, text
 
 x, m, u = sp.symbols("x m u")
 HUGE = sp.exp(sp.exp(sp.Integer(700000000)))
@@ -257,12 +258,12 @@ def test_a_case_that_is_no_system_is_named_and_the_others_stand():
 
 
 def test_sums_of_thousands_of_terms_are_source_that_python_compiles():
-    terms = [sp.sin(n * x) / n for n in range(1, 5001)]
-    written = system(lagrangian=vo.velocity(x) ** 2 / 2, forces={x: sp.Add(*terms)}, parameters=())
-    namespace = {}
-    exec(vo.derive(written).python(), namespace)
-    truth = math.fsum(math.sin(n) / n for n in range(1, 5001))
-    assert namespace["rhs"](0.0, [1.0, 0.0], [])[1] == pytest.approx(truth, rel=1e-12)
+    names = {se.Symbol(f"a{n}"): f"a{n}" for n in range(50_000)}
+    total = se.Add(*[(-1) ** n * name for n, name in enumerate(names)])
+    dialect = Dialect(str, lambda p, q: f"{p}/{q}", lambda b, e: f"({b})**{e}", "pi", {})
+    values = {name: n**2 for n, name in enumerate(names.values())}
+    written = code(text(total, dialect, names), "<source>", "eval")
+    assert eval(written, values) == sum((-1) ** n * n**2 for n in range(50_000))
 
 
 @pytest.mark.parametrize("times", [(1e308, -1e308), (-1e308, 1.7e308)])
@@ -270,3 +271,8 @@ def test_a_scene_whose_span_no_double_holds_is_refused(times):
     scene = vo.Scene({x: 1}, times)
     with pytest.raises(DefinitionError, match="a span that no double holds"):
         vo.integrate(system(), scene=scene)
+
+
+def test_a_parameter_that_is_positive_in_no_way_is_refused():
+    with pytest.raises(DefinitionError, match="positive"):
+        vo.Parameter(m, positive=np.array([None, 1], dtype=object))

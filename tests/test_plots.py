@@ -128,8 +128,8 @@ def test_a_drawing_shows_what_the_run_holds() -> None:
         drawing(none)
 
 
-@pytest.mark.parametrize("output", ["1/x", "log(x)", "x/x"])
-def test_an_output_with_a_pole_on_the_way_is_drawn_where_it_is_finite(output: str) -> None:
+@pytest.mark.parametrize("output", [1 / sp.Symbol("x"), sp.log(sp.Symbol("x"))])
+def test_an_output_with_a_pole_on_the_way_is_drawn_where_it_is_finite(output: Any) -> None:
     x = sp.Symbol("x")
     free = vo.System(
         name="free", fibration=vo.Fibration((x,)), lagrangian=vo.velocity(x) ** 2 / 2

@@ -41,6 +41,7 @@ class Parameter:
             )
         if self.symbol.is_real is False:
             raise DefinitionError(f"parameter '{self.name}' is not real for SymPy; use a real one")
+        require("parameter", "positive", self.positive, FLAG)
         if self.positive and self.symbol.is_positive is False:
             raise DefinitionError(
                 f"parameter '{self.name}' is declared positive, and its symbol is not; declare it "
@@ -49,7 +50,6 @@ class Parameter:
         for bound in ("lower", "upper"):
             if getattr(self, bound) is not None:
                 real_number(getattr(self, bound), f"parameter '{self.name}': {bound}")
-        require("parameter", "positive", self.positive, FLAG)
         require("parameter", "meaning", self.meaning, TEXT)
         for field_name in ("value", "lower", "upper"):
             if isinstance(getattr(self, field_name), str):
