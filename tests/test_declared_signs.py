@@ -282,3 +282,11 @@ def test_the_logarithm_of_a_square_is_twice_that_of_the_size():
     assert vo.prove_equal(sp.log(x**2), 2 * sp.log(x)).undecided
     assert vo.prove_equal(sp.log(x**2), 2 * sp.log(sp.Abs(x))).proved
     assert vo.prove_equal(sp.log(x**2), 2 * sp.log(x), relations=[x > 0]).proved
+
+
+def test_exponentials_of_what_is_positive_are_above_one():
+    """sinh has the sign of its argument, so that half arguments have roots without sizes."""
+    assert vo.prove_equal(sp.sinh(a / 2), root((sp.cosh(a) - 1) / 2)).proved
+    assert vo.prove_equal(sp.sinh(below / 2), -root((sp.cosh(below) - 1) / 2)).proved
+    assert vo.prove_equal(sp.sinh(x / 2), root((sp.cosh(x) - 1) / 2)).refuted
+    assert vo.prove_equal(sp.sinh((a - b) / 2), root((sp.cosh(a - b) - 1) / 2)).refuted

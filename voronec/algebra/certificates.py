@@ -7,7 +7,7 @@ in one variable without roots, or where the bounds of a sine or a cosine decide.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -15,9 +15,10 @@ import flint
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.conditions import comparisons
+from voronec.algebra.conditions import comparisons, parted
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import Fraction
+from voronec.algebra.tape import nodes
 from voronec.errors import EngineLimit
 
 if TYPE_CHECKING:
@@ -89,12 +90,17 @@ class Signs:
         """Signs where hypotheses hold.
 
         An even root is not negative, and a root is positive where its radicand is; so are
-        exponentials.
+        exponentials, which are above one where the exponent is positive.
         """
+        hypotheses = [*hypotheses]
         kinds = ["positive" if _is_positive(m) else "real" for m in ring.meaning]
         signs = cls(ring, kinds, {}, {}, bounded)
         for expr, strict in sorted(comparisons(hypotheses), key=lambda c: len(c[0].free_symbols)):
             signs._learn(expr, strict)
+        for (base, exponent), unit in ring.units.items():
+            side = _sign_of_argument(exponent, hypotheses) if base == se.E else 0
+            if side:
+                signs._learn(side * (unit - 1), True)
         for base, root in ring.roots.items():
             inside = signs.of_fraction(ring.fraction(base))
             good = inside is not None and inside.value == 1 and inside.strict
@@ -354,6 +360,28 @@ class Signs:
                     value = -self.ring.polynomial(above) / self.ring.polynomial(below)
                     found.append((self.ring.meaning[place], value))
         return found
+
+
+def _sign_of_argument(argument: Any, hypotheses: Sequence[Any]) -> int:
+    """The strict sign of what an exponential is taken of, or 0."""
+    from voronec.algebra.ring import Ring
+
+    own = argument.free_symbols
+    known = [c for c in parted(hypotheses)[1] if c.free_symbols <= own and _is_plain(c.args)]
+    if not known or not _is_plain([argument]):
+        return 0
+    try:
+        ring = Ring([argument, *(e for e, _ in comparisons(known))])
+        found = Signs.of(ring, known).of_fraction(ring.fraction(argument))
+    except EngineLimit:
+        return 0
+    return found.value if found is not None and found.strict else 0
+
+
+def _is_plain(exprs: Iterable[Any]) -> bool:
+    """Whether expressions are sums and products of symbols and numbers: no further exponentials."""
+    plain = (se.Symbol, se.Number, se.Add, se.Mul)
+    return all(isinstance(n, plain) for n in nodes(exprs))
 
 
 def _is_positive(meaning: Any) -> bool:
