@@ -257,3 +257,19 @@ def test_a_motion_through_its_singular_split_is_as_if_alone():
             assert alone.cost.switches
             for name in alone.outputs:
                 assert turns[name][i] == pytest.approx(alone[name], abs=1e-10)
+
+
+@pytest.mark.parametrize("count", [63, 64, 320])
+def test_a_motion_that_comes_to_rest_where_taylor_coefficients_vanish(count: int) -> None:
+    """x'' = 1 - x^2 rests at 0 after one unit of time, where a piece of the grid ends: heyoka's own
+    step from there is far too long."""
+    x = sp.Symbol("x")
+    bowl = vo.derive(vo.System("bowl", vo.Fibration(x), vo.velocity(x) ** 2 / 2 + x - x**3 / 3))
+    rest = {"x": 0, "xdot": 0}
+    back = vo.integrate(bowl, initial=rest, times=[1, 0], tol=1e-22, method="flint")
+    ahead = vo.integrate(bowl, initial=rest, times=[1, 4, 7, 10], tol=1e-22, method="flint")
+    start = {name: float(back[name][-1]) for name in ("x", "xdot")}
+    times = np.concatenate([np.linspace(0, 1, count + 1), [4, 7, 10]])
+    run = vo.ensemble(bowl, [start] * 2, times=times, outputs=("x",), method="heyoka")
+    assert not run.errors
+    assert np.abs(run["x"][:, -3:] - ahead["x"][1:].astype(float)).max() < 1e-12

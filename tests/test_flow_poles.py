@@ -365,3 +365,14 @@ def test_dense_runs_keep_whole_turns_of_the_own_chart() -> None:
     found = dense.at(times)
     for angle in ("alpha", "beta", "psi", "phi"):
         assert np.abs(found[angle] - fine[angle]).max() < 1e-9
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-12])
+def test_a_start_at_the_pole_of_a_declared_chart_does_not_run_on_invariants(off: float) -> None:
+    ball = vo.derive(vo.load("displaced-rubber-ball"))
+    start = {"u": np.pi + off, "v": 0.48, "theta": 0.07, "omega1": -0.039, "omega2": 0.818}
+    run = vo.integrate(ball, initial=start, times=[0, 1], method="heyoka")
+    normal = vo.integrate(ball, initial=start, times=[0, 1], outputs=("gamma1", "gamma2"))
+    polar, angle = run["u"][-1], run["v"][-1]
+    assert abs(-np.sin(polar) * np.cos(angle) - normal["gamma1"][-1]) < 1e-10
+    assert abs(-np.sin(polar) * np.sin(angle) - normal["gamma2"][-1]) < 1e-10

@@ -272,6 +272,10 @@ class Bench:
         """Off by how much the start is that the referee comes from, and what is allowed: what is
         regular at the place is followed back to it, and drawn on to zero by a polynomial."""
         m, names = self.referee.mechanics, self._regular_names
+        if self.system.charts:  # their frames may turn with coordinates that are free at a pole
+            names = tuple(self.system.invariants)
+        if not names:
+            raise Unsupported("nothing is known to be regular there")
         q = [start.place[n] for n in self.names]
         v = [start.pace[x] for x in m.velocities] if start.declared else self._declared(
             [mp.mpf(x) for x in q], [mp.mpf(x) for x in start.pace.values()]
@@ -282,7 +286,8 @@ class Bench:
         drawn, rougher = (_at_zero(INSTANTS[:k], rows[:k]) for k in (len(rows), len(rows) - 1))
         reader = self.referee.reader([m.own(e) for e in self.system.invariants.values()])
         still = [mp.mpf(0)] * len(m.w)
-        here = [float(x) for x in (*v, *reader(0.0, [*map(mp.mpf, q), *still], self.values))]
+        there = reader(0.0, [*map(mp.mpf, q), *still], self.values)
+        here = [float(x) for x in (*v, *there)][-len(names) :]
         bounds = LOOSE * np.maximum(1.0, np.abs(here)) + 10 * np.abs(drawn - rougher)
         gaps = np.abs(drawn - here)
         return dict(zip(names, zip(gaps, bounds, strict=True), strict=True))

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
-from voronec.flow.steppers.opening import openings
+from voronec.flow.steppers.opening import STRIDE, openings, overlong_lanes
 from voronec.flow.steppers.run import COLLAPSE, INFINITE
 from voronec.flow.steppers.stepwise import FINEST
 from voronec.flow.steppers.units import units_of_many
@@ -56,15 +56,24 @@ class Stopped(Exception):
 
 @dataclass(frozen=True, eq=False)
 class StepSizes:
-    """The shortest and the longest step of each of some motions."""
+    """The shortest and the longest step of each of some motions, and which of these took one that
+    was made too long by coefficients that vanish; ``stride`` is how long one is looked at."""
 
     shortest: np.ndarray
     longest: np.ndarray
+    overlong: np.ndarray
+    stride: np.ndarray
 
     @classmethod
     def of(cls, count: int) -> StepSizes:
         """No steps yet."""
-        return cls(np.full(count, np.inf), np.zeros(count))
+        none = np.zeros(count, dtype=bool)
+        return cls(np.full(count, np.inf), np.zeros(count), none, np.full(count, STRIDE))
+
+    def begin(self, which: Any) -> None:
+        """Forget the steps of some motions: others take their places."""
+        self.shortest[which], self.longest[which] = np.inf, 0.0
+        self.overlong[which], self.stride[which] = False, STRIDE
 
     def note(self, which: int, shortest: float, longest: float) -> None:
         """Further steps of one motion."""
@@ -110,6 +119,19 @@ class Lanes:
         for lane, result in enumerate(self.integrator.propagate_res):
             self.steps.note(lane, abs(result[1]), abs(result[2]))
 
+    def first_steps(self, spans: np.ndarray) -> np.ndarray:
+        """How long the next steps of all lanes may be, which go no further than ``spans``."""
+        found = openings(self.integrator, spans)
+        self.steps.stride[found < np.inf] = 1.0
+        return found
+
+    def look_back(self, begin: tuple[np.ndarray, ...], state: np.ndarray) -> np.ndarray:
+        """Which lanes took steps too long since they began there, in the integrator's units; it is
+        noted, too."""
+        found = overlong_lanes(self.integrator, begin, state, self.steps.stride)
+        self.steps.overlong[found] = True
+        return found
+
     @property
     def states(self) -> np.ndarray:
         """Where the motions stand (width, n)."""
@@ -117,7 +139,7 @@ class Lanes:
 
     def load(self, lane: Any, state: np.ndarray, values: np.ndarray, time: float) -> None:
         """Put motions (k, n) with parameters (k, p) on some lanes."""
-        self.steps.shortest[lane], self.steps.longest[lane] = np.inf, 0.0
+        self.steps.begin(lane)
         times = self.integrator.time.copy()
         times[lane] = time
         self.integrator.set_time(times.tolist())
@@ -169,7 +191,7 @@ def along(
     lanes: Lanes, states: np.ndarray, values: np.ndarray, grid: np.ndarray, stopped: Look
 ) -> tuple[np.ndarray, dict[int, IntegrationError], int, list[int]]:
     """Up to ``width`` motions along one grid: states (m, k, n), errors, how many steps, and those
-    whose steps collapsed.
+    whose steps collapsed, or were made too long.
 
     A motion that breaks down keeps its states up to there, the rest are not numbers; the others
     are run again without it.
@@ -186,7 +208,8 @@ def along(
         rows[left] = block[: len(left)]
         steps += taken
         if not broken:
-            collapsed = [int(i) for lane, i in enumerate(left) if lanes.steps.collapsed(lane)]
+            doubt = [lanes.steps.collapsed(k) or lanes.steps.overlong[k] for k in range(len(left))]
+            collapsed = [int(i) for i, bad in zip(left, doubt, strict=True) if bad]
             return rows, errors, steps, collapsed
         errors |= {int(pick[lane]): error for lane, error in broken.items() if lane < len(left)}
         left = np.array([i for i in left if i not in errors], dtype=int)
@@ -201,14 +224,15 @@ def _pieces(
 
     ta, at, piece, steps = lanes.integrator, 0, PIECE, 0
     block[:, 0] = lanes.states
-    longest = openings(ta, np.full(lanes.width, grid[-1] - grid[0])).tolist()
-    if min(longest) < np.inf:
-        piece = 1  # steps of the first piece are short where the first one must be
     while at < len(grid) - 1:
         if stopped():
             raise Stopped
+        longest = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at])).tolist()
+        if min(longest) < np.inf:
+            piece = 1  # steps of a piece are short where the first one must be
         end = min(at + piece, len(grid) - 1)
         times = np.repeat(grid[at : end + 1, None], lanes.width, axis=1)
+        begin, state = tuple(part.copy() for part in ta.dtime), ta.state.copy()
         found = ta.propagate_grid(times, max_steps=CHUNK, max_delta_t=longest)
         new = np.moveaxis((found[1] if isinstance(found, tuple) else found) * lanes.units, -1, 0)
         lanes.note_steps()
@@ -229,8 +253,10 @@ def _pieces(
             if collapsed:
                 return collapsed, steps
             new = np.stack([block[:, at], lanes.states], axis=1)
+        else:
+            lanes.look_back(begin, state)
         block[:, at : end + 1] = new
-        at, longest = end, [np.inf] * lanes.width
+        at = end
         piece = max(1, min(4 * piece, int(piece * CHUNK / (4 * max(taken, 1)))))
     return {}, steps
 

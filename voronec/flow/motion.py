@@ -23,6 +23,7 @@ from voronec.equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.flow.atlas import NEAR as CHANGE
 from voronec.flow.attempts import Way, first_success, other_method
+from voronec.flow.blind import charted_directions
 from voronec.flow.branches import Untold, require_told
 from voronec.flow.divisors import Divisor
 from voronec.flow.events import Crossings, Event, spelled
@@ -223,6 +224,8 @@ class _Request:
 
     def in_smallest(self, _: IntegrationError | None) -> Trajectory:
         """By the method asked for, in the smallest model; near poles of angles beyond them."""
+        if self._begins_at_chart:
+            return self._past_poles(None)
         try:
             return self._in_smallest(self.method, CHANGE)
         except NearPole:
@@ -232,6 +235,18 @@ class _Request:
             if start and is_exact(self.method, self.tol) and self.outset.is_at_pole(own):
                 raise self._no_digits() from error
             raise
+
+    @property
+    def _begins_at_chart(self) -> bool:
+        """Whether the start is where declared charts begin, and the smallest model knows of none:
+        on invariants the rates of angles are rounding there."""
+        own = self.vocabulary.equations
+        if is_exact(self.method, self.tol) or not own.system.charts or self.smallest.model is None:
+            return False
+        ground = SplitGround(own, self.outset.constants, float(self.grid[0]))
+        rest = np.zeros(len(own.definition.dots))
+        wide = np.concatenate([self.outset.state[: len(own.definition.coordinates)], rest])
+        return bool(charted_directions(ground, wide).shape[1])
 
     def _no_digits(self) -> IntegrationError:
         """The error where digits are asked for at a pole of angles."""

@@ -17,7 +17,6 @@ from voronec.flow.batches import (
     note_step,
     strides,
 )
-from voronec.flow.steppers.opening import openings
 from voronec.flow.steppers.run import COLLAPSE, INFINITE
 from voronec.flow.vocabulary import number
 from voronec.flow.zeros import Paths, Zeros, zeros
@@ -166,23 +165,33 @@ def _stretch(
     lanes: Lanes,
     holds: list[int | None],
     origin: np.ndarray,
+    careful: bool = False,
 ) -> None:
-    """Some hundreds or thousands of steps of all lanes, and the crossings in them."""
+    """Some hundreds or thousands of steps of all lanes, and the crossings in them; or, where steps
+    are made too long by coefficients that vanish, ``careful`` ones, each looked at before."""
     ta = lanes.integrator
-    before, limit = ta.time.copy(), _steps_ahead(passages, holds)
+    begin, state = tuple(part.copy() for part in ta.dtime), ta.state.copy()
+    before, limit = ta.time.copy(), 1 if careful else _steps_ahead(passages, holds)
     idle = np.array([i is None for i in holds])
     # a lane that idles stays where it is as far as possible
     ends = np.where(idle, before + 1e-300, passages.until)
     ends = np.maximum(ends, before)
     longest = np.full(lanes.width, np.inf)
-    if (fresh := ~idle & (before == origin)).any():
-        longest = np.where(fresh, openings(ta, ends - before), np.inf)
+    if (fresh := ~idle & (careful | (before == origin))).any():
+        longest = np.where(fresh, lanes.first_steps(ends - before), np.inf)
         limit = 1 if np.isfinite(longest).any() else limit
     output = ta.propagate_until(
         ends.tolist(), max_steps=limit, max_delta_t=longest.tolist(), c_output=True
     )[0]
-    lanes.note_steps()
     taken = [r[3] for r in ta.propagate_res]
+    if not careful and lanes.look_back(begin, state).any():
+        ta.set_dtime(*begin)
+        ta.state[:] = state
+        for _ in range(max(taken)):
+            if not any(i is not None and passages.over(i) for i in holds):
+                _stretch(motions, watch, passages, lanes, holds, origin, careful=True)
+        return
+    lanes.note_steps()
     passages.steps[0] += sum(n for n, i in zip(taken, holds, strict=True) if i is not None)
     busy = [k for k, i in enumerate(holds) if i is not None]
     broken = [k for k in busy if not np.isfinite(ta.state[:, k]).all()]

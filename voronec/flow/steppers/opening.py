@@ -10,10 +10,18 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["opening", "openings"]
+__all__ = ["GROWING", "STRIDE", "opening", "openings", "overlong_lanes"]
 
 SPARSE = 2.0
 """A step so many times longer than the other coefficients allow is not to be trusted."""
+STRIDE = 4.0
+"""A step so many times the mean of the others of its chunk may have been made too long by
+coefficients that vanish; then the chunk is looked at step by step.  So is each chunk of a run that
+began with such a step, since a motion comes back."""
+GROWING = 1.5
+"""Of these, only such are looked at as are so many times longer than the step before."""
+SPECK = 1e-300
+"""A step of a lane that has come to its end: heyoka takes none of length zero."""
 
 
 def opening(coefficients: np.ndarray, taken: float, tol: float) -> float:
@@ -45,3 +53,38 @@ def openings(integrator: Any, spans: np.ndarray) -> np.ndarray:
     integrator.set_dtime(*times)
     integrator.state[:] = state
     return np.array(found)
+
+
+def overlong_lanes(
+    integrator: Any, begin: tuple[np.ndarray, ...], state: np.ndarray, stride: np.ndarray
+) -> np.ndarray:
+    """Which lanes (width,) of a batch integrator took a step that was made too long, from
+    ``begin`` (its ``dtime``) and ``state`` (n, width) to where it stands, and stands afterwards.
+
+    Lanes of which one step is more than ``stride`` (width,) times the others are gone over again.
+    """
+    ends, there = tuple(part.copy() for part in integrator.dtime), integrator.state.copy()
+    width = len(ends[0])
+    taken, longest = (
+        np.array([abs(result[k]) for result in integrator.propagate_res]) for k in (3, 2)
+    )
+    span = np.abs(ends[0] - begin[0])
+    others = (span - longest) / np.maximum(taken - 1, 1)
+    suspect, found = (taken > 1) & (longest > stride * others), np.zeros(width, dtype=bool)
+    if not suspect.any() or not np.isfinite(there).all():
+        return found
+    integrator.set_dtime(*begin)
+    integrator.state[:] = state
+    before = np.full(width, np.inf)
+    for _ in range(int(taken[suspect].max())):
+        left = ends[0] - integrator.time
+        integrator.step(max_delta_t=np.where(left == 0, SPECK, left).tolist(), write_tc=True)
+        for lane in np.flatnonzero(suspect & ~found):
+            length = abs(integrator.step_res[lane][1])
+            if length > GROWING * before[lane]:
+                tol, tc = integrator.tol, integrator.tc[:, :, lane]
+                found[lane] = opening(tc, length, tol) < np.inf
+            before[lane] = length
+    integrator.set_dtime(*ends)
+    integrator.state[:] = there
+    return found

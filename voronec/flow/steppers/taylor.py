@@ -11,7 +11,7 @@ import numpy as np
 import symengine as se
 
 from voronec.flow.events import Event
-from voronec.flow.steppers.opening import opening
+from voronec.flow.steppers.opening import GROWING, STRIDE, opening
 from voronec.flow.steppers.run import (
     COLLAPSE,
     DISTANT,
@@ -38,12 +38,6 @@ AHEAD = 100_000
 """Points of the grid that are handed over at a time, at most."""
 FEW = 1_000
 """Points that are handed over where chunks are short."""
-STRIDE = 4.0
-"""A step so many times the mean of the others of its chunk may have been made too long by
-coefficients that vanish; then the chunk is looked at step by step.  So is each chunk of a run that
-began with such a step, since a motion comes back."""
-GROWING = 1.5
-"""Of these, only such are looked at as are so many times longer than the step before."""
 CRAWL = 1e-9
 """A chunk of steps that covers less than this part of the span leads nowhere."""
 SPECK = 1e-300
