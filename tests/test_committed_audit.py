@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -92,6 +93,32 @@ def test_a_section_audited_anew_has_the_verdicts_that_are_kept(audit: Audit, pap
     section = next(s for s in paper.sections if s.label == "ballGyr")
     kept = [r for r in audit.records if r.section == section.title]
     assert list(audit_section(section, labels=formulas_by_label(paper.sections))) == kept, STALE
+
+
+WORDS = re.compile(r"\\([a-zA-Z]+)|([a-zA-Z])")
+SIGNS = set(
+    "frac tfrac sqrt left right sin cos partial dot det quad langle rangle le cdot times int sum "
+    "in or mathbf mathfrak mathbb mathcal bar tilde overrightarrow delta big Big d".split()
+)
+
+
+def heads(latex: str) -> set[str]:
+    """The letters of a formula, without its commands."""
+    bare = re.sub(r"\\(?:text|begin|end|mathrm)\{[^}]*\}", " ", latex)
+    return {a or b for a, b in WORDS.findall(bare)} - SIGNS
+
+
+def test_letters_that_are_not_the_papers_are_explained(audit: Audit) -> None:
+    """Those of print anywhere, and sigma, a tensor that its own formula defines, are known."""
+    printed = {r.section: set[str]() for r in audit.records}
+    for record in audit.records:
+        printed[record.section] |= heads(record.printed)
+    theirs = {"mu", "A", "E", "Sigma"}
+    for record in audit.records:
+        for formula in record.formulas:
+            said = heads(" ".join(re.findall(r"\$[^$]*\$", formula.method)))
+            strange = heads(formula.derived or "") - printed[record.section] - said - theirs
+            assert not strange, (record.called, record.section)
 
 
 def test_it_is_small_enough_to_be_carried(build: ModuleType) -> None:

@@ -30,7 +30,7 @@ FOLDABLE = 20
 """Derived constants with fewer operations are brought in by name."""
 
 EXPANDABLE = 80
-"""Results with fewer operations are also multiplied out, and the shorter print is taken."""
+"""Results with fewer operations are put into other forms, and the shortest print is taken."""
 
 
 def derived_latex(
@@ -133,12 +133,18 @@ def print_latex(value: Any, chain: Chain, study: Study) -> str:
     value, names = _plain_symbols(shorten([value])[0], study)
     verbatim = {x: x.name for x in value.free_symbols if "{" in x.name}
     names = {**verbatim, **study.spelling, **symbols, **names}
-    candidates = (value, sp.expand(value)) if sp.count_ops(value) < EXPANDABLE else (value,)
-    texts = [str(sp.latex(c, symbol_names=names, fold_func_brackets=True)) for c in candidates]
+    texts = [str(sp.latex(c, symbol_names=names, fold_func_brackets=True)) for c in _forms(value)]
     text = min(texts, key=len)
     if len(text) > LONGEST:
         raise EngineLimit(f"the derived expression has {len(text)} characters in print")
     return text
+
+
+def _forms(value: sp.Expr) -> tuple[sp.Expr, ...]:
+    """Equal forms of a value: as it is, multiplied out, and in factors with nothing to cancel."""
+    if sp.count_ops(value) >= EXPANDABLE:
+        return (value,)
+    return value, sp.expand(value), sp.factor(value)
 
 
 def _fold(value: sp.Expr, chain: Chain, study: Study) -> tuple[sp.Expr, dict[Any, str]]:

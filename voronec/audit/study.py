@@ -146,6 +146,8 @@ class Study:
         quasi-velocity -> its value in coordinate velocities, for print.
     context
         whatever the functions of the paper's checks want to find here.
+    letters
+        letter that is not the paper's -> a sentence on what it means, for print.
     note
         in words, how general the derived system is.
     source
@@ -168,6 +170,7 @@ class Study:
     scope: tuple[str, ...] = ()
     in_velocities: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     context: Any = None
+    letters: Mapping[str, str] = field(default_factory=dict)
     note: str = ""
     source: str = ""
 

@@ -145,5 +145,12 @@ def loose_index(formula: Formula, chain: Chain, study: Study) -> str:
 
 
 def with_note(record: FormulaRecord, study: Study) -> str:
-    """The method, and how general the study is."""
-    return f"{record.method}; {study.note}" if study.note else record.method
+    """The method, how general the study is, and the letters of the derived side that are not the
+    paper's."""
+    shown = record.derived or ""
+    strange = [
+        meaning
+        for letter, meaning in study.letters.items()
+        if re.search(rf"(?<![a-zA-Z\\]){re.escape(letter)}(?![a-zA-Z])", shown)
+    ]
+    return "; ".join(filter(None, (record.method, study.note, *dict.fromkeys(strange))))

@@ -27,6 +27,7 @@ from .surfaces import (
     MASS,
     NOTE,
     QUASI,
+    SHAPES,
     Surfaces,
     theta,
     told,
@@ -203,6 +204,7 @@ class Body:
             "coordinates": Study(
                 self.named,
                 motion=motion,
+                letters=SHAPES,
                 variations=variations,
                 given=surfaces.roots,
                 context=self,

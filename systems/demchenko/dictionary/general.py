@@ -27,6 +27,10 @@ Q = sp.symbols(f"q1:{TOTAL + 1}")
 V = tuple(vo.velocity(x) for x in Q)
 FORCES = sp.symbols(f"Q1:{TOTAL + 1}")
 DELTA = sp.symbols(f"delta1:{BASE + 1}")
+COEFFICIENTS = dict.fromkeys(
+    ("m", "l"), "$m_{ij}$ and $l_i$ are the coefficients of $T$, quadratic and linear in velocities"
+)
+"""The letters of the kinetic energy, in words."""
 INDICES = {"i": BASE, "j": BASE, r"\nu": FIBRE, r"\mu": FIBRE, "s": TOTAL}
 
 
@@ -197,6 +201,7 @@ class General:
             self.motion,
             variations,
             context=self,
+            letters=COEFFICIENTS,
             source="d'Alembert's principle and the equations derived for a general system",
             note=f"n = {BASE}, k = {FIBRE}, every coefficient an arbitrary function",
         )

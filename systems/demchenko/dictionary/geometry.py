@@ -17,7 +17,7 @@ import voronec as vo
 from voronec.audit import Motion, Study, Verdict, direction
 
 from .connections import Connection
-from .general import BASE, DELTA, FIBRE, INDICES, TOTAL, Q, V
+from .general import BASE, COEFFICIENTS, DELTA, FIBRE, INDICES, TOTAL, Q, V
 from .principle import dalembert, lagrange
 from .subspaces import direct_sum, leading_places, null_space, span
 from .verdicts import all_equal
@@ -219,7 +219,15 @@ class Geometry:
             r"\dot q^h": self.connection.horizontal(sp.Matrix(V)),
         }
         return Study(
-            names, INDICES, self.motion, {}, LABELLED, context=self, note=NOTE, source=SOURCE
+            names,
+            INDICES,
+            self.motion,
+            {},
+            LABELLED,
+            letters=COEFFICIENTS,
+            context=self,
+            note=NOTE,
+            source=SOURCE,
         )
 
     def applied(self) -> Study:

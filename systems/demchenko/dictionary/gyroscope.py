@@ -31,6 +31,7 @@ from .surfaces import (
     MASS,
     NOTE,
     QUASI,
+    SHAPES,
     SLIP,
     Surfaces,
     told,
@@ -283,7 +284,13 @@ class WithGyroscope:
         }
         note = f"{NOTE}, any inertia and any force function"
         study = Study(
-            names, motion=self.motion, given=self.given, context=self, note=note, source=SOURCE
+            names,
+            motion=self.motion,
+            given=self.given,
+            letters=SHAPES,
+            context=self,
+            note=note,
+            source=SOURCE,
         )
         climbing = f"{note}, and for any velocity of $M$ along $\\mathbf n$"
         return {"motion": study, "balance": replace(study, note=climbing)}

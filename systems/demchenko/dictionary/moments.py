@@ -46,7 +46,15 @@ def particles(trace: str, moment: str) -> Study:
     }
     note = "for mass points with inner forces along their connecting lines"
     source = f"Newton's laws for {PARTICLES} mass points"
-    return Study(names, motion=Motion(rates), labelled=LABELLED, note=note, source=source)
+    forces_said = {"f": "$f_{ij}$ is the component $j$ of the outer force on the mass point $i$"}
+    return Study(
+        names,
+        motion=Motion(rates),
+        labelled=LABELLED,
+        letters=forces_said,
+        note=note,
+        source=source,
+    )
 
 
 def _strength(i: int, j: int) -> sp.Symbol:

@@ -33,6 +33,13 @@ from .surfaces import (
 )
 
 TURN = sp.symbols("e_0:4")
+QUATERNION = {"e": "$e_0$ to $e_3$ are the quaternion of a rotation"}
+STRANGE = {
+    **QUATERNION,
+    r"\rho": r"$\rho_{u1}$, $\rho_{v1}$, $\epsilon_1$ are the coordinates of $M$ along "
+    r"$\mathbf u_1, \mathbf v_1, \mathbf n_1$",
+}
+"""Letters that are not the paper's, in words."""
 ARM = sp.symbols("x y z")
 W, P = sp.symbols("w_x w_y w_z"), sp.symbols("p q r")
 MOMENTS = sp.symbols("A B C", positive=True)
@@ -165,6 +172,7 @@ class Space:
                 positive=tuple(x for forms in self.surfaces.forms for x in forms.first),
                 context=self,
                 note=NOTE,
+                letters=STRANGE,
                 source="positions and rotations, R^T dR/dt for the angular velocities, and the "
                 "forms of the surfaces",
             )

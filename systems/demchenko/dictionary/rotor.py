@@ -11,7 +11,7 @@ import voronec as vo
 from voronec.audit import Motion, Study
 from voronec.kinematics import kinetic_energy
 
-from .neumann import TURN, Attitude, rotation
+from .neumann import QUATERNION, TURN, Attitude, rotation
 from .surfaces import MASS, QUASI, vector
 from .verdicts import worst
 
@@ -131,5 +131,6 @@ class Turning:
             motion=self.motion,
             context=self,
             note="for any rotation of the axes",
+            letters=QUATERNION,
             source="the kinematics R^T dR/dt of any rotation",
         )

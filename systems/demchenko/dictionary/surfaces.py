@@ -30,6 +30,11 @@ DETERMINED = (
     "the determinant is a power of the relative curvature's, times that of the inertia about M, "
     "which is positive, and positive factors"
 )
+SHAPES = {
+    "Q": r"$K$ and $K_1$ are the shape operators of the surfaces, $Q$ turns the axes of one into "
+    "those of the other"
+}
+"""The letters of the relative curvature, in words."""
 SPELLED = ("u", "v", r"\vartheta", "u_1", "v_1")
 
 

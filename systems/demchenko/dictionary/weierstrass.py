@@ -254,7 +254,12 @@ def addition_studies() -> dict[str, Study]:
     here, law = functions("u", r"\zeta")
     letters = dict(zip(("u", r"\zeta"), here.arguments, strict=True))
     first = Study(
-        {**letters, **here.names()}, relations=law.relations, context=law, note=NOTE, source=SOURCE
+        {**letters, **here.names()},
+        relations=law.relations,
+        letters={"g": r"$g_2$ is the invariant of $\wp$ in $\wp'^2=4\wp^3-g_2\wp-g_3$"},
+        context=law,
+        note=NOTE,
+        source=SOURCE,
     )
     there, law = functions("u", "v")
     names: dict[str, Any] = dict(zip(("u", "v"), there.arguments, strict=True))

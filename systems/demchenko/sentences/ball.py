@@ -10,7 +10,7 @@ import voronec as vo
 from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
 from voronec.audit.meaning import evaluate
 
-from ..dictionary.ball import A1, A2, C1, C2, VERTICAL, theta, u
+from ..dictionary.ball import A1, A2, C1, C2, VERTICAL, chi, theta, u
 from .claims import AXES, agreed, all_of, constant, denied, equals, holds, imposed, residuals, value
 
 ACROSS = {"ball": A1, "gyroscope": A2, "ball + gyroscope": A1 + A2}
@@ -27,6 +27,13 @@ def zhukovsky(
         "the derived condition",
     )
     return denied(one_of(relation, {"=": True, "!=": False}), found)
+
+
+def idle_axis(study: Study, _: Range, *, much: int) -> vo.Verdict:
+    """No constraint holds the rate of the rotor's angle, so that no reaction turns it."""
+    roll = study.context.rolling
+    slopes = [sp.diff(constraint, vo.velocity(chi)) for constraint in roll.contact.no_slip]
+    return equals(((slope, much) for slope in slopes), "the constraints by the rotor's rate")
 
 
 def colatitude(study: Study, _: Range, *, sort: str) -> vo.Verdict:
@@ -209,6 +216,11 @@ SENTENCES = (
         r"@sort:word{constant} in the fixed reference frame",
         conserved,
         "spheres",
+    ),
+    Sentence(
+        "Since torque of reaction of constrains for gyroscope axis is also @much:number{zero}, one "
+        "concludes",
+        idle_axis,
     ),
     Sentence(
         r"The cosines @letters:names{$\alpha_1'',\beta_1'',\gamma_1''$}  of the angles between "

@@ -10,16 +10,21 @@ import voronec as vo
 from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
 from voronec.audit.latex.nodes import Call, Name
 from voronec.audit.meaning import evaluate
+from voronec.kinematics import Surface
 
 from ..dictionary.chaplygin_balls import (
     CONFIGURATIONS,
     GAMMA,
+    KAPPA,
     OMEGA,
     R1,
     R2,
     SIGNED,
     Ball,
     momentum_is_about_contact,
+    rolling_ball,
+    u1,
+    v1,
 )
 from ..dictionary.gyroscopic_balls import is_demchenkos, on_the_plane, rotor_is_kappa
 from ..dictionary.rubber_balls import is_veselovas
@@ -138,6 +143,55 @@ def tori(study: Study, _: Range, *, dimension: str) -> vo.Verdict:
     ball = Ball.on_plane()
     good = [name for name in INTEGRALS if ball.constants([name]).proved]
     return agreed(one_of(dimension, sizes), len(OMEGA) + len(GAMMA) - len(good), "dimensions")
+
+
+def configurations(study: Study, _: Range, *, count: int) -> vo.Verdict:
+    """Outside, inside, around: the signs of the radius, and of its size less the ball's."""
+    return agreed(count, len(CONFIGURATIONS), "ranges of the signed radius")
+
+
+def flat(study: Study, _: Range, *, how: str) -> vo.Verdict:
+    """gamma, brought into space by the rotation of the ball, is the normal of the plane."""
+    ball = rolling_ball(Surface.plane(u1, v1))
+    upright = sp.Matrix(ball.contact.attitude) * sp.Matrix(ball.normal)
+    place = sp.Matrix(ball.contact.fixed.position)
+    products = [upright.dot(place.diff(q)) for q in (u1, v1)]
+    found = equals(((x, 0) for x in products), "the normal and the axes of the plane")
+    return denied(one_of(how, {"orthogonal": True, "parallel": False}), found)
+
+
+def euler_jacobi(study: Study, _: Range, *, theorem: str) -> vo.Verdict:
+    """An invariant measure, and two independent integrals less than there are dimensions."""
+    if theorem != "euler-jacobi":
+        return vo.Verdict("undecided", f"what is needed for '{theorem}' is not known here")
+    return integrable(study.context)
+
+
+def integrable(ball: Ball) -> vo.Verdict:
+    """What Euler and Jacobi ask for, with the integrals that are known."""
+    good = [name for name in INTEGRALS if ball.constants([name]).proved]
+    enough = len(good) + 2 == len(OMEGA) + len(GAMMA)
+    said = f"{len(good)} integrals are known, in {len(OMEGA) + len(GAMMA)} dimensions"
+    known = vo.Verdict("proved" if enough else "undecided", said)
+    return all_of(known, lambda: ball.independent(good), ball.measure)
+
+
+def remains(study: Study, _: Range, *, sort: str, surface: str, how: str) -> vo.Verdict:
+    """With a gyroscope, and three different moments of inertia, on a plane or on a sphere."""
+    one_of(sort, {"non-symmetric": True})
+    kinds = {"plane": Ball.on_plane, "sphere": lambda kappa: Ball.on_sphere(R1, kappa)}
+    ball = one_of(surface, kinds)(KAPPA)
+    if not one_of(how, {"integrable": True, "nonintegrable": False}):
+        return denied(False, integrable(ball))
+    return integrable(ball)
+
+
+def hypersurface(study: Study, _: Range, *, sort: str, surface: Quoted) -> vo.Verdict:
+    """Where an integral has one value: what begins there stays there."""
+    name = r"\tilde F_4"
+    shown = agreed(surface.latex, f"${name}^{{-1}}(0)$", "the level of the integral")
+    found = study.context.constants([name])
+    return all_of(shown, denied(one_of(sort, {"invariant": True}), found))
 
 
 def double_shell(
@@ -271,6 +325,16 @@ QUOTED = "a result of others that is quoted, and not derived here"
 
 SENTENCES = (
     Sentence(
+        "There are @count:number{three} possible configurations:",
+        configurations,
+        "outer",
+    ),
+    Sentence(
+        "On the other hand, the rolling without slipping of the Chaplygin ball over a sphere "
+        "generically is not integrable.",
+        unaudited=QUOTED,
+    ),
+    Sentence(
         r"(ii) rolling of $\mathrm B$ over @surface:word{inner} surface of $\mathrm S$ "
         "(@condition:formula{$R_1>R_2$});",
         configuration,
@@ -300,6 +364,12 @@ SENTENCES = (
         "plane",
     ),
     Sentence(
+        "the equations of motion of the Chaplygin ball rolling over the plane "
+        r"@how:word{orthogonal} to $\gamma$.",
+        flat,
+        "plane",
+    ),
+    Sentence(
         r"In the space @dimension:formula{$\mathbb R^6({\omega},\gamma)$} the system has an "
         "@sort:word{invariant} measure with the density",
         measured,
@@ -319,6 +389,11 @@ SENTENCES = (
         "outer",
     ),
     Sentence(
+        "The problem is integrable by the @theorem:word{Euler-Jacobi} theorem",
+        euler_jacobi,
+        "plane",
+    ),
+    Sentence(
         "the phase space is almost everywhere foliated by @dimension:word{two-dimensional} "
         "invariant tori with quasi-periodic, non-uniform motion",
         tori,
@@ -334,6 +409,12 @@ SENTENCES = (
         "@radii:formula{$R_2=2R_1$}) Borisov and Fedorov (see \\cite{BF}) found an integrable case "
         "with the following fourth first integral",
         double_shell,
+        "double shell",
+    ),
+    Sentence(
+        "The system is integrated on an @sort:word{invariant} hypersurface "
+        r"@surface:formula{$\tilde F_4^{-1}(0)$}",
+        hypersurface,
         "double shell",
     ),
     Sentence(
@@ -366,8 +447,25 @@ $}""",
         "rubber on a plane",
     ),
     Sentence(
+        r"Borisov and Mamaev  proved the integrability for $\epsilon=-1$",
+        unaudited=QUOTED,
+    ),
+    Sentence(
         r"The problem is Hamiltonizable for all $\epsilon$",
         unaudited=QUOTED,
+    ),
+    Sentence(
+        "phase space is foliated on invariant tori, such that the foliation is isomorphic to the "
+        "foliation of the integrable Euler case of the rigid body motion about a fixed point, but "
+        "the system itself has not analytic invariant measure and is not Hamiltonizable.",
+        unaudited=QUOTED,
+    ),
+    Sentence(
+        "Markeev proved that the addition of a gyroscope to the Chaplygin ball problem of rolling "
+        "of dynamically @sort:word{non-symmetric} ball without slipping over a "
+        "@surface:word{plane} remains @how:word{integrable}",
+        remains,
+        "outer with gyroscope",
     ),
     Sentence(
         "the addition of a gyroscope is equivalent to the addition of a @sort:word{constant} "
@@ -407,5 +505,14 @@ $}""",
         "the gyroscope are satisfied, we obtain the Demchenko integrable case.",
         demchenkos,
         "spheres with gyroscope",
+    ),
+    Sentence(
+        "The problem reduces to a linear differential equation of second order.",
+        unaudited=QUOTED,
+    ),
+    Sentence(
+        "In a special case when body is a sphere, the motion of the contact point is determined by "
+        "quadratures.",
+        unaudited=QUOTED,
     ),
 )
