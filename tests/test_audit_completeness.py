@@ -9,9 +9,10 @@ import pytest
 import sympy as sp
 from voronec.systems.demchenko.paper.ball import BALL
 from voronec.systems.demchenko.paper.neumann import NEUMANN
+from voronec.systems.demchenko.sentences.claims import residuals
 
 import voronec as vo
-from voronec.audit import Check, Display, Motion, Paper, Section, Sentence, Study, Verdict
+from voronec.audit import Check, Display, Motion, Paper, Quoted, Section, Sentence, Study, Verdict
 from voronec.audit import audit_paper as audited
 from voronec.audit.run import Work, items
 from voronec.audit.transcript import Transcript, formulas_by_label
@@ -133,3 +134,9 @@ def test_prints_of_the_paper_that_say_too_little(
         verdicts.append({e.record.verdict for e in work.examine(item)})
     assert verdicts[0] == {"proved"}
     assert "misprint" in verdicts[1]
+
+
+def test_an_inequality_in_the_place_of_an_equation_is_refused() -> None:
+    assert residuals(Quoted("$x=a$"), disc()) == [x - sp.Symbol("a")]
+    with pytest.raises(vo.DefinitionError, match="an inequality stands where an equation"):
+        residuals(Quoted("$x<a$"), disc())

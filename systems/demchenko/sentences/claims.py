@@ -133,6 +133,8 @@ def residuals(formula: Reference | Quoted, study: Study) -> list[Any]:
     """Left minus right of every equation, all constraints forgotten; vectors by components."""
     found: list[Any] = []
     for tree in formula.trees(study):
+        if set(tree.relations) - {"="}:
+            raise vo.DefinitionError("an inequality stands where an equation is needed")
         for where in assignments(tree, study):
             parts = [evaluate(part, study, where) for part in tree.parts]
             for left, right in pairwise(parts):
