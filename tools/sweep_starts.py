@@ -178,7 +178,10 @@ class Bench:
         """What is singular at coordinates; empty where nothing is."""
         if self.condition(q) > SINGULAR:
             return "coordinates"
-        matrix, _ = self.referee._kinematics(mp.mpf(0), q, self.values)
+        try:
+            matrix, _ = self.referee._kinematics(mp.mpf(0), q, self.values)
+        except ZeroDivisionError:
+            return "constraints"
         if np.linalg.cond(np.array(matrix, dtype=float)) > SINGULAR:
             return "velocities"
         for text, function in self.functions().items():
@@ -198,9 +201,11 @@ class Bench:
         m, place = self.referee.mechanics, dict(zip(self.names, q, strict=True))
         pace = {v: round(self.dice.uniform(-1, 1), 3) for v in m.velocities}
         yield Start(place, pace, True)
-        matrix, offsets = (
-            np.array(x, dtype=float) for x in self.referee._kinematics(mp.mpf(0), q, self.values)
-        )
+        try:
+            found = self.referee._kinematics(mp.mpf(0), q, self.values)
+        except ZeroDivisionError:  # the constraints have no value there
+            return
+        matrix, offsets = (np.array(x, dtype=float) for x in found)
         rows = len(self.referee._rows)
         guess = np.array([self.dice.uniform(-1, 1) for _ in m.w])
         inverse = np.linalg.pinv(matrix[:rows], 1e-9)
@@ -371,7 +376,7 @@ def _place(bench: Bench, where: str, q: list[float]) -> str:
     """What came of a place; what is not right is printed."""
     found = [(*bench.judged(start), start) for start in bench.starts(q)]
     for outcome, detail, start in found:
-        if outcome != "right" and (outcome != "refused" or found[0][0] == found[1][0]):
+        if outcome != "right" and (outcome != "refused" or found[0][0] == found[-1][0]):
             print(f"{outcome}: {bench.system.name} at {where}: {detail}")
             print(f"    initial={ {**start.place, **start.pace}!r}", flush=True)
     return min((outcome for outcome, _, _ in found), key=WORST.index)
