@@ -113,7 +113,8 @@ def _whole(x: Any) -> Any:
 
 
 def _angle(y: Any, x: Any) -> Any:
-    if abs(y) < NEAR and not x > NEAR:
+    on_cut = y == 0 and x < -NEAR  # exactly, where the angle is pi
+    if abs(y) < NEAR and not x > NEAR and not on_cut:
         raise Outside
     return mp.atan2(y, x)
 
