@@ -207,7 +207,7 @@ def decide_equal(
     try:
         if are_equal(a, b, relations, min(work_limit, WORK_LIMIT)):
             return Verdict("proved", "zero in exact normal form, functions of functions resolved")
-    except (EngineLimit, DefinitionError):
+    except (EngineLimit, DefinitionError, RecursionError):  # forms nested too deeply
         pass
     evidence = (
         f"the two sides agree to 200 digits at {agreeing} points (no proof)"
