@@ -1,12 +1,14 @@
 """Premises of a paper's derived systems changed one at a time, and what is proved all the same.
 
-    python tools/change_premises.py [--paper NAME] [--section K] [--seconds S]
+    python tools/change_premises.py [--paper NAME] [--section K] [--seconds S] [--system NAME]
 
-A premise is a parameter in the Lagrangian, a constraint, or the definition of a quasi-velocity of a
-system that the dictionaries of a section derive.  Each is changed (doubled, or a sign turned), and
-the section is audited again.  Printed are how many proved records fail, those that are proved all
-the same though what is derived beside them has changed, and those that fail with no premise: such
-a record must be true whatever the premise, or it was compared with the print.
+A premise is a parameter in the Lagrangian, a velocity in it, a force, a constraint, or the
+definition of a quasi-velocity of a system that the dictionaries of a section derive.  Each is
+changed (doubled, or a sign turned), and the records that name the system as their source are
+audited again.  Printed are how many of them fail, which are proved all the same though what is
+derived beside them has changed, and which fail with no premise of the system they name: such a
+record is true whatever the system does, or it was compared with the print.  Then the exit status
+is 1.
 """
 
 from __future__ import annotations
@@ -21,16 +23,17 @@ from typing import Any
 
 import voronec as vo
 from voronec.algebra.symbols import velocity
+from voronec.audit import Check, Sentence
 from voronec.audit.record import worst
-from voronec.audit.run import Work, items
+from voronec.audit.run import Item, Work, items
 from voronec.audit.transcript import formulas_by_label
 from voronec.catalogue import load_paper
 from voronec.errors import VoronecError
 
 __all__ = ["Premise", "main", "premises"]
 
-Verdicts = dict[str, tuple[str, str]]
-"""Record -> its verdict, and what is printed as derived."""
+NOTHING = ("nothing is claimed", "defined in words", "a condition")
+"""How the method of a record begins that was compared with nothing."""
 
 
 @dataclass(frozen=True)
@@ -42,34 +45,71 @@ class Premise:
     changed: vo.System
 
 
+@dataclass(frozen=True)
+class Told:
+    """A record's verdict, what is printed as derived, and the sources that it names."""
+
+    verdict: str
+    derived: str
+    sources: str
+
+    @property
+    def good(self) -> bool:
+        """Whether something was compared with what is derived, and agrees."""
+        return self.verdict in ("proved", "definition") and bool(self.sources)
+
+    def names(self, system: str) -> bool:
+        """Whether a system is a source of it."""
+        return f"'{system}'" in self.sources
+
+
+Verdicts = dict[str, Told]
+
+
 def main() -> int:
     """Change every premise; print what fails and what is proved all the same."""
     chosen = _arguments()
-    begun = time.process_time()
+    begun, wrong = time.process_time(), 0
     for k in _sections(chosen):
         seen: dict[str, vo.System] = {}
         before = _audited(chosen.paper, k, partial(_noted, seen))
         print(f"section {k}: {len(before)} records, derived from {', '.join(seen) or 'no system'}")
-        failed: set[str] = set()
-        for premise in (p for system in seen.values() for p in premises(system)):
-            after = _after(chosen.paper, k, premise)
-            good = [name for name, (verdict, _) in before.items() if verdict == "proved"]
-            fail = [n for n in good if after.get(n, ("", ""))[0] != "proved"]
-            same = [n for n in good if n not in fail and after[n][1] != before[n][1]]
-            failed |= set(fail)
-            told = f"; proved all the same: {', '.join(same)}" if same else ""
-            print(f"  {premise.system}, {premise.what}: {len(fail)} fail{told}", flush=True)
+        for name, system in seen.items():
+            rest = {r for r, told in before.items() if told.good and told.names(name)}
+            if not rest or chosen.system not in ("", name):
+                continue
+            wrong += _changed(chosen.paper, k, system, before, rest)
             if chosen.seconds and time.process_time() - begun > chosen.seconds:
-                return 0
-        never = [n for n, (v, _) in before.items() if v == "proved" and n not in failed]
-        print(f"  fail with no premise: {', '.join(never) or 'none'}", flush=True)
-    return 0
+                print(f"stopped after {chosen.seconds:.0f} s")
+                return int(wrong > 0)
+    return int(wrong > 0)
+
+
+def _changed(paper: str, k: int, system: vo.System, before: Verdicts, names: set[str]) -> int:
+    """Change the premises of one system; how many of the records that name it never fail, or are
+    proved all the same though what is derived has changed."""
+    never, count = set(names), 0
+    for premise in premises(system):
+        after = _after(paper, k, premise, names)
+        fail = {n for n in names if n not in after or not after[n].good}
+        good = {n for n in names - fail if before[n].verdict == "proved"}
+        same = [n for n in good if after[n].derived != before[n].derived]
+        never -= fail
+        count += len(same)
+        told = f"; proved all the same: {', '.join(sorted(same))}" if same else ""
+        what = f"{premise.system}, {premise.what}"
+        print(f"  {what}: {len(fail)} of {len(names)} fail{told}", flush=True)
+    print(
+        f"  {system.name}: fail with no premise: {', '.join(sorted(never)) or 'none'}", flush=True
+    )
+    return len(never) + count
 
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--paper", default="demchenko")
     parser.add_argument("--section", type=int, default=0, help="its number; 0 for all")
+    parser.add_argument("--system", default="", help="one of those that the sections derive")
     parser.add_argument("--seconds", type=float, default=0.0, help="of CPU; 0 for no limit")
     return parser.parse_args()
 
@@ -81,71 +121,109 @@ def _sections(chosen: argparse.Namespace) -> list[int]:
 
 def premises(system: vo.System) -> Iterator[Premise]:
     """Every premise of a system, changed."""
+    for what, changes in (*_energies(system), *_constraints(system), *_velocities(system)):
+        yield Premise(system.name, what, replace(system, **changes))
+
+
+Change = tuple[str, dict[str, Any]]
+
+
+def _energies(system: vo.System) -> Iterator[Change]:
+    """Parameters and velocities in the Lagrangian, and forces."""
     energy = system.lagrangian
     symbols = {getattr(p, "symbol", p) for p in system.parameters}
-    for symbol in sorted(energy.free_symbols & symbols, key=str):
-        changed = replace(system, lagrangian=energy.xreplace({symbol: 2 * symbol}))
-        yield Premise(system.name, f"{symbol} doubled in the Lagrangian", changed)
+    dots = [velocity(q) for q in system.fibration.base]
+    for symbol in (*sorted(energy.free_symbols & symbols, key=str), *dots[:1]):
+        if energy.has(symbol):
+            changed = energy.xreplace({symbol: 2 * symbol})
+            yield f"{symbol} doubled in the Lagrangian", {"lagrangian": changed}
+    for place, force in list(system.forces.items())[:1]:
+        yield f"the force on {place} doubled", {"forces": {**system.forces, place: 2 * force}}
+
+
+def _constraints(system: vo.System) -> Iterator[Change]:
     dots = [velocity(q) for q in (*system.fibration.base, *system.fibration.fibre)]
     for i, constraint in enumerate(system.constraints):
         held = [d for d in dots[: len(system.fibration.base)] if constraint.has(d)]
         if held:
             turned = constraint.expand().xreplace({held[0]: -held[0]})
             every = (*system.constraints[:i], turned, *system.constraints[i + 1 :])
-            yield Premise(
-                system.name,
-                f"a sign turned in constraint {i + 1}",
-                replace(system, constraints=every),
-            )
+            yield f"a sign turned in constraint {i + 1}", {"constraints": every}
+
+
+def _velocities(system: vo.System) -> Iterator[Change]:
     frame = system.frame
-    if isinstance(frame, vo.Frame) and frame.brackets is None:
-        for i, (name, value) in enumerate(zip(frame.velocities, frame.expressions, strict=True)):
-            values = (*frame.expressions[:i], 2 * value, *frame.expressions[i + 1 :])
-            pairs = dict(zip(frame.velocities, values, strict=True))
-            yield Premise(
-                system.name,
-                f"{name} doubled in its definition",
-                replace(system, frame=vo.Frame.quasi(pairs)),
-            )
+    if not isinstance(frame, vo.Frame) or frame.brackets is not None:
+        return
+    for i, (name, value) in enumerate(zip(frame.velocities, frame.expressions, strict=True)):
+        values = (*frame.expressions[:i], 2 * value, *frame.expressions[i + 1 :])
+        pairs = dict(zip(frame.velocities, values, strict=True))
+        yield f"{name} doubled in its definition", {"frame": vo.Frame.quasi(pairs)}
 
 
 def _noted(seen: dict[str, vo.System], system: vo.System) -> vo.System:
     return seen.setdefault(system.name, system)
 
 
-def _after(paper: str, k: int, premise: Premise) -> Verdicts:
-    """The verdicts with one premise changed; nothing where no system comes of it."""
+def _after(paper: str, k: int, premise: Premise, names: set[str]) -> Verdicts:
+    """The verdicts of some records with one premise changed; none where no system comes of it."""
 
     def change(system: vo.System) -> vo.System:
-        return premise.changed if system.name == premise.system else system
+        """The same change of each system of that name: of a ball outside, inside, on a plane."""
+        if system.name != premise.system:
+            return system
+        found = [p.changed for p in premises(system) if p.what == premise.what]
+        return found[0] if found else system
 
     try:
-        return _audited(paper, k, change)
+        return _audited(paper, k, change, names)
     except VoronecError:
         return {}
 
 
-def _audited(paper: str, k: int, change: Callable[[vo.System], Any]) -> Verdicts:
+def _audited(
+    paper: str, k: int, change: Callable[[vo.System], Any], names: set[str] | None = None
+) -> Verdicts:
     """The verdicts of a section whose systems are changed before they are derived."""
-    derive = vo.derive
+    derive, descend = vo.derive, vo.descend
 
-    def changed(system: vo.System, *arguments: Any, **options: Any) -> Any:
-        return derive(change(system), *arguments, **options)
+    def changed(make: Any) -> Any:
+        return lambda system, *arguments, **options: make(change(system), *arguments, **options)
 
     for name in [n for n in sys.modules if n.startswith(f"voronec.systems.{paper}")]:
         del sys.modules[name]  # what is kept there was derived from other premises
-    vo.derive = changed
+    vo.derive, vo.descend = changed(derive), changed(descend)
     try:
         whole = load_paper(paper)
         work = Work(whole.sections[k - 1], formulas_by_label(whole.sections), corrects=False)
-        return {item.called: _verdict(work, item) for item in items(work.transcript)}
+        every = [i for i in items(work.transcript) if names is None or i.called in names]
+        return {item.called: _told(work, item) for item in every}
     finally:
-        vo.derive = derive
+        vo.derive, vo.descend = derive, descend
 
 
-def _verdict(work: Work, item: Any) -> tuple[str, str]:
+def _told(work: Work, item: Item) -> Told:
     found = work.examine(item)
-    return worst(e.record.verdict for e in found), "; ".join(e.record.derived or "" for e in found)
+    checks: list[Check | Sentence] = [f.display.check(f.position) for f in item.formulas]
+    checks += [item.sentence] if item.sentence is not None else []
+    sources = {origin for check in checks for origin in _origins(work, check)}
+    if any(e.record.method.startswith(NOTHING) for e in found):
+        sources = set()
+    return Told(
+        worst(e.record.verdict for e in found),
+        "; ".join(e.record.derived or "" for e in found),
+        "; ".join(sorted(sources)),
+    )
+
+
+def _origins(work: Work, check: Check | Sentence) -> list[str]:
+    """What a check is compared with: its own source in place of that of its dictionary."""
+    several = check.also if isinstance(check, Check) else ()
+    if check.source:
+        return [check.source]
+    if isinstance(check, Check) and check.role in ("words", "condition"):
+        return []
+    return [work.bench.study(check, name).origin for name in ("", *several)]
 
 
 if __name__ == "__main__":

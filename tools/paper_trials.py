@@ -7,9 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
-import sympy as sp
 from english_errors import sentence_slips
 from latex_errors import Slip, slips
 
@@ -17,13 +15,13 @@ from voronec.algebra.verdicts import prove_equal
 from voronec.audit import Display, Section, Study, Transcript
 from voronec.audit.comparisons import value_of
 from voronec.audit.consistency import Examined
-from voronec.audit.latex.nodes import Chain, Integral, Node, Number, Power, Product, Quotient, Sum
+from voronec.audit.latex.nodes import Chain, Integral, Node
 from voronec.audit.latex.reader import read
 from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.record import VERDICTS
 from voronec.audit.run import Item, Work, items
 from voronec.audit.slots import Labels
-from voronec.audit.structure import integrand, new_names
+from voronec.audit.structure import holds_always, integrand, new_names
 from voronec.audit.transcript import Formula, assignments
 from voronec.errors import VoronecError
 
@@ -384,7 +382,7 @@ def same_claim(old: Chain, new: Chain, study: Study) -> bool:
             for a, b in zip(old.parts, new.parts, strict=True)
         )
         links = list(zip(pairwise(old.parts), pairwise(new.parts), strict=True))
-        if any(_empty(b) and not _empty(a) for a, b in links):
+        if any(holds_always(*b) and not holds_always(*a) for a, b in links):
             return False
         return same or (
             set(old.relations) == {"="}
@@ -408,27 +406,6 @@ def _equal(a: Node, b: Node, study: Study, where: Mapping[str, int]) -> bool:
             prove_equal(x, y, study.relations).proved for x, y in zip(one, two, strict=True)
         )
     return prove_equal(one, two, study.relations).proved
-
-
-def _empty(link: tuple[Node, Node]) -> bool:
-    """Whether two sides are equal whatever their letters mean."""
-    left, right = (_free(part) for part in link)
-    return link[0] == link[1] or bool(sp.expand(left - right) == 0)
-
-
-def _free(node: Node) -> Any:
-    """The value of a tree with its names as free letters."""
-    if isinstance(node, Number):
-        return sp.Rational(node.text)
-    if isinstance(node, Sum):
-        return sp.Add(*(sign * _free(term) for sign, term in node.terms))
-    if isinstance(node, Product):
-        return sp.Mul(*map(_free, node.factors))
-    if isinstance(node, Quotient):
-        return _free(node.top) / _free(node.bottom)
-    if isinstance(node, Power):
-        return _free(node.base) ** _free(node.exponent)
-    return sp.Symbol(repr(node))
 
 
 def _proportional(

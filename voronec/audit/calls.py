@@ -44,7 +44,7 @@ def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
         function = value  # a member of a family of functions
     if function is not None:
         return function(*[evaluate(a, study, where) for a in node.arguments])
-    variables = set(study.motion.rates) | set(study.motion.constrained) | {time}
+    variables = _variables(study)
     if not value.free_symbols & variables:
         vectors = _two_vectors(node.arguments, study, where, evaluate)
         if vectors is not None:
@@ -57,6 +57,11 @@ def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
             "list of arguments leaves out"
         )
     return value
+
+
+def _variables(study: Study) -> set[sp.Expr]:
+    """What moves, and the time."""
+    return {*study.motion.rates, *study.motion.constrained, time}
 
 
 _MATRICES: dict[str, Callable[..., Any]] = {
@@ -111,6 +116,10 @@ def _listed_symbols(
         if isinstance(item, Name) and item.head in study.functions:
             raise Misprint(f"a list of arguments holds '{called(item)}', which is a function")
     values = listed_values(items, study, where, evaluate)
+    variables = _variables(study)
+    for value in values:
+        if isinstance(value, sp.Expr) and len(value.free_symbols & variables) > 1:
+            raise Misprint("a list of arguments holds what depends on several variables itself")
     return set[sp.Expr]().union(*(value.free_symbols for value in values))
 
 

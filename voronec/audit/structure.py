@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
+import sympy as sp
+
 from voronec.audit.latex.nodes import (
     Bound,
     Call,
@@ -15,7 +17,11 @@ from voronec.audit.latex.nodes import (
     Listing,
     Name,
     Node,
+    Number,
+    Power,
     Product,
+    Quotient,
+    Sum,
     walk,
 )
 from voronec.audit.study import Study, key_of, spell
@@ -25,6 +31,7 @@ __all__ = [
     "definitions_in",
     "free_indices",
     "free_names",
+    "holds_always",
     "integrand",
     "marks",
     "mentions",
@@ -126,6 +133,26 @@ def new_names(chain: Chain, study: Study) -> set[str]:
     """The names that this formula, and no earlier one, defines."""
     found = definitions_in(chain, study)
     return {key for key, node in found.items() if study.defined.get(key, node) == node}
+
+
+def holds_always(left: Node, right: Node) -> bool:
+    """Whether two sides are equal whatever their letters mean."""
+    return left == right or bool(sp.expand(_in_letters(left) - _in_letters(right)) == 0)
+
+
+def _in_letters(node: Node) -> Any:
+    """The value of a tree with its names as letters, which may stand for matrices."""
+    if isinstance(node, Number):
+        return sp.Rational(node.text)
+    if isinstance(node, Sum):
+        return sp.Add(*(sign * _in_letters(term) for sign, term in node.terms))
+    if isinstance(node, Product):
+        return sp.Mul(*map(_in_letters, node.factors))
+    if isinstance(node, Quotient):
+        return _in_letters(node.top) / _in_letters(node.bottom)
+    if isinstance(node, Power):
+        return _in_letters(node.base) ** _in_letters(node.exponent)
+    return sp.Symbol(repr(node), commutative=False)
 
 
 def says_nothing(chain: Chain) -> bool:

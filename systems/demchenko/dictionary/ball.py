@@ -23,7 +23,10 @@ s, tau, n, r2 = QUASI = sp.symbols("s tau n r2")
 R1, R2, A1, A2, C1, C2, M = CONSTANTS = sp.symbols("R1 R2 A1 A2 C1 C2 M", positive=True)
 GAMMA = sp.Symbol("Gamma")
 VERTICAL = sp.Matrix([0, 0, 1])
-SOURCE = "the frames of ball, rotor and sphere, and the equations derived for them"
+SOURCE = (
+    "the frames of ball, rotor and sphere, and the equations derived for the system "
+    "'ball-with-rotor'"
+)
 
 
 @dataclass(frozen=True)

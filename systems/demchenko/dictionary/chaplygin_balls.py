@@ -266,7 +266,7 @@ class Ball:
             functions=frozenset({r"\mu"}),
             context=self,
             note="where (gamma, gamma) = 1" + self._epsilon_said,
-            source="the equations derived for the rolling ball, in omega and the normal",
+            source="the equations derived for the system 'ball', in omega and the normal",
         )
 
     @property

@@ -202,6 +202,6 @@ class General:
             variations,
             context=self,
             letters=COEFFICIENTS,
-            source="d'Alembert's principle and the equations derived for a general system",
+            source="d'Alembert's principle and the equations derived for the system 'general'",
             note=f"n = {BASE}, k = {FIBRE}, every coefficient an arbitrary function",
         )

@@ -24,7 +24,10 @@ from .verdicts import all_equal
 
 FREE = sp.symbols(f"eta1:{TOTAL + 1}")
 LABELLED = frozenset({"B", r"\omega", "X", "Y", "q"})
-SOURCE = "d'Alembert's principle, and the connection and curvature of arbitrary constraints"
+SOURCE = (
+    "d'Alembert's principle, and the connection and curvature of arbitrary constraints, those of "
+    "the system 'general-homogeneous'"
+)
 NOTE = f"n = {BASE}, k = {FIBRE}, every coefficient an arbitrary function of the coordinates"
 
 

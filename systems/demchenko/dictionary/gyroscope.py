@@ -38,7 +38,9 @@ from .surfaces import (
     vector,
 )
 
-SOURCE = "the equations derived with the gyroscope's angle, and the laws of Newton and Euler"
+SOURCE = (
+    "the equations derived for the system 'body-with-gyroscope', and the laws of Newton and Euler"
+)
 CLIMB, HEIGHT = sp.symbols("v_n h")
 """The velocity of M along n, and the height of M over the surface: at the moment, zero."""
 

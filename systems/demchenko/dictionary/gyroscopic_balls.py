@@ -8,8 +8,9 @@ import sympy as sp
 
 import voronec as vo
 from voronec.audit import Verdict
-from voronec.kinematics import Surface
+from voronec.kinematics import Surface, kinetic_energy
 
+from .ball import A1, A2, C1, C2
 from .chaplygin_balls import (
     GAMMA,
     KAPPA,
@@ -61,19 +62,40 @@ def rotor_is_kappa() -> Verdict:
     return all_equal(pairs, ball.relations)
 
 
-def is_demchenkos(system: vo.System) -> Verdict:
-    """Whether the ball with equal moments A and kappa along its third axis is that system.
+def carried_inertia() -> tuple[sp.Matrix, sp.Matrix]:
+    """Inertia matrix and gyroscopic momentum, along the ball's axes, of a ball with a rotor.
 
-    Under Zhukovsky's condition the moments A_1 + A_2, A_1 + A_2, C_1 of ball and rotor are equal.
+    Both are symmetric about the third axis.  The rotor's momentum about it, C_2 r, is constant, so
+    that at constant r the energy is a quadratic form of omega: that of a ball without a rotor.
+    """
+    r, spin = sp.Symbol("r"), sp.Matrix(OMEGA)
+    c, s = sp.cos(chi), sp.sin(chi)
+    turned = sp.Matrix([c * spin[0] + s * spin[1], c * spin[1] - s * spin[0], r])
+    energy = kinetic_energy(0, (0, 0, 0), (A1, A1, C1), spin)
+    energy += kinetic_energy(0, (0, 0, 0), (A2, A2, C2), turned)
+    return sp.hessian(energy, spin), sp.Matrix([0, 0, sp.diff(energy, r)])
+
+
+def is_demchenkos(system: vo.System, condition: sp.Expr) -> Verdict:
+    """Whether the ball with a rotor is that system, where its moment C_1 is as a condition says.
+
+    The moments of the ball with kappa are those of ball and rotor together, less the rotor's about
+    its axis; the condition has to make the three of them equal.
     """
     ball = rolling_ball(Surface.sphere(R1, u1, v1))
     known = {p.name: p.symbol for p in system.parameters}
+    inertia, kappa = carried_inertia()
+    inertia = inertia.xreplace({C1: condition})
+    equal = zip(inertia, known["A"] * sp.eye(3), strict=True)
+    pairs = [(a.xreplace({A1: known["A"] - A2}), b) for a, b in equal]
+    pairs += zip(kappa[:2], (0, 0), strict=True)
     to_theirs = {R1: known["R1"], R2: known["R2"], M: known["M"]}
     to_theirs |= {**dict.fromkeys(MOMENTS, known["A"]), KAPPA[2]: known["k"]}
     mine = system_of(ball, sp.Matrix([0, 0, KAPPA[2]]))
-    pairs: list[tuple[Any, Any]] = [(mine.lagrangian, system.lagrangian)]
-    pairs += zip(mine.constraints, system.constraints, strict=True)
-    return all_equal((sp.sympify(a).xreplace(to_theirs), b) for a, b in pairs)
+    pairs += [(sp.sympify(mine.lagrangian).xreplace(to_theirs), system.lagrangian)]
+    rows = zip(mine.constraints, system.constraints, strict=True)
+    pairs += [(sp.sympify(a).xreplace(to_theirs), b) for a, b in rows]
+    return all_equal(pairs)
 
 
 def on_the_plane(sphere: Ball, plane: Ball) -> Verdict:

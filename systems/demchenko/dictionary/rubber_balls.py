@@ -171,8 +171,8 @@ class Rubber:
             relations=self.relations,
             functions=frozenset({r"\mu"}),
             context=self,
-            source="the equations derived for a ball that rolls without turning about the normal, "
-            "and those of the ball that turns",
+            source="the equations derived for the system 'rubber-ball', which does not turn about "
+            "the normal, and those of the system 'ball', which does",
             note="where (gamma, gamma) = 1 and (omega, gamma) = 0",
         )
 

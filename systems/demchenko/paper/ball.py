@@ -13,6 +13,7 @@ from ..sentences.ball import SENTENCES
 
 UPRIGHT = "the momentum of ball and rotor, in which k belongs to chi whatever the quasi-velocities"
 DEFINITION = Check("definition")
+EVERYWHERE = Check("definition", also=("reduced",))
 ZHUKOVSKY = Check(study="zhukovsky", given=("uslovZh",))
 BOTH = Check(also=("reduced",))
 CONSTRAINT = Check(also=("reduced",), constrains=1)
@@ -57,10 +58,10 @@ BALL = Section(
     label="ballGyr",
     studies=studies,
     inline=(
-        Display(r"$\mu'=\frac{R_2}{R_1}$", (DEFINITION,)),
-        Display(r"$\mu=1+\frac{R_2}{R_1}=1+\mu'$", (DEFINITION,)),
-        Display(r"$P=I+A$", (DEFINITION,)),
-        Display(r"$I=\mathbf{M}R_2^2$", (DEFINITION,)),
+        Display(r"$\mu'=\frac{R_2}{R_1}$", (EVERYWHERE,)),
+        Display(r"$\mu=1+\frac{R_2}{R_1}=1+\mu'$", (EVERYWHERE,)),
+        Display(r"$P=I+A$", (EVERYWHERE,)),
+        Display(r"$I=\mathbf{M}R_2^2$", (EVERYWHERE,)),
         Display(r"$p_1^2+q_1^2+r^2_1=s^2+\tau^2+n^2$"),
         Display(r"$[\mathfrak v, \mathfrak M]=0$", (NO_VECTOR,)),
     ),
@@ -100,7 +101,7 @@ s=\mu\sin u\dot{v},\quad \tau=-\mu\dot{u},\quad n=-\dot\vartheta-\cos u\dot v-\c
             r"""$$
 C_2r_2=k=const \quad \text{and}\quad p_1^2+q_1^2=p_2^2+q_2^2.
 $$""",
-            (Check(), ANY_MOTION),
+            (Check(source=UPRIGHT), ANY_MOTION),
         ),
         Display(
             r"""\begin{eqnarray}

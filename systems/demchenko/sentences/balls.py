@@ -307,17 +307,18 @@ def demchenkos(
     study: Study, _: Range, *, first: Quoted, second: Quoted, condition: Reference
 ) -> vo.Verdict:
     """On the plane and on a sphere; the condition makes three moments equal."""
-    from voronec.audit.structure import mentions
-
     from .. import SYSTEM
+    from ..dictionary.ball import A1, A2, C1
 
     (tree,) = condition.trees(study)
-    letters = set(mentions(tree))
+    moments = Study({"C_1": C1, "A_1": A1, "A_2": A2})
+    left, right = (evaluate(part, moments) for part in tree.parts)
+    if left != C1:
+        raise vo.DefinitionError(f"({condition.label}) is no condition on C_1")
     return all_of(
         agreed(epsilon_of(first, study), ("=", sp.Integer(1)), "the plane"),
         agreed(epsilon_of(second, study), (r"\ne", sp.Integer(1)), "a sphere"),
-        agreed(letters, {"C_1", "A_1", "A_2"}, f"moments in ({condition.label})"),
-        lambda: is_demchenkos(SYSTEM),
+        lambda: is_demchenkos(SYSTEM, right),
     )
 
 

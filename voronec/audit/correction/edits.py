@@ -95,7 +95,7 @@ _COMPANIONS = {"+": "-", "-": "+", "<": ">", ">": "<", "\\sin": "\\cos", "\\cos"
 
 
 def _exchanges(words: Sequence[Token]) -> Iterator[Change]:
-    """Signs, sine and cosine; a sign at the head of a side, of the left one last."""
+    """Signs, sine and cosine; a sign at the head of a side, but not of what is defined."""
     for before, word in zip((None, *words), words, strict=False):
         heads = before is not None and (before.text in RELATIONS or before.text in ("(", "["))
         if heads and word.text not in ("+", "-"):
@@ -103,8 +103,6 @@ def _exchanges(words: Sequence[Token]) -> Iterator[Change]:
         other = _COMPANIONS.get(word.text)
         if other is not None:
             yield replace_word(word, other)
-    if words[0].text not in ("+", "-"):
-        yield insert(words[0], "-")
 
 
 def _index_edits(

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
+from itertools import pairwise
 
 from voronec.audit.correction.changes import Change, Spare, applied
 from voronec.audit.correction.edits import single_changes
@@ -21,7 +22,7 @@ from voronec.audit.latex.reader import read
 from voronec.audit.latex.tokens import Token, tokenize
 from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.paper import Check
-from voronec.audit.structure import free_indices, free_names, new_names, says_nothing
+from voronec.audit.structure import free_indices, free_names, holds_always, new_names, says_nothing
 from voronec.audit.study import Study
 from voronec.audit.transcript import Formula, assignments
 from voronec.audit.verify import verify
@@ -77,7 +78,7 @@ class _Case:
         """How a formula is proved that says something and leaves no new name open."""
         try:
             chain = read(latex, self.study.vocabulary)
-            if says_nothing(chain):
+            if says_nothing(chain) or any(holds_always(*link) for link in pairwise(chain.parts)):
                 return None  # true, but it says nothing
             if not new_names(chain, self.study) <= self.new:
                 return None

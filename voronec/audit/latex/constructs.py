@@ -116,7 +116,7 @@ def _partial_fraction(reader: Reader, token: Token) -> Node | None:
         return None
     reader.position += 2
     order = _order(reader)
-    body = None if reader.peek() == "}" else reader.term()
+    body = None if reader.peek() == "}" else _differentiated(reader)
     reader.take("}")
     reader.take("{")
     variables: list[Node] = []
@@ -132,6 +132,16 @@ def _partial_fraction(reader: Reader, token: Token) -> Node | None:
     if body is None and not reader.ends_term():
         body = reader.term()
     return Partial(body, tuple(variables), reader.since(token.start))
+
+
+def _differentiated(reader: Reader) -> Node:
+    r"""What stands above the line behind a sign of differentiation: ``f``, ``f+\partial g``."""
+    start, terms = reader.begin(), [(1, reader.term())]
+    while reader.peek() in ("+", "-") and reader.peek(1) == "\\partial":
+        sign = 1 if reader.take().text == "+" else -1
+        reader.take()
+        terms.append((sign, reader.term()))
+    return terms[0][1] if len(terms) == 1 else Sum(tuple(terms), reader.since(start))
 
 
 def _total_fraction(reader: Reader, token: Token) -> Node | None:
