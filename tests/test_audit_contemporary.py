@@ -19,6 +19,7 @@ from voronec.systems.demchenko.dictionary.chaplygin_balls import (
     D,
     tensor,
 )
+from voronec.systems.demchenko.dictionary.gyroscopic_balls import is_demchenkos
 from voronec.systems.demchenko.dictionary.reductions import DELTA, DX, Chaplygin, acts
 from voronec.systems.demchenko.dictionary.rubber_balls import Rubber
 from voronec.systems.demchenko.dictionary.verdicts import worst
@@ -284,3 +285,11 @@ def test_a_word_changed_in_a_sentence_is_seen(beginning, before, after, verdict)
     quotation = sentence.quotation.replace(before, after)
     records = audit(sentences=[sentence, replace(sentence, quotation=quotation)])
     assert [r.verdict for r in records] == ["proved", verdict]
+
+
+def test_zhukovskys_condition_makes_the_moments_of_demchenkos_ball_equal():
+    first, second = sp.symbols("A1 A2", positive=True)
+    system = vo.load("demchenko")
+    assert is_demchenkos(system, first + second).proved
+    for other in (first - second, first, 2 * second):
+        assert is_demchenkos(system, other).refuted

@@ -133,3 +133,12 @@ def test_what_stands_in_print_is_corrected_before_errors_are_made():
     section = page(Display("$N=mx$"))
     assert section.latex(0) == "$N=ma$"
     assert outcome(section, "$N=mx$") == "noticed at the right record"
+
+
+def test_every_kind_of_premise_of_a_system_is_changed():
+    system = vo.load("demchenko")
+    found = {p.what: p.changed for p in tool("change_premises").premises(system)}
+    assert {f"{x} doubled in the Lagrangian" for x in ("M", "R1", "R2", "A", "k")} < set(found)
+    assert {f"{x} doubled in its definition" for x in ("s", "tau", "n")} < set(found)
+    assert all(changed != system for changed in found.values())
+    assert found["a sign turned in constraint 1"].constraints != system.constraints
