@@ -43,10 +43,7 @@ DOTS = velocities(BASE)
 K = sp.symbols("K_{1} K_{2}")
 SPELLED_BASE = ("u", "v", r"\vartheta")
 U = sp.Function("U")(*COORDINATES)
-SOURCE = (
-    "the equations and brackets derived for the system 'rolling-body': any two surfaces, any "
-    "inertia and any force"
-)
+SOURCE = "the equations and brackets derived for the system 'rolling-body'"
 
 
 def tensor() -> sp.Matrix:
