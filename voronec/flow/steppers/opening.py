@@ -78,7 +78,9 @@ def overlong_lanes(
     before = np.full(width, np.inf)
     for _ in range(int(taken[suspect].max())):
         left = ends[0] - integrator.time
-        integrator.step(max_delta_t=np.where(left == 0, SPECK, left).tolist(), write_tc=True)
+        # a lane that has arrived, or whose motion ends on the way, stands still
+        still = (left == 0) | ~np.isfinite(left)
+        integrator.step(max_delta_t=np.where(still, SPECK, left).tolist(), write_tc=True)
         for lane in np.flatnonzero(suspect & ~found):
             length = abs(integrator.step_res[lane][1])
             if length > GROWING * before[lane]:
