@@ -15,16 +15,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import (
-    Equation,
-    Fibration,
-    Frame,
-    Parameter,
-    Relation,
-    Scene,
-    System,
-    kinematics,
-)
+from voronec import Equation, Fibration, Frame, Parameter, Relation, Scene, System, kinematics
 
 gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
 m, g = sp.symbols("m g")

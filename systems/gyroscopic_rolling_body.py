@@ -23,16 +23,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import (
-    Equation,
-    Fibration,
-    Frame,
-    Limit,
-    Parameter,
-    Relation,
-    System,
-    kinematics,
-)
+from voronec import Equation, Fibration, Frame, Limit, Parameter, Relation, System, kinematics
 
 m, inertia, kappa = sp.Symbol("m"), sp.symbols("I1:4"), sp.symbols("kappa1:4")
 carried = kinematics.CarriedContact.unknown(m, inertia)

@@ -26,15 +26,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import (
-    Equation,
-    Fibration,
-    Frame,
-    Parameter,
-    Relation,
-    System,
-    kinematics,
-)
+from voronec import Equation, Fibration, Frame, Parameter, Relation, System, kinematics
 
 m, inertia = sp.Symbol("m"), sp.symbols("I1:4")
 carried = kinematics.CarriedContact.unknown(m, inertia)

@@ -22,17 +22,7 @@ from functools import partial
 
 import sympy as sp
 
-from voronec import (
-    Case,
-    Equation,
-    Fibration,
-    Frame,
-    Measure,
-    Parameter,
-    Relation,
-    Scene,
-    System,
-)
+from voronec import Case, Equation, Fibration, Frame, Measure, Parameter, Relation, Scene, System
 from voronec.kinematics import BodyVelocity, product_form, product_moments
 
 SECOND_MOMENTS = tuple(sp.Rational(a, 10) for a in (7, 6, 4, 5, 8))  # of the mass, by axis

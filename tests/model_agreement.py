@@ -12,9 +12,9 @@ from scipy.integrate import solve_ivp
 
 import voronec as vo
 from voronec.algebra.symbols import plain_name
-from voronec.flow.observing import Branch
-from voronec.flow.vocabulary import Vocabulary
-from voronec.program import Program, compiled
+from voronec.equations.program import Program, compiled
+from voronec.motion.observables import Branch
+from voronec.motion.vocabulary import Vocabulary
 
 ERROR = 2e-9
 

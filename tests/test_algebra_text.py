@@ -157,9 +157,14 @@ def test_text_is_a_number_for_python_as_for_the_command_line():
 def test_the_package_holds_no_way_to_run_text():
     """``eval`` and SymPy's readers of text occur nowhere; ``exec`` where programs are printed."""
     programs = {
-        "execution.py", "program/digits.py", "program/python.py", "program/recurrences.py",
-        "closed/arithmetic.py", "bench/precise.py", "bench/peers/jitted.py",
-    }  # fmt: skip
+        "declaration/plugin_files.py",
+        "equations/program/digits.py",
+        "equations/program/python.py",
+        "equations/program/recurrences.py",
+        "closed/arithmetic.py",
+        "accuracy/bench/multiprecision.py",
+        "accuracy/bench/peers/jitted.py",
+    }
     found = set()
     for file in sorted((ROOT / "voronec").rglob("*.py")):
         place = file.relative_to(ROOT / "voronec").as_posix()

@@ -12,10 +12,10 @@ import symengine as se
 import sympy as sp
 
 import voronec as vo
+from voronec.algebra.arguments import COUNT, REAL, accepts
 from voronec.algebra.text import in_doubles
-from voronec.arguments import COUNT, REAL, accepts
+from voronec.equations.program.printing import Dialect, code, text
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
-from voronec.program.printing import Dialect, code, text
 
 x, m, u = sp.symbols("x m u")
 HUGE = sp.exp(sp.exp(sp.Integer(700000000)))

@@ -10,7 +10,7 @@ import sympy as sp
 
 from voronec.audit import Cache, Display, Paper, Section, Study, audit_paper
 from voronec.audit import cache as cache_module
-from voronec.audit.basis import Basis
+from voronec.audit.cache import Basis
 
 
 def paper(made, *latex):

@@ -29,7 +29,7 @@ import voronec as vo
 from voronec.audit import Display, Paper, Section, audit_paper
 from voronec.audit.run import audit_section
 from voronec.audit.transcript import formulas_by_label
-from voronec.catalogue import load_paper
+from voronec.declaration.catalogue import load_paper
 
 # Without the search for a correction, which takes longer than all the proofs.
 EXPECTED = {

@@ -12,8 +12,8 @@ from voronec.audit import Check, Display, Motion, Section, Study, Transcript
 from voronec.audit.correction import Correction, correct
 from voronec.audit.correction.changes import Change, Spare, applied
 from voronec.audit.correction.edits import single_changes
+from voronec.audit.correction.mending import Search
 from voronec.audit.correction.missing import repairs
-from voronec.audit.correction.search import Search
 from voronec.audit.latex.reader import read
 from voronec.audit.transcript import Formula
 from voronec.audit.verify import verify

@@ -13,7 +13,7 @@ import pytest
 from voronec import DefinitionError
 from voronec.audit import Display, Paper, audit_paper
 from voronec.audit.transcript import Transcript
-from voronec.catalogue import load_paper
+from voronec.declaration.catalogue import load_paper
 
 VORONEC, BALL = 0, 1
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from voronec.audit import audit_paper
-from voronec.catalogue import load_paper
+from voronec.declaration.catalogue import load_paper
 
 BODY = "The Voronec principle and rolling of a body over a surface"
 GYROSCOPE = "Rolling of a body with a gyroscope"

@@ -17,7 +17,7 @@ from voronec.systems.demchenko.paper.special_solutions import SPECIAL_SOLUTIONS
 from voronec.audit import FormulaRecord, Range, Record
 from voronec.audit.run import audit_section
 from voronec.audit.transcript import formulas_by_label
-from voronec.catalogue import load_paper
+from voronec.declaration.catalogue import load_paper
 
 OUTER, INNER, SHELL = RANGES
 STUDY = level().study({})

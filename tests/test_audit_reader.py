@@ -26,7 +26,7 @@ from voronec.audit.latex.reader import read, read_name
 from voronec.audit.latex.vocabulary import Vocabulary
 from voronec.audit.meaning import evaluate
 from voronec.audit.transcript import Transcript
-from voronec.catalogue import load_paper
+from voronec.declaration.catalogue import load_paper
 
 a = sp.Symbol("a")
 f = sp.Function("f")

@@ -12,12 +12,12 @@ from latex_shape import complaints
 
 from voronec import DefinitionError
 from voronec.audit import Audit, FormulaRecord, Record
+from voronec.audit.page.html import audit_page
+from voronec.audit.page.phrases import clauses, gist
+from voronec.audit.page.report import Figure, audit_table, write_audit
+from voronec.audit.page.witness_points import readable, short
 from voronec.cli import main as voronec
 from voronec.cli.files import wanted_folder
-from voronec.report.audit_page import audit_page
-from voronec.report.audit_report import Figure, audit_table, write_audit
-from voronec.report.audit_words import clauses, gist
-from voronec.report.points import readable, short
 
 POINT = {"x": "1/3", "I_1": "7/10"}
 WITNESS = {
@@ -327,7 +327,7 @@ def test_the_table_is_printed_though_the_report_cannot_be_written(tmp_path, monk
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setattr("voronec.report.audit_report.write_audit", full)
+    monkeypatch.setattr("voronec.audit.page.report.write_audit", full)
     (tmp_path / "sheet.py").write_text(SHEET)
     assert voronec(["regenerate", "sheet.py", "--out", "report"]) == 2
     out, err = capsys.readouterr()

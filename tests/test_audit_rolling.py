@@ -12,7 +12,7 @@ from voronec.systems.demchenko.paper.voronec_principle import VORONEC_PRINCIPLE
 
 from voronec.audit.run import audit_section
 from voronec.audit.transcript import formulas_by_label
-from voronec.catalogue import load_paper
+from voronec.declaration.catalogue import load_paper
 
 LABELS = formulas_by_label(load_paper("demchenko").sections)
 """Sentences refer to formulas of other sections."""

@@ -27,7 +27,7 @@ from voronec.audit import (
 from voronec.audit.judge import Bench, judge_sentence
 from voronec.audit.run import audit_section
 from voronec.audit.transcript import Transcript, formulas_by_label
-from voronec.catalogue import load_paper
+from voronec.declaration.catalogue import load_paper
 from voronec.errors import DefinitionError
 
 

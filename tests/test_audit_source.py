@@ -19,9 +19,9 @@ from voronec.systems.demchenko.dictionary.rubber_balls import Rubber
 import voronec as vo
 from voronec.audit import Check, Display, Paper, Section, Study, audit_paper
 from voronec.audit.latex.nodes import Listing, Node, Number, Power, Product, Quotient, Sum, walk
+from voronec.audit.page.html import audit_page
 from voronec.audit.transcript import Transcript
-from voronec.catalogue import load_paper
-from voronec.report.audit_page import audit_page
+from voronec.declaration.catalogue import load_paper
 
 DICTIONARY = Path(__file__).resolve().parent.parent / "systems" / "demchenko" / "dictionary"
 REPORT = DICTIONARY.parents[2] / "docs" / "audit" / "demchenko"

@@ -12,7 +12,7 @@ import voronec as vo
 from voronec.audit import Display
 from voronec.audit.run import audit_section
 from voronec.audit.transcript import Transcript, formulas_by_label
-from voronec.catalogue import load_paper
+from voronec.declaration.catalogue import load_paper
 
 load_paper("demchenko")  # makes the folder of systems importable
 

@@ -14,16 +14,17 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec import bench
-from voronec.bench import agreement, own
-from voronec.bench.contender import Contender, NotHere, Outcome
-from voronec.bench.level import level, lowest
-from voronec.bench.peers import jitted, lambdified, physics
-from voronec.bench.peers.handwritten import BY_HAND, start_values
-from voronec.bench.record import Measured, Point
-from voronec.bench.runs import CONTENDERS, contenders
-from voronec.program import Program, compiled
-from voronec.report.work_precision import plot_work_precision
+from voronec.accuracy import bench
+from voronec.accuracy.bench import agreement
+from voronec.accuracy.bench import own_methods as own
+from voronec.accuracy.bench.contender import Contender, NotHere, Outcome
+from voronec.accuracy.bench.level import level, lowest
+from voronec.accuracy.bench.peers import jitted, lambdified, physics
+from voronec.accuracy.bench.peers.handwritten import BY_HAND, start_values
+from voronec.accuracy.bench.record import Measured, Point
+from voronec.accuracy.bench.runs import CONTENDERS, contenders
+from voronec.accuracy.bench.work_precision_picture import plot_work_precision
+from voronec.equations.program import Program, compiled
 
 q, p = sp.symbols("q p")
 SPRING = vo.System(
@@ -112,7 +113,7 @@ def test_the_two_routes_meet_on_different_equations(ball: bench.Question) -> Non
 
 def test_more_digits_are_better_digits(ball: bench.Question) -> None:
     pytest.importorskip("heyoka")
-    from voronec.bench.precise import precise_outputs
+    from voronec.accuracy.bench.multiprecision import precise_outputs
 
     at = level(ball, "invariants")
     rough, fine = (precise_outputs(at, ball.grid, digits)["omega1"] for digits in (25, 50))
@@ -157,7 +158,7 @@ def test_one_route_is_no_reference(spring: bench.Question, monkeypatch: pytest.M
 
 def test_fractions_that_heyoka_would_round_are_left_to_others() -> None:
     pytest.importorskip("heyoka")
-    from voronec.bench.precise import why_not
+    from voronec.accuracy.bench.multiprecision import why_not
 
     third = vo.System(
         name="third",
@@ -358,7 +359,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> Any:
     """Put contenders in place of all."""
 
     def put(*those: Contender) -> None:
-        monkeypatch.setattr("voronec.bench.runs.CONTENDERS", those)
+        monkeypatch.setattr("voronec.accuracy.bench.runs.CONTENDERS", those)
 
     return put
 

@@ -15,7 +15,7 @@ from voronec import Fibration, System, velocity
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.door import Door
 from voronec.algebra.numeric_functions import elementary, numeric_name
-from voronec.program import Program, compiled
+from voronec.equations.program import Program, compiled
 
 x, y = sp.symbols("x y")
 v = velocity(x)

@@ -10,7 +10,7 @@ import pytest
 from plugins import install, register
 
 import voronec as vo
-from voronec import catalogue
+from voronec.declaration import catalogue
 
 ROOT = Path(__file__).parents[1]
 PLUGIN = Path(__file__).parent / "plugin_package"

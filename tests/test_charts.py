@@ -8,14 +8,14 @@ import sympy as sp
 from pole_free import VALUES, reference, without_poles
 
 import voronec as vo
-from voronec.flow.charts import kept_charts
-from voronec.flow.events import Event
-from voronec.flow.probe import quantities
-from voronec.flow.steppers import Problem, choose, guarded
-from voronec.flow.traverse import through_charts
-from voronec.program import Program, compiled
-from voronec.relations.charts import check_charts
-from voronec.vector_field import Motions
+from voronec.equations.program import Program, compiled
+from voronec.equations.vector_field import Motions
+from voronec.motion.atlas import kept_charts
+from voronec.motion.chart_stepper import through_charts
+from voronec.motion.events import Event
+from voronec.motion.state_probe import quantities
+from voronec.motion.steppers import Problem, choose, guarded
+from voronec.proof.relations.charts import check_charts
 
 
 @pytest.fixture(scope="module")

@@ -21,8 +21,8 @@ from voronec import (
     System,
     velocity,
 )
-from voronec.analysis import specialised
-from voronec.vector_field import Motions
+from voronec.equations.vector_field import Motions
+from voronec.proof.cases import specialised
 
 x, y, phi, psi = sp.symbols("x y phi psi")
 v, w = sp.symbols("v w")

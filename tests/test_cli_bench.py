@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from command_line import Call, refused
 
-from voronec.bench.contender import NotHere
-from voronec.bench.runs import CONTENDERS
+from voronec.accuracy.bench.contender import NotHere
+from voronec.accuracy.bench.runs import CONTENDERS
 
 FILE = """
 import sympy as sp
@@ -34,7 +34,7 @@ QUICK = ("--methods", "scipy,dop853-lambdify-coordinates", "--tols", "1e-5,1e-9"
 @pytest.fixture(autouse=True)
 def no_processes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Set-up is measured in fresh processes, which other tests start."""
-    monkeypatch.setattr("voronec.bench.measure_setup", lambda *_: None)
+    monkeypatch.setattr("voronec.accuracy.bench.measure_setup", lambda *_: None)
 
 
 @pytest.fixture
@@ -87,7 +87,7 @@ def test_ctrl_c_writes_what_is_measured(
     def stopped(*_: Any) -> Any:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("voronec.bench.own._outcome", stopped)
+    monkeypatch.setattr("voronec.accuracy.bench.own_methods._outcome", stopped)
     answer = call("bench", spring, "--methods", "dop853-lambdify-coordinates,scipy")
     assert answer.status == 130
     assert "stopped by hand; what was measured until then is above" in answer.out
@@ -101,7 +101,7 @@ def test_where_nothing_runs_there_is_a_table_all_the_same(
     def absent(*_: Any) -> Any:
         raise NotHere("not installed: anything")
 
-    monkeypatch.setattr("voronec.bench.own._outcome", absent)
+    monkeypatch.setattr("voronec.accuracy.bench.own_methods._outcome", absent)
     answer = call("bench", spring, "--methods", "scipy", "--tols", "1e-6")
     assert answer.status == 0
     assert "scipy at 1e-06 failed: not installed: anything" in answer.out.splitlines()

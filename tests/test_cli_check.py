@@ -17,12 +17,13 @@ from command_line import Call, refused
 from plugins import register
 from signals import hears_ctrl_c
 
-from voronec.checking import Inventory, check_catalogue
-from voronec.checking.pool import _Worker
-from voronec.checking.record import Finding, Report, Result
-from voronec.checking.unit import units_of
-from voronec.cli.checking import chained
-from voronec.keeping import Store, sources
+from voronec.cli.check import chained
+from voronec.proof import verdict_store as sources
+from voronec.proof.check import Inventory, check_catalogue
+from voronec.proof.check.record import Finding, Report, Result
+from voronec.proof.check.run import _Worker
+from voronec.proof.check.unit import units_of
+from voronec.proof.verdict_store import Store
 
 SLED = """
 import sympy as sp
@@ -379,7 +380,7 @@ def test_a_bad_case_is_a_finding_about_that_case(
     call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Also where the engine itself fails on it: everything else is checked."""
-    import voronec.analysis.claims as claims
+    import voronec.proof.claims as claims
 
     special = claims.case_of
 
@@ -426,7 +427,7 @@ def test_what_list_tells_is_kept_until_a_file_changes(
     known = set(sys.modules)
     assert call("list").out == first.out
     with monkeypatch.context() as inside:
-        inside.setattr("voronec.checking.Inventory.of", None)  # nothing is loaded
+        inside.setattr("voronec.proof.check.Inventory.of", None)  # nothing is loaded
         assert call("list").out == first.out and set(sys.modules) == known
     del sys.modules["zy_plugin.zy_one"]
     file.write_text(file.read_text().replace("First", "Second"))

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from command_line import Call, refused
 
-from voronec.closed.classes import finding
+from voronec.closed.classes import search as finding
 
 
 def test_rows_say_figure_class_on_both_spheres_and_start(call: Call) -> None:

@@ -11,9 +11,9 @@ import pytest
 from command_line import Call, refused
 
 from voronec import Limit, Relation
-from voronec.checking import Inventory, graph
-from voronec.report.diagram_picture import diagram_figure, line_of
-from voronec.report.layers import layered
+from voronec.motion.pictures.layered_layout import layered
+from voronec.proof.check import Inventory, graph
+from voronec.proof.diagram_picture import diagram_figure, line_of
 
 
 @pytest.fixture(autouse=True)

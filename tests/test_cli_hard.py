@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from command_line import Call, refused
 
-from voronec.hard import CASES, run
-from voronec.hard.trial import TOLERANCES
+from voronec.accuracy.hard import CASES, run
+from voronec.accuracy.hard.trial import TOLERANCES
 
 
 def test_cases_are_listed_without_running_any(call: Call) -> None:

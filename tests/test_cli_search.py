@@ -9,7 +9,7 @@ import sympy as sp
 from command_line import Call, refused
 
 from voronec.algebra.text import formula
-from voronec.analysis import search
+from voronec.proof import search
 
 
 def test_what_is_found_is_printed_with_its_proof_and_the_statement(call: Call) -> None:

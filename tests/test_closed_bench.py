@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import voronec as vo
-from voronec.bench import agreement
-from voronec.bench.question import ask
-from voronec.bench.runs import measure
-from voronec.hard.cases import CASES
-from voronec.hard.reference import _in_closed_form, reference
-from voronec.hard.trial import attempt
+from voronec.accuracy.bench import agreement
+from voronec.accuracy.bench.question import ask
+from voronec.accuracy.bench.runs import measure
+from voronec.accuracy.hard.cases import CASES
+from voronec.accuracy.hard.reference import _in_closed_form, reference
+from voronec.accuracy.hard.trial import attempt
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +62,7 @@ def test_hard_cases_are_met_by_the_closed_form(equations, name):
 
 def test_references_of_hard_cases_agree_with_the_closed_form(equations):
     (case,) = (c for c in CASES if c.name == "turning-point")
-    from voronec.hard.closed import problem
+    from voronec.accuracy.hard.closed import problem
 
     found = _in_closed_form(case, equations, problem(case, equations))
     known = reference(case, equations)

@@ -11,15 +11,14 @@ import sympy as sp
 
 import voronec as vo
 from voronec.closed import ClosedForm
-from voronec.closed.classes.bounded import Bounded, compiled
-from voronec.closed.classes.curve import declared
-from voronec.closed.classes.discs import degrees, discs
-from voronec.closed.classes.finding import find, formed
-from voronec.closed.classes.labels import LABELS, classify, label_of
-from voronec.closed.classes.many import classify_many
-from voronec.closed.classes.survey import survey
-from voronec.closed.classes.tally import Tally, tally
-from voronec.flow.closed_form import closed_form
+from voronec.closed.classes.error_bounds import Bounded, compiled
+from voronec.closed.classes.root_discs import degrees, discs
+from voronec.closed.classes.root_positions import Tally, tally
+from voronec.closed.classes.search import find, formed
+from voronec.closed.classes.survey import classify_many, survey
+from voronec.closed.classes.trace_classes import LABELS, classify, label_of
+from voronec.closed.classes.trace_polynomials import declared
+from voronec.motion.closed_form import closed_form
 
 R = sp.Rational
 BALL, SPHERE = "on the ball", "on the sphere"

@@ -9,7 +9,7 @@ from flint import arb, ctx
 import voronec as vo
 from voronec.closed.arithmetic import angle, ball, compiled, exact, precise, root
 from voronec.closed.decide import vanishes
-from voronec.closed.turns import Turn, _fraction
+from voronec.closed.rotation_numbers import Turn, _fraction
 
 R = sp.Rational
 x, y = sp.symbols("x y")
@@ -140,7 +140,7 @@ def test_the_level_of_a_precession_has_a_double_root(system):
 def test_multiplicities_of_roots_are_decided_exactly(roots, multiplicities):
     from types import SimpleNamespace
 
-    from voronec.closed.multiple import squarefree
+    from voronec.closed.problem import squarefree
 
     z = sp.Symbol("z")
     shift = sp.sqrt(2)

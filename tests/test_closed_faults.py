@@ -8,10 +8,10 @@ from flint import acb_poly, arb, arb_poly, ctx
 
 import voronec as vo
 from voronec.closed.arithmetic import ball, compiled, exact, precise
-from voronec.closed.classes.labels import classify
+from voronec.closed.classes.trace_classes import classify
 from voronec.closed.decide import vanishes
 from voronec.elliptic import Integral, Numbers, invert
-from voronec.elliptic.isolation import isolations
+from voronec.elliptic.roots import isolations
 
 R = sp.Rational
 x = sp.Symbol("x")

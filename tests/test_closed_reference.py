@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import voronec as vo
-from voronec.closed.classes.labels import classify
+from voronec.closed.classes.trace_classes import classify
 
 TOOLS = Path(__file__).resolve().parent.parent / "tools"
 REFERENCES = json.loads((TOOLS / "closed-references.json").read_text("utf-8"))

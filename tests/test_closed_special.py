@@ -10,13 +10,8 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.closed.special import (
-    elementary,
-    linearised,
-    precessions,
-    remarkable,
-)
-from voronec.closed.special.scenes import upright
+from voronec.closed.special import elementary, linearised, precessions, remarkable
+from voronec.closed.special.family import upright
 
 R = sp.Rational
 m, A, R1, R2, M, k = sp.symbols("m A R1 R2 M k")

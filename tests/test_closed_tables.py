@@ -6,8 +6,8 @@ import sympy as sp
 from test_closed_form import ANGLES, CASES, NAMES, START, UPWARD, apart
 
 import voronec as vo
-from voronec.closed.tables import MANY
-from voronec.closed.turned import BLOCK
+from voronec.closed.grid import MANY
+from voronec.closed.space_coordinates import BLOCK
 
 R = sp.Rational
 PERIODIC = {

@@ -15,7 +15,7 @@ from test_closed_form import START, R
 
 import voronec as vo
 from voronec.closed.floor_sums import certain_floor_sum, first_doubt, floor_sum
-from voronec.closed.passage_counts import tally
+from voronec.closed.passages import tally
 
 TOOLS = Path(__file__).resolve().parent.parent / "tools"
 ANGLES = ("v", "v1", "theta")

@@ -13,11 +13,11 @@ import pytest
 
 import voronec as vo
 from voronec.audit import Audit, Paper, Section
+from voronec.audit.page.article import audit_latex
+from voronec.audit.page.html import Figure, audit_page
 from voronec.audit.run import audit_section
 from voronec.audit.transcript import Transcript, formulas_by_label
-from voronec.catalogue import load_paper
-from voronec.report.audit_latex import audit_latex
-from voronec.report.audit_page import Figure, audit_page
+from voronec.declaration.catalogue import load_paper
 
 TOOLS = Path(__file__).resolve().parent.parent / "tools"
 STALE = "run: python tools/build_audit.py"

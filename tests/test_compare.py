@@ -12,9 +12,9 @@ import sympy as sp
 from command_line import Call, refused
 
 import voronec as vo
-from voronec import catalogue
-from voronec.comparison import Derived, compare, read_derived
-from voronec.comparison.text import read_expression
+from voronec.declaration import catalogue
+from voronec.proof.comparison import Derived, compare, read_derived
+from voronec.proof.comparison.side_by_side import read_expression
 
 STORED = Path(__file__).parent / "derivations"
 OWN = [e.name for e in catalogue.entries()[0] if e.distribution == catalogue.OWN]
@@ -102,7 +102,7 @@ def test_what_is_too_long_to_store_is_compared_in_numbers() -> None:
 def test_a_group_that_is_too_long_is_not_stored(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = derived("demchenko")
     size = {k: sum(map(len, g.values())) for k, g in whole.groups.items()}
-    monkeypatch.setattr("voronec.comparison.derived.LONGEST", size["mass"])
+    monkeypatch.setattr("voronec.proof.comparison.derived.LONGEST", size["mass"])
     stored = whole.stored()
     assert {*stored.groups} == {k for k, n in size.items() if n <= size["mass"]} < {*size}
     found = compare(replace(stored, equations=None), whole)

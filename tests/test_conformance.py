@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 from plugins import install
 
-from voronec import catalogue
-from voronec.checking import Inventory
-from voronec.checking.record import told
-from voronec.checking.unit import units_of
-from voronec.checking.work import Bench, examine
+from voronec.declaration import catalogue
 from voronec.errors import DefinitionError
+from voronec.proof.check import Inventory
+from voronec.proof.check.record import told
+from voronec.proof.check.unit import units_of
+from voronec.proof.check.work import Bench, examine
 from voronec.testing import STATEMENTS, conformance
 
 PLUGIN = Path(__file__).parent / "plugin_package"

@@ -4,12 +4,12 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.checking.inventory import Inventory
+from voronec.equations.vector_field import Motions
 from voronec.errors import EngineLimit
-from voronec.relations.chains import check_square
-from voronec.relations.diagram import diagram, squares_of
-from voronec.relations.families import Course
-from voronec.vector_field import Motions
+from voronec.proof.check.inventory import Inventory
+from voronec.proof.relations.chains import check_square
+from voronec.proof.relations.diagram import diagram, squares_of
+from voronec.proof.relations.families import Course
 
 x, h = sp.symbols("x h")
 a, b, c = sp.symbols("a b c")

@@ -11,8 +11,8 @@ from test_elliptic_inversion import SHAPES
 from test_elliptic_limits import MULTIPLE
 
 from voronec.elliptic import invert
+from voronec.elliptic.many_times import Sample
 from voronec.elliptic.panels import Panels
-from voronec.elliptic.sample import Sample
 
 
 @pytest.fixture(autouse=True)

@@ -15,7 +15,8 @@ from scipy.special import ellipj, ellipk
 from sympy.physics.mechanics import dynamicsymbols
 
 import voronec as vo
-from voronec.flow.steppers import stepwise, taylor
+from voronec.motion.steppers import heyoka_stepper as taylor
+from voronec.motion.steppers import scipy_stepper as stepwise
 
 METHODS = ("scipy", "heyoka") if find_spec("heyoka") else ("scipy",)
 both = pytest.mark.parametrize("method", METHODS)

@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.flow import batches
+from voronec.motion import batches
 
 x, y, w = sp.symbols("x y w")
 xdot, ydot = vo.velocity(x), vo.velocity(y)

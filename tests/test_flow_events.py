@@ -11,8 +11,10 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.flow.steppers import marching, run, taylor
-from voronec.flow.steppers.roots import root
+from voronec.motion.steppers import heyoka_stepper as taylor
+from voronec.motion.steppers import run
+from voronec.motion.steppers import step_loop as marching
+from voronec.motion.steppers.step_loop import root
 
 DOUBLES = ("scipy", "lsoda", *(["heyoka"] if find_spec("heyoka") else []))
 doubles = pytest.mark.parametrize("method", DOUBLES)

@@ -11,10 +11,10 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.flow.observing import followed, watched
-from voronec.flow.reactions import Multipliers
-from voronec.flow.vocabulary import Vocabulary
-from voronec.program import Program
+from voronec.equations.program import Program
+from voronec.motion.observables import followed, watched
+from voronec.motion.reactions import Multipliers
+from voronec.motion.vocabulary import Vocabulary
 
 x, y, z, phi, v, w, m, a, J, g = sp.symbols("x y z phi v w m a J g")
 Dx, Dy, Dz, Dphi = map(vo.velocity, (x, y, z, phi))

@@ -12,10 +12,10 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 import voronec as vo
-from voronec.attitudes import with_attitude_charts
-from voronec.model.denominators import with_positive_denominators
-from voronec.relations.charts import check_charts
-from voronec.vector_field import Motions
+from voronec.equations.attitudes import with_attitude_charts
+from voronec.equations.vector_field import Motions
+from voronec.motion.model.denominators import with_positive_denominators
+from voronec.proof.relations.charts import check_charts
 
 SPIN = (0.5, 1.0, 1.0)
 

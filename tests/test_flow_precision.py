@@ -14,12 +14,13 @@ import sympy as sp
 from scipy.optimize import brentq
 
 import voronec as vo
-from voronec.derivation import FirstOrderForm
+from voronec.equations.derivation import FirstOrderForm
+from voronec.equations.program import Program
+from voronec.equations.program.recurrences import recurrences
 from voronec.errors import EngineLimit
-from voronec.flow.steppers import choice, digits
-from voronec.flow.steppers.run import Problem
-from voronec.program import Program
-from voronec.program.recurrences import recurrences
+from voronec.motion.steppers import choice
+from voronec.motion.steppers import integer_taylor as digits
+from voronec.motion.steppers.run import Problem
 
 x, phi, g, k = sp.symbols("x phi g k")
 Dx, Dphi = map(vo.velocity, (x, phi))

@@ -9,8 +9,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.flow.alike import starts_alike
-from voronec.flow.surfaces import suggested
+from voronec.motion.sections import starts_alike, suggested
 
 x, y, w = sp.symbols("x y w")
 xdot, ydot = vo.velocity(x), vo.velocity(y)

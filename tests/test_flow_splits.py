@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 
 import voronec as vo
 from voronec import velocity
-from voronec.flow.divisors import divisors
+from voronec.motion.divisors import divisors
 
 
 def multiplier_motion(system: vo.System, start: Mapping[str, float], times: np.ndarray) -> Any:

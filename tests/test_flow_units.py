@@ -7,9 +7,9 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.flow.steppers import Problem
-from voronec.flow.steppers.units import natural_units
-from voronec.program import Program
+from voronec.equations.program import Program
+from voronec.motion.steppers import Problem
+from voronec.motion.steppers.units import natural_units
 
 TIMES = np.linspace(0, 20, 21)
 

@@ -7,9 +7,9 @@ import pytest
 import symengine as se
 
 import voronec as vo
-from voronec.flow.steppers.angles import _angles
-from voronec.flow.steppers.winding import Winding
-from voronec.program import Block
+from voronec.equations.program import Block
+from voronec.motion.steppers.angle_states import _angles
+from voronec.motion.steppers.heyoka_stepper import Winding
 
 a, b, v = se.symbols("a b v")
 

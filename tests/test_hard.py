@@ -12,16 +12,16 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.hard import CASES, QUICK, HardCase, compute, every_case, reference
-from voronec.hard.closed import problem
-from voronec.hard.conditioning import UNIT
-from voronec.hard.page import page
-from voronec.hard.perturbed import perturbed, slopes
-from voronec.hard.precise import reel
-from voronec.hard.reference import Reference, _stored
-from voronec.hard.run import trials
-from voronec.hard.table import cells, tally
-from voronec.hard.trial import TOLERANCES, attempt, judged
+from voronec.accuracy.hard import CASES, QUICK, HardCase, compute, every_case, reference
+from voronec.accuracy.hard.closed import problem
+from voronec.accuracy.hard.conditioning import UNIT
+from voronec.accuracy.hard.multiprecision import reel
+from voronec.accuracy.hard.page import page
+from voronec.accuracy.hard.perturbed import perturbed, slopes
+from voronec.accuracy.hard.reference import Reference, _stored
+from voronec.accuracy.hard.run import trials
+from voronec.accuracy.hard.table import cells, tally
+from voronec.accuracy.hard.trial import TOLERANCES, attempt, judged
 
 x, w = sp.symbols("x w")
 Dx = vo.velocity(x)
@@ -234,7 +234,7 @@ def test_a_motion_where_none_starts_is_wrong_and_a_refusal_right(
 ) -> None:
     case = on_the_line(1.0, 2, level="")
     assert judged(case, "auto", trajectory(0.0), None).verdict == "missed"
-    monkeypatch.setattr("voronec.hard.trial.integrate", refuse)
+    monkeypatch.setattr("voronec.accuracy.hard.trial.integrate", refuse)
     trial = attempt(case, vo.derive(particle(x)), "auto", None)
     assert trial.verdict == "refused" and trial.good and "no motion starts" in trial.reason
 
@@ -266,7 +266,7 @@ def test_a_coarse_method_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_plugin_declares_cases_beside_its_system(monkeypatch: pytest.MonkeyPatch) -> None:
     import sys
 
-    from voronec.hard import cases
+    from voronec.accuracy.hard import cases
 
     own = on_the_line(1.0, 2)
     entry = SimpleNamespace(name="particle", distribution="theirs", module="their_particle")
@@ -287,6 +287,6 @@ def test_the_committed_page_tells_every_case() -> None:
 
 
 def test_a_page_shows_refusals_with_their_reason(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("voronec.hard.trial.integrate", refuse)
+    monkeypatch.setattr("voronec.accuracy.hard.trial.integrate", refuse)
     (finding,) = trials([NAMED["no-gyroscope"]], ("scipy",))
     assert "| refused: system 'line': no motion starts here |" in page([finding])

@@ -27,11 +27,11 @@ def test_a_breach_is_noticed(tmp_path: Path) -> None:
         shutil.copytree(ROOT / folder, tmp_path / folder, ignore=skip)
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
     breaches = {
-        "voronec/geometry.py": "import voronec.equations",
-        "voronec/closed/problem.py": "import voronec.closed.form",
-        "voronec/multipliers/linear.py": "import voronec.connection",
-        "systems/sleigh.py": "import voronec.equations\nimport systems.bicycle",
-        "voronec/catalogue.py": "import systems.sleigh",
+        "voronec/declaration/geometry.py": "import voronec.equations.voronec_equations",
+        "voronec/closed/problem.py": "import voronec.closed.closed_form",
+        "voronec/equations/referee/linear.py": "import voronec.equations.connection",
+        "systems/sleigh.py": "import voronec.equations.voronec_equations\nimport systems.bicycle",
+        "voronec/declaration/catalogue.py": "import systems.sleigh",
     }
     for path, line in breaches.items():
         with (tmp_path / path).open("a") as file:

@@ -9,11 +9,11 @@ import sympy as sp
 import voronec as vo
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.tape import Tape
-from voronec.definition import read
-from voronec.derivation import Derivation, FirstOrderForm
-from voronec.lean import lean_form
-from voronec.multipliers import multiplier_acceleration
-from voronec.program import Program
+from voronec.equations.definition import read
+from voronec.equations.derivation import Derivation, FirstOrderForm
+from voronec.equations.program import Program
+from voronec.equations.referee import multiplier_acceleration
+from voronec.equations.staged_equations import lean_form
 
 BITS = 400
 x, y, z, a, b, k = sp.symbols("x y z a b k")

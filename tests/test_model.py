@@ -10,8 +10,8 @@ import sympy as sp
 from model_agreement import agreed, kinds, names
 
 import voronec as vo
-from voronec.model import Model, smallest
-from voronec.vector_field import Motions
+from voronec.equations.vector_field import Motions
+from voronec.motion.model import Model, smallest
 
 # -- equal to the full model -----------------------------------------------------------------------
 
@@ -102,8 +102,8 @@ def test_an_angle_that_large_equations_hold_in_vain_is_not_kept() -> None:
 
 
 def test_normal_forms_far_longer_than_the_raw_form_are_not_integrated(monkeypatch) -> None:
-    monkeypatch.setattr("voronec.equations.SHORT", 300)
-    monkeypatch.setattr("voronec.equations.LONG", 3)
+    monkeypatch.setattr("voronec.equations.voronec_equations.SHORT", 300)
+    monkeypatch.setattr("voronec.equations.voronec_equations.LONG", 3)
     x, y, s = sp.symbols("x y s")
     dx, dy, ds = map(vo.velocity, (x, y, s))
     inertia = (3 + sp.sin(s - x) ** 2, 3 + sp.cos(x * y) ** 2, 2 + s**2 + sp.sin(y) * x)

@@ -12,7 +12,7 @@ from sympy.physics.mechanics import dynamicsymbols
 
 import voronec as vo
 from voronec import DefinitionError, Fibration, Frame, Parameter, System, velocity
-from voronec.multipliers import multiplier_acceleration, reaction_forces
+from voronec.equations.referee import multiplier_acceleration, reaction_forces
 
 x, y, z, phi, theta, psi = sp.symbols("x y z phi theta psi")
 m, g, a, J, R, length = sp.symbols("m g a J R l")
@@ -466,7 +466,7 @@ def test_a_constraint_that_only_looks_quadratic_is_accepted():
 
 
 def test_a_system_is_differentiated_once(monkeypatch):
-    from voronec.multipliers import route
+    from voronec.equations.referee import route
 
     system, made = sleigh(), []
     monkeypatch.setattr(

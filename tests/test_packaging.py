@@ -19,7 +19,7 @@ import pytest
 
 import voronec as vo
 from voronec.cli import main
-from voronec.report.bibliography import read_entries
+from voronec.declaration.bibliography import read_entries
 
 ROOT = Path(__file__).parents[1]
 PLUGIN = ROOT / "tests" / "plugin_package"

@@ -10,9 +10,9 @@ import sympy as sp
 from matplotlib._pylab_helpers import Gcf
 
 import voronec as vo
-from voronec.report.pictures import drawing
-from voronec.report.plots import plot_trajectory, quantity_label
-from voronec.report.style import INK, PALE
+from voronec.closed.pictures.style import INK, PALE
+from voronec.motion.pictures.run_pictures import drawing
+from voronec.motion.pictures.time_plots import plot_trajectory, quantity_label
 
 theta1, omega, energy = sp.symbols("theta1 omega E")
 PENDULUM = vo.System(

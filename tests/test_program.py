@@ -17,9 +17,8 @@ import symengine as se
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from voronec.derivation import FirstOrderForm
-from voronec.errors import DefinitionError, EngineLimit
-from voronec.program import (
+from voronec.equations.derivation import FirstOrderForm
+from voronec.equations.program import (
     Program,
     c_source,
     compiled,
@@ -27,6 +26,7 @@ from voronec.program import (
     python_source,
     taylor_system,
 )
+from voronec.errors import DefinitionError, EngineLimit
 
 x, y, z, u, v, w, a, b, t = se.symbols("x y z u v w a b t")
 

@@ -13,12 +13,12 @@ import symengine as se
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from voronec.derivation import FirstOrderForm
-from voronec.program import Program, compiled, hoisted, solved, taylor_system
-from voronec.program.factoring import nested
-from voronec.program.low_rank import eliminations, low_rank
-from voronec.program.triangular import solve_symmetric
-from voronec.program.weight import QUOTIENT, SQUARE, evaluation_weight, taylor_weight
+from voronec.equations.derivation import FirstOrderForm
+from voronec.equations.program import Program, compiled, hoisted, solved, taylor_system
+from voronec.equations.program.low_rank import eliminations, low_rank
+from voronec.equations.program.straight import nested
+from voronec.equations.program.triangular import solve_symmetric
+from voronec.equations.program.weight import QUOTIENT, SQUARE, evaluation_weight, taylor_weight
 
 x, y, z, w, a, b, c, d = se.symbols("x y z w a b c d")
 ONE = se.Integer(1)

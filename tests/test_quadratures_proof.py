@@ -9,9 +9,8 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.analysis.quadratures import statements
-from voronec.analysis.quadratures.ground import Ground
-from voronec.vector_field import Motions
+from voronec.equations.vector_field import Motions
+from voronec.proof.quadratures import Ground, statements
 
 SYSTEMS = ("demchenko", "zhukovsky-ball", "bobylev-ball")
 POLES = ["pole", "residues"]

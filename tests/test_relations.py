@@ -4,8 +4,8 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.relations.checking import check_relation
-from voronec.vector_field import Motions
+from voronec.equations.vector_field import Motions
+from voronec.proof.relations.decision import check_relation
 
 x, y, h = sp.symbols("x y h")
 m, k, w = sp.symbols("m k w")

@@ -5,9 +5,9 @@ import symengine as se
 import sympy as sp
 
 import voronec as vo
-from voronec.relations.checking import check_relation
-from voronec.relations.orders import vanishes
-from voronec.vector_field import Motions
+from voronec.equations.vector_field import Motions
+from voronec.proof.relations.decision import check_relation
+from voronec.proof.relations.orders import vanishes
 
 x, y, q, h = sp.symbols("x y q h")
 m, k, w = sp.symbols("m k w")

@@ -11,9 +11,9 @@ import sympy as sp
 from command_line import Call, refused
 
 import voronec as vo
+from voronec.closed.pictures.phase_picture import Level, phase_figure, phase_levels
 from voronec.errors import DefinitionError
-from voronec.report.phase_picture import Level, phase_figure, phase_levels
-from voronec.report.pictures import save
+from voronec.motion.pictures.run_pictures import save
 
 x, c = sp.symbols("x c")
 WELLS = c - (x**2 - sp.Rational(1, 4)) ** 2
@@ -88,8 +88,8 @@ def test_a_portrait_needs_numbers() -> None:
 def test_a_chart_shows_each_region_as_it_is(demchenko: vo.System, tmp_path: Path) -> None:
     from matplotlib.colors import to_hex
 
+    from voronec.closed.pictures.stability_picture import STABLE, UNSTABLE, stability_figure
     from voronec.closed.special.chart import chart_of
-    from voronec.report.stability_picture import STABLE, UNSTABLE, stability_figure
 
     chart = chart_of(demchenko, unit="k/A")
     figure = stability_figure({"outer": chart}, labels=("$x$", "$w$"))
@@ -113,7 +113,7 @@ def test_a_chart_shows_each_region_as_it_is(demchenko: vo.System, tmp_path: Path
 def test_lines_lose_points_and_neither_shape_nor_ends() -> None:
     from scipy.spatial import cKDTree
 
-    from voronec.report.stability_picture import FINE, _thinned
+    from voronec.closed.pictures.stability_picture import FINE, _thinned
 
     angle = np.linspace(0, 2 * np.pi, 401)
     ring = np.column_stack([np.cos(angle), 100 * np.sin(angle)])
@@ -126,8 +126,8 @@ def test_lines_lose_points_and_neither_shape_nor_ends() -> None:
 
 
 def test_shades_of_a_bifurcation_set_are_numbers_of_motions(demchenko: vo.System) -> None:
+    from voronec.closed.pictures.bifurcation_picture import _levels, bifurcation_figure
     from voronec.closed.special.bifurcation import bifurcation_set
-    from voronec.report.bifurcation_picture import _levels, bifurcation_figure
 
     one = bifurcation_set(demchenko, ("S0", "h2"), {"C5": "1/2"})
     grid = np.array([-1.0, 4.0, 7.0, 11.0, 13.0, 18.0])
@@ -155,7 +155,7 @@ def run(request: pytest.FixtureRequest, demchenko: vo.System) -> vo.Trajectory:
 
 
 def test_the_ball_of_a_film_touches_and_does_not_slip(run: vo.Trajectory) -> None:
-    from voronec.report.rolling_animation import rolling_of
+    from voronec.motion.pictures.rolling_animation import rolling_of
 
     rolling = rolling_of(run)
     turned = np.einsum("tij,tj->ti", rolling.attitude, rolling.body)
@@ -174,7 +174,7 @@ def test_the_ball_of_a_film_touches_and_does_not_slip(run: vo.Trajectory) -> Non
 def test_a_film_has_its_frames(run: vo.Trajectory, tmp_path: Path) -> None:
     from PIL import Image
 
-    from voronec.report.rolling_animation import film, rolling_of
+    from voronec.motion.pictures.rolling_animation import film, rolling_of
 
     shares: list[float] = []
     (target,) = film(rolling_of(run), tmp_path / "a.gif", frames=3, progress=shares.append)
@@ -191,7 +191,7 @@ def test_films_that_cannot_be_are_refused_before_any_work(
 ) -> None:
     from matplotlib.animation import FFMpegWriter
 
-    from voronec.report.rolling_animation import check_film
+    from voronec.motion.pictures.rolling_animation import check_film
 
     monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
     for system, target, words in (
@@ -217,7 +217,7 @@ def test_run_refuses_a_film_in_one_line(call: Call, words: str, told: str) -> No
 
 
 def test_traces_of_a_closed_form_run_between_its_ends(demchenko: vo.System) -> None:
-    from voronec.report.motion_traces import motion_traces, shown_periods
+    from voronec.closed.pictures.sphere_picture import motion_traces, shown_periods
 
     closed = vo.closed_form(demchenko)
     ball, fixed = motion_traces(closed, {"v": "on the ball"}, periods=6)

@@ -8,9 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from voronec.errors import DefinitionError
-from voronec.report.pictures import save
-from voronec.report.sphere_curves import (
+from voronec.closed.pictures.sphere_curves import (
     FINE,
     Arcs,
     View,
@@ -22,7 +20,9 @@ from voronec.report.sphere_curves import (
     settled,
     smooth_arcs,
 )
-from voronec.report.sphere_picture import SphereTrace, traces_figure
+from voronec.closed.pictures.sphere_picture import SphereTrace, traces_figure
+from voronec.errors import DefinitionError
+from voronec.motion.pictures.run_pictures import save
 
 TIMES = np.linspace(0, 6 * np.pi, 6001)
 
@@ -167,8 +167,8 @@ def test_the_limiting_parallels_are_the_extremes() -> None:
 
 
 def test_what_is_behind_is_pale_and_its_parallels_are_dashed() -> None:
-    from voronec.report.sphere_picture import PALE_MARK
-    from voronec.report.style import INK, MARK, PALE
+    from voronec.closed.pictures.sphere_picture import PALE_MARK
+    from voronec.closed.pictures.style import INK, MARK, PALE
 
     figure = traces_figure([trace(view=View(2.0, 0.1))])
     (front,), (back,) = patches(figure, INK), patches(figure, PALE)
@@ -183,7 +183,7 @@ def test_what_is_behind_is_pale_and_its_parallels_are_dashed() -> None:
 def test_curves_are_arcs_and_no_polygons() -> None:
     from matplotlib.path import Path
 
-    from voronec.report.style import INK
+    from voronec.closed.pictures.style import INK
 
     (front,) = patches(traces_figure([trace()]), INK)
     assert set(front.get_path().codes) == {Path.MOVETO, Path.CURVE4}
@@ -191,7 +191,7 @@ def test_curves_are_arcs_and_no_polygons() -> None:
 
 @pytest.mark.parametrize(("longitude", "filled"), [(0.0, True), (np.pi, False)])
 def test_the_start_is_open_where_it_is_behind(longitude: float, filled: bool) -> None:
-    from voronec.report.style import MARK
+    from voronec.closed.pictures.style import MARK
 
     (axis,) = traces_figure([trace(view=View(longitude, 0.1))]).axes
     (start,) = [line for line in axis.lines if line.get_markeredgecolor() == MARK]
@@ -199,7 +199,7 @@ def test_the_start_is_open_where_it_is_behind(longitude: float, filled: bool) ->
 
 
 def test_points_that_tell_no_curve_are_dots() -> None:
-    from voronec.report.style import INK, PALE
+    from voronec.closed.pictures.style import INK, PALE
 
     t = TIMES[::1000]
     given = trace(colatitude=1.0 - 0.2 * np.sin(t) ** 2, longitude=0.3 * t, times=t)

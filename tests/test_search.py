@@ -10,9 +10,9 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.analysis.search import gradings, search, searches
-from voronec.analysis.search.question import Question
-from voronec.vector_field import Motions
+from voronec.equations.vector_field import Motions
+from voronec.proof.search import gradings, search, searches
+from voronec.proof.search.question import Question
 
 gamma = sp.symbols("gamma1:4")
 omega = sp.symbols("omega1:4")

@@ -8,9 +8,9 @@ import pytest
 import symengine as se
 
 from voronec import EngineLimit
-from voronec.analysis.search.interpolation import rational_functions
-from voronec.analysis.search.residues import PRIMES, fraction_of, inverse, kernel, root
-from voronec.analysis.search.variety import Variety
+from voronec.proof.search.lifting import rational_functions
+from voronec.proof.search.probe import Variety
+from voronec.proof.search.residues import PRIMES, fraction_of, inverse, kernel, root
 
 p = PRIMES[0]
 x, y, z, a, b = se.symbols("x y z a b")

@@ -8,7 +8,7 @@ import sympy as sp
 import voronec as vo
 from voronec import velocity
 from voronec.algebra.door import Door
-from voronec.analysis.search.independence import Independence
+from voronec.proof.search.independence import Independence
 
 x, y, z, a, mu = sp.symbols("x y z a mu")
 f = sp.Function("f")

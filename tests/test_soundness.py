@@ -11,10 +11,10 @@ import symengine as se
 import sympy as sp
 
 import voronec as vo
-from voronec.flow import many as many_motions
-from voronec.flow.attempts import first_success
-from voronec.flow.steppers import taylor
-from voronec.program import Block, Program, compiled, hoisted
+from voronec.equations.program import Block, Program, compiled, hoisted
+from voronec.motion import motion_pool as many_motions
+from voronec.motion.fallback import first_success
+from voronec.motion.steppers import heyoka_stepper as taylor
 
 x, u = sp.symbols("x u")
 m, length, g = sp.symbols("m l g")
@@ -73,7 +73,7 @@ def test_ctrl_c_between_distant_instants_keeps_where_the_run_stood(
     if method == "heyoka":
         pytest.importorskip("heyoka")
     monkeypatch.setattr(taylor, "CHUNK", 50)
-    monkeypatch.setattr("voronec.flow.steppers.run.EVERY", 0.0)
+    monkeypatch.setattr("voronec.motion.steppers.run.EVERY", 0.0)
 
     def stop(fraction: float) -> None:
         if fraction > 0.2:

@@ -15,8 +15,8 @@ from voronec import Fibration, System, velocity
 from voronec.algebra.door import Door
 from voronec.algebra.numeric_functions import elementary
 from voronec.algebra.stable import stable_all
-from voronec.program import Program, compiled
-from voronec.program.taylor import taylor_system
+from voronec.equations.program import Program, compiled
+from voronec.equations.program.taylor import taylor_system
 
 x, y = sp.symbols("x y", real=True)
 v = velocity(x)

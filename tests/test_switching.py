@@ -7,8 +7,8 @@ import sympy as sp
 
 import voronec as vo
 from voronec.algebra.door import Door
+from voronec.equations.program import Program
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
-from voronec.program import Program
 
 x, y, t = sp.Symbol("x"), sp.Symbol("y"), vo.time
 Dx, Dy = vo.velocity(x), vo.velocity(y)

@@ -9,8 +9,8 @@ from types import ModuleType
 
 import pytest
 
-from voronec.checking import Inventory, Result
-from voronec.report.bibliography import citation
+from voronec.declaration.bibliography import citation
+from voronec.proof.check import Inventory, Result
 
 TOOLS = Path(__file__).resolve().parent.parent / "tools"
 STALE = "run: python tools/build_pages.py"

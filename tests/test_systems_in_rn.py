@@ -9,9 +9,9 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.catalogue import entry_of, members, names
-from voronec.relations.checking import check_relation
-from voronec.vector_field import Motions
+from voronec.declaration.catalogue import entry_of, members, names
+from voronec.equations.vector_field import Motions
+from voronec.proof.relations.decision import check_relation
 
 Q = sp.Rational
 FAMILIES = {
@@ -117,7 +117,7 @@ def test_the_kinds_and_growth_of_the_ball_in_four_dimensions():
 
 def test_another_power_in_the_measure_of_the_rubber_ball_is_refuted():
     """1/(2 epsilon) belongs to the sphere; the power of the plane fails there."""
-    from voronec.analysis.measures import decide_measure
+    from voronec.proof.measures import decide_measure
 
     at = motions("rubber-ball-on-sphere-in-rn@4")
     wrong = vo.Measure(sp.sqrt(sp.Symbol("Delta")))
@@ -127,8 +127,8 @@ def test_another_power_in_the_measure_of_the_rubber_ball_is_refuted():
 @pytest.mark.parametrize("power", [-1, Q(1, 2), 0])
 def test_another_reducing_multiplier_of_veselova_is_refuted(power):
     """(gamma, A gamma)^(-1/2) is one; other powers are none."""
-    from voronec.analysis.cases import case_of
-    from voronec.analysis.multiplier import decide_multiplier
+    from voronec.proof.cases import case_of
+    from voronec.proof.multiplier import decide_multiplier
 
     system = vo.load("veselova-in-rn")
     special = case_of(system, system.cases["J = a a"])
@@ -138,7 +138,7 @@ def test_another_reducing_multiplier_of_veselova_is_refuted(power):
 
 
 def test_a_multiplier_asks_for_as_many_velocities_as_the_coordinates_have_dimensions():
-    from voronec.analysis.multiplier import decide_multiplier
+    from voronec.proof.multiplier import decide_multiplier
 
     verdict = decide_multiplier(motions("chaplygin-ball-in-rn@3"), sp.Integer(1)).verdict
     assert verdict.refuted and "as a frame of their space" in verdict.method

@@ -13,9 +13,9 @@ import sympy as sp
 import voronec as vo
 from voronec import Measure
 from voronec.algebra.verdicts import decide_zero
-from voronec.analysis.claims import check_claims
-from voronec.relations.checking import check_relation
-from voronec.vector_field import Motions
+from voronec.equations.vector_field import Motions
+from voronec.proof.claims import check_claims
+from voronec.proof.relations.decision import check_relation
 
 ON_SPHERES = (
     "rubber-ball-on-sphere",

@@ -12,9 +12,9 @@ import sympy as sp
 
 import voronec as vo
 from voronec import Equation, Measure, Relation, System, prove_equal, velocity
-from voronec.analysis.claims import check_claims
-from voronec.relations.checking import check_relation
-from voronec.vector_field import Motions
+from voronec.equations.vector_field import Motions
+from voronec.proof.claims import check_claims
+from voronec.proof.relations.decision import check_relation
 
 SLEIGHS = ("sleigh", "growing-sleigh", "sleigh-in-time", "sleigh-on-turntable")
 TABLES = ("ball-on-turntable", "ball-on-turntable-in-time")

@@ -9,13 +9,13 @@ import pytest
 from latex_shape import complaints
 
 from voronec.audit import Transcript
+from voronec.audit.page.article import display, escape_text, inline, own_commands
+from voronec.audit.page.boxes import read_boxes
+from voronec.audit.page.line_breaks import break_lines, width
+from voronec.audit.page.mathml import mathml, prose
 from voronec.audit.wording import readable
-from voronec.catalogue import load_paper, papers
+from voronec.declaration.catalogue import load_paper, papers
 from voronec.errors import DefinitionError
-from voronec.report.boxes import read_boxes
-from voronec.report.breaking import break_lines, width
-from voronec.report.latex import display, escape_text, inline, own_commands
-from voronec.report.mathml import mathml, prose
 
 SECTIONS = [
     pytest.param(section, id=f"{name}-{number}")

@@ -19,7 +19,7 @@ from voronec import Case, Equation, Measure, Parameter, Poisson
 from voronec.algebra import simple_zeros
 from voronec.algebra.branches import product_of
 from voronec.algebra.simple_zeros import has_simple_zeros
-from voronec.analysis import check_claims
+from voronec.proof.claims import check_claims
 
 x, y, q, p, k, m, mu = sp.symbols("x y q p k m mu")
 v, w = vo.velocity(x), vo.velocity(y)

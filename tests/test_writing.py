@@ -11,8 +11,8 @@ import pytest
 
 from voronec.cli import main
 from voronec.cli.files import create, delivery, wanted_folder
+from voronec.declaration.whole_files import draft, replace_file, workshop
 from voronec.errors import DefinitionError
-from voronec.writing import draft, replace_file, workshop
 
 KILLED = """
 import os, signal, sys
@@ -37,7 +37,8 @@ def test_a_file_stays_as_it_was_where_the_disk_is_full(tmp_path):
         "import resource, signal, sys; from pathlib import Path\n"
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))\n"
-        "from voronec.cli.files import create; from voronec.writing import replace_file\n"
+        "from voronec.cli.files import create\n"
+        "from voronec.declaration.whole_files import replace_file\n"
         "from voronec.errors import DefinitionError\n"
         "for write in (replace_file, create):\n"
         "    try: write(Path(sys.argv[1]) / write.__name__, 'x' * 1000)\n"

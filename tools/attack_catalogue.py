@@ -14,9 +14,9 @@ from attack_identities import Letters, mutated
 from attack_truth import STEP, Outside, Statement, number
 
 import voronec as vo
-from voronec.analysis.rates import decide_integral
-from voronec.claims import right_of
-from voronec.vector_field import Motions
+from voronec.declaration.claims import right_of
+from voronec.equations.vector_field import Motions
+from voronec.proof.claims import decide_integral
 
 __all__ = ["catalogue"]
 

@@ -16,7 +16,7 @@ from attack_identities import Letters, mutated
 from attack_truth import APART, STEP, Outside, Statement, number
 
 import voronec as vo
-from voronec.analysis.claims import check_claims
+from voronec.proof.claims import check_claims
 
 __all__ = ["KINDS", "claim", "relation"]
 

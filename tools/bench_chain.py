@@ -21,9 +21,9 @@ import numpy as np
 from bench_systems import chain
 
 import voronec as vo
-from voronec.bench.peers.jitted import right_hand_side, stepper_source
-from voronec.lean import lean_form
-from voronec.program import Hoisted, Program, hoisted, taylor_system
+from voronec.accuracy.bench.peers.jitted import right_hand_side, stepper_source
+from voronec.equations.program import Hoisted, Program, hoisted, taylor_system
+from voronec.equations.staged_equations import lean_form
 
 RUNS = 5
 FINEST = 1e-16

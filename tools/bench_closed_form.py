@@ -23,9 +23,9 @@ from bench_closed_rows import hard_table
 from bench_rows import Row, rows_of, table
 
 import voronec as vo
-from voronec.bench import ask, measure, reference
-from voronec.report.pictures import save
-from voronec.report.work_precision import plot_work_precision
+from voronec.accuracy.bench import ask, measure, reference
+from voronec.accuracy.bench.work_precision_picture import plot_work_precision
+from voronec.motion.pictures.run_pictures import save
 
 ROWS: dict[str, Callable[[], Iterator[Row]]] = {**bench_closed_rows.ROWS, **bench_closed_kinds.ROWS}
 CASES, CURVE = "cases", "curve"

@@ -102,7 +102,7 @@ def _value(coefficients: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 def classes() -> Iterator[Row]:
     """Very many random motions classified, against counting."""
-    from voronec.closed.classes.many import classify_many
+    from voronec.closed.classes.survey import classify_many
 
     data, system = drawn(COUNT, 6), vo.load("demchenko")
     parameters = {n: data[n] for n in ("R1", "R2", "M", "A", "k")}

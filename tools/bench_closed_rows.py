@@ -17,7 +17,7 @@ from bench_prepared import Prepared, turns
 from bench_rows import Row
 
 import voronec as vo
-from voronec.program import Program
+from voronec.equations.program import Program
 
 __all__ = ["ROWS", "closed_form", "hard_table", "references"]
 

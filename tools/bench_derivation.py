@@ -30,8 +30,8 @@ from bench_measure import (
 from bench_systems import gyroscopic_ball
 
 import voronec as vo
-from voronec.program import Program
-from voronec.reduction import descend
+from voronec.equations.program import Program
+from voronec.equations.reduction import descend
 
 DIGITS = 50
 

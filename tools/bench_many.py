@@ -11,9 +11,9 @@ import numpy as np
 from bench_rows import Row
 
 import voronec as vo
-from voronec.bench import ask, at_error
-from voronec.bench.level import Level, level
-from voronec.bench.peers.lambdified import RIGHT_SIDES
+from voronec.accuracy.bench import ask, at_error
+from voronec.accuracy.bench.level import Level, level
+from voronec.accuracy.bench.peers.lambdified import RIGHT_SIDES
 
 __all__ = ["ROWS"]
 

@@ -21,9 +21,9 @@ import bench_rows
 import bench_setup
 from bench_rows import Row, ball, measured, rows_of, table
 
-from voronec.bench import Bench
-from voronec.report.pictures import save
-from voronec.report.work_precision import plot_work_precision
+from voronec.accuracy.bench import Bench
+from voronec.accuracy.bench.work_precision_picture import plot_work_precision
+from voronec.motion.pictures.run_pictures import save
 
 ROWS = {**bench_rows.ROWS, **bench_prepared.ROWS, **bench_many.ROWS, **bench_setup.ROWS}
 CURVE = "curve"

@@ -11,12 +11,12 @@ import numpy as np
 from bench_rows import SPAN, Row
 
 import voronec as vo
-from voronec.bench import Question, Reference, ask, at_error, difference
-from voronec.bench.peers.handwritten import BY_HAND, start_values
-from voronec.bench.runs import contenders
-from voronec.flow.modelling import modelled
-from voronec.flow.vocabulary import Vocabulary
-from voronec.program import Program, hoisted, taylor_system
+from voronec.accuracy.bench import Question, Reference, ask, at_error, difference
+from voronec.accuracy.bench.peers.handwritten import BY_HAND, start_values
+from voronec.accuracy.bench.runs import contenders
+from voronec.equations.program import Program, hoisted, taylor_system
+from voronec.motion.numeric_model import modelled
+from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["ROWS"]
 

@@ -10,16 +10,8 @@ from typing import Any
 import numpy as np
 
 import voronec as vo
-from voronec.bench import (
-    Bench,
-    Point,
-    Question,
-    Reference,
-    ask,
-    measure,
-    reference,
-)
-from voronec.bench.runs import contenders
+from voronec.accuracy.bench import Bench, Point, Question, Reference, ask, measure, reference
+from voronec.accuracy.bench.runs import contenders
 
 __all__ = ["ROWS", "Row", "ball", "measured", "rows_of", "table"]
 

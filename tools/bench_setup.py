@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from bench_rows import Row
 
-from voronec.bench import at_error
+from voronec.accuracy.bench import at_error
 
 __all__ = ["ROWS"]
 

@@ -12,10 +12,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from voronec.audit import Audit, FormulaRecord, Paper, Record
-from voronec.catalogue import load_paper
+from voronec.audit.page.phrases import convened, counted, ended, with_verdict
+from voronec.audit.page.witness_points import short
 from voronec.cli import main as voronec
-from voronec.report.audit_words import convened, counted, ended, with_verdict
-from voronec.report.points import short
+from voronec.declaration.catalogue import load_paper
 
 __all__ = ["FOLDER", "PAGE", "PAPER", "main", "pasted", "read_audit", "summary"]
 

@@ -18,18 +18,17 @@ import numpy as np
 import sympy as sp
 
 import voronec as vo
-from voronec.closed.classes.finding import find
-from voronec.closed.classes.labels import LABELS, classify
+from voronec.closed.classes.search import find
+from voronec.closed.classes.trace_classes import LABELS, classify
+from voronec.closed.pictures.bifurcation_picture import bifurcation_figure
+from voronec.closed.pictures.phase_picture import phase_figure, phase_levels
+from voronec.closed.pictures.sphere_picture import motion_traces, traces_figure
+from voronec.closed.pictures.stability_picture import stability_figure
 from voronec.closed.special.bifurcation import bifurcation_set
 from voronec.closed.special.chart import chart_of
 from voronec.closed.special.family import precessions, quadratures_of
-from voronec.report.bifurcation_picture import bifurcation_figure
-from voronec.report.motion_traces import motion_traces
-from voronec.report.phase_picture import phase_figure, phase_levels
-from voronec.report.pictures import save
-from voronec.report.rolling_animation import film_strip, rolling_of
-from voronec.report.sphere_picture import traces_figure
-from voronec.report.stability_picture import stability_figure
+from voronec.motion.pictures.rolling_animation import film_strip, rolling_of
+from voronec.motion.pictures.run_pictures import save
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "closed-form"
 BALL, SPHERE = "on the ball", "on the sphere"

@@ -12,9 +12,9 @@ import sys
 from pathlib import Path
 from time import perf_counter
 
-from voronec.hard import CASES, named_cases, trials
-from voronec.hard.page import page
-from voronec.hard.reference import STORE, compute
+from voronec.accuracy.hard import CASES, named_cases, trials
+from voronec.accuracy.hard.page import page
+from voronec.accuracy.hard.reference import STORE, compute
 
 __all__ = ["main", "store_references"]
 

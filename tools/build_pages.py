@@ -12,10 +12,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from voronec.checking import Inventory, Result, check_catalogue, told, user_store
 from voronec.cli import main as voronec
-from voronec.report.bibliography import bibtex
-from voronec.report.system_page import index_page, system_page
+from voronec.declaration.bibliography import bibtex
+from voronec.proof.check import Inventory, Result, check_catalogue, told, user_store
+from voronec.proof.system_page import index_page, system_page
 
 __all__ = ["FOLDER", "main", "pages", "read_results"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import voronec as vo
-from voronec.report.pictures import drawing, save
+from voronec.motion.pictures.run_pictures import drawing, save
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 

@@ -27,7 +27,7 @@ from voronec.audit import Check, Sentence
 from voronec.audit.record import worst
 from voronec.audit.run import Item, Work, items
 from voronec.audit.transcript import formulas_by_label
-from voronec.catalogue import load_paper
+from voronec.declaration.catalogue import load_paper
 from voronec.errors import VoronecError
 
 __all__ = ["Premise", "main", "premises"]

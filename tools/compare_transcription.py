@@ -20,7 +20,7 @@ from pathlib import Path
 from latex_source import Excerpt, SourceSection, read_sections, tidy
 
 from voronec.audit import Paper, Section
-from voronec.catalogue import load_paper
+from voronec.declaration.catalogue import load_paper
 from voronec.errors import DefinitionError
 
 __all__ = ["Comparison", "Difference", "Row", "compare", "main"]

@@ -30,7 +30,7 @@ from latex_errors import Slip
 from paper_trials import NOTICED, Page, Trial
 
 from voronec.audit.transcript import formulas_by_label
-from voronec.catalogue import load_paper
+from voronec.declaration.catalogue import load_paper
 
 HANG = 60
 """Seconds of CPU after which a trial is given up, and counts as undecided."""

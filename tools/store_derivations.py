@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import voronec as vo
-from voronec.comparison import Derived, compare, read_derived
+from voronec.proof.comparison import Derived, compare, read_derived
 
 FOLDER = Path(__file__).resolve().parents[1] / "tests" / "derivations"
 

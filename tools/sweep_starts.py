@@ -33,7 +33,7 @@ from fuzz_reference import Referee, Unsupported, mechanics_of
 from fuzz_scene import catalogue_names
 
 import voronec as vo
-from voronec.flow.divisors import divisors
+from voronec.motion.divisors import divisors
 
 __all__ = ["main"]
 

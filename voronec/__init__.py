@@ -9,26 +9,25 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from voronec.accuracy.hard import HardCase
     from voronec.algebra.signs import prove_inequality
     from voronec.algebra.symbols import time, velocity
     from voronec.algebra.verdicts import Verdict, Witness, prove_equal
-    from voronec.analysis import Claim, check_claims, divergence
-    from voronec.analysis.search import FoundIntegral, IntegralSearch, search_integrals
-    from voronec.catalogue import load, names
-    from voronec.charts import Chart
-    from voronec.checking import check_catalogue, check_relation, graph
-    from voronec.claims import Case, Corrected, Equation, Measure, Poisson
     from voronec.closed import ClosedForm
     from voronec.closed.special.family import Precessions, precessions
-    from voronec.comparison import compare
-    from voronec.equations import VoronecEquations, derive
-    from voronec.errors import (
-        DefinitionError,
-        EngineLimit,
-        IntegrationError,
-        VoronecError,
-    )
-    from voronec.flow import (
+    from voronec.declaration.catalogue import load, names
+    from voronec.declaration.charts import Chart
+    from voronec.declaration.claims import Case, Corrected, Equation, Measure, Poisson
+    from voronec.declaration.geometry import Fibration, Frame
+    from voronec.declaration.quadratures import Plane, Quadratures, Space, Trace
+    from voronec.declaration.relation import Limit, Relation, Square
+    from voronec.declaration.scene import Parameter, Scene
+    from voronec.declaration.system import System
+    from voronec.equations.reduction import Reduction, descend
+    from voronec.equations.referee import multiplier_acceleration, reaction_forces
+    from voronec.equations.voronec_equations import VoronecEquations, derive
+    from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
+    from voronec.motion import (
         Crossings,
         Ensemble,
         Event,
@@ -39,17 +38,14 @@ if TYPE_CHECKING:
         integrate,
         section,
     )
-    from voronec.flow.closed_form import closed_form
-    from voronec.flow.explanation import explain
-    from voronec.geometry import Fibration, Frame
-    from voronec.hard import HardCase
-    from voronec.model import Model
-    from voronec.multipliers import multiplier_acceleration, reaction_forces
-    from voronec.quadratures import Plane, Quadratures, Space, Trace
-    from voronec.reduction import Reduction, descend
-    from voronec.relations import Limit, Relation, Square
-    from voronec.scene import Parameter, Scene
-    from voronec.system import System
+    from voronec.motion.closed_form import closed_form
+    from voronec.motion.explanation import explain
+    from voronec.motion.model import Model
+    from voronec.proof.check import check_catalogue, check_relation, graph
+    from voronec.proof.claims import Claim, check_claims
+    from voronec.proof.comparison import compare
+    from voronec.proof.measures import divergence
+    from voronec.proof.search import FoundIntegral, IntegralSearch, search_integrals
 
 __version__ = "0.1.0"
 
@@ -60,62 +56,62 @@ _HOME = {
     "Verdict": "voronec.algebra.verdicts",
     "Witness": "voronec.algebra.verdicts",
     "prove_equal": "voronec.algebra.verdicts",
-    "Chart": "voronec.charts",
-    "check_catalogue": "voronec.checking",
-    "check_relation": "voronec.checking",
+    "Chart": "voronec.declaration.charts",
+    "check_catalogue": "voronec.proof.check",
+    "check_relation": "voronec.proof.check",
     "ClosedForm": "voronec.closed",
-    "compare": "voronec.comparison",
+    "compare": "voronec.proof.comparison",
     "Precessions": "voronec.closed.special",
     "precessions": "voronec.closed.special",
-    "load": "voronec.catalogue",
-    "names": "voronec.catalogue",
-    "graph": "voronec.checking",
-    "VoronecEquations": "voronec.equations",
-    "derive": "voronec.equations",
+    "load": "voronec.declaration.catalogue",
+    "names": "voronec.declaration.catalogue",
+    "graph": "voronec.proof.check",
+    "VoronecEquations": "voronec.equations.voronec_equations",
+    "derive": "voronec.equations.voronec_equations",
     "DefinitionError": "voronec.errors",
     "EngineLimit": "voronec.errors",
     "IntegrationError": "voronec.errors",
     "VoronecError": "voronec.errors",
-    "Crossings": "voronec.flow",
-    "Ensemble": "voronec.flow",
-    "Event": "voronec.flow",
-    "Section": "voronec.flow",
-    "Trajectory": "voronec.flow",
-    "ensemble": "voronec.flow",
-    "integrate": "voronec.flow",
-    "Table": "voronec.flow",
-    "section": "voronec.flow",
-    "closed_form": "voronec.flow.closed_form",
-    "explain": "voronec.flow.explanation",
-    "Model": "voronec.model",
-    "Fibration": "voronec.geometry",
-    "Frame": "voronec.geometry",
-    "HardCase": "voronec.hard",
-    "multiplier_acceleration": "voronec.multipliers",
-    "reaction_forces": "voronec.multipliers",
-    "Claim": "voronec.analysis",
-    "FoundIntegral": "voronec.analysis.search",
-    "IntegralSearch": "voronec.analysis.search",
-    "search_integrals": "voronec.analysis.search",
-    "check_claims": "voronec.analysis",
-    "divergence": "voronec.analysis",
-    "Reduction": "voronec.reduction",
-    "descend": "voronec.reduction",
-    "Case": "voronec.claims",
-    "Corrected": "voronec.claims",
-    "Equation": "voronec.claims",
-    "Measure": "voronec.claims",
-    "Poisson": "voronec.claims",
-    "Limit": "voronec.relations",
-    "Relation": "voronec.relations",
-    "Square": "voronec.relations",
-    "Plane": "voronec.quadratures",
-    "Quadratures": "voronec.quadratures",
-    "Space": "voronec.quadratures",
-    "Trace": "voronec.quadratures",
-    "Parameter": "voronec.scene",
-    "Scene": "voronec.scene",
-    "System": "voronec.system",
+    "Crossings": "voronec.motion",
+    "Ensemble": "voronec.motion",
+    "Event": "voronec.motion",
+    "Section": "voronec.motion",
+    "Trajectory": "voronec.motion",
+    "ensemble": "voronec.motion",
+    "integrate": "voronec.motion",
+    "Table": "voronec.motion",
+    "section": "voronec.motion",
+    "closed_form": "voronec.motion.closed_form",
+    "explain": "voronec.motion.explanation",
+    "Model": "voronec.motion.model",
+    "Fibration": "voronec.declaration.geometry",
+    "Frame": "voronec.declaration.geometry",
+    "HardCase": "voronec.accuracy.hard",
+    "multiplier_acceleration": "voronec.equations.referee",
+    "reaction_forces": "voronec.equations.referee",
+    "Claim": "voronec.proof.claims",
+    "FoundIntegral": "voronec.proof.search",
+    "IntegralSearch": "voronec.proof.search",
+    "search_integrals": "voronec.proof.search",
+    "check_claims": "voronec.proof.claims",
+    "divergence": "voronec.proof.measures",
+    "Reduction": "voronec.equations.reduction",
+    "descend": "voronec.equations.reduction",
+    "Case": "voronec.declaration.claims",
+    "Corrected": "voronec.declaration.claims",
+    "Equation": "voronec.declaration.claims",
+    "Measure": "voronec.declaration.claims",
+    "Poisson": "voronec.declaration.claims",
+    "Limit": "voronec.declaration.relation",
+    "Relation": "voronec.declaration.relation",
+    "Square": "voronec.declaration.relation",
+    "Plane": "voronec.declaration.quadratures",
+    "Quadratures": "voronec.declaration.quadratures",
+    "Space": "voronec.declaration.quadratures",
+    "Trace": "voronec.declaration.quadratures",
+    "Parameter": "voronec.declaration.scene",
+    "Scene": "voronec.declaration.scene",
+    "System": "voronec.declaration.system",
     "kinematics": "voronec.kinematics",
 }
 

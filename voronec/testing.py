@@ -20,19 +20,19 @@ import sympy as sp
 
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.text import sympified
-from voronec.catalogue import Entry, entry_of, file_entry
-from voronec.checking import Inventory, Result
-from voronec.checking.record import told
-from voronec.checking.run import broken
-from voronec.checking.unit import Unit, units_of
-from voronec.checking.work import Bench, examine
-from voronec.comparison import is_general, random_point
-from voronec.equations import VoronecEquations, derive
-from voronec.flow import integrate
-from voronec.multipliers import multiplier_acceleration
-from voronec.report.bibliography import bibtex
-from voronec.scene import Scene
-from voronec.system import System
+from voronec.declaration.bibliography import bibtex
+from voronec.declaration.catalogue import Entry, entry_of, file_entry
+from voronec.declaration.scene import Scene
+from voronec.declaration.system import System
+from voronec.equations.referee import multiplier_acceleration
+from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.motion import integrate
+from voronec.proof.check import Inventory, Result
+from voronec.proof.check.record import told
+from voronec.proof.check.run import broken
+from voronec.proof.check.unit import Unit, units_of
+from voronec.proof.check.work import Bench, examine
+from voronec.proof.comparison import is_general, random_point
 
 __all__ = [
     "STATEMENTS",

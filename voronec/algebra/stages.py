@@ -3,21 +3,412 @@
 A derivative of such a program is again one, made stage by stage, and a derivative that is a sum met
 before (up to a factor) is found again, not written a second time: the derivative of
 cos(a)*x + sin(a)*y is the stage cos(a)*y - sin(a)*x.
+
+Where a system does not change when a coordinate is shifted, the coordinate cancels from what is
+computed, but no rewriting rule sees it.  Values at neighbouring points suggest the cancellation;
+the derivative, expanded until it is zero, proves it.
 """
 
 from __future__ import annotations
 
+import heapq
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import random
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import count
 from typing import Any
 
+import flint
 import symengine as se
 
-from voronec.algebra.cyclic import Cyclic
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.ring import Ring
 from voronec.algebra.tape import Tape, is_atom
+from voronec.errors import EngineLimit
 
-__all__ = ["Stages", "linear_combination", "needed", "primitive", "sorted_stages"]
+__all__ = [
+    "Cyclic",
+    "StagedElimination",
+    "Stages",
+    "factored",
+    "linear_combination",
+    "needed",
+    "primitive",
+    "shared_sums",
+    "sorted_stages",
+]
+
+
+Bag = dict[Any, Any]
+"""A sum as {term without number: number}."""
+Pair = tuple[Any, Any, Any]
+"""Two terms of a sum and the ratio of their numbers."""
+
+WIDEST = 60
+"""Sums with more terms than this are left alone."""
+
+
+def _split(term: Any) -> tuple[Any, Any]:
+    number = coefficient(term)
+    return (ONE, number) if term.is_Number else (term / number, number)
+
+
+def shared_sums(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dict[Any, Any]:
+    """Name every pair of terms that several sums share, up to a factor, most shared first.
+
+    Pairs of named pairs follow, so that longer common parts are found, too.
+    """
+    bags = {
+        x: dict(map(_split, e.args))
+        for x, e in definitions.items()
+        if isinstance(e, se.Add) and len(e.args) <= WIDEST
+    }
+    keys: dict[Any, str] = {}
+    where: dict[Pair, set[Any]] = defaultdict(set)
+    for x, bag in bags.items():
+        for pair in _pairs(bag, keys):
+            where[pair].add(x)
+    heap = [_entry(p, where, keys) for p, users in where.items() if len(users) > 1]
+    heapq.heapify(heap)
+    while heap:
+        count, _, pair = heapq.heappop(heap)
+        if len(where[pair]) < 2:
+            continue
+        if len(where[pair]) != -count:
+            heapq.heappush(heap, _entry(pair, where, keys))
+            continue
+        first, second, ratio = pair
+        name = fresh()
+        for x in sorted(where[pair], key=str):
+            before = _pairs(bags[x], keys)
+            number = bags[x].pop(first)
+            del bags[x][second]
+            bags[x][name] = number
+            after = _pairs(bags[x], keys)
+            for p in before - after:
+                where[p].discard(x)
+            for p in after - before:
+                where[p].add(x)
+                if len(where[p]) > 1:
+                    heapq.heappush(heap, _entry(p, where, keys))
+        bags[name] = {first: ONE, second: ratio}
+    sums = {x: se.Add(*[c * m for m, c in bag.items()]) for x, bag in bags.items()}
+    return sorted_stages({**definitions, **sums})
+
+
+def _pairs(bag: Bag, keys: dict[Any, str]) -> set[Pair]:
+    for term in bag:
+        if term not in keys:
+            keys[term] = str(term)
+    order = sorted(bag, key=keys.__getitem__)
+    return {(a, b, bag[b] / bag[a]) for i, a in enumerate(order) for b in order[i + 1 :]}
+
+
+def _entry(pair: Pair, where: Mapping[Pair, set[Any]], keys: Mapping[Any, str]) -> Any:
+    first, second, ratio = pair
+    return -len(where[pair]), (keys[first], keys[second], str(ratio)), pair
+
+
+def factored(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dict[Any, Any]:
+    """Write a*b + a*c as a*(b + c) in every sum, the factor that most terms share first."""
+    names: dict[Any, Any] = {}
+    result: dict[Any, Any] = {}
+
+    def name(expr: Any) -> Any:
+        if not isinstance(expr, se.Add):
+            return expr
+        number, expr = primitive(expr)
+        if expr not in names:
+            names[expr] = fresh()
+            result[names[expr]] = expr
+        return number * names[expr]
+
+    for x, expr in definitions.items():
+        result[x] = expr
+        if isinstance(expr, se.Add):
+            result[x] = _collected([(c, _powers(m)) for m, c in map(_split, expr.args)], name)
+    return sorted_stages(result)
+
+
+def _powers(term: Any) -> dict[Any, int]:
+    """The factors of a term with their exponents; what has no whole positive exponent is one."""
+    powers: dict[Any, int] = {}
+    for f in term.args if isinstance(term, se.Mul) else (term,):
+        if isinstance(f, se.Pow) and isinstance(f.args[1], se.Integer) and f.args[1] > 0:
+            powers[f.args[0]] = int(f.args[1])
+        elif f != 1:
+            powers[f] = 1
+    return powers
+
+
+def _collected(terms: list[tuple[Any, dict[Any, int]]], name: Callable[[Any], Any]) -> Any:
+    counts: dict[Any, int] = defaultdict(int)
+    for _, powers in terms:
+        for f in powers:
+            counts[f] += 1
+    most = max(counts, key=lambda f: (counts[f], str(f)), default=None)
+    if most is None or counts[most] < 2:
+        return se.Add(*[c * se.Mul(*[f**e for f, e in p.items()]) for c, p in terms])
+    inside = []
+    for c, powers in terms:
+        if most in powers:
+            inside.append((c, {f: e - (f == most) for f, e in powers.items() if e > (f == most)}))
+    outside = [(c, powers) for c, powers in terms if most not in powers]
+    head = most * name(_collected(inside, name))
+    return head + _collected(outside, name) if outside else head
+
+
+BITS = 192
+
+
+class StagedElimination:
+    """rows * x = right with a row for each unknown or more; rows to spare must be dependent.
+
+    A pivot is an entry that ball arithmetic proves nonzero at a generic point of the relations.
+    Raises ``EngineLimit`` where an unknown is left without a pivot.
+    """
+
+    def __init__(
+        self, stages: Stages, rows: Sequence[Mapping[int, Any]], unknowns: int, relations: Any
+    ) -> None:
+        self._stages = stages
+        self._left = [dict(row) for row in rows]
+        self._steps: list[tuple[int, int, Any]] = []
+        self._pivots: list[tuple[int, int]] = []
+        shadows = self._shadows(relations)
+        open_rows = list(range(len(rows)))
+        with flint.ctx.workprec(BITS):
+            while (choice := self._choice(open_rows, shadows)) is not None:
+                self._pivots.append(choice)
+                open_rows.remove(choice[0])
+                for row in open_rows:
+                    if choice[1] in self._left[row]:
+                        self._subtract(row, *choice, shadows)
+        if len(self._pivots) < unknowns:
+            raise EngineLimit("the velocities are not determined stage by stage")
+
+    def solve(self, right: Sequence[Any]) -> list[Any]:
+        """The unknowns for right sides, in the order of the unknowns."""
+        rest = list(right)
+        for target, source, factor in self._steps:
+            if rest[source] != 0:
+                rest[target] = self._stages.name(rest[target] - factor * rest[source])
+        values: dict[int, Any] = {}
+        for row, column in reversed(self._pivots):
+            left = self._left[row]
+            known = linear_combination((e, values[j]) for j, e in left.items() if j != column)
+            values[column] = self._stages.name(self._stages.name(rest[row] - known) / left[column])
+        return [values[j] for j in sorted(values)]
+
+    def _shadows(self, relations: Any) -> list[dict[int, Any]]:
+        entries = [e for row in self._left for e in row.values()]
+        definitions = self._stages.definitions
+        atoms = Tape([*definitions.values(), *entries]).atoms
+        free = [a for a in atoms if a not in definitions]
+        for point, _ in sample_evaluable(Tape(free), relations, BITS):
+            values = iter(self._stages.at(point, entries, BITS))
+            shadows = [{j: next(values) for j in row} for row in self._left]
+            if all(s.is_finite() for row in shadows for s in row.values()):
+                return shadows
+        raise EngineLimit("no point was found at which the linear equations have real values")
+
+    def _choice(self, rows: Sequence[int], shadows: Any) -> tuple[int, int] | None:
+        """Least fill-in (Markowitz), numbers first, then the shortest entry."""
+        counts: dict[int, int] = {}
+        for row in rows:
+            for j in self._left[row]:
+                counts[j] = counts.get(j, 0) + 1
+        candidates = [
+            ((len(self._left[row]) - 1) * (counts[j] - 1), not e.is_Number, len(str(e)), row, j)
+            for row in rows
+            for j, e in self._left[row].items()
+            if not shadows[row][j].contains(0)
+        ]
+        return min(candidates)[-2:] if candidates else None
+
+    def _subtract(self, target: int, source: int, column: int, shadows: Any) -> None:
+        left, shadow = self._left[target], shadows[target]
+        factor = self._stages.name(left.pop(column) / self._left[source][column])
+        ratio = shadow.pop(column) / shadows[source][column]
+        for j, entry in self._left[source].items():
+            if j != column:
+                left[j] = self._stages.name(left.get(j, ZERO) - factor * entry)
+                shadow[j] = shadow.get(j, flint.arb(0)) - ratio * shadows[source][j]
+                if left[j] == 0:
+                    del left[j], shadow[j]
+        if factor != se.Integer(0):
+            self._steps.append((target, source, factor))
+
+
+DEPTH = 5
+"""How many levels of stages a proof opens."""
+SIZE = 400
+"""A derivative that opens into more terms than this is opened no further."""
+WORK = 20_000
+"""The work of one exact proof; a proof that a whole sum is zero may cost twenty times as much."""
+LENGTH = 4000
+"""An expression with more letters than this is not proved to be zero."""
+PATIENCE = 6
+"""So many failed proofs in a row, and a coordinate is tried no more."""
+
+_FUNCTIONS: dict[type, Callable[[float], float]] = {
+    se.sin: math.sin,
+    se.cos: math.cos,
+    se.tan: math.tan,
+    se.asin: math.asin,
+    se.acos: math.acos,
+    se.atan: math.atan,
+    se.sinh: math.sinh,
+    se.cosh: math.cosh,
+    se.tanh: math.tanh,
+    se.log: math.log,
+}
+
+
+class Cyclic:
+    """Finds the coordinates that cancel from stages; ``support`` is what each stage is made of."""
+
+    def __init__(self, coordinates: Sequence[Any]) -> None:
+        self.coordinates = list(coordinates)
+        self.support: dict[Any, frozenset[Any]] = {}
+        self._source = random.Random("voronec cyclic")
+        self._values: dict[Any, tuple[float, ...]] = {}
+        self._slopes: dict[tuple[Any, Any], Any] = {}
+        self._failures = dict.fromkeys(coordinates, 0)
+        self._lost = 0
+
+    def add(self, symbol: Any, expr: Any) -> None:
+        """Take note of a new stage."""
+        self.support[symbol] = self.made_of(expr)
+        self._values[symbol] = self._value(expr)
+
+    def made_of(self, expr: Any) -> frozenset[Any]:
+        """The symbols, no stages among them, that occur in an expression."""
+        found: set[Any] = set()
+        for w in expr.free_symbols:
+            found |= self.support.get(w, {w})
+        return frozenset(found)
+
+    def absent(self, expr: Any, stages: Stages) -> Iterator[Any]:
+        """Coordinates that occur in the expression and are proved to cancel."""
+        support = self.made_of(expr)
+        values = self._value(expr)
+        for index, q in enumerate(self.coordinates):
+            if q not in support or self._failures[q] >= PATIENCE:
+                continue
+            change = abs(values[index + 1] - values[0])
+            if not change <= 1e-10 * abs(values[0]):
+                continue
+            if self._proved(expr, q, stages):
+                self._failures[q] = 0
+                yield q
+            else:
+                self._failures[q] += 1
+
+    def vanishes(self, expr: Any, stages: Stages) -> bool:
+        """Whether a sum is proved to be zero."""
+        values = [self._value(t)[0] for t in expr.args]
+        if not all(map(math.isfinite, values)):
+            return False
+        small = abs(math.fsum(values)) <= 1e-12 * max(map(abs, values))
+        if not small or self._lost >= PATIENCE:
+            return False
+        for _ in range(DEPTH + 1):
+            inside = {w: stages.definitions[w] for w in expr.free_symbols & self.support.keys()}
+            if not inside or len(str(expr)) > LENGTH:
+                break
+            expr = expr.xreplace(inside)
+            if _is_zero(expr, 20 * WORK):
+                return True
+        self._lost += 1
+        return False
+
+    def _proved(self, expr: Any, q: Any, stages: Stages) -> bool:
+        slope = self._slope(expr, q, stages)
+        inner = stages.definitions
+        for _ in range(DEPTH):
+            if slope == 0:
+                return True
+            inside = {
+                w: inner[w] for w in slope.free_symbols if w in inner and q in self.support[w]
+            }
+            if not inside or _terms(slope, inside) > SIZE:
+                break
+            slope = se.expand(slope.xreplace(inside))
+        if slope == 0:
+            return True
+        return _is_zero(slope, WORK)
+
+    def _slope(self, expr: Any, q: Any, stages: Stages) -> Any:
+        """The derivative along a coordinate, in stages; none is opened."""
+        terms = [expr.diff(q)]
+        for w in expr.free_symbols:
+            if w in stages.definitions and q in self.support[w]:
+                if (w, q) not in self._slopes:
+                    slope = self._slope(stages.definitions[w], q, stages)
+                    self._slopes[w, q] = stages.written(slope)
+                terms.append(expr.diff(w) * self._slopes[w, q])
+        return se.expand(se.Add(*terms))
+
+    def _value(self, expr: Any) -> tuple[float, ...]:
+        """Values at a point, then with each coordinate moved alone; nan where undefined."""
+        known = self._values.get(expr)
+        if known is None:
+            try:
+                known = self._computed(expr)
+            except (ValueError, TypeError, ZeroDivisionError, OverflowError, KeyError):
+                known = (math.nan,) * (len(self.coordinates) + 1)
+            self._values[expr] = known
+        return known
+
+    def _computed(self, expr: Any) -> tuple[float, ...]:
+        width = len(self.coordinates) + 1
+        if is_atom(expr):
+            return self._atom(expr)
+        if expr.is_Number or not expr.args:
+            return (float(expr),) * width
+        args = [self._value(a) for a in expr.args]
+        if isinstance(expr, se.Add):
+            return tuple(map(math.fsum, zip(*args, strict=True)))
+        if isinstance(expr, se.Mul):
+            return tuple(map(math.prod, zip(*args, strict=True)))
+        if isinstance(expr, se.Pow):
+            return tuple(_power(b, e) for b, e in zip(*args, strict=True))
+        return tuple(map(_FUNCTIONS[type(expr)], args[0]))
+
+    def _atom(self, atom: Any) -> tuple[float, ...]:
+        centre = self._source.uniform(0.3, 0.9)
+        moved = (centre + 0.173 * (q in atom.free_symbols) for q in self.coordinates)
+        return (centre, *moved)
+
+
+def _is_zero(expr: Any, work: int) -> bool:
+    try:
+        return bool(Ring([expr], (), work).fraction(expr).num == 0)
+    except (EngineLimit, ZeroDivisionError):
+        return False
+
+
+def _terms(expr: Any, inside: Mapping[Any, Any]) -> int:
+    """How many terms a sum has at most, once stages are opened and everything is expanded."""
+    total = 0
+    for term in expr.args if isinstance(expr, se.Add) else (expr,):
+        count = 1
+        for factor in term.args if isinstance(term, se.Mul) else (term,):
+            base, power = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
+            if base in inside and isinstance(inside[base], se.Add):
+                count *= len(inside[base].args) ** min(abs(int(float(power))) or 1, 9)
+        total += count
+    return total
+
+
+def _power(base: float, exponent: float) -> float:
+    value = base**exponent
+    if isinstance(value, complex):
+        raise TypeError("a root of a negative number")
+    return float(value)
+
 
 ZERO, ONE = se.Integer(0), se.Integer(1)
 

@@ -11,6 +11,7 @@ import symengine as se
 import sympy as sp
 from sympy.logic.boolalg import Boolean
 
+from voronec.algebra.arguments import SEVERAL, accepts
 from voronec.algebra.composition import angles_of, are_equal, folded
 from voronec.algebra.conditions import condition, parted
 from voronec.algebra.door import Door
@@ -23,7 +24,6 @@ from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import shown, sympified
 from voronec.algebra.witnesses import Search
-from voronec.arguments import SEVERAL, accepts
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = [

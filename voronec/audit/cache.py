@@ -1,17 +1,94 @@
-"""Finished verdicts of an audit on disk, each under a digest of what it rests on."""
+"""Finished verdicts of an audit on disk, each under a digest of what it rests on.
+
+They rest on what the section declares; on the source of the modules that its functions come from
+and of those that these import, as far as they are no installed libraries; on the systems that these
+load by name; on the engine; and on the libraries that the engine computes with.  A data file that a
+study reads is not seen.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+import inspect
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from voronec.audit.consistency import Examined
+from voronec.audit.paper import Check, Display, Section, Sentence
 from voronec.audit.record import FormulaRecord
-from voronec.keeping import Store
+from voronec.proof.verdict_store import Store, closure, digest
 
-__all__ = ["Cache"]
+__all__ = ["Basis", "Cache"]
+
+
+DECIDER = "voronec.audit.run"
+"""The module that decides what an audit says."""
+
+
+@dataclass(frozen=True)
+class Basis:
+    """The declarations of a section as text, and the files that it rests on."""
+
+    declared: str
+    files: tuple[Path, ...]
+
+    @classmethod
+    def of(cls, section: Section, paper: Iterable[Section] = ()) -> Basis:
+        """Collect them; ``paper`` holds the sections to whose formulas its sentences may refer."""
+        refers = any(slot.kind == "reference" for s in section.sentences for slot in s.slots)
+        others = [d.latex for s in paper for d in s.displays] if refers else []
+        return cls(_declared(section) + _text(others), tuple(sorted(closure(_origins(section)))))
+
+    def digest(self) -> str:
+        """A digest of everything, with the files as they are now."""
+        return digest(self.declared, self.files, DECIDER)
+
+
+def _declared(section: Section) -> str:
+    """All that the section declares, functions by their names."""
+    return _text((section.title, section.displays, section.inline, section.sentences))
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, (Display, Sentence, Check)) or hasattr(value, "__dataclass_fields__"):
+        parts = [f"{f.name}={_text(getattr(value, f.name))}" for f in fields(value)]
+        return f"{type(value).__name__}({', '.join(parts)})"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_text(k)}: {_text(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, (tuple, list)):
+        return "(" + ", ".join(map(_text, value)) + ")"
+    if callable(value) and hasattr(value, "__qualname__"):
+        return f"{value.__module__}.{value.__qualname__}"
+    return repr(value)
+
+
+def _origins(section: Section) -> set[Path]:
+    """The files in which the section's functions are written."""
+    found = set()
+    for function in _functions(section):
+        file = inspect.getsourcefile(inspect.unwrap(function)) if _has_source(function) else None
+        if file is not None:
+            found.add(Path(file).resolve())
+    return found
+
+
+def _has_source(function: Any) -> bool:
+    return inspect.isfunction(inspect.unwrap(function))
+
+
+def _functions(section: Section) -> Iterator[Callable[..., Any]]:
+    yield section.studies
+    for sentence in section.sentences:
+        if sentence.decide is not None:
+            yield sentence.decide
+        if sentence.derived is not None:
+            yield sentence.derived
+    for display in (*section.displays, *section.inline):
+        for check in display.checks:
+            hooks = (check.truth, check.value, check.derived, check.decide)
+            yield from (hook for hook in hooks if hook is not None)
+
 
 KEPT = 200
 """How many sections, in whatever state of their sources, keep their verdicts."""

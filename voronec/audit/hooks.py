@@ -6,8 +6,8 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
+from voronec.declaration.plugin_files import failure
 from voronec.errors import DefinitionError, VoronecError
-from voronec.execution import failure
 
 __all__ = ["HookError", "asked"]
 

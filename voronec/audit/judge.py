@@ -26,14 +26,7 @@ from voronec.audit.structure import free_indices, marks, mentions, new_names
 from voronec.audit.study import Range, Study, UnknownRate
 from voronec.audit.transcript import Formula, Transcript
 from voronec.audit.verify import Finding, by_range, verify
-from voronec.audit.wording import (
-    loose_index,
-    method_of,
-    ranges_of,
-    readable,
-    with_note,
-    witness_of,
-)
+from voronec.audit.wording import loose_index, method_of, ranges_of, readable, with_note, witness_of
 from voronec.errors import DefinitionError, did_you_mean
 
 __all__ = ["Bench", "judge_formula", "judge_sentence"]

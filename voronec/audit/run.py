@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from voronec.audit.basis import Basis
-from voronec.audit.cache import Cache
+from voronec.audit.cache import Basis, Cache
 from voronec.audit.consistency import Examined, defined, families, with_uses
 from voronec.audit.hooks import asked
 from voronec.audit.judge import Bench, judge_formula, judge_sentence

@@ -15,7 +15,7 @@ from voronec.cli.values import finite, pair, split_values
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
-    from voronec.bench import Bench, Measured, Point
+    from voronec.accuracy.bench import Bench, Measured, Point
 
 __all__ = ["execute"]
 
@@ -36,8 +36,8 @@ def execute(arguments: Namespace) -> int:
     system, _ = resolve(arguments.system)
     folder = wanted_folder(arguments.out or f"{system.name}-bench")
     parameters, initial = split_values(system, pairs)
-    from voronec.bench import ask, measure, measure_setup
-    from voronec.bench.runs import contenders
+    from voronec.accuracy.bench import ask, measure, measure_setup
+    from voronec.accuracy.bench.runs import contenders
 
     methods = _words(arguments.methods)
     contenders(methods)  # refuses an unknown one before any work
@@ -66,8 +66,8 @@ def _words(text: str | None) -> list[str]:
 
 
 def _write(bench: Bench, folder: Path) -> list[Path]:
-    from voronec.report.pictures import save
-    from voronec.report.work_precision import plot_work_precision
+    from voronec.accuracy.bench.work_precision_picture import plot_work_precision
+    from voronec.motion.pictures.run_pictures import save
 
     with delivery(folder) as workshop:
         data = json.dumps(bench.as_dict(), indent=2, ensure_ascii=False)
@@ -130,7 +130,7 @@ def _row(measured: Measured, point: Point) -> list[str]:
 
 def _equal(bench: Bench) -> list[str]:
     """Times at equal error, and how many times slower than the fastest of ours."""
-    from voronec.bench.record import AT
+    from voronec.accuracy.bench.record import AT
 
     head = ["at equal error"]
     for error in AT:

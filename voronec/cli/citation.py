@@ -6,7 +6,7 @@ from argparse import Namespace
 
 from voronec.cli.output import print_json, warn
 from voronec.cli.subject import resolve
-from voronec.report.bibliography import bibtex
+from voronec.declaration.bibliography import bibtex
 
 __all__ = ["execute"]
 

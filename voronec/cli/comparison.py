@@ -11,14 +11,14 @@ from voronec.cli.output import columns, print_json, progress
 from voronec.cli.subject import resolve
 
 if TYPE_CHECKING:
-    from voronec.comparison import Comparison, Derived
+    from voronec.proof.comparison import Comparison, Derived
 
 __all__ = ["execute"]
 
 
 def execute(arguments: Namespace) -> int:
     """Print what is the same and where the two differ."""
-    from voronec.comparison import compare
+    from voronec.proof.comparison import compare
 
     try:
         first, second = (_side(subject) for subject in (arguments.first, arguments.second))
@@ -34,8 +34,8 @@ def execute(arguments: Namespace) -> int:
 
 
 def _side(subject: str) -> Derived:
-    from voronec.comparison import Derived, read_derived
-    from voronec.equations import derive
+    from voronec.equations.voronec_equations import derive
+    from voronec.proof.comparison import Derived, read_derived
 
     if subject.endswith(".json"):
         return read_derived(subject)

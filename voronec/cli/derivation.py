@@ -13,19 +13,19 @@ from voronec.cli.subject import resolve
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 
 if TYPE_CHECKING:
-    from voronec.analysis import Claim
-    from voronec.equations import VoronecEquations
-    from voronec.reduction import Reduction
-    from voronec.vector_field import Motions
+    from voronec.equations.reduction import Reduction
+    from voronec.equations.vector_field import Motions
+    from voronec.equations.voronec_equations import VoronecEquations
+    from voronec.proof.claims import Claim
 
 __all__ = ["execute"]
 
 
 def execute(arguments: Namespace) -> int:
     """Derive and print; ``--latex``, ``--python`` and ``--c`` print source only."""
-    from voronec.analysis import check_claims
-    from voronec.equations import derive
-    from voronec.vector_field import Motions
+    from voronec.equations.vector_field import Motions
+    from voronec.equations.voronec_equations import derive
+    from voronec.proof.claims import check_claims
 
     system, _ = resolve(arguments.system)
     eqs = derive(system)
@@ -49,8 +49,8 @@ def execute(arguments: Namespace) -> int:
 
 def _store(eqs: VoronecEquations, path: Path, as_json: bool) -> int:
     """Write the derivation into a file, for ``voronec compare``; an old one is replaced."""
-    from voronec.comparison import Derived
-    from voronec.writing import replace_file
+    from voronec.declaration.whole_files import replace_file
+    from voronec.proof.comparison import Derived
 
     replace_file(path, Derived.of(eqs).text())
     if as_json:

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any
 from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import print_json, progress
 from voronec.cli.subject import resolve
-from voronec.cli.values import first_scene, input_values, pair, split_values
-from voronec.cli.wanted import outputs_of
+from voronec.cli.values import first_scene, input_values, outputs_of, pair, split_values
 
 if TYPE_CHECKING:
-    from voronec.model import Model
+    from voronec.motion.model import Model
 
 __all__ = ["execute"]
 
@@ -27,8 +26,8 @@ def execute(arguments: Namespace) -> int:
     folder = None if arguments.out is None else wanted_folder(arguments.out)
     system, _ = resolve(arguments.system)
     parameters, initial = split_values(system, pairs)
-    from voronec.flow.explanation import explain
-    from voronec.report.model_text import model_text
+    from voronec.motion.explanation import explain
+    from voronec.motion.pictures.model_text import model_text
 
     scene = arguments.scene or first_scene(system)
     progress(f"{system.name}: weighing the levels of the equations ...")
@@ -55,8 +54,8 @@ def execute(arguments: Namespace) -> int:
 
 
 def _write(model: Model, text: str, folder: Path) -> list[Path]:
-    from voronec.report.model_picture import model_figure
-    from voronec.report.pictures import save
+    from voronec.motion.pictures.model_picture import model_figure
+    from voronec.motion.pictures.run_pictures import save
 
     figure: Any = model_figure(model)
     with delivery(folder) as workshop:

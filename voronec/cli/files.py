@@ -8,8 +8,8 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from voronec.declaration.whole_files import unwritable, workshop
 from voronec.errors import DefinitionError
-from voronec.writing import unwritable, workshop
 
 __all__ = ["create", "delivery", "refuse_file", "wanted_folder"]
 

@@ -18,8 +18,8 @@ from voronec.errors import DefinitionError, did_you_mean
 
 if TYPE_CHECKING:
     from voronec.closed import ClosedForm
-    from voronec.scene import Scene
-    from voronec.system import System
+    from voronec.declaration.scene import Scene
+    from voronec.declaration.system import System
 
 __all__ = ["execute"]
 
@@ -105,7 +105,7 @@ def _target(out: str) -> Path:
 
 
 def _labels(only: str | None) -> tuple[str, ...]:
-    from voronec.closed.classes.labels import LABELS
+    from voronec.closed.classes.trace_classes import LABELS
 
     if only is None:
         return LABELS
@@ -120,18 +120,18 @@ def _labels(only: str | None) -> tuple[str, ...]:
 
 def _check(system: System, parameters: Any) -> None:
     """Refuse what can have no motion at all, before any search."""
-    from voronec.closed.classes.curve import declared
-    from voronec.closed.classes.finding import held
+    from voronec.closed.classes.search import held
+    from voronec.closed.classes.trace_polynomials import declared
 
     declared(system)
     held(system, parameters)
 
 
 def _search(system: System, labels: Sequence[str], parameters: Any) -> Iterator[Found | Missing]:
-    from voronec.closed.classes.curve import declared
-    from voronec.closed.classes.finding import find
-    from voronec.closed.classes.labels import LABELS
-    from voronec.flow.closed_form import closed_form
+    from voronec.closed.classes.search import find
+    from voronec.closed.classes.trace_classes import LABELS
+    from voronec.closed.classes.trace_polynomials import declared
+    from voronec.motion.closed_form import closed_form
 
     for curve in declared(system).curves:
         for label in labels:
@@ -157,8 +157,8 @@ def _traces(system: System) -> tuple[Any, ...]:
 def _write(system: System, found: Sequence[Found], target: Path) -> list[Path]:
     """A picture of each motion on both spheres, and of all motions on the sphere of their class; or
     all of them in the one file that was named."""
-    from voronec.report.pictures import save
-    from voronec.report.sphere_picture import traces_figure
+    from voronec.closed.pictures.sphere_picture import traces_figure
+    from voronec.motion.pictures.run_pictures import save
 
     own = [(f, _drawn(system, f)) for f in found]
     if target.suffix in SUFFIXES:
@@ -182,8 +182,8 @@ def _write(system: System, found: Sequence[Found], target: Path) -> list[Path]:
 
 def _drawn(system: System, found: Found) -> tuple[Any, ...]:
     """A motion on every sphere."""
-    from voronec.closed.classes.curve import title
-    from voronec.report.motion_traces import motion_traces
+    from voronec.closed.classes.trace_polynomials import title
+    from voronec.closed.pictures.sphere_picture import motion_traces
 
     longitudes = {plain_name(t.longitude): title(t) for t in _traces(system)}
     titles = {v: f"{name}: {found.closed.classes[name].label}" for v, name in longitudes.items()}

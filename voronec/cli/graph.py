@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.cli.output import columns, print_json, progress, warn
+from voronec.declaration.whole_files import replace_file
 from voronec.errors import DefinitionError
-from voronec.writing import replace_file
 
 if TYPE_CHECKING:
-    from voronec.checking import Inventory
+    from voronec.proof.check import Inventory
 
 __all__ = ["execute"]
 
@@ -22,8 +22,8 @@ PICTURES = (".svg", ".png", ".pdf")
 
 def execute(arguments: Namespace) -> int:
     """List the diagram, or write it into a file of the kind that its name says."""
-    from voronec.checking import Inventory, known_results
-    from voronec.checking.inventory import around
+    from voronec.proof.check import Inventory, known_results
+    from voronec.proof.check.inventory import around
 
     path = None if arguments.out is None else Path(arguments.out)
     if path is not None and path.suffix not in (*PICTURES, ".dot", ".json"):
@@ -63,7 +63,7 @@ def _alone(graph: Any) -> list[str]:
 
 def _data(graph: Any, known: dict[str, Any]) -> dict[str, Any]:
     """Nodes and edges; kinds and verdicts are those of an earlier check, if nothing changed."""
-    from voronec.report.diagram_picture import line_of
+    from voronec.proof.diagram_picture import line_of
 
     edges = []
     for source, target, label, data in sorted(graph.edges(keys=True, data=True), key=str):
@@ -82,8 +82,8 @@ def _content(graph: Any, data: dict[str, Any], suffix: str) -> str | bytes:
         return json.dumps(data, indent=1, ensure_ascii=False) + "\n"
     if suffix == ".dot":
         return _dot(data)
-    from voronec.report.diagram_picture import diagram_figure
-    from voronec.report.pictures import save
+    from voronec.motion.pictures.run_pictures import save
+    from voronec.proof.diagram_picture import diagram_figure
 
     status = {e["label"]: e["status"] for e in data["edges"] if e["status"] != "not checked"}
     stream = io.BytesIO()

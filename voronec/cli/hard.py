@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from voronec.hard import Finding, HardCase
+    from voronec.accuracy.hard import Finding, HardCase
 
 __all__ = ["execute"]
 
@@ -40,7 +40,7 @@ def execute(arguments: Namespace) -> int:
 
 
 def _chosen(arguments: Namespace) -> tuple[HardCase, ...]:
-    from voronec.hard import QUICK, every_case, named_cases
+    from voronec.accuracy.hard import QUICK, every_case, named_cases
 
     known, warnings = every_case()
     for message in warnings:
@@ -58,9 +58,9 @@ def _list(cases: Sequence[HardCase], as_json: bool) -> int:
 
 
 def _methods(names: Sequence[str]) -> tuple[str, ...]:
+    from voronec.accuracy.hard import METHODS
+    from voronec.accuracy.hard.run import available
     from voronec.errors import did_you_mean
-    from voronec.hard import METHODS
-    from voronec.hard.run import available
 
     for name in names:
         if name not in ("auto", "default", *METHODS):
@@ -74,8 +74,8 @@ def _run(
     cases: Sequence[HardCase], methods: tuple[str, ...], as_json: bool
 ) -> tuple[list[Finding], bool]:
     """The findings, and whether Ctrl-C ended the run."""
-    from voronec.hard.run import trials
-    from voronec.hard.table import head, lines
+    from voronec.accuracy.hard.run import trials
+    from voronec.accuracy.hard.table import head, lines
 
     findings: list[Finding] = []
     try:
@@ -93,7 +93,7 @@ def _run(
 
 
 def _tell(findings: Sequence[Finding], folder: Path | None, as_json: bool) -> None:
-    from voronec.hard.table import data, summary
+    from voronec.accuracy.hard.table import data, summary
 
     if as_json:
         print_json([data(f) for f in findings])
@@ -101,7 +101,7 @@ def _tell(findings: Sequence[Finding], folder: Path | None, as_json: bool) -> No
         print(summary(findings))
     if folder is None:
         return
-    from voronec.hard.page import page
+    from voronec.accuracy.hard.page import page
 
     with delivery(folder) as workshop:
         (workshop / "hard-cases.md").write_text(page(findings), "utf-8")

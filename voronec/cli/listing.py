@@ -10,17 +10,17 @@ from __future__ import annotations
 from argparse import Namespace
 from typing import TYPE_CHECKING, Any
 
-from voronec.catalogue import Entry, entries, names, papers
 from voronec.cli.output import columns, print_json, warn
+from voronec.declaration.catalogue import Entry, entries, names, papers
 
 if TYPE_CHECKING:
-    from voronec.checking import Inventory, Trouble
+    from voronec.proof.check import Inventory, Trouble
 
 __all__ = ["execute"]
 
 KEPT = 4
 """Catalogues that are remembered: of a few environments that share a home."""
-DECIDER = "voronec.checking.inventory"
+DECIDER = "voronec.proof.check.inventory"
 """The module that loads systems and their relations."""
 
 
@@ -45,7 +45,7 @@ def execute(arguments: Namespace) -> int:
 
 def _rows(known: tuple[Entry, ...]) -> list[dict[str, Any]]:
     """What there is to say of each system; of sound ones from an earlier time where that holds."""
-    from voronec.keeping import Store, closure, digest
+    from voronec.proof.verdict_store import Store, closure, digest
 
     files = closure(e.origin.resolve() for e in known if e.origin is not None)
     store = Store.of_user("list", KEPT)
@@ -53,7 +53,7 @@ def _rows(known: tuple[Entry, ...]) -> list[dict[str, Any]]:
     kept: list[dict[str, Any]] | None = store.load(key, "rows")
     if kept is not None:
         return kept
-    from voronec.checking import Inventory
+    from voronec.proof.check import Inventory
 
     stock = Inventory.of()
     rows = [_row(stock, entry) for entry in stock.entries.values()]

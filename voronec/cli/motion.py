@@ -9,11 +9,18 @@ from typing import TYPE_CHECKING
 from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import columns, print_json, progress, warn
 from voronec.cli.subject import resolve
-from voronec.cli.values import first_scene, input_values, instants, pair, split_values, tolerance
-from voronec.cli.wanted import outputs_of
+from voronec.cli.values import (
+    first_scene,
+    input_values,
+    instants,
+    outputs_of,
+    pair,
+    split_values,
+    tolerance,
+)
 
 if TYPE_CHECKING:
-    from voronec.flow import Trajectory
+    from voronec.motion import Trajectory
 
 __all__ = ["execute"]
 
@@ -35,11 +42,11 @@ def execute(arguments: Namespace) -> int:
     parameters, initial = split_values(system, pairs)
     scene = arguments.scene or first_scene(system)
     if arguments.animate:
-        from voronec.report.rolling_animation import check_film
+        from voronec.motion.pictures.rolling_animation import check_film
 
         check_film(system, Path(arguments.animate))
         wanted_folder(str(Path(arguments.animate).parent))
-    from voronec.flow import integrate
+    from voronec.motion import integrate
 
     progress(f"{system.name}: integrating ...")
     try:
@@ -61,7 +68,7 @@ def execute(arguments: Namespace) -> int:
 
 
 def _write(trajectory: Trajectory, folder: Path) -> list[Path]:
-    from voronec.report.pictures import pictures, save
+    from voronec.motion.pictures.run_pictures import pictures, save
 
     with delivery(folder, PRODUCTS) as workshop:
         trajectory.save(workshop / "trajectory.csv")
@@ -75,7 +82,7 @@ def _write(trajectory: Trajectory, folder: Path) -> list[Path]:
 
 
 def _animate(trajectory: Trajectory, target: Path) -> list[Path]:
-    from voronec.report.rolling_animation import film, rolling_of
+    from voronec.motion.pictures.rolling_animation import film, rolling_of
 
     name = trajectory.system.name
     try:

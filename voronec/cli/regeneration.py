@@ -11,10 +11,10 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from voronec.catalogue import load, load_paper, load_paper_file, names
 from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import print_json, progress
 from voronec.cli.subject import is_file
+from voronec.declaration.catalogue import load, load_paper, load_paper_file, names
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ __all__ = ["execute"]
 def execute(arguments: Namespace) -> int:
     """Audit, print the table, and write the report where a folder is given."""
     from voronec.audit import Cache, Paper, audit_paper
-    from voronec.report.audit_report import audit_table
+    from voronec.audit.page.report import audit_table
 
     folder = None if arguments.out is None else wanted_folder(arguments.out)
     paper = (
@@ -63,7 +63,7 @@ def _announce(place: str, verdict: str) -> None:
 
 
 def _write(audit: Audit, name: str, folder: Path) -> list[Path]:
-    from voronec.report.audit_report import write_audit
+    from voronec.audit.page.report import write_audit
 
     with delivery(folder) as workshop:
         write_audit(audit, workshop, _figures(name, workshop))
@@ -73,13 +73,13 @@ def _write(audit: Audit, name: str, folder: Path) -> list[Path]:
 
 def _figures(name: str, workshop: Path) -> list[Any]:
     """The system's own drawing of its scene ``default``, where it has both."""
-    from voronec.report.audit_report import Figure
+    from voronec.audit.page.report import Figure
 
     system = load(name) if name in names() else None
     if system is None or system.drawing is None or "default" not in system.scenes:
         return []
-    from voronec.flow import integrate
-    from voronec.report.pictures import drawing, save
+    from voronec.motion import integrate
+    from voronec.motion.pictures.run_pictures import drawing, save
 
     progress(f"{name}: integrating the scene 'default'")
     path = workshop / "trace.svg"

@@ -12,14 +12,14 @@ from voronec.cli.subject import resolve
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
-    from voronec.analysis.search import IntegralSearch
+    from voronec.proof.search import IntegralSearch
 
 __all__ = ["execute"]
 
 
 def execute(arguments: Namespace) -> int:
     """Search and print; stopped by Ctrl-C, print what was found until then."""
-    from voronec.analysis.search import searches
+    from voronec.proof.search import searches
 
     system, _ = resolve(arguments.system)
     options = {

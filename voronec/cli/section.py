@@ -12,13 +12,20 @@ from voronec.algebra.text import formula
 from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import columns, print_json, progress, warn
 from voronec.cli.subject import resolve
-from voronec.cli.values import finite, first_scene, input_values, pair, split_values, tolerance
-from voronec.cli.wanted import BETWEEN
+from voronec.cli.values import (
+    BETWEEN,
+    finite,
+    first_scene,
+    input_values,
+    pair,
+    split_values,
+    tolerance,
+)
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
-    from voronec.equations import VoronecEquations
-    from voronec.flow import Section
+    from voronec.equations.voronec_equations import VoronecEquations
+    from voronec.motion import Section
 
 __all__ = ["execute"]
 
@@ -41,8 +48,8 @@ def execute(arguments: Namespace) -> int:
     system, _ = resolve(arguments.system)
     folder = wanted_folder(arguments.out or f"{system.name}-section")
     parameters, initial = split_values(system, pairs)
-    from voronec.flow.inputs import drive
-    from voronec.flow.sections import section
+    from voronec.motion.inputs import drive
+    from voronec.motion.sections import section
 
     progress(f"{system.name}: deriving ...")
     try:
@@ -99,7 +106,7 @@ def _completed(
     equations: VoronecEquations, plane: tuple[Any, float] | None, outputs: list[Any], given: Any
 ) -> tuple[Any, float, list[Any]]:
     """Plane and outputs, what nobody named suggested by a short motion."""
-    from voronec.flow.surfaces import suggested
+    from voronec.motion.sections import suggested
 
     if plane is not None and outputs:
         return *plane, outputs
@@ -111,8 +118,8 @@ def _completed(
 
 
 def _write(found: Section, folder: Path) -> list[Path]:
-    from voronec.report.pictures import save
-    from voronec.report.section_picture import plot_section
+    from voronec.motion.pictures.run_pictures import save
+    from voronec.motion.pictures.section_picture import plot_section
 
     with delivery(folder) as workshop:
         with (workshop / "points.csv").open("w", newline="", encoding="utf-8") as file:

@@ -6,11 +6,11 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from voronec.catalogue import entry_of, load_file
+from voronec.declaration.catalogue import entry_of, load_file
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
-    from voronec.system import System
+    from voronec.declaration.system import System
 
 __all__ = ["is_file", "resolve"]
 

@@ -1,18 +1,45 @@
-"""What is typed on a command line: tolerance, times, and NAME=VALUE for parameters and starts."""
+"""What is typed on a command line: tolerance, times, NAME=VALUE, and outputs."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from voronec.algebra.text import formula
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
-    from voronec.system import System
+    from voronec.declaration.system import System
 
 __all__ = [
-    "finite", "first_scene", "input_values", "instants", "pair", "split_values", "tolerance",
-]  # fmt: skip
+    "finite",
+    "first_scene",
+    "input_values",
+    "instants",
+    "outputs_of",
+    "pair",
+    "split_values",
+    "tolerance",
+]
+
+
+WORDS = r"[^\W\d]\w*(?: \w+)*"
+"""Names, such as u1 or 'momentum squared'; anything else is a formula."""
+
+BETWEEN = r",(?![^()]*\))"
+"""Commas that are not between the arguments of a function."""
+
+
+def outputs_of(text: str | None) -> tuple[Any, ...]:
+    """Names and expressions, parted by commas; empty where nothing is said."""
+    if text is None:
+        return ()
+    parts = [part.strip() for part in re.split(BETWEEN, text)]
+    if not all(parts):
+        raise DefinitionError(f"--outputs '{text}': give names parted by commas, such as u,v")
+    return tuple(p if re.fullmatch(WORDS, p) else formula(p, "--outputs") for p in parts)
+
 
 INSTANTS = 1001
 MOST_INSTANTS = 10_000_000
@@ -75,7 +102,7 @@ def split_values(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """The values of parameters, and those of coordinates and velocities at the start."""
     from voronec.algebra.symbols import plain_name
-    from voronec.catalogue import unknown
+    from voronec.declaration.catalogue import unknown
 
     driven = {plain_name(u) + rate for u in system.inputs for rate in ("", "dot")}
     constants = {p.name for p in system.parameters} - driven
@@ -115,7 +142,7 @@ def _table(path: str, kind: str, place: str) -> Any:
     """A table of two columns, times and values; a first line in words is passed over."""
     import csv
 
-    from voronec.flow.tables import Table
+    from voronec.motion.tables import Table
 
     try:
         with open(path, newline="", encoding="utf-8") as file:

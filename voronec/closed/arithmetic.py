@@ -14,8 +14,8 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.text import sympified
+from voronec.equations.program.printing import code
 from voronec.errors import DefinitionError, EngineLimit
-from voronec.program.printing import code
 
 __all__ = ["angle", "ball", "compiled", "exact", "precise", "root"]
 

@@ -2,25 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from flint import acb, ctx
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import angle, ball, compiled, precise, root
+from voronec.closed.expressions import Reading, reading
+from voronec.closed.planar_rotation import rolled_in_balls
 from voronec.closed.ratio import ratios
-from voronec.closed.reading import Reading, reading
-from voronec.closed.rest import turned_by
 from voronec.closed.space import product
-from voronec.closed.wheel import rolled_in_balls
 from voronec.elliptic.solution import exact_time
 from voronec.errors import EngineLimit
 
 if TYPE_CHECKING:
-    from voronec.closed.form import ClosedForm
+    from voronec.closed.closed_form import ClosedForm
 
-__all__ = ["enclosed", "polynomials"]
+__all__ = ["enclosed", "polynomials", "turned_by"]
+
+
+def turned_by(spin: Sequence[Any], t: Any) -> list[Any]:
+    """exp(t Omega^) = I + t sinc(w t) Omega^ + t^2/2 sinc^2(w t/2) Omega^^2, row by row."""
+    a, b, c = spin
+    angle = (a * a + b * b + c * c).nonnegative_part().sqrt() * t
+    if not angle.is_finite():
+        angle = ball(0).union((a * a + b * b + c * c).abs_upper().sqrt() * t)
+    first, half = angle.sinc() * t, (angle / 2).sinc() * t
+    second = half * half / 2
+    return [
+        1 - second * (b * b + c * c),
+        second * a * b - first * c,
+        second * a * c + first * b,
+        second * a * b + first * c,
+        1 - second * (a * a + c * c),
+        second * b * c - first * a,
+        second * a * c - first * b,
+        second * b * c + first * a,
+        1 - second * (a * a + b * b),
+    ]
+
 
 GUARD = 32
 MOST = 1 << 15

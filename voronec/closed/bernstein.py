@@ -16,7 +16,7 @@ import numpy as np
 from voronec.closed.arithmetic import ball, precise
 
 if TYPE_CHECKING:
-    from voronec.closed.form import ClosedForm
+    from voronec.closed.closed_form import ClosedForm
 
 __all__ = ["Bernstein", "bernstein", "evaluated", "inner", "rounded"]
 

@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.verdicts import prove_equal
-from voronec.closed.prepared import Prepared
+from voronec.closed.compiled_motion import Prepared
 
 __all__ = ["Composition", "composition"]
 

@@ -11,11 +11,11 @@ import sympy as sp
 
 from voronec.closed.arithmetic import Function, ball, compiled, precise
 from voronec.closed.bernstein import Bernstein, bernstein
+from voronec.closed.compiled_motion import Prepared
 from voronec.closed.fractions import ascending
-from voronec.closed.prepared import Prepared
 
 if TYPE_CHECKING:
-    from voronec.closed.form import ClosedForm
+    from voronec.closed.closed_form import ClosedForm
     from voronec.closed.problem import Problem
 
 __all__ = ["Polynomial", "Ratio", "ratios"]

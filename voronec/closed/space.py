@@ -6,7 +6,7 @@ takes the third axis to K / |K|; E' = Q^T E moves so that its vector is upright,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -16,10 +16,35 @@ import sympy as sp
 from voronec.algebra.symbols import velocity
 from voronec.closed.arithmetic import Function, ball, compiled, precise
 from voronec.closed.problem import Problem
+from voronec.declaration.quadratures import Space
 from voronec.errors import DefinitionError, EngineLimit
-from voronec.quadratures import Space
 
-__all__ = ["Attitude", "directed", "product", "times", "transposed"]
+__all__ = ["Attitude", "directed", "product", "times", "transposed", "turned_upright"]
+
+
+ACROSS = sp.ImmutableMatrix([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
+"""A position in which no coordinate of a contact is singular, for a vector that is zero."""
+
+
+def turned_upright(space: Space, vector: Sequence[sp.Expr]) -> dict[Any, sp.Expr]:
+    """Coordinates in space for which a vector, given along the moving frame, points upwards.
+
+    The frame has the vector's direction as its third row; its second row is level, so that the
+    longitude of a contact in space is zero.
+    """
+    entries: Mapping[Any, sp.Expr] = dict(zip(space.entries, _frame(*vector), strict=True))
+    return {q: e.xreplace(entries) for q, e in space.coordinates.items()}
+
+
+def _frame(a: sp.Expr, b: sp.Expr, c: sp.Expr) -> sp.Matrix:
+    level = sp.expand(a**2 + b**2)
+    size = sp.expand(level + c**2)
+    if size == 0:
+        return ACROSS
+    third = sp.Matrix([[a, b, c]]) / sp.sqrt(size)
+    second = sp.Matrix([[-b, a, 0]]) / sp.sqrt(level) if level != 0 else sp.Matrix([[0, 1, 0]])
+    return sp.Matrix.vstack(second.cross(third), second, third)
+
 
 DECIDING = 64
 LADDER = (DECIDING, 512, 2048)

@@ -20,14 +20,15 @@ from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import precise
 from voronec.closed.composition import Composition, composition
 from voronec.closed.floor_sums import certain_floor_sum, first_doubt
-from voronec.closed.passage_counts import Tally, tally
 from voronec.closed.passages import (
     DECIDED,
     Passage,
     Passages,
+    Tally,
     floor,
     moving_passages,
     resting_passages,
+    tally,
 )
 from voronec.closed.space import times as rotated
 from voronec.closed.space import transposed
@@ -35,7 +36,7 @@ from voronec.elliptic.roots import Unresolved
 from voronec.errors import EngineLimit
 
 if TYPE_CHECKING:
-    from voronec.closed.form import ClosedForm
+    from voronec.closed.closed_form import ClosedForm
 
 __all__ = ["NoWholeTurns", "Winding", "passed_poles"]
 

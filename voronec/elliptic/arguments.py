@@ -13,8 +13,8 @@ import numpy as np
 
 from voronec.elliptic.doubles import Doubles
 from voronec.elliptic.reduction import Reduction
-from voronec.elliptic.rows import Rows
 from voronec.elliptic.theta_polynomials import horner
+from voronec.elliptic.workspace import Rows
 
 __all__ = ["Arguments"]
 

@@ -7,10 +7,10 @@ from typing import Any
 
 from flint import acb, arb
 
+from voronec.elliptic.ball_evaluation import moment_of
 from voronec.elliptic.constants import Constants, Phase, Strain
 from voronec.elliptic.exponential import between_double_roots
 from voronec.elliptic.lattice import Lattice, lattice_of, turn_of
-from voronec.elliptic.moment import moment_of
 from voronec.elliptic.numbers import Integral, Numbers
 from voronec.elliptic.phases import Part, cubic_part, pole_part, polynomial_part
 from voronec.elliptic.roots import Ends, coefficients, interval, power

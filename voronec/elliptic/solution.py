@@ -10,9 +10,9 @@ from typing import Any
 from flint import acb, arb, ctx, fmpq
 
 from voronec.elliptic.assembly import assembled
+from voronec.elliptic.ball_evaluation import Moment, moment_of
 from voronec.elliptic.constants import Constants
 from voronec.elliptic.lattice import lattice_of, time_from
-from voronec.elliptic.moment import Moment, moment_of
 from voronec.elliptic.numbers import Numbers, Source
 from voronec.elliptic.roots import Unresolved, ends_of, interval, resolved
 from voronec.errors import EngineLimit
@@ -121,7 +121,7 @@ class Solution:
 
     def sample(self, times: Any) -> Any:
         """The motion at many times in doubles, a ``Sample``."""
-        from voronec.elliptic.sample import sampled  # numpy is of no use to the rest
+        from voronec.elliptic.many_times import sampled  # numpy is of no use to the rest
 
         return sampled(self, times)
 

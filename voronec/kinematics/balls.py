@@ -9,14 +9,14 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.charts import Chart
+from voronec.declaration.charts import Chart
+from voronec.declaration.reading import expression
+from voronec.declaration.scene import Scene
 from voronec.kinematics.bodies import kinetic_energy, point_velocity
 from voronec.kinematics.poles import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, cross, dot, three
-from voronec.reading import expression
-from voronec.scene import Scene
 
 __all__ = ["RollingBall", "contact_momentum"]
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.declaration.reading import expression
 from voronec.errors import DefinitionError
 from voronec.kinematics.vectors import Vector, cross, dot, three
-from voronec.reading import expression
 
 __all__ = ["axial_rotor", "kinetic_energy", "point_velocity", "uniform_field_energy"]
 

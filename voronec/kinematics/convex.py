@@ -8,8 +8,8 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.declaration.reading import expression
 from voronec.kinematics.vectors import Vector, three
-from voronec.reading import expression
 
 __all__ = ["ConvexBody"]
 

@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
-from voronec.charts import Chart
+from voronec.declaration.charts import Chart
 from voronec.kinematics.bodies import kinetic_energy
 from voronec.kinematics.convex import ConvexBody
 from voronec.kinematics.forms import SurfaceForms

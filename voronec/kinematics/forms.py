@@ -9,13 +9,13 @@ from typing import Any, NoReturn
 
 import sympy as sp
 
+from voronec.algebra.arguments import SEQUENCE, require
 from voronec.algebra.symbols import velocity
-from voronec.arguments import SEQUENCE, require
+from voronec.declaration.reading import expression
 from voronec.errors import DefinitionError
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, cross, three
-from voronec.reading import expression
 
 __all__ = ["SurfaceForms"]
 

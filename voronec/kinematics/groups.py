@@ -20,10 +20,10 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.arguments import COUNT, MATRIX, SEQUENCE, accepts, require
 from voronec.algebra.text import sympified
-from voronec.arguments import COUNT, MATRIX, SEQUENCE, accepts, require
+from voronec.declaration.reading import expression
 from voronec.errors import DefinitionError, shown
-from voronec.reading import expression
 
 __all__ = [
     "BodyVelocity",

@@ -20,8 +20,8 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.arguments import POINT, instance, require
-from voronec.charts import Chart
+from voronec.algebra.arguments import POINT, instance, require
+from voronec.declaration.charts import Chart
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.surfaces import Surface

@@ -17,9 +17,9 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.arguments import instance, require
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import sympified
-from voronec.arguments import instance, require
 from voronec.errors import DefinitionError
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rotations import distinct_names

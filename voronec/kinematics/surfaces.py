@@ -9,15 +9,15 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.arguments import SEQUENCE, require
 from voronec.algebra.door import Door
 from voronec.algebra.normal import shortest
 from voronec.algebra.symbols import time, velocity
 from voronec.algebra.verdicts import decide_equal
-from voronec.arguments import SEQUENCE, require
+from voronec.declaration.reading import expression, several
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.vectors import Vector, cross, dot, three
-from voronec.reading import expression, several
 
 __all__ = ["Surface"]
 

@@ -5,14 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from voronec.audit import (
-    Check,
-    Convention,
-    Display,
-    Section,
-    Study,
-    Transcript,
-)
+from voronec.audit import Check, Convention, Display, Section, Study, Transcript
 
 from ..dictionary.surfaces import MASS
 from ..sentences.body import SENTENCES

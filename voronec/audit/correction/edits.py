@@ -1,6 +1,8 @@
 """The small changes that a formula may need, in the order in which they are believed.
 
 A change is a few replacements in the printed text: at one place, or of one name at all its places.
+
+off, an index that no letter fits, an argument left out.
 """
 
 from __future__ import annotations
@@ -8,33 +10,189 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
-from voronec.audit.correction.changes import Change, Piece, Spare, insert, replace_word
-from voronec.audit.correction.factors import (
-    NUMBERS,
-    left_out,
-    own_factors,
-    put_in,
-    words_left_out,
-)
+from voronec.audit.correction.changes import Change, Piece, Spare, insert, replace_word, without
+from voronec.audit.correction.factors import NUMBERS, left_out, own_factors, put_in, words_left_out
 from voronec.audit.correction.fonts import Letter, is_letter, known_fonts, letters_of, spaced
-from voronec.audit.correction.keyboard import keyboard_slips
 from voronec.audit.correction.missing import differentials, relations
-from voronec.audit.correction.numbers import (
-    letter_exponents,
-    number_edits,
-    numbers_for_letters,
-    script_edits,
-)
 from voronec.audit.latex.displays import RELATIONS, script_ranges
 from voronec.audit.latex.nodes import Chain
 from voronec.audit.latex.reader import read
-from voronec.audit.latex.tokens import Token, tokenize
+from voronec.audit.latex.tokens import ELEMENTARY, Token, tokenize
 from voronec.audit.latex.vocabulary import APPLIED
 from voronec.audit.study import Study
 from voronec.errors import DefinitionError
 
-__all__ = ["single_changes"]
+__all__ = [
+    "keyboard_slips",
+    "letter_exponents",
+    "number_edits",
+    "numbers_for_letters",
+    "script_edits",
+    "single_changes",
+]
+
+
+_CLOSING = frozenset(")]}")
+_TAKING = frozenset(("\\partial", "\\dot", "\\ddot", "\\sqrt", "\\delta", *ELEMENTARY))
+"""Words that something must follow."""
+LONGEST = 40
+"""How many words may be said twice."""
+
+
+def keyboard_slips(
+    words: Sequence[Token], study: Study, spare: Spare, letters: Sequence[str]
+) -> Iterator[Change]:
+    """Every change of this kind; they are not tried in pairs."""
+    for change in (
+        *_transposed(words),
+        *_twice(words),
+        *_brackets(words),
+        *_indices(words, study, spare),
+        *_arguments(words, letters),
+    ):
+        yield replace(change, paired=False)
+
+
+def _transposed(words: Sequence[Token]) -> Iterator[Change]:
+    """Two letters that follow each other exchanged, without their fonts and with them."""
+    plain = [w for w in words if is_letter(w)]
+    for one, two in pairwise(plain):
+        if one.text != two.text:
+            pieces = (
+                (one.start, one.end, spaced(two.text)),
+                (two.start, two.end, spaced(one.text)),
+            )
+            yield Change(pieces, (one.start, two.end))
+    for first, second in pairwise(letters_of(words)):
+        if (first.accent or second.accent) and first.text != second.text:
+            whole = (
+                (first.start, first.end, second.text),
+                (second.start, second.end, first.text),
+            )
+            yield Change(whole, (first.start, second.end))
+
+
+def _twice(words: Sequence[Token]) -> Iterator[Change]:
+    """Words that are followed by the same words, or by a sign and the same words, said once."""
+    texts = [word.text for word in words]
+    for start in range(len(words)):
+        for size in range(1, min(LONGEST, (len(words) - start) // 2) + 1):
+            for gap in (0, 1):
+                again, end = start + size + gap, start + 2 * size + gap
+                signed = gap == 0 or texts[again - 1] in ("+", "-")
+                if end <= len(words) and signed and texts[start : again - gap] == texts[again:end]:
+                    a, b = words[again - gap].start, words[end - 1].end
+                    yield Change(((a, b, ""),), (words[start].start, b))
+
+
+def _brackets(words: Sequence[Token]) -> Iterator[Change]:
+    """A bracket that closes one word earlier, or one later."""
+    for before, word in pairwise(words):
+        if word.text in (")", "]") and before.text not in _CLOSING:
+            pieces = ((before.start, before.start, word.text), (word.start, word.end, ""))
+            yield Change(pieces, (before.start, word.end))
+        if before.text in (")", "]") and word.text not in _CLOSING:
+            pieces = ((before.start, before.end, ""), (word.end, word.end, before.text))
+            yield Change(pieces, (before.start, word.end))
+
+
+def _indices(words: Sequence[Token], study: Study, spare: Spare) -> Iterator[Change]:
+    """Another index, for one that holds a letter of which no index is made."""
+    for start, end in script_ranges(words):
+        inside = words[start:end]
+        a, b = inside[0].start, inside[-1].end
+        about = (words[max(start - 2, 0)].start, b)
+        odd = [w for w in inside if is_letter(w) and w.text not in study.indices]
+        if not odd or words[start - 1].text != "_":
+            continue
+        for other in spare.indices:
+            yield Change(((a, b, other),), about)
+        for word in odd:
+            for letter in study.indices:
+                yield Change(((word.start, word.end, spaced(letter)),), about)
+
+
+def _arguments(words: Sequence[Token], letters: Sequence[str]) -> Iterator[Change]:
+    """A letter after a word that something must follow, where nothing does."""
+    for word, after in zip(words, (*words[1:], None), strict=True):
+        ends = after is None or after.text in {*_CLOSING, *RELATIONS, "+", "-", ","}
+        if word.text in _TAKING and ends:
+            for letter in dict.fromkeys(letters):
+                place = (word.end, word.end, spaced(" " + letter))
+                yield Change((place,), (word.start, word.end))
+
+
+_DIGITS = "2345678910"
+"""All digits, in the order in which they are tried."""
+
+
+def letter_exponents(words: Sequence[Token]) -> Iterator[Change]:
+    """A number for a letter in the exponent."""
+    for start, end in script_ranges(words):
+        inside = words[start:end]
+        if words[start - 1].text == "^" and [w.kind for w in inside] in _LETTER:
+            word = next(w for w in inside if w.kind == "letter")
+            about = (words[max(start - 2, 0)].start, words[end - 1].end)
+            for digit in "234":
+                yield Change(((word.start, word.end, digit),), about)
+
+
+_LETTER = (["letter"], ["sign", "letter", "sign"])
+
+
+def number_edits(words: Sequence[Token], letters: Sequence[str]) -> Iterator[Change]:
+    """Another digit, none, or a letter of the formula; a factor 2 more."""
+    for before, word, after in zip((None, *words), words, (*words[1:], None), strict=False):
+        if word.kind == "number":
+            raised = before is not None and before.text == "^"
+            factor = after is not None and (is_letter(after) or after.text in ("(", "["))
+            if len(word.text) == 1 and (raised or factor):
+                yield replace_word(word, "")
+            yield from _other_digits(word, raised or factor)
+        elif is_letter(word):
+            yield insert(word, "2")
+    yield from numbers_for_letters(words, letters)
+
+
+def _other_digits(word: Token, strong: bool) -> Iterator[Change]:
+    """One digit for another; a number that is all of an exponent or factor is not 1 or 0."""
+    alone = len(word.text) == 1
+    for position, old in enumerate(word.text):
+        for digit in _DIGITS:
+            if old.isdigit() and not (alone and strong and digit in "10"):
+                place = word.start + position
+                yield Change(((place, place + 1, digit),), (word.start, word.end))
+
+
+def numbers_for_letters(words: Sequence[Token], letters: Sequence[str]) -> Iterator[Change]:
+    """A letter where a number is printed."""
+    for word in words:
+        if word.kind == "number":
+            for letter in dict.fromkeys(letters):
+                yield replace_word(word, spaced(letter))
+
+
+def script_edits(words: Sequence[Token]) -> Iterator[Change]:
+    """An index 1, or a square, more or less; a letter left out."""
+    for word in words:
+        if is_letter(word):
+            yield insert(word, "_1", after=True)
+            yield insert(word, "^2", after=True)
+            yield insert(word, "^3", after=True)
+            yield without(word, words)
+        elif word.text in (")", "]"):
+            yield insert(word, "^2", after=True)
+    for start, end in script_ranges(words):
+        a, b = words[start - 1].start, words[end - 1].end
+        base = words[max(start - 2, 0)].start
+        if words[start].kind == "number" or words[start - 1].text == "_":
+            yield Change(((a, b, ""),), (base, b))
+        elif words[start - 1].text == "^":
+            yield Change(((a, b, "^2"),), (base, b))
+        if words[start - 1].text == "_":
+            yield Change(((b, b, "^2"),), (base, b))
 
 
 def single_changes(printed: str, study: Study, spare: Spare) -> list[Change]:

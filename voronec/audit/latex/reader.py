@@ -11,30 +11,448 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NoReturn
 
-from voronec.audit.latex.atoms import atom
 from voronec.audit.latex.displays import RELATIONS
 from voronec.audit.latex.nodes import (
     POINT,
+    Bound,
     Call,
     Chain,
     Cross,
+    Derivative,
     Differential,
+    Dot,
     Dots,
+    Elementary,
+    Integral,
     Listing,
     Name,
     Node,
+    Number,
     Partial,
+    Power,
     Product,
     Quotient,
+    Root,
     Sum,
+    Variation,
     Wedge,
 )
-from voronec.audit.latex.scripts import scripts
-from voronec.audit.latex.tokens import ELLIPSES, Misprint, Token, complain, tokenize
+from voronec.audit.latex.tokens import (
+    ACCENTS,
+    ELEMENTARY,
+    ELLIPSES,
+    FUNCTIONS,
+    GREEK,
+    Misprint,
+    Token,
+    complain,
+    tokenize,
+)
 from voronec.audit.latex.vocabulary import APPLIED, Vocabulary
 from voronec.errors import DefinitionError
 
-__all__ = ["read", "read_name", "read_tokens"]
+__all__ = [
+    "atom",
+    "bound",
+    "fraction",
+    "integral",
+    "read",
+    "read_name",
+    "read_tokens",
+    "root",
+    "scripts",
+]
+
+
+def root(reader: Reader, token: Token) -> Node:
+    r"""``\sqrt{a}``, ``\sqrt[n]{a}``."""
+    index = None
+    if reader.peek() == "[":
+        reader.take()
+        index = reader.sum()
+        reader.take("]")
+    return Root(reader.argument(), index, reader.since(token.start))
+
+
+def integral(reader: Reader, token: Token) -> Node:
+    r"""``\int_a^b f dx``: the sign reaches over the next term."""
+    lower, upper = _limits(reader)
+    return Integral(reader.term(), lower, upper, reader.since(token.start))
+
+
+def bound(reader: Reader, token: Token) -> Node:
+    r"""``\sum_{i=1}^n f``, ``\sum_{1\le i<j\le n} f``."""
+    reader.take("_")
+    reader.take("{")
+    first = reader.sum()
+    if reader.peek() in _ORDERS:
+        return _ordered_sum(reader, token, first)
+    reader.take("=")
+    lower = reader.sum()
+    reader.take("}")
+    reader.take("^")
+    upper = reader.argument()
+    if not isinstance(first, Name):
+        reader.fail("a sum runs over an index")
+    return Bound(first, lower, upper, _summand(reader), reader.since(token.start))
+
+
+_ORDERS = {"<": 1, "\\le": 0, "\\leq": 0}
+"""What is to be added to the left side of an order, to reach the smallest right side."""
+
+
+def _ordered_sum(reader: Reader, token: Token, first: Node) -> Node:
+    """Sums inside one another: the last index runs up to the end, each other up to the next."""
+    parts, steps = [first], []
+    while reader.peek() in _ORDERS:
+        steps.append(_ORDERS[reader.take().text])
+        parts.append(reader.sum())
+    reader.take("}")
+    lower, *indices, upper = parts
+    if not indices or not all(isinstance(i, Name) for i in indices):
+        reader.fail("a sum runs over indices between bounds")
+    body = _summand(reader)
+    at = reader.since(token.start)
+    least = _shifted(lower, sum(steps[:1]))
+    for position, index in enumerate(indices):
+        most = _shifted(([*indices, upper])[position + 1], -steps[position + 1])
+        body = Bound(index, least, most, body, at)
+    return body
+
+
+def _shifted(node: Node, step: int) -> Node:
+    if step == 0:
+        return node
+    return Sum(((1, node), (1 if step > 0 else -1, Number("1"))), node.at)
+
+
+def _summand(reader: Reader) -> Node:
+    return reader.sum() if reader.vocabulary.wide_sums else reader.term()
+
+
+def _limits(reader: Reader) -> tuple[Node | None, Node | None]:
+    lower = upper = None
+    while reader.peek() in ("_", "^"):
+        if reader.take().text == "_":
+            lower = reader.argument()
+        else:
+            upper = reader.argument()
+    return lower, upper
+
+
+def fraction(reader: Reader, token: Token) -> Node:
+    r"""``\frac{a}{b}``, also ``\frac12`` and the signs of differentiation."""
+    derivative = _partial_fraction(reader, token) or _total_fraction(reader, token)
+    if derivative is not None:
+        return derivative
+    top = reader.argument()
+    return Quotient(top, reader.argument(), reader.since(token.start))
+
+
+def _partial_fraction(reader: Reader, token: Token) -> Node | None:
+    r"""``\frac{\partial^2 f}{\partial x^2}``; f may also follow, or be missing altogether."""
+    if (reader.peek(), reader.peek(1)) != ("{", "\\partial"):
+        return None
+    reader.position += 2
+    order = _order(reader)
+    body = None if reader.peek() == "}" else _differentiated(reader)
+    reader.take("}")
+    reader.take("{")
+    variables: list[Node] = []
+    while reader.peek() == "\\partial":
+        reader.take()
+        variables.extend(_repeated(reader.factor()))
+    if reader.peek() != "}":
+        reader.fail("below the line of a derivative stand variables alone", Misprint)
+    reader.take()
+    if not variables:
+        reader.fail("a partial derivative needs a variable")
+    _same_order(reader, order, len(variables))
+    if body is None and not reader.ends_term():
+        body = reader.term()
+    return Partial(body, tuple(variables), reader.since(token.start))
+
+
+def _differentiated(reader: Reader) -> Node:
+    r"""What stands above the line behind a sign of differentiation: ``f``, ``f+\partial g``."""
+    start, terms = reader.begin(), [(1, reader.term())]
+    while reader.peek() in ("+", "-") and reader.peek(1) == "\\partial":
+        sign = 1 if reader.take().text == "+" else -1
+        reader.take()
+        terms.append((sign, reader.term()))
+    return terms[0][1] if len(terms) == 1 else Sum(tuple(terms), reader.since(start))
+
+
+def _total_fraction(reader: Reader, token: Token) -> Node | None:
+    r"""``\frac{d}{dt} f``, ``\frac{dx}{dt}``, ``\frac{d^2x}{dt^2}``."""
+    if (reader.peek(), reader.peek(1)) != ("{", "d") or not _denominator_is_differential(reader):
+        return None
+    reader.position += 2
+    order = _order(reader)
+    body = None if reader.peek() == "}" else reader.term()
+    reader.take("}")
+    reader.take("{")
+    reader.take("d")
+    variables = _repeated(reader.factor())
+    reader.take("}")
+    _same_order(reader, order, len(variables))
+    if body is None:
+        body = reader.term()
+    return Derivative(body, variables[0], order, reader.since(token.start))
+
+
+def _same_order(reader: Reader, above: int, below: int) -> None:
+    """Above and below its line a derivative is of one order."""
+    if above != below:
+        what = f"a derivative of order {above} above its line is of order {below} below"
+        reader.fail(what, Misprint)
+
+
+def _order(reader: Reader) -> int:
+    """The exponent of a sign of differentiation."""
+    if reader.peek() != "^":
+        return 1
+    reader.take()
+    order = reader.argument()
+    if not isinstance(order, Number):
+        reader.fail("the order of a derivative must be a number", Misprint)
+    return int(order.text)
+
+
+def _denominator_is_differential(reader: Reader) -> bool:
+    depth = 0
+    for i in range(reader.position, len(reader.tokens)):
+        depth += (reader.tokens[i].text == "{") - (reader.tokens[i].text == "}")
+        if depth == 0:
+            words = [t.text for t in reader.tokens[i + 1 : i + 3]]
+            return words == ["{", "d"]
+    return False
+
+
+def _repeated(variable: Node) -> list[Node]:
+    """``x^2`` in the denominator of a partial derivative is x twice."""
+    if isinstance(variable, Power) and isinstance(variable.exponent, Number):
+        return [variable.base] * int(variable.exponent.text)
+    return [variable]
+
+
+def atom(reader: Reader, token: Token) -> Node:
+    """What ``token``, already taken, begins; scripts after it are not read."""
+    text, at = token.text, (token.start, token.end)
+    if token.kind == "number":
+        return Number(text, at)
+    if text == "d" and _starts_name(reader):
+        return Differential(reader.factor(), "d", reader.since(token.start))
+    if token.kind in ("letter", "text") or text in FUNCTIONS | GREEK - {"\\delta"}:
+        return Name(text, at=at)
+    if text in ("(", "[", "{"):
+        return _group(reader, token)
+    if text in _COMMANDS:
+        return _COMMANDS[text](reader, token)
+    if text in ELEMENTARY:
+        return _elementary(reader, token)
+    if text in ACCENTS:
+        return _accented(reader, token)
+    before = reader.tokens[reader.position - 2].text if reader.position > 1 else ""
+    if text in (")", "]", "}") and before != "{":  # braces around nothing bear an index
+        what = f"something before '{text}' is missing"
+        raise complain(reader.source, token.start, what, Misprint)
+    raise complain(reader.source, token.start, f"'{text}' is not understood")
+
+
+def _starts_name(reader: Reader) -> bool:
+    return reader.kind() == "letter" or reader.peek() in GREEK | ACCENTS | {"\\dot"}
+
+
+def _group(reader: Reader, token: Token) -> Node:
+    items = reader.group(token)
+    if len(items) == 1:
+        return items[0]
+    if token.text == "{":
+        raise complain(reader.source, token.start, "a comma between braces is not understood")
+    return Listing(items, token.text, reader.since(token.start))
+
+
+def _elementary(reader: Reader, token: Token) -> Node:
+    power = None
+    if reader.peek() == "^":
+        reader.take()
+        power = reader.argument()
+    start = reader.begin()
+    if reader.kind() == "number":
+        argument = Product((reader.factor(), reader.factor()), reader.since(start))
+    else:
+        argument = scripts(reader, reader.atom(), start)
+    node: Node = Elementary(token.text[1:], argument, reader.since(token.start))
+    return node if power is None else Power(node, power, reader.since(token.start))
+
+
+def _accented(reader: Reader, token: Token) -> Node:
+    inner = reader.argument()
+    if isinstance(inner, Dot):  # \bar{\dot U}: a name of its own
+        inner = Name(f"\\dot{{{inner.body.head}}}", inner.body.sub, inner.body.sup)
+    if not isinstance(inner, Name):
+        reader.fail(f"'{token.text}' must stand over a name")
+    return replace(inner, head=f"{token.text}{{{inner.head}}}", at=reader.since(token.start))
+
+
+def _arrow(reader: Reader, token: Token) -> Node:
+    r"""``\overrightarrow{O_1O}``: one name, spelled as what stands under the arrow."""
+    reader.take("{")
+    words = []
+    while reader.peek() not in ("}", ""):
+        words.append(reader.take().text)
+    reader.take("}")
+    return Name(f"{token.text}{{{''.join(words)}}}", at=reader.since(token.start))
+
+
+def _dotted(reader: Reader, token: Token) -> Node:
+    order = len(token.text) - len("\\ot")
+    body = reader.argument()
+    if isinstance(body, Number):
+        raise complain(reader.source, token.start, f"'{token.text}' must not stand over a number")
+    return Dot(body, order, reader.since(token.start))
+
+
+def _variation(reader: Reader, token: Token) -> Node:
+    return Variation(reader.factor(), reader.since(token.start))
+
+
+def _lone_partial(reader: Reader, token: Token) -> Node:
+    return Differential(reader.factor(), "\\partial", reader.since(token.start))
+
+
+def _operator(reader: Reader, token: Token) -> Node:
+    r"""``\ker f``: applied to the rest of the term, by a function of the dictionary."""
+    name = Name(token.text, at=(token.start, token.end))
+    return Call(name, (reader.term(),), reader.since(token.start))
+
+
+_COMMANDS: dict[str, Callable[[Reader, Token], Node]] = {
+    "\\frac": fraction,
+    "\\dfrac": fraction,
+    "\\tfrac": fraction,
+    "\\sqrt": root,
+    "\\sum": bound,
+    "\\int": integral,
+    "\\delta": _variation,
+    "\\partial": _lone_partial,
+    "\\dot": _dotted,
+    "\\ddot": _dotted,
+    "\\overrightarrow": _arrow,
+    "\\ker": _operator,
+}
+
+
+def scripts(reader: Reader, node: Node, start: int) -> Node:
+    """Read what stands below and above ``node``, in any order; ``start`` is where it begins."""
+    primes, exponent = 0, None
+    sub: tuple[Node, ...] = ()
+    sup: tuple[Node, ...] = ()
+    while reader.peek() in ("_", "^", "'", '"'):
+        mark = reader.take().text
+        if mark in ("'", '"'):
+            primes += 1 if mark == "'" else 2
+        elif mark == "_":
+            sub = _indices(reader)
+        elif _is_numeral(reader, node):
+            sup, exponent = _numeral(reader)
+        elif _labels(reader, node):
+            sup = _indices(reader)
+        else:
+            exponent = reader.argument()
+    if primes or sub or sup:
+        node = _attach(reader, node, primes, sub, sup, start)
+    return node if exponent is None else Power(node, exponent, reader.since(start))
+
+
+def _attach(
+    reader: Reader,
+    node: Node,
+    primes: int,
+    sub: tuple[Node, ...],
+    sup: tuple[Node, ...],
+    start: int,
+) -> Node:
+    """Indices after an accent or a brace belong to the name inside."""
+    if isinstance(node, (Dot, Variation)):
+        inner = _attach(reader, node.body, primes, sub, sup, start)
+        return replace(node, body=inner, at=reader.since(start))
+    if not isinstance(node, Name):
+        reader.fail("an index must belong to a name")
+    head = node.head + "'" * primes
+    return Name(head, node.sub + sub, node.sup + sup, reader.since(start))
+
+
+def _labels(reader: Reader, node: Node) -> bool:
+    """Whether the superscript ahead is a label: ``(\\nu)``, or what the vocabulary names."""
+    while isinstance(node, (Dot, Variation)):
+        node = node.body
+    if not isinstance(node, Name):
+        return False
+    if reader.all_labels or node.head in reader.vocabulary.labelled:
+        return True
+    return (reader.peek(), reader.peek(1)) == ("{", "(") and _lone_parenthesis(reader)
+
+
+def _is_numeral(reader: Reader, node: Node) -> bool:
+    r"""Whether the superscript ahead is a Roman numeral: ``x^{II}``, ``x^I``, ``x^{I2}``."""
+    if not isinstance(node, Name) or node.head not in reader.vocabulary.numbered:
+        return False
+    letters = _inside(reader).rstrip("0123456789")
+    return letters != "" and set(letters) <= set("IV")
+
+
+def _inside(reader: Reader) -> str:
+    """The words of the group, or the single word, ahead."""
+    if reader.peek() != "{":
+        return reader.peek()
+    ahead = 1
+    while reader.peek(ahead) not in ("}", ""):
+        ahead += 1
+    return "".join(reader.peek(i) for i in range(1, ahead))
+
+
+def _numeral(reader: Reader) -> tuple[tuple[Node, ...], Node | None]:
+    """A Roman numeral is a label; a number after it is an exponent."""
+    braced = reader.peek() == "{"
+    if braced:
+        reader.take()
+    letters = [reader.take()]
+    while braced and reader.kind() == "letter":
+        letters.append(reader.take())
+    label = Name("".join(t.text for t in letters), at=(letters[0].start, letters[-1].end))
+    exponent = reader.atom() if braced and reader.kind() == "number" else None
+    if braced:
+        reader.take("}")
+    return (label,), exponent
+
+
+def _lone_parenthesis(reader: Reader) -> bool:
+    texts = [reader.peek(i) for i in range(5)]
+    return texts[3:5] == [")", "}"]
+
+
+def _indices(reader: Reader) -> tuple[Node, ...]:
+    """``i``, ``{\\nu i}``, ``{n+\\nu}``, ``{(\\nu)}``: indices side by side."""
+    if reader.peek() != "{":
+        return (reader.argument(),)
+    reader.take()
+    parenthesis = reader.peek() == "("
+    if parenthesis:
+        reader.take()
+    found: list[Node] = []
+    while reader.peek() not in ("}", ")"):
+        if reader.peek() == ",":
+            reader.take()
+            continue
+        node = reader.sum()
+        found.extend(node.factors if isinstance(node, Product) else (node,))
+    if parenthesis:
+        reader.take(")")
+    reader.take("}")
+    return tuple(found)
+
 
 _CLOSERS = {")": "(", "]": "[", "}": "{"}
 _SIGNS = {"+": 1, "-": -1, "\\pm": 1, "\\mp": -1}

@@ -17,16 +17,12 @@ import sympy as sp
 
 from voronec.algebra.text import sympified
 from voronec.closed.arithmetic import ball, compiled, exact, precise
-from voronec.closed.special.family import (
-    Precessions,
-    known_parameters,
-    precessions,
-)
+from voronec.closed.special.family import Precessions, known_parameters, precessions
 from voronec.closed.special.plane import Strip, sign_on, strips
 from voronec.closed.special.stability import decided
+from voronec.declaration.reading import expression, mapping, shown
+from voronec.declaration.system import System
 from voronec.errors import DefinitionError
-from voronec.reading import expression, mapping, shown
-from voronec.system import System
 
 __all__ = ["BifurcationSet", "LevelCurve", "LevelPoint", "bifurcation_set"]
 

@@ -17,9 +17,9 @@ from voronec.algebra.text import sympified
 from voronec.closed.special.family import known_parameters, precessions
 from voronec.closed.special.plane import Strip, strips
 from voronec.closed.special.stability import sign_of
+from voronec.declaration.reading import shown
+from voronec.declaration.system import System
 from voronec.errors import DefinitionError
-from voronec.reading import shown
-from voronec.system import System
 
 __all__ = ["Region", "StabilityChart", "chart_of"]
 

@@ -17,9 +17,9 @@ import sympy as sp
 
 from voronec.algebra.normal import shorten
 from voronec.algebra.text import sympified
-from voronec.closed.given import named, quadratures_of
+from voronec.closed.request import named, quadratures_of
+from voronec.declaration.system import System
 from voronec.errors import EngineLimit
-from voronec.system import System
 
 __all__ = ["Elementary", "elementary"]
 

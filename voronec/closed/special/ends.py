@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.quadratures import Quadratures
+from voronec.declaration.quadratures import Quadratures
 
 __all__ = ["End", "ends_of"]
 

@@ -3,6 +3,8 @@
 The quartic f has a double root there, f(x) = f'(x) = 0.  With the rate w of one angle given at x,
 these are three equations for the constants of the motion, and each is linear in one of them after
 those before it are solved; so the whole family is rational in x and w.
+
+Another route than the quartic: nothing here uses it.
 """
 
 from __future__ import annotations
@@ -15,21 +17,114 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.arguments import VALUES, accepts
+from voronec.algebra.normal import shorten
 from voronec.algebra.symbols import velocity
 from voronec.algebra.text import sympified
-from voronec.algebra.verdicts import Verdict
-from voronec.arguments import VALUES, accepts
-from voronec.closed.given import known_parameters, named, number, quadratures_of
+from voronec.algebra.verdicts import Verdict, prove_equal
+from voronec.closed.request import known_parameters, named, number, quadratures_of
+from voronec.closed.space import turned_upright
 from voronec.closed.special.elimination import Branch, branches_of, linear_in, short, solved
 from voronec.closed.special.ends import End, ends_of
 from voronec.closed.special.stability import Stability, decided
+from voronec.declaration.quadratures import Quadratures, Space
+from voronec.declaration.reading import shown
+from voronec.declaration.scene import Scene
+from voronec.declaration.system import System
+from voronec.equations.vector_field import Motions
 from voronec.errors import DefinitionError, EngineLimit
-from voronec.quadratures import Quadratures
-from voronec.reading import shown
-from voronec.scene import Scene
-from voronec.system import System
 
-__all__ = ["Branch", "Precessions", "precessions"]
+__all__ = [
+    "Branch",
+    "Precessions",
+    "at_rest",
+    "essential_rates",
+    "linearised",
+    "precessions",
+    "scene_of",
+    "upright",
+]
+
+
+def scene_of(
+    family: Precessions, at: Mapping[Any, sp.Expr], aside: sp.Expr, times: tuple[float, float]
+) -> Scene:
+    """Initial data at a point of the family; ``aside`` is the velocity of the variable."""
+    quadratures = family.quadratures
+    meaning = quadratures.meaning
+    if not isinstance(meaning, sp.cos) or not meaning.args[0].is_Symbol:
+        raise DefinitionError(f"'{meaning}' is not the cosine of a coordinate: no scene is made")
+    (angle,) = meaning.args
+    x = at[family.place]
+    sine = sp.sqrt(1 - x**2)
+    turning = {velocity(q): e.xreplace(dict(at)) for q, e in _turning(family).items()}
+    constants = {c: e.xreplace(dict(at)) for c, e in family.constants.items()}
+    here = {velocity(angle): -aside / sine, family.place: x, **constants, **turning, **at}
+    state: dict[Any, Any] = {angle: sp.acos(x)}
+    for name, expr in quadratures.velocities.items():
+        state[name] = _plain(expr.subs({sp.cos(angle): x, sp.sin(angle): sine}).xreplace(here))
+    if quadratures.space is not None:
+        state |= upright(quadratures.space, {**state, **at}, angle, x, sine)
+    own = {p.symbol: at[p.symbol] for p in family.system.parameters if p.symbol in at}
+    return Scene(initial=state, parameters=own, times=times)
+
+
+def _turning(family: Precessions) -> dict[Any, sp.Expr]:
+    """Rates of the angles that the velocities hold."""
+    held = {s for e in family.quadratures.velocities.values() for s in e.atoms(sp.Derivative)}
+    held |= {s for e in family.quadratures.velocities.values() for s in e.free_symbols}
+    return {q: family.rates[q] for q in family.quadratures.integrals if velocity(q) in held}
+
+
+def upright(
+    space: Space, state: Mapping[Any, sp.Expr], angle: Any, cosine: sp.Expr, sine: sp.Expr
+) -> dict[Any, sp.Expr]:
+    """Coordinates in space for which the vector lies along the third axis, upwards."""
+    known = {k: v for k, v in state.items() if k != angle}
+    vector = space.vector.subs({sp.cos(angle): cosine, sp.sin(angle): sine}).xreplace(known)
+    return turned_upright(space, vector.applyfunc(_plain))
+
+
+def _plain(value: Any) -> sp.Expr:
+    """A number in its expanded form, so that what is zero reads so."""
+    return sp.expand(value)
+
+
+def essential_rates(family: Precessions) -> dict[Any, sp.Expr]:
+    """Essential variable -> its rate, by the derived equations."""
+    system = family.system
+    if not system.essential:
+        raise DefinitionError(
+            f"system '{system.name}' declares no essential variables; give it essential=(...)"
+        )
+    field = Motions.of(system).on_coordinates
+    outward = field.door.outward
+    rates = {outward(v): outward(e) for v, e in zip(field.variables, field.components, strict=True)}
+    return {v: rates[v].xreplace(dict(family.values)) for v in system.essential}
+
+
+def at_rest(family: Precessions) -> Verdict:
+    """Whether the rates of all essential variables vanish on the family."""
+    for variable, rate in essential_rates(family).items():
+        verdict = prove_equal(_on_family(family, rate), 0)
+        if not verdict.proved:
+            return Verdict(
+                verdict.status, f"the rate of {variable}: {verdict.method}", verdict.witness
+            )
+    return Verdict("proved", "the rates of the essential variables vanish in exact normal form")
+
+
+def linearised(family: Precessions) -> sp.Matrix:
+    """The matrix of the linearised equations on the family, rows and columns as ``essential``."""
+    rates = essential_rates(family)
+    rows = [[_on_family(family, sp.diff(e, v)) for v in rates] for e in rates.values()]
+    return sp.Matrix([shorten(row) for row in rows])
+
+
+def _on_family(family: Precessions, value: sp.Expr) -> sp.Expr:
+    (angle,) = family.quadratures.meaning.free_symbols
+    own = family.placed(value.xreplace(dict(family.state)))
+    return sympified(own.subs(angle, sp.acos(family.place)))
 
 
 @dataclass(frozen=True)
@@ -164,14 +259,12 @@ class Precessions:
         times: tuple[float, float] = (0.0, 40.0),
     ) -> Scene:
         """The precession as initial data, upright; ``aside`` is added to the velocity of x."""
-        from voronec.closed.special.scenes import scene_of
 
         at = self.numbers(place, rate, parameters or {})
         return scene_of(self, at, number(aside, "aside"), times)
 
     def proved(self) -> Verdict:
         """Whether all of it is at rest: the rates of the essential variables, by the equations."""
-        from voronec.closed.special.reduced import at_rest
 
         return at_rest(self)
 

@@ -18,8 +18,8 @@ import numpy as np
 import sympy as sp
 
 from voronec.closed.arithmetic import compiled, precise
+from voronec.declaration.reading import shown
 from voronec.errors import EngineLimit
-from voronec.reading import shown
 
 __all__ = ["Strip", "critical", "sign_on", "strips"]
 

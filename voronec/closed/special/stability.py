@@ -17,8 +17,8 @@ import sympy as sp
 
 from voronec.algebra.verdicts import prove_equal
 from voronec.closed.arithmetic import ball, exact, precise
+from voronec.declaration.quadratures import Quadratures
 from voronec.errors import DefinitionError, EngineLimit
-from voronec.quadratures import Quadratures
 
 __all__ = ["Stability", "decided", "sign_of"]
 

@@ -1,0 +1,30 @@
+"""Speed against error: every method and every peer, against a reference of proved accuracy.
+
+``ask`` makes a question of a scene, ``reference`` its answer by two independent runs, ``measure``
+a ``Bench`` of all methods.  Peers are optional: what is not installed is named, never needed.
+"""
+
+from voronec.accuracy.bench.agreement import Reference, difference, reference
+from voronec.accuracy.bench.equal_error import At, at_error, observed_order
+from voronec.accuracy.bench.question import Question, ask
+from voronec.accuracy.bench.record import Bench, Measured, Point
+from voronec.accuracy.bench.runs import CONTENDERS, measure
+from voronec.accuracy.bench.setup_time import SetupTime, measure_setup
+
+__all__ = [
+    "CONTENDERS",
+    "At",
+    "Bench",
+    "Measured",
+    "Point",
+    "Question",
+    "Reference",
+    "SetupTime",
+    "ask",
+    "at_error",
+    "difference",
+    "measure",
+    "measure_setup",
+    "observed_order",
+    "reference",
+]

@@ -1,0 +1,215 @@
+"""A motion of proved accuracy: two independent high-precision runs that agree.
+
+One run is made on the coordinates, one on the invariants where the outputs have a meaning there:
+equations derived apart, with other cancellations.  Where it can be, the two are also different
+integrators.  Their difference is the accuracy that is stated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from voronec.accuracy.bench.level import Level, level
+from voronec.accuracy.bench.question import Question
+from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
+from voronec.motion import integrate
+
+__all__ = ["NEEDED", "Reference", "agreed", "difference", "reference"]
+
+NEEDED = 1e-13
+"""The accuracy that a reference must have, relative to the size of each output."""
+DIGITS = (24, 32, 50)
+"""The digits of the runs; the next number is tried where one does not suffice."""
+CROSSED = 60.0
+"""Over so many units of time a closed form is held against an integration."""
+CHECKED = 41
+"""At so many instants."""
+LONG = 60.0
+"""Beyond this span, in units of time, flint is left out where heyoka can run both routes."""
+
+Route = tuple[str, Callable[[], Mapping[str, np.ndarray]]]
+"""What a run is called, and the run: output to values on the grid."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """Values of the outputs, each of shape (k,), on the times ``t`` (k,).
+
+    ``accuracy`` is the largest difference of the two runs in ``how``, relative to the size of the
+    output; ``note`` says so where they agree only on a part of the grid that was asked for.
+    """
+
+    t: np.ndarray
+    values: Mapping[str, np.ndarray]
+    accuracy: float
+    how: tuple[str, ...]
+    note: str = ""
+
+
+def reference(question: Question, needed: float = NEEDED) -> Reference:
+    """The motion of a question, to ``needed`` or better on the part of its grid that is returned.
+
+    Where the system declares its motion in closed form, that is the reference, on any grid, and
+    another run of many digits agrees with it over the first ``CROSSED`` units of time.  Raises
+    ``EngineLimit`` where no two independent runs can be made, and ``IntegrationError`` where
+    two agree on no part of the grid.
+    """
+    found = _in_closed_form(question, needed)
+    if found is not None:
+        return found
+    best: Reference | None = None
+    for digits in DIGITS:
+        first, second = _routes(question, digits)
+        found = agreed(question, [(n, run()) for n, run in (first, second)], needed)
+        if found is not None and (best is None or len(found.t) > len(best.t)):
+            best = found
+        if best is not None and len(best.t) == len(question.grid):
+            return best
+    if best is None:
+        raise IntegrationError(
+            f"system '{question.system.name}': two runs of {DIGITS[-1]} digits agree to {needed:g} "
+            "on no part of the grid, so there is no reference; take a shorter time"
+        )
+    return best
+
+
+def _in_closed_form(question: Question, needed: float) -> Reference | None:
+    """The enclosed motion, where there is one and an independent run agrees with it."""
+    if question.system.motion is None:
+        return None
+    start, end = float(question.grid[0]), float(question.grid[-1])
+    crossed = question
+    if question.span > CROSSED:
+        last = start + CROSSED * (1 if end > start else -1)
+        crossed = replace(question, grid=np.linspace(start, last, CHECKED))
+    try:
+        name, run = _routes(crossed, DIGITS[0])[0]
+        said = f"the closed form, enclosed to {DIGITS[0] + 5} digits"
+        found = agreed(crossed, [(said, _enclosed(crossed)), (name, run())], needed)
+        if found is None or len(found.t) < len(crossed.grid):
+            return None
+        if crossed is question:
+            return found
+        values = {n: np.asarray(x, dtype=float) for n, x in _enclosed(question).items()}
+    except (DefinitionError, EngineLimit, IntegrationError):
+        return None
+    note = f"the two agree up to t = {last:g}; later there is the closed form alone, enclosed"
+    return replace(found, t=question.grid, values=values, note=note)
+
+
+def _enclosed(question: Question) -> Mapping[str, np.ndarray]:
+    trajectory = integrate(
+        question.equations, question.bare, times=question.grid, method="closed-form",
+        outputs=[question.expressions[n] for n in question.outputs],
+        tol=10.0 ** -(DIGITS[0] + 5),
+    )  # fmt: skip
+    if trajectory.interrupted:
+        raise KeyboardInterrupt
+    return {n: trajectory[n] for n in question.outputs}
+
+
+def agreed(
+    question: Question, runs: Sequence[tuple[str, Mapping[str, np.ndarray]]], needed: float
+) -> Reference | None:
+    """The reference that two runs make, cut where they part; None where they part at once."""
+    (first, one), (second, two) = runs
+    apart = np.max(
+        [difference(one[n], two[n], n in question.angles) for n in question.outputs], axis=0
+    )
+    wrong = np.nonzero(~(apart <= needed))[0]
+    good = int(wrong[0]) if len(wrong) else len(apart)
+    if good < 2:
+        return None
+    note = ""
+    if good < len(apart):
+        note = (
+            f"the two runs agree to {needed:g} up to t = {question.grid[good - 1]:g} only; "
+            "the rest is not measured"
+        )
+    return Reference(
+        t=question.grid[:good],
+        values={n: np.asarray(one[n][:good], dtype=float) for n in question.outputs},
+        accuracy=max(float(apart[:good].max()), float(np.finfo(float).eps) / 2),
+        how=(first, second),
+        note=note,
+    )
+
+
+def difference(values: Any, exact: Any, angle: bool) -> np.ndarray:
+    """|values - exact| at every instant (k,), relative to the output's largest size.
+
+    Of an angle the difference is taken modulo 2 pi, in radians.  Both may hold numbers of more
+    digits than a double has.
+    """
+    apart = np.asarray(np.asarray(values) - np.asarray(exact), dtype=float)
+    if angle:
+        return np.abs((apart + np.pi) % (2 * np.pi) - np.pi)
+    size = float(np.abs(np.asarray(exact, dtype=float)).max())
+    return np.abs(apart) / (size if size > 0 else 1.0)
+
+
+def _routes(question: Question, digits: int) -> tuple[Route, Route]:
+    """The two most different runs there are."""
+    levels = _levels(question)
+    own = [_heyoka_route(at, question, digits) for at in levels]
+    fast = [route for route in own if route is not None]
+    exact = _flint_routes(question, digits)
+    if exact and fast and question.span <= LONG:
+        return exact[-1], fast[0]
+    if len(fast) == 2:
+        return fast[0], fast[1]
+    if exact and fast:
+        return exact[-1], fast[0]
+    if len(exact) == 2:
+        return exact[0], exact[1]
+    raise EngineLimit(
+        f"system '{question.system.name}': no two independent high-precision runs are possible "
+        "here, so there is no reference; install heyoka, or give outputs on the invariants"
+    )
+
+
+def _levels(question: Question) -> list[Level]:
+    found = [level(question, "coordinates")]
+    with suppress(VoronecError):
+        found.append(level(question, "invariants"))
+    return found
+
+
+def _heyoka_route(at: Level, question: Question, digits: int) -> Route | None:
+    from voronec.accuracy.bench.multiprecision import precise_outputs, why_not
+
+    if why_not(at) is not None:
+        return None
+    name = f"heyoka's Taylor method with {digits} digits, on the {at.name}"
+    return name, lambda: precise_outputs(at, question.grid, digits)
+
+
+def _flint_routes(question: Question, digits: int) -> list[Route]:
+    """Runs by our own arbitrary-precision integrator: of the smallest model, of the full one."""
+
+    def run(full: bool, extra: int) -> Mapping[str, np.ndarray]:
+        names = tuple(question.initial) if full else ()
+        wanted = [question.expressions[n] for n in question.outputs]
+        trajectory = integrate(
+            question.equations, question.bare, times=question.grid, outputs=(*wanted, *names),
+            method="flint", tol=10.0 ** -(digits + extra),
+        )  # fmt: skip
+        if trajectory.interrupted:
+            raise KeyboardInterrupt
+        return {n: trajectory[n] for n in question.outputs}
+
+    try:
+        probe = replace(question, grid=question.grid[:1])
+        integrate(probe.equations, probe.bare, times=probe.grid, method="flint", tol=1e-20)
+    except (DefinitionError, EngineLimit):
+        return []
+    say = "our Taylor method 'flint' with {} digits, on the {}"
+    return [
+        (say.format(digits, "coordinates"), lambda: run(True, 0)),
+        (say.format(digits + 5, "smallest model"), lambda: run(False, 5)),
+    ]

@@ -1,0 +1,207 @@
+"""The best programs by hand, for heyoka: rolling balls in a momentum G and the normal gamma.
+
+Constants are numbers in the programs, and everything is written so as to multiply least.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from voronec.accuracy.bench.contender import (
+    Contender,
+    NotHere,
+    Outcome,
+    Run,
+    missing,
+    timed,
+    without,
+)
+from voronec.accuracy.bench.level import Level, level
+from voronec.accuracy.bench.question import Question
+from voronec.errors import VoronecError
+
+__all__ = ["BY_HAND", "HANDWRITTEN", "Handwritten", "ball", "demchenko", "start_values"]
+
+TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16)
+NORMAL = ("gamma1", "gamma2", "gamma3")
+SPIN = ("omega1", "omega2", "omega3")
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Handwritten:
+    """``equations``: pairs (variable, right side) of heyoka; ``start`` takes the values of our
+    variables by name to the state (n,), ``back`` takes states (k, n) to outputs, among them those
+    that are ``offered`` for comparison."""
+
+    equations: list[tuple[Any, Any]]
+    start: Callable[[Values], np.ndarray]
+    back: Callable[[np.ndarray], dict[str, np.ndarray]]
+    offered: tuple[str, ...]
+
+
+def ball(moments: Sequence[float], D: float, epsilon: float) -> Handwritten:
+    """A ball of principal moments I rolling on a plane (epsilon = 1) or on a sphere.
+
+        Gdot = G x omega,   gammadot = epsilon gamma x omega,
+        omega = J (G + D (omega, gamma) gamma),
+        (omega, gamma) = (J G, gamma) / (1 - D (J gamma, gamma)),
+
+    with J = (I + D)^-1 and D = m R^2 [Chaplygin1903], [DragovicGajicJovanovic2020].
+    """
+    import heyoka as hy
+
+    inertia = np.array(moments, dtype=float)
+    J = 1 / (inertia + D)
+    G, gamma = hy.make_vars("G1", "G2", "G3"), hy.make_vars(*NORMAL)
+    # squares cost the Taylor method half of a product, and constants nothing
+    above = hy.sum([j * (g * p) for j, g, p in zip(J, gamma, G, strict=True)])
+    below = 1 / D - hy.sum([j * g**2.0 for j, g in zip(J, gamma, strict=True)])
+    share = above / below
+    omega = [j * (p + share * g) for j, p, g in zip(J, G, gamma, strict=True)]
+    turning = [epsilon * e if epsilon != 1 else e for e in _cross(gamma, omega)]
+
+    def start(values: Values) -> np.ndarray:
+        g, w = (np.array([values[n] for n in names]) for names in (NORMAL, SPIN))
+        return np.array([*(inertia * w + D * (w - w.dot(g) * g)), *g])
+
+    def back(rows: np.ndarray) -> dict[str, np.ndarray]:
+        momentum, g = rows[:, :3], rows[:, 3:]
+        along = (momentum * J * g).sum(1) / (1 - D * (J * g**2).sum(1))
+        w = J * (momentum + D * along[:, None] * g)
+        return dict(zip(NORMAL + SPIN, [*g.T, *w.T], strict=True))
+
+    variables, rates = [*G, *gamma], [*_cross(G, omega), *turning]
+    return Handwritten(list(zip(variables, rates, strict=True)), start, back, NORMAL + SPIN)
+
+
+def demchenko(p: Values) -> Handwritten:
+    """Demchenko's ball, whose inertia A is spherical, with the axis of its gyroscope k along e3.
+
+    With J = A + D, c = gamma x G and the spin (gamma, omega) = ((gamma, G) - k gamma3) / A,
+
+        Gdot = -(D spin c + k G x e3) / J,   gammadot = epsilon (c - k gamma x e3) / J.
+
+    gamma is minus the ball's own normal at the contact, so u and v are its spherical angles; v is
+    known up to whole turns only, and not offered.  Twelve products.
+    """
+    import heyoka as hy
+
+    A, k, D = p["A"], p["k"], p["M"] * p["R2"] ** 2
+    J, epsilon = A + D, p["R1"] / (p["R1"] + p["R2"])
+    G, gamma = hy.make_vars("G1", "G2", "G3"), hy.make_vars(*NORMAL)
+    across = _cross(gamma, G)
+    spin = hy.sum([g * m for g, m in zip(gamma, G, strict=True)]) - k * gamma[2]
+    scaled = (-D / J / A) * spin
+    e, turn = epsilon / J, epsilon * k / J
+    rates = [
+        scaled * across[0] - (k / J) * G[1],
+        scaled * across[1] + (k / J) * G[0],
+        scaled * across[2],
+        e * across[0] - turn * gamma[1],
+        e * across[1] + turn * gamma[0],
+        e * across[2],
+    ]
+
+    def start(values: Values) -> np.ndarray:
+        u, v = values["u"], values["v"]
+        along_u = np.array([np.cos(u) * np.cos(v), np.cos(u) * np.sin(v), -np.sin(u)])
+        along_v = np.array([-np.sin(v), np.cos(v), 0.0])
+        g = -np.array([np.sin(u) * np.cos(v), np.sin(u) * np.sin(v), np.cos(u)])
+        w = values["s"] * along_u + values["tau"] * along_v - values["n"] * g
+        return np.concatenate([J * w - D * g.dot(w) * g + [0.0, 0.0, k], g])
+
+    def back(rows: np.ndarray) -> dict[str, np.ndarray]:
+        g = rows[:, 3:].T
+        return {"u": np.arctan2(np.hypot(g[0], g[1]), -g[2]), "v": np.arctan2(-g[1], -g[0])}
+
+    return Handwritten(list(zip([*G, *gamma], rates, strict=True)), start, back, ("u",))
+
+
+def _cross(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
+    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+
+
+def _on_plane(p: Values) -> Handwritten:
+    return ball([p["I1"], p["I2"], p["I3"]], p["m"] * p["R"] ** 2, 1.0)
+
+
+def _homogeneous(p: Values) -> Handwritten:
+    return ball([p["A"]] * 3, p["m"] * p["R"] ** 2, 1.0)
+
+
+def _on_sphere(p: Values) -> Handwritten:
+    moments = [p["I1"], p["I2"], p["I3"]]
+    return ball(moments, p["m"] * p["R2"] ** 2, p["R1"] / (p["R1"] + p["R2"]))
+
+
+BY_HAND: dict[str, Callable[[Values], Handwritten]] = {
+    "chaplygin-ball": _on_plane,
+    "homogeneous-ball": _homogeneous,
+    "ball-on-sphere": _on_sphere,
+    "demchenko": demchenko,
+}
+"""Systems that somebody has written by hand, as functions of their parameters' values."""
+
+
+def start_values(question: Question) -> dict[str, float]:
+    """Coordinates, velocities and invariants at the start, by name."""
+    at = _level(question)
+    named = dict(zip(map(str, at.field.variables), map(float, at.state), strict=True))
+    return {**question.initial, **named}
+
+
+def _level(question: Question) -> Level:
+    for name in ("invariants", "coordinates"):
+        try:
+            return level(question, name)
+        except VoronecError as refusal:
+            last = refusal
+    raise NotHere(str(last))
+
+
+def _prepare(question: Question) -> Run:
+    if question.system.name not in BY_HAND:
+        raise NotHere("nobody has written this system by hand")
+    try:
+        import heyoka as hy
+    except ImportError:
+        raise without("heyoka") from None
+    program = BY_HAND[question.system.name](question.parameters)
+    missing(question.outputs, program.offered)
+    start, at, grid = program.start(start_values(question)), _level(question), question.grid
+    whole = {str(s) for s in at.field.variables} <= set(program.offered)
+    made: dict[float, Any] = {}
+
+    def run(tol: float) -> Outcome:
+        if tol not in made:
+            made[tol] = hy.taylor_adaptive(program.equations, start.tolist(), tol=tol)
+        integrator = made[tol]
+
+        def once() -> tuple[int, np.ndarray]:
+            integrator.time, integrator.state[:] = float(grid[0]), start
+            _, _, _, steps, _, rows = integrator.propagate_grid(grid)
+            return steps, rows
+
+        (steps, rows), seconds = timed(once)
+        if len(rows) < len(grid):
+            raise NotHere("the integration stopped short")
+        known, drift = program.back(rows), dict[str, float]()
+        values = {n: known[n] for n in question.outputs}
+        if whole:
+            states = np.column_stack([known[str(s)] for s in at.field.variables])
+            values, drift = at.observed(grid, states)
+        return Outcome(values, seconds, steps, steps, drift)
+
+    return run
+
+
+HANDWRITTEN = Contender(
+    "heyoka-by-hand", "a heyoka program written by hand, in momentum and normal", TOLERANCES,
+    _prepare,
+)  # fmt: skip

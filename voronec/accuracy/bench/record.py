@@ -1,0 +1,145 @@
+"""What a measurement found, as values: for tables, for JSON, for the plot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from voronec.accuracy.bench.agreement import Reference
+from voronec.accuracy.bench.equal_error import At, at_error
+from voronec.accuracy.bench.question import Question
+from voronec.accuracy.bench.setup_time import SetupTime
+
+__all__ = ["AT", "Bench", "Measured", "Point"]
+
+AT = (1e-6, 1e-9)
+"""The errors at which methods are compared."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run of one method.
+
+    ``setting`` is the tolerance, or the step of a method that has none.  ``error`` is the largest
+    of ``errors``, which are by output, over the whole grid, relative to the output's size; it is
+    never given as less than the accuracy of the reference.  ``per_unit`` is CPU time in seconds
+    per unit of time, without set-up.  ``failed`` says why there are no numbers.
+    """
+
+    setting: float
+    error: float = float("nan")
+    per_unit: float = float("nan")
+    evaluations: int = 0
+    steps: int = 0
+    errors: Mapping[str, float] | None = None
+    drift: Mapping[str, float] | None = None
+    failed: str = ""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One method: its runs, or in ``absent`` why there are none; ``setup`` in seconds."""
+
+    name: str
+    about: str
+    knob: str = "tolerance"
+    setup: float = 0.0
+    points: tuple[Point, ...] = ()
+    absent: str = ""
+    note: str = ""
+
+    @property
+    def good(self) -> list[Point]:
+        """The runs that succeeded."""
+        return [p for p in self.points if not p.failed]
+
+    @property
+    def has_order(self) -> bool:
+        """Whether its error falls as a power of its step, so that it may be extrapolated."""
+        return self.knob != "tolerance"
+
+    def at(self, error: float, extrapolate: bool = False) -> At:
+        """CPU seconds per unit of time at an error."""
+        return at_error([(p.error, p.per_unit) for p in self.good], error, extrapolate)
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """Every method and tolerance measured on one question, against its reference."""
+
+    question: Question
+    reference: Reference
+    methods: tuple[Measured, ...]
+    machine: Mapping[str, str]
+    setup: SetupTime | None = None
+    interrupted: bool = False
+
+    def __getitem__(self, name: str) -> Measured:
+        return next(m for m in self.methods if m.name == name)
+
+    def ratio(self, slow: str, fast: str, error: float, extrapolate: bool = False) -> float:
+        """How many times faster one method is than another at equal error; NaN if unknown."""
+        times = [self[name].at(error, extrapolate).seconds for name in (slow, fast)]
+        return times[0] / times[1] if times[0] and times[1] else float("nan")
+
+    def as_dict(self) -> dict[str, Any]:
+        """All of it as plain data, for ``bench.json``."""
+        question, reference = self.question, self.reference
+        return {
+            "system": question.system.name,
+            "scene": question.scene,
+            "times": [float(question.grid[0]), float(question.grid[-1])],
+            "instants": len(question.grid),
+            "outputs": list(question.outputs),
+            "angles": sorted(question.angles),
+            "parameters": dict(question.parameters),
+            "initial": dict(question.initial),
+            "machine": dict(self.machine),
+            "reference": {
+                "accuracy": reference.accuracy,
+                "how": list(reference.how),
+                "until": float(reference.t[-1]),
+                "note": reference.note,
+            },
+            "setup_seconds": None if self.setup is None else asdict(self.setup),
+            "methods": [_method(m) for m in self.methods],
+            "at_equal_error": [_equal(self, error) for error in AT],
+            "interrupted": self.interrupted,
+        }
+
+
+def _method(measured: Measured) -> dict[str, Any]:
+    return {
+        "name": measured.name,
+        "about": measured.about,
+        "knob": measured.knob,
+        "absent": measured.absent,
+        "note": measured.note,
+        "setup_seconds": measured.setup,
+        "points": [_point(p) for p in measured.points],
+    }
+
+
+def _point(point: Point) -> dict[str, Any]:
+    """A run; what is not a number becomes null, which JSON has."""
+    found = asdict(point)
+    found["seconds_per_unit"] = found.pop("per_unit")
+    return {k: _finite(v) for k, v in found.items()}
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {k: _finite(v) for k, v in value.items()}
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def _equal(bench: Bench, error: float) -> dict[str, Any]:
+    rows = {}
+    for measured in bench.methods:
+        if not measured.absent:
+            found = measured.at(error, extrapolate=measured.has_order)
+            rows[measured.name] = {"seconds_per_unit": found.seconds, "kind": found.kind}
+    return {"error": error, "methods": rows}

@@ -1,0 +1,296 @@
+"""The report of an audit as a LaTeX article, for plain pdflatex.
+
+The source is kept letter for letter; colours and line breaks are put between its characters, where
+the tree of boxes says that braces are balanced.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from voronec.audit.page.boxes import Box, read_boxes
+from voronec.audit.page.line_breaks import BINARY, RELATIONS, Broken, break_lines
+from voronec.audit.page.marks import Marks
+from voronec.audit.page.phrases import (
+    KINDS,
+    MEANING,
+    about,
+    convened,
+    counts,
+    ended,
+    grouped,
+    values,
+    with_verdict,
+)
+from voronec.audit.page.symbols import LETTERS, SIGNS
+from voronec.audit.page.witness_points import short
+from voronec.audit.record import VERDICTS, Audit, FormulaRecord, Record
+from voronec.errors import DefinitionError
+
+__all__ = ["audit_latex", "display", "escape_text", "inline", "own_commands"]
+
+
+SPARE = 1.15
+"""How far the estimated width of a line may be over the limit before it is shrunk."""
+_WIDTH = r"\ifdim\width>\linewidth\linewidth\else\width\fi"
+_LABEL = re.compile(r"\\(?:label|tag)\s*\{[^}]*\}")
+_SPECIAL = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+_SPECIAL |= {c: f"\\{c}" for c in "_&%#${}"}
+# signs and letters that pdflatex knows only by their commands
+_SPECIAL |= {c: rf"\ensuremath{{\{n}}}" for n, c in (SIGNS | LETTERS).items() if not c.isascii()}
+
+
+def display(
+    latex: str, marks: Sequence[tuple[int, int]] = (), command: str = "", limit: float = 34.0
+) -> str:
+    """A displayed formula; ranges of its source in ``marks`` are arguments of ``command``.
+
+    What is wider than ``limit``, in em, is broken into lines.  What is no formula is printed as
+    its source.
+    """
+    try:
+        box = read_boxes(latex)
+    except DefinitionError:
+        return f"\n\\texttt{{{escape_text(latex)}}}\n\n"
+    broken = break_lines(box, limit)
+    body = _body(latex, box, broken, _colours(box, marks, command, broken))
+    if broken.width <= SPARE * limit:
+        return f"\\[\n{body}\n\\]\n"
+    shrunk = f"\\resizebox{{{_WIDTH}}}{{!}}{{$\\displaystyle\n{body}\n$}}"
+    return f"\\begin{{center}}\n{shrunk}\n\\end{{center}}\n"
+
+
+def inline(text: str) -> str:
+    """Words with formulas between dollar signs."""
+    pieces = text.split("$")
+    if len(pieces) % 2 == 0 or "" in pieces[1::2]:  # signs that enclose no formula
+        return escape_text(text)
+    return "".join(
+        _small(piece) if number % 2 else escape_text(piece) for number, piece in enumerate(pieces)
+    )
+
+
+def _small(latex: str) -> str:
+    """A formula within a line."""
+    try:
+        box = read_boxes(latex)
+    except DefinitionError:
+        return f"\\texttt{{{escape_text(latex)}}}"
+    return f"${_body(latex, box, break_lines(box, float('inf')), [])}$"
+
+
+def own_commands(latex: str) -> set[str]:
+    r"""Commands in a formula that LaTeX may not know, such as ``\diag`` of the paper's own."""
+    try:
+        return {box.text for box in _walk(read_boxes(latex)) if box.kind == "unknown"}
+    except DefinitionError:
+        return set()
+
+
+def escape_text(text: str) -> str:
+    """Plain text for LaTeX."""
+    return "".join(_SPECIAL.get(c, c) for c in text)
+
+
+def _walk(box: Box) -> Iterator[Box]:
+    yield box
+    for part in box.parts:
+        yield from _walk(part)
+
+
+def _body(latex: str, box: Box, broken: Broken, colours: list[tuple[int, int, str]]) -> str:
+    """The formula with its line breaks and colours."""
+    starts = [line[0].start for line in broken.lines[1:]]
+    places = [(at, 1, "\\\\\n&\\quad ") for at in starts] + colours
+    edges = [edge for fence in broken.opened for edge in (fence.parts[0], fence.parts[2])]
+    text = _inserted(latex, places, edges)
+    if starts:
+        return f"\\begin{{aligned}}\n&{text}\n\\end{{aligned}}"
+    return f"\\begin{{aligned}}\n{text}\n\\end{{aligned}}" if _bare_table(box, latex) else text
+
+
+def _bare_table(box: Box, latex: str) -> bool:
+    """Whether there are lines or cells outside any environment."""
+    return box.kind == "table" and not latex.startswith("\\begin", box.start)
+
+
+def _colours(
+    box: Box, marks: Sequence[tuple[int, int]], command: str, broken: Broken
+) -> list[tuple[int, int, str]]:
+    """Where colours begin and end; they end before a line does, and begin again after."""
+    breaks = [line[0].start for line in broken.lines[1:]]
+    places: list[tuple[int, int, str]] = []
+    for run in Marks.of(marks, box).runs(box):
+        cuts = [at for at in breaks if run[0].start < at < run[-1].end]
+        # an empty group keeps the space on the left of a sign
+        sign = run[0].kind == "sign" and run[0].text in BINARY | RELATIONS
+        places.append((run[0].start, 2, f"{{\\{command}{{" + ("{}" if sign else "")))
+        for at in cuts:
+            places += [(at, 0, "}}"), (at, 2, f"{{\\{command}{{{{}}")]
+        places.append((run[-1].end, 0, "}}"))
+    return places
+
+
+def _inserted(latex: str, places: Sequence[tuple[int, int, str]], edges: Sequence[Box]) -> str:
+    r"""The source with texts inserted; ``\left`` and ``\right`` of open fences are plain."""
+    found, last = [], 0
+    plain = {e.start: e for e in edges if latex.startswith(("\\left", "\\right"), e.start)}
+    stops = sorted([*places, *((at, 3, "") for at in plain)])
+    for at, order, text in stops:
+        found.append(latex[last:at])
+        last = at
+        if order == 3:
+            edge = plain[at]
+            size = r"\bigl" if latex.startswith("\\left", at) else r"\bigr"
+            shown = re.sub(r"\\(?:left|right)\s*", "", latex[at : edge.end])
+            found.append("" if shown == "." else size + shown)
+            last = edge.end
+        found.append(text)
+    found.append(latex[last:])
+    return _LABEL.sub("", "".join(found)).strip()
+
+
+_HEAD = r"""\documentclass[11pt]{article}
+\usepackage[T1]{fontenc}
+\usepackage[utf8]{inputenc}
+\IfFileExists{lmodern.sty}{\usepackage{lmodern}}{}
+\usepackage{amsmath,amssymb}
+\usepackage{xcolor,graphicx}
+\usepackage{array,longtable}
+\newcolumntype{P}[1]{>{\raggedright\arraybackslash}p{#1\linewidth}}
+\usepackage[margin=25mm]{geometry}
+\definecolor{misprint}{RGB}{178,34,34}
+\definecolor{proved}{RGB}{0,100,55}
+\definecolor{convention}{RGB}{138,90,0}
+\definecolor{definition}{RGB}{67,84,154}
+\definecolor{undecided}{RGB}{122,62,157}
+\definecolor{cited}{RGB}{70,96,109}
+\definecolor{unaudited}{RGB}{107,107,79}
+\colorlet{refuted}{misprint}
+\newcommand{\verdict}[1]{{\color{#1}\textsc{#1}}}
+\newcommand{\mended}[1]{{\color{proved}#1}}
+\newcommand{\struck}[1]{\mathpalette\struckin{#1}}
+% a red line through the formula: plain TeX, so that no further package is needed
+\newcommand{\struckin}[2]{{\color{misprint}\setbox0\hbox{$#1#2$}%
+  \rlap{\raise\dimexpr(\ht0-\dp0)/2\relax\hbox to\wd0{\leaders\hrule height.5pt\hfill}}\box0}}
+\setlength{\parindent}{0pt}
+\setlength{\parskip}{.35\baselineskip}
+\emergencystretch=3em
+\allowdisplaybreaks
+"""
+
+
+def audit_latex(audit: Audit) -> str:
+    """Counts, errata and conventions first, then every record by section."""
+    parts = [_HEAD, *_commands(audit)]
+    parts += [f"\\title{{Machine-checked formulas of\\\\\\emph{{{escape_text(audit.title)}}}}}\n"]
+    parts += ["\\author{}\n\\date{}\n\\begin{document}\n\\maketitle\n"]
+    if audit.authors:
+        parts.append(f"The paper: {escape_text(audit.authors)}.\n\n")
+    parts.append(_summary(audit))
+    parts.append("\\section*{Errata}\n")
+    wrong = enumerate(with_verdict(audit, "misprint"), 1)
+    parts += [_erratum(n, r, f) for n, (r, f) in wrong] or ["None.\n"]
+    held = [_convention(n, s, pairs) for n, (s, pairs) in enumerate(convened(audit), 1)]
+    parts += ["\\section*{Conventions and ranges}\n", *held] if held else []
+    for section in audit.sections:
+        parts.append(f"\\section*{{{escape_text(section)}}}\n")
+        parts += [_record(r) for r in audit.records if r.section == section]
+    return "".join(parts) + "\\end{document}\n"
+
+
+def _commands(audit: Audit) -> list[str]:
+    """Definitions of the paper's own commands, such as ``\\diag``."""
+    found: set[str] = set()
+    for formula in (f for r in audit.records for f in r.formulas):
+        for latex in (formula.printed, formula.correction, formula.derived, *formula.quantifiers):
+            found |= own_commands(latex or "")
+        found |= {c for piece in formula.says.split("$")[1::2] for c in own_commands(piece)}
+    return [f"\\providecommand{{{c}}}{{\\operatorname{{{c[1:]}}}}}\n" for c in sorted(found)]
+
+
+def _summary(audit: Audit) -> str:
+    found = counts(audit)
+    heads = " & ".join(KINDS[kind] for kind in found)
+    rows = []
+    for verdict in reversed(VERDICTS):
+        numbers = [str(found[kind][verdict]) for kind in found]
+        if any(n != "0" for n in numbers):
+            rows.append(f"\\verdict{{{verdict}}} & {' & '.join(numbers)} & {MEANING[verdict]}")
+    totals = " & ".join(str(sum(found[kind].values())) for kind in found)
+    body = "\\\\\n".join([f"& {heads} &", *rows, f"all & {totals} &"])
+    columns = f"l{'r' * len(found)}P{{.42}}"
+    return f"\\begin{{longtable}}{{{columns}}}\n{body}\n\\end{{longtable}}\n\n"
+
+
+def _place(record: Record, number: str = "") -> str:
+    return f"\\paragraph{{{number}\\texttt{{{escape_text(record.called)}}}}}"
+
+
+def _erratum(number: int, record: Record, formula: FormulaRecord) -> str:
+    text = f"{_place(record, f'{number}. ')} {escape_text(record.section)}.\n"
+    if not formula.printed:
+        text += f"Not true: {inline(formula.says)}\n\n"
+    else:
+        text += f"{inline(formula.says)} For\n" + display(formula.printed, formula.struck, "struck")
+    if formula.correction is not None:
+        text += "read\n" + display(formula.correction, formula.changes, "mended")
+        return text + _witness(formula)
+    if formula.derived:
+        text += "Instead\n" + display(formula.derived)
+    return text + _method(formula) + _witness(formula)
+
+
+def _convention(number: int, said: str, several: Sequence[tuple[Record, FormulaRecord]]) -> str:
+    text = ""
+    for place, (record, formula) in enumerate(several):
+        count = "" if place else f"{number}. "
+        text += f"{_place(record, count)} {escape_text(record.section)}.\n{inline(formula.says)}\n"
+        text += display(formula.printed) if formula.printed else "\n"
+    return f"{text}\n{{\\small {inline(ended(short(said)))}\\par}}\n\n"
+
+
+def _record(record: Record) -> str:
+    tag = f" {record.kind}" if record.label else ""
+    parts = [f"{_place(record)}{tag}\n"]
+    for formula in record.formulas:
+        parts.append(f"\\verdict{{{formula.verdict}}} {inline(formula.says)}\n")
+        if formula.printed:
+            parts.append(display(formula.printed, formula.struck, "struck"))
+        if formula.correction is not None:
+            parts.append("corrected\n" + display(formula.correction, formula.changes, "mended"))
+        if formula.derived:
+            parts.append("derived\n" + display(formula.derived))
+        parts += [_method(formula), _ranges(formula), _witness(formula)]
+    return "".join(parts)
+
+
+def _method(formula: FormulaRecord) -> str:
+    quantifiers = ", ".join(f"${q}$" for q in formula.quantifiers)
+    text = f"For {quantifiers}. " if quantifiers else ""
+    return f"\n{{\\small {text}{inline(ended(short(formula.method)))}\\par}}\n\n"
+
+
+def _ranges(formula: FormulaRecord) -> str:
+    """In which ranges it holds, with what is said of each."""
+    rows = []
+    for entry in grouped(formula):
+        said = ", ".join(part for part in (entry["method"], entry["witness"]) if part)
+        cells = (escape_text(entry["range"]), inline(entry["where"]))
+        rows.append(" & ".join((*cells, f"\\verdict{{{entry['verdict']}}}", inline(said))))
+    if not rows:
+        return ""
+    body = "\\\\\n".join(rows)
+    columns = "P{.15}P{.22}P{.12}P{.38}"
+    return f"\\begin{{longtable}}{{{columns}}}\n{body}\n\\end{{longtable}}\n\n"
+
+
+def _witness(formula: FormulaRecord) -> str:
+    found = values(formula)
+    if not found or formula.witness is None:
+        return ""
+    what = f" ({escape_text(about(formula.witness))})" if about(formula.witness) else ""
+    first, second = (f"{name} \\texttt{{{escape_text(short(v))}}}" for name, v in found)
+    stop = "" if short(found[1][1]).endswith("...") else "."
+    return f"{{\\small At a point: {first}{what}, {second}{stop}\\par}}\n\n"

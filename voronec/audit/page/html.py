@@ -1,0 +1,530 @@
+"""The report of an audit as one page: typeset, searchable, readable offline."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+from voronec.audit.page.mathml import fits, mathml, prose
+from voronec.audit.page.phrases import (
+    KINDS,
+    MEANING,
+    about,
+    clauses,
+    convened,
+    counts,
+    ended,
+    grouped,
+    values,
+    with_verdict,
+)
+from voronec.audit.page.symbols import LETTERS
+from voronec.audit.page.witness_points import plain, readable, short
+from voronec.audit.record import VERDICTS, Audit, FormulaRecord, Record
+
+__all__ = [
+    "SCRIPT",
+    "STYLE",
+    "Figure",
+    "anchors",
+    "audit_page",
+    "conventions",
+    "errata",
+    "record_html",
+    "unaudited",
+]
+
+
+COLUMN, WIDE = 31.0, 64.0
+"""How wide a formula may be in one of two columns, and in a line of its own, in em."""
+LONG = 200
+"""What is said of a formula is folded where it has more characters."""
+
+Places = Mapping[tuple[str, int], str]
+
+
+def anchors(audit: Audit) -> dict[tuple[str, int], str]:
+    """(section, ordinal) -> an anchor that is used once: the label, or the place."""
+    found: dict[tuple[str, int], str] = {}
+    used: set[str] = set()
+    for record in audit.records:
+        number = audit.sections.index(record.section) + 1
+        name = re.sub(r"[^\w.*-]+", "-", record.label) if record.label else ""
+        if not name or name in used:
+            name = f"s{number}-{record.kind}-{record.ordinal}"
+        used.add(name)
+        found[record.section, record.ordinal] = name
+    return found
+
+
+def errata(audit: Audit, places: Places) -> str:
+    """The list of misprints: for ... read ..., and where the print fails."""
+    items = "".join(_erratum(r, f, places) for r, f in with_verdict(audit, "misprint"))
+    return f'<ol id="errata-list">{items}</ol>' if items else "<p>None.</p>"
+
+
+def conventions(audit: Audit, places: Places) -> str:
+    """The list of what is true under a convention, or in some ranges."""
+    items = ""
+    for said, several in convened(audit):
+        held = "".join(f"{_place(r, places)}{_statement(f)}" for r, f in several)
+        items += f'<li>{held}<p class="method">{prose(ended(said))}</p></li>'
+    return f'<ol id="conventions-list">{items}</ol>' if items else ""
+
+
+def unaudited(audit: Audit, places: Places) -> str:
+    """The list of what nothing decides, each with the reason."""
+    items = "".join(
+        f'<li>{_place(r, places)}{_statement(f)}<p class="method">{prose(ended(f.method))}</p></li>'
+        for r, f in with_verdict(audit, "unaudited")
+    )
+    return f'<ol id="unaudited-list">{items}</ol>' if items else ""
+
+
+def record_html(record: Record, places: Places) -> str:
+    """One record with all its formulas."""
+    anchor = places[record.section, record.ordinal]
+    formulas = "".join(_formula(f, len(record.formulas) > 1) for f in record.formulas)
+    tag = f"{record.kind} {record.ordinal}" if record.label else ""
+    return (
+        f'<article id="{anchor}" data-verdict="{record.verdict}" data-kind="{record.kind}" '
+        f'data-name="{escape(record.called.lower(), quote=True)}" '
+        f'data-text="{escape(_words(record), quote=True)}"><header><a href="#{anchor}">'
+        f'{escape(record.called)}</a><span class="tag">{tag}</span>{_badge(record.verdict)}'
+        f"</header>{formulas}</article>\n"
+    )
+
+
+def _words(record: Record) -> str:
+    """What the search looks through."""
+    parts = [record.called, record.section, record.kind, record.printed]
+    for formula in record.formulas:
+        parts += [formula.verdict, formula.printed, formula.says, formula.method]
+        parts.append(formula.source)
+        parts += [formula.derived or "", formula.correction or ""]
+    return " ".join(" ".join(parts).lower().split())
+
+
+def _place(record: Record, places: Places) -> str:
+    anchor = places[record.section, record.ordinal]
+    return (
+        f'<div><a href="#{anchor}">{escape(record.called)}</a> '
+        f'<span class="tag">{escape(record.section)}</span></div>'
+    )
+
+
+def _statement(formula: FormulaRecord) -> str:
+    """The formula, or the claim in words."""
+    words = f'<p class="claim">{prose(formula.says)}</p>' if formula.says else ""
+    if not formula.printed:
+        return words
+    return words + mathml(formula.printed, formula.struck, "struck", WIDE)
+
+
+def _erratum(record: Record, formula: FormulaRecord, places: Places) -> str:
+    parts = [_place(record, places)]
+    if formula.printed:
+        if formula.says:
+            parts.append(f'<p class="claim">{prose(formula.says)}</p>')
+        parts.append(_line("for", mathml(formula.printed, formula.struck, "struck", WIDE)))
+    else:
+        parts.append(f'<p class="claim">Not true: {prose(formula.says)}</p>')
+    if formula.correction is not None:
+        read = mathml(formula.correction, formula.changes, "mended", WIDE)
+        parts.append(_line("read", read))
+    else:
+        if formula.derived:
+            parts.append(_line("instead", mathml(formula.derived, limit=WIDE)))
+        parts.append(f'<p class="method">{prose(ended(short(formula.method)))}</p>')
+    link = places[record.section, record.ordinal]
+    return f"<li>{''.join(parts)}{_at_a_point(formula, link)}</li>"
+
+
+def _line(title: str, body: str) -> str:
+    return f'<div class="line"><span>{title}</span><div class="cell">{body}</div></div>'
+
+
+def _formula(formula: FormulaRecord, several: bool) -> str:
+    cells = []
+    if formula.says:
+        cells.append(f'<p class="claim wide">{prose(formula.says)}</p>')
+    if formula.printed:
+        ranges = ", ".join(mathml(q, inline=True) for q in formula.quantifiers)
+        title = "printed" + (f", for {ranges}" if ranges else "")
+        cells.append(_cell(title, formula.printed, formula.struck, "struck"))
+    if formula.derived:
+        cells.append(_cell("derived", formula.derived))
+    elif formula.verdict == "proved" and formula.printed:
+        agrees = '<p class="none">agrees with print</p>'
+        cells.append(f'<div class="cell"><span>derived</span>{agrees}</div>')
+    if formula.correction is not None:
+        cells.append(_cell("corrected", formula.correction, formula.changes, "mended"))
+    badge = f"{_badge(formula.verdict)} " if several else ""
+    return (
+        f'<div class="formula"><div class="pair">{"".join(cells)}</div>'
+        f"{_method(short(formula.method), badge)}{_source(formula)}"
+        f"{_ranges(formula)}{_numbers(formula)}{_point(formula)}</div>"
+    )
+
+
+def _source(formula: FormulaRecord) -> str:
+    """What the derived side was made from."""
+    if not formula.source:
+        return ""
+    return f'<p class="method">Compared with: {prose(ended(formula.source))}</p>'
+
+
+def _cell(title: str, latex: str, marks: Sequence[tuple[int, int]] = (), mark: str = "") -> str:
+    """A formula under its title: in one of two columns, or across both where it is too wide."""
+    narrow = fits(latex, COLUMN)
+    shown = mathml(latex, marks, mark, COLUMN if narrow else WIDE)
+    return f'<div class="cell{"" if narrow else " wide"}"><span>{title}</span>{shown}</div>'
+
+
+def _badge(verdict: str) -> str:
+    return f'<span class="badge {verdict}">{verdict}</span>'
+
+
+def _method(text: str, badge: str = "") -> str:
+    """How a verdict was found; what is long begins with its first clause, and unfolds."""
+    if len(text) <= LONG:
+        return f'<p class="method">{badge}{prose(text)}</p>'
+    first = clauses(text)[0]
+    head = first if len(first) <= LONG else _beginning(first)
+    rest = text[len(head) :].removeprefix(";").strip()
+    summary = f"<summary>{badge}{prose(head)} ...</summary>"
+    return f'<details class="method">{summary}<p>{prose(rest)}</p></details>'
+
+
+def _beginning(text: str) -> str:
+    """A formula or a few words with which a long text begins, dollar signs in pairs."""
+    cut = text[:LONG].rfind(" ")
+    while cut > 0 and text[:cut].count("$") % 2:
+        cut = text[:cut].rfind(" ")
+    return text[: max(cut, 0)]
+
+
+def _ranges(formula: FormulaRecord) -> str:
+    """In which ranges of the parameters it holds; a column of which nothing is said is left out."""
+    entries = grouped(formula)
+    heads = [h for h in ("range", "where", "verdict", "method", "witness")
+             if any(entry[h] for entry in entries)]  # fmt: skip
+    shown: dict[str, Callable[[str], str]] = {
+        "verdict": _badge,
+        "method": _method,
+        "where": prose,
+        "witness": prose,
+    }
+    rows = "".join(
+        "<tr>" + "".join(f"<td>{shown.get(h, escape)(entry[h])}</td>" for h in heads) + "</tr>"
+        for entry in entries
+    )
+    titles = "".join(f"<th>{h}</th>" for h in heads)
+    return f'<div class="cell"><table><tr>{titles}</tr>{rows}</table></div>' if rows else ""
+
+
+def _numbers(formula: FormulaRecord) -> str:
+    """The two values of a witness."""
+    lines = [f"<span>{name}</span> {escape(short(value))}" for name, value in values(formula)]
+    if not lines or formula.witness is None:
+        return ""
+    what = about(formula.witness)
+    lines[0] += escape(f" ({what})") if what else ""
+    return f'<p class="numbers">{"<br>".join(lines)}</p>'
+
+
+def _at_a_point(formula: FormulaRecord, link: str) -> str:
+    """The witness on one line; the record has the point."""
+    if formula.witness is None or not values(formula):
+        return ""
+    what = about(formula.witness)
+    text = ", ".join(f"{name} {short(value)}" for name, value in values(formula))
+    place = f'<a href="#{link}">At a point</a>'
+    said = ended(text + (f" ({what})" if what else ""))
+    return f'<p class="method">{place}: {escape(said)}</p>'
+
+
+def _point(formula: FormulaRecord) -> str:
+    witness = formula.witness
+    if witness is None or not witness["point"]:
+        return ""
+    point = [(mathml(readable(k), inline=True), v) for k, v in witness["point"].items()]
+    rows = "".join(
+        f"<dt>{name}</dt><dd>{escape(plain(str(value)))}</dd>"
+        for name, value in (*point, *values(formula))
+    )
+    return f"<details><summary>the point, all digits</summary><dl>{rows}</dl></details>"
+
+
+STYLE = """
+:root { --ink:#1a1c20; --soft:#5b626c; --line:#dcdfe4; --paper:#fff; --tint:#f5f6f8;
+  --misprint:#b3261e; --proved:#17693a; --definition:#43549a; --convention:#8a5a00;
+  --undecided:#7a3e9d; --cited:#46606d; --unaudited:#6b6b4f;
+  --sans:system-ui,-apple-system,"Segoe UI",sans-serif; }
+@media (prefers-color-scheme:dark) { :root { --ink:#e7e9ec; --soft:#a3abb6; --line:#363c45;
+  --paper:#15181c; --tint:#1e2228; --misprint:#ff8a80; --proved:#7bd6a0; --definition:#a9b8ee;
+  --convention:#eebf6d; --undecided:#d3a5f0; --cited:#a8c0cc; --unaudited:#c6c6a0; } }
+* { box-sizing:border-box; }
+html { scroll-padding-top:4.5rem; }
+body { font:16px/1.55 "STIX Two Text","Latin Modern Roman",Georgia,"Times New Roman",serif;
+  color:var(--ink); background:var(--paper); margin:0 auto; max-width:92rem; padding:0 1.4rem 4rem;
+  display:grid; grid-template-columns:15.5rem minmax(0,1fr); gap:0 2.6rem; }
+main { max-width:72rem; }
+aside { position:sticky; top:0; max-height:100vh; overflow-y:auto; align-self:start;
+  padding:2.2rem 0 1rem; font:.84rem/1.4 var(--sans); }
+aside ol { list-style:none; margin:.4rem 0 1.2rem; padding:0; }
+aside li { margin:.42rem 0; display:flex; justify-content:space-between; gap:.6rem; }
+aside a { color:var(--ink); text-decoration:none; } aside a:hover { text-decoration:underline; }
+aside b { color:var(--soft); font-weight:600; white-space:nowrap; }
+aside i { font-style:normal; color:var(--misprint); }
+h1 { font-size:1.75rem; line-height:1.25; margin:2.2rem 0 .4rem; font-weight:600; }
+h2 { margin:2.8rem 0 .7rem; font-size:1.3rem; font-weight:600; line-height:1.3;
+  border-bottom:1px solid var(--line); padding-bottom:.3rem; }
+.by { color:var(--soft); margin:0 0 1.2rem; } .lead { max-width:46rem; }
+a { color:var(--definition); }
+table { border-collapse:collapse; font:.86rem/1.45 var(--sans); margin:.7rem 0; }
+th,td { text-align:left; padding:.22rem .9rem .22rem 0; vertical-align:baseline;
+  border-bottom:1px solid var(--line); } th { font-weight:600; color:var(--soft); }
+td.n { text-align:right; font-variant-numeric:tabular-nums; }
+nav { position:sticky; top:0; background:var(--paper); padding:.7rem 0; z-index:2; display:flex;
+  gap:.45rem; flex-wrap:wrap; align-items:center; border-bottom:1px solid var(--line);
+  margin-top:2.6rem; }
+input { font:.95rem var(--sans); padding:.34rem .7rem; border:1px solid var(--line);
+  border-radius:.4rem; background:var(--tint); color:inherit; flex:1 1 14rem; }
+button { font:.82rem/1.4 var(--sans); border:1px solid var(--line); color:inherit; background:none;
+  border-radius:1rem; padding:.16rem .75rem; cursor:pointer; }
+button[aria-pressed=true] { background:var(--ink); color:var(--paper); }
+#shown { font:.82rem var(--sans); color:var(--soft); min-width:6rem; text-align:right; }
+article { border:1px solid var(--line); border-radius:.5rem; margin:.8rem 0; overflow:hidden; }
+article > header { display:flex; gap:.8rem; align-items:baseline; padding:.4rem .95rem;
+  background:var(--tint); font:.86rem/1.4 var(--sans); }
+article > header a { color:inherit; text-decoration:none; font-weight:600; }
+article > header .badge { margin-left:auto; }
+article:target { outline:2px solid var(--definition); }
+.tag { color:var(--soft); }
+.badge { font:600 .73rem/1 var(--sans); letter-spacing:.04em; text-transform:uppercase; }
+.misprint { color:var(--misprint); } .proved { color:var(--proved); }
+.definition { color:var(--definition); } .convention { color:var(--convention); }
+.undecided { color:var(--undecided); } .cited { color:var(--cited); }
+.unaudited { color:var(--unaudited); }
+.refuted { color:var(--misprint); }
+.formula { padding:.5rem .95rem .7rem; } .formula + .formula { border-top:1px solid var(--line); }
+.pair { display:grid; grid-template-columns:minmax(0,1fr) minmax(0,1fr); gap:0 1.6rem; }
+.cell { overflow-x:auto; overflow-y:hidden; min-width:0; padding:.1rem 0; }
+.cell > span { display:block; font:.74rem/1.3 var(--sans); color:var(--soft); }
+.wide { grid-column:1/-1; }
+.none { color:var(--soft); font-style:italic; margin:.3rem 0; font-size:.92rem; }
+.claim { margin:.25rem 0 .35rem; }
+math { font-family:"Latin Modern Math","STIX Two Math","Cambria Math","TeX Gyre Termes Math",
+  "Libertinus Math","DejaVu Math TeX Gyre",math; font-size:1em; }
+.cell { font-size:1.06rem; }
+math[display=block] { margin:.3rem 0; width:max-content; text-align:left; }
+mo.accent { padding-bottom:.12em; }
+.struck { color:var(--misprint); background:linear-gradient(to bottom,transparent 47%,
+  currentColor 47%,currentColor 54%,transparent 54%),
+  color-mix(in srgb,var(--misprint) 13%,transparent); }
+.mended { color:var(--proved); background:color-mix(in srgb,var(--proved) 17%,transparent); }
+.method { color:var(--soft); font-size:.92rem; margin:.3rem 0 0; } .method > p { margin:.2rem 0; }
+td .method { font-size:.86rem; margin:0; }
+.numbers { font:.84rem/1.5 ui-monospace,"DejaVu Sans Mono",monospace; margin:.3rem 0 0;
+  overflow-wrap:anywhere; } .numbers span { display:inline-block; min-width:11ch; }
+details { font-size:.86rem; margin-top:.2rem; } summary { cursor:pointer; color:var(--soft); }
+dl { display:grid; grid-template-columns:auto minmax(0,1fr); gap:0 .9rem; margin:.3rem 0;
+  font:.8rem/1.5 ui-monospace,"DejaVu Sans Mono",monospace; }
+dd { margin:0; overflow-wrap:anywhere; }
+#errata-list > li, #conventions-list > li { margin:0 0 1.3rem; padding-left:.3rem; }
+.line { display:grid; grid-template-columns:3.9rem minmax(0,1fr); align-items:center; }
+.line > span { font-style:italic; color:var(--soft); }
+figure { margin:1.6rem 0; text-align:center; } figure img { max-width:100%; }
+figcaption { color:var(--soft); }
+[hidden] { display:none !important; }
+@media (max-width:70rem) { body { display:block; } aside { position:static; max-height:none; } }
+@media (max-width:46rem) { .pair { grid-template-columns:minmax(0,1fr); } }
+@media print { body { display:block; max-width:none; } nav, aside { display:none; }
+  article { break-inside:avoid; } }
+"""
+
+_MORE = {"µ": "mu", "∫": "int", "√": "sqrt", "∑": "sum", "weierstrass": "wp", "integral": "int"}
+
+
+def _spellings() -> dict[str, list[str]]:
+    """What a reader may type -> the commands that show it; a variant of a letter is that letter."""
+    found: dict[str, list[str]] = {}
+    for command, letter in LETTERS.items():
+        plain = command.lower().removeprefix("var")
+        same = [c for c in (plain, f"var{plain}") if c in LETTERS or c == command.lower()]
+        found[letter.lower()] = [f"\\{name}" for name in same]
+    return found | {typed: [f"\\{command}"] for typed, command in _MORE.items()}
+
+
+SCRIPT = (
+    f"const spellings={json.dumps(_spellings(), ensure_ascii=False)};"
+    + """
+const box=document.getElementById('search'), shown=document.getElementById('shown');
+const buttons=[...document.querySelectorAll('nav button')];
+const records=[...document.querySelectorAll('main article')];
+const sections=[...document.querySelectorAll('main section[data-records]')];
+const pressed=b=>b.getAttribute('aria-pressed')=='true';
+function spelled(word){
+ let found=[word];
+ for(const [key,commands] of Object.entries(spellings))if(word.includes(key))
+  found=found.concat(found.flatMap(w=>commands.map(c=>w.replaceAll(key,()=>c))));
+ return found;}
+function show(){
+ const query=box.value.toLowerCase().trim().replace(/\\s+/g,' ');
+ const named=records.some(a=>a.dataset.name==query);
+ const words=query.split(' ').filter(Boolean).map(spelled);
+ const letter=/^[A-Z]$/.test(box.value.trim())?box.value.trim():'';
+ const wanted=kind=>buttons.filter(b=>pressed(b)&&b.dataset[kind]).map(b=>b.dataset[kind]);
+ const verdicts=wanted('verdict'), kinds=wanted('kind'); let n=0;
+ for(const a of records){
+  const ok=(named?a.dataset.name==query
+    :letter?[...a.querySelectorAll('mi')].some(m=>m.textContent==letter):words.every(forms=>forms.some(w=>a.dataset.text.includes(w))))
+   &&(!verdicts.length||verdicts.includes(a.dataset.verdict))
+   &&(!kinds.length||kinds.includes(a.dataset.kind));
+  a.hidden=!ok; n+=ok;}
+ for(const s of sections)s.hidden=!s.querySelector('article:not([hidden])');
+ shown.textContent=n==records.length?n+' records':n+' of '+records.length;}
+box.addEventListener('input',show);
+for(const b of buttons)b.addEventListener('click',()=>{
+ b.setAttribute('aria-pressed',String(!pressed(b)));show();});
+function reveal(hash){const a=document.getElementById(decodeURIComponent(hash.slice(1)));
+ if(a&&a.hidden){box.value='';buttons.forEach(b=>b.setAttribute('aria-pressed','false'));show();
+ a.scrollIntoView();}}
+addEventListener('hashchange',()=>reveal(location.hash));
+for(const link of document.querySelectorAll('a[href^="#"]'))
+ link.addEventListener('click',()=>reveal(link.getAttribute('href')));
+show();
+"""
+)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture for the page: an SVG or PNG file, and what it shows."""
+
+    path: Path
+    caption: str = ""
+
+
+def audit_page(audit: Audit, figures: Sequence[Figure] = ()) -> str:
+    """A self-contained HTML page: counts, errata, conventions, then every record by section."""
+    places = anchors(audit)
+    sections = "".join(_section(audit, n, places) for n in range(len(audit.sections)))
+    pictures = "".join(map(_figure, figures))
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>Audit: {escape(audit.title)}</title><style>{STYLE}</style></head><body>\n"
+        f"{_contents(audit)}<main>\n<h1>{escape(audit.title)}</h1>\n"
+        f'<p class="by">{escape(audit.authors)}</p>\n{_summary(audit)}\n'
+        f'<section id="errata"><h2>Errata</h2>\n{errata(audit, places)}</section>\n'
+        f"{_conventions(audit, places)}{_unaudited(audit, places)}{_search(audit)}\n"
+        f"{sections}{pictures}</main>\n"
+        f"<script>{SCRIPT}</script></body></html>\n"
+    )
+
+
+def _contents(audit: Audit) -> str:
+    lines = []
+    for number, title in enumerate(audit.sections, 1):
+        records = [r for r in audit.records if r.section == title]
+        wrong = sum(r.verdict == "misprint" for r in records)
+        mark = f"<i>{wrong}</i> / " if wrong else ""
+        link = f'<a href="#section-{number}">{escape(title)}</a>'
+        lines.append(f"<li>{link}<b>{mark}{len(records)}</b></li>")
+    head = '<li><a href="#errata">Errata</a></li>'
+    if any(r.verdict == "convention" for r in audit.records):
+        head += '<li><a href="#conventions">Conventions</a></li>'
+    if any(r.verdict == "unaudited" for r in audit.records):
+        head += '<li><a href="#unaudited">Not audited</a></li>'
+    return f"<aside><b>Contents</b><ol>{head}</ol><b>Sections</b><ol>{''.join(lines)}</ol></aside>"
+
+
+def _summary(audit: Audit) -> str:
+    found = counts(audit)
+    verdicts = [v for v in reversed(VERDICTS) if any(c[v] for c in found.values())]
+    heads = "".join(f"<th>{KINDS[kind]}</th>" for kind in found)
+    rows = []
+    for verdict in verdicts:
+        cells = "".join(f'<td class="n">{found[kind][verdict]}</td>' for kind in found)
+        name = f'<td><span class="badge {verdict}">{verdict}</span></td>'
+        rows.append(f"<tr>{name}{cells}<td>{MEANING[verdict]}</td></tr>")
+    totals = "".join(f'<td class="n">{sum(found[kind].values())}</td>' for kind in found)
+    formulas = sum(len(r.formulas) for r in audit.records)
+    return (
+        '<p class="lead">Every displayed equation of the paper, and the formulas and claims of its '
+        "text that can be decided, beside what was derived from the Lagrangian and the constraints "
+        "alone. A verdict is proved in exact algebra; a refutation comes with a point at which the "
+        "printed formula fails. Where a display holds several formulas it takes the worst verdict "
+        f"of them, and one that bears several numbers counts once for each; there are {formulas} "
+        "formulas and claims in all.</p>"
+        f"<table><tr><th>verdict</th>{heads}<th>meaning</th></tr>{''.join(rows)}"
+        f"<tr><th>all</th>{totals}<td></td></tr></table>"
+    )
+
+
+def _conventions(audit: Audit, places: dict[tuple[str, int], str]) -> str:
+    found = conventions(audit, places)
+    if not found:
+        return ""
+    return (
+        f'<section id="conventions"><h2>Conventions and ranges</h2>\n'
+        '<p class="lead">True as printed under a convention that another formula contradicts, or '
+        f"in some ranges of the parameters only.</p>{found}</section>\n"
+    )
+
+
+def _unaudited(audit: Audit, places: dict[tuple[str, int], str]) -> str:
+    found = unaudited(audit, places)
+    if not found:
+        return ""
+    return (
+        f'<section id="unaudited"><h2>Not audited</h2>\n'
+        '<p class="lead">What the text states, and nothing here decides. Sentences on history, on '
+        f"sources and on what comes next state nothing of the kind.</p>{found}</section>\n"
+    )
+
+
+def _search(audit: Audit) -> str:
+    found = counts(audit)
+    buttons = ""
+    for verdict, count in audit.count().items():
+        if count:
+            buttons += _button("verdict", verdict, verdict, count)
+    for kind in found:
+        buttons += _button("kind", kind, KINDS[kind], sum(found[kind].values()))
+    placeholder = "display 2, (label), words, γ, LaTeX"
+    return (
+        f'<nav><input id="search" type="search" placeholder="{placeholder}" '
+        f'aria-label="search">{buttons}<span id="shown"></span></nav>'
+    )
+
+
+def _button(group: str, value: str, name: str, count: int) -> str:
+    """What shows only the records of a verdict, or of a kind, and how many these are."""
+    words = f"{name} <small>{count}</small>"
+    return f'<button data-{group}="{value}" aria-pressed="false">{words}</button>'
+
+
+def _section(audit: Audit, number: int, places: dict[tuple[str, int], str]) -> str:
+    title = audit.sections[number]
+    records = "".join(record_html(r, places) for r in audit.records if r.section == title)
+    return (
+        f'<section id="section-{number + 1}" data-records><h2>{escape(title)}</h2>\n{records}'
+        "</section>\n"
+    )
+
+
+def _figure(figure: Figure) -> str:
+    kind = "image/svg+xml" if figure.path.suffix == ".svg" else "image/png"
+    data = base64.b64encode(figure.path.read_bytes()).decode("ascii")
+    return (
+        f'<figure><img alt="{escape(figure.caption, quote=True)}" src="data:{kind};base64,{data}">'
+        f"<figcaption>{escape(figure.caption)}</figcaption></figure>\n"
+    )

@@ -1,0 +1,243 @@
+"""LaTeX mathematics as MathML: typeset formulas that need neither network nor script."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from html import escape
+
+from voronec.audit.page.boxes import Box, read_boxes
+from voronec.audit.page.line_breaks import BINARY, RELATIONS, Broken, break_lines
+from voronec.audit.page.marks import Marks
+from voronec.errors import DefinitionError
+
+__all__ = ["fits", "mathml", "prose"]
+
+_SIDES = {"r": "right", "c": "center", "l": "left"}
+_CLOSING = frozenset(")]}|!⟩")
+_TALL = frozenset({"fraction", "table"})
+SMALLEST = 0.6
+"""The smallest size of a wide formula, against that of the others."""
+_THIN = '<mspace width="0.17em"/>'
+
+
+def mathml(
+    latex: str,
+    marks: Sequence[tuple[int, int]] = (),
+    mark: str = "changed",
+    limit: float = float("inf"),
+    inline: bool = False,
+) -> str:
+    """A ``<math>`` element for a formula, or for a display with its delimiters.
+
+    Characters of ``latex`` in ``marks`` get the class ``mark``.  What is wider than ``limit``, in
+    em, is broken into lines.  What is no formula is shown as its source.
+    """
+    try:
+        box = read_boxes(latex)
+    except DefinitionError:
+        return f'<code class="latex">{escape(latex)}</code>'
+    setter = _Setter(Marks.of(marks, box), mark)
+    broken = break_lines(box, limit)
+    display = "" if inline else ' display="block"'
+    return f"<math{display}{_shrunk(broken, limit)}>{setter.lines(box, broken)}</math>"
+
+
+def fits(latex: str, limit: float) -> bool:
+    """Whether a formula has room in lines of ``limit`` em, or nearly so."""
+    try:
+        return break_lines(read_boxes(latex), limit).width <= 1.15 * limit
+    except DefinitionError:
+        return True
+
+
+def prose(text: str) -> str:
+    """Words with formulas between dollar signs, as HTML."""
+    pieces = text.split("$")
+    if len(pieces) % 2 == 0 or "" in pieces[1::2]:  # signs that enclose no formula
+        return escape(text)
+    return "".join(
+        mathml(piece, inline=True) if number % 2 else escape(piece)
+        for number, piece in enumerate(pieces)
+    )
+
+
+@dataclass(frozen=True)
+class _Setter:
+    """Turns boxes into MathML; ``small`` is in force in scripts."""
+
+    marks: Marks
+    mark: str
+    small: bool = False
+
+    def lines(self, box: Box, broken: Broken) -> str:
+        """A formula, on several lines where it is too wide."""
+        if len(broken.lines) == 1:
+            return f"<mrow>{self.set(box)}</mrow>"
+        rows = []
+        for number, parts in enumerate(broken.lines):
+            indent = '<mspace width="2em"/>' if number else ""
+            before = broken.lines[number - 1][-1] if number else None
+            body = f"<mrow>{indent}{self.run(parts, before)}</mrow>"
+            rows.append(f"<mtr>{_cell('l', body)}</mtr>")
+        return f'<mtable displaystyle="true">{"".join(rows)}</mtable>'
+
+    def set(self, box: Box) -> str:
+        """The MathML of one box."""
+        methods = {
+            "row": self.element,
+            "sign": self.sign,
+            "fence": self.fence,
+            "scripts": self.scripts,
+            "primed": self.primed,
+            "fraction": self.fraction,
+            "root": self.root,
+            "accent": self.accent,
+            "over": self.accent,
+            "table": self.table,
+        }
+        return methods.get(box.kind, _leaf)(box)
+
+    def element(self, box: Box) -> str:
+        """A box as exactly one element."""
+        parts = box.parts if box.kind == "row" else (box,)
+        body = self.run(parts)
+        single = len(parts) == 1 and parts[0].kind not in ("row", "function", "scripts")
+        return body if single else f"<mrow>{body}</mrow>"
+
+    def run(self, parts: Sequence[Box], before: Box | None = None) -> str:
+        """Boxes one after the other; what is marked as a whole is one element of that class."""
+        found = []
+        for group, marked in self.marks.groups(parts):
+            setter = replace(self, marks=Marks(())) if marked else self
+            body = ""
+            for box in group:
+                body += setter.placed(box, before)
+                before = box
+            found.append(f'<mrow class="{self.mark}">{body}</mrow>' if marked else body)
+        return "".join(found)
+
+    def placed(self, box: Box, before: Box | None) -> str:
+        """A box in a row: signs between two things keep their spaces wherever they stand."""
+        if box.kind == "sign" and box.text in BINARY | RELATIONS:
+            first = before is None or (before.kind == "sign" and before.text not in _CLOSING)
+            form = "prefix" if first and box.text in BINARY else "infix"
+            tight = ' lspace="0.1em" rspace="0.1em"' if self.small and form == "infix" else ""
+            return f'<mo form="{form}"{tight}>{escape(box.text)}</mo>'
+        name = box.parts[0] if box.kind == "scripts" else box
+        if name.kind == "function":  # browsers leave no space around a function's name
+            space = "" if before is None or before.kind == "sign" else _THIN
+            return f"{space}{self.set(box)}<mo>&#x2061;</mo>{_THIN}"
+        return self.set(box)
+
+    def sign(self, box: Box) -> str:
+        """A sign by itself; brackets and dots keep their size and take no space."""
+        alone = box.text in "()[]{}|‖⟨⟩" and box.text
+        quiet = ' lspace="0" rspace="0"' if alone or box.text in "…⋯" else ""
+        still = ' stretchy="false"' if alone else ""
+        return f"<mo{still}{quiet}>{escape(box.text)}</mo>"
+
+    def fence(self, box: Box) -> str:
+        """Brackets that grow with what they enclose, where that is tall."""
+        opening, body, closing = box.parts
+        if not _tall(body):
+            ends = [self.marked(self.sign(x), x) for x in (opening, closing)]
+            return f"<mrow>{ends[0]}{self.run(_row(body))}{ends[1]}</mrow>"
+        signs = [
+            self.marked(
+                f'<mo stretchy="true" form="{form}" lspace="0" rspace="0">{escape(sign.text)}</mo>',
+                sign,
+            )
+            if sign.text
+            else ""
+            for form, sign in (("prefix", opening), ("postfix", closing))
+        ]
+        return f"<mrow>{signs[0]}{self.run(_row(body))}{signs[1]}</mrow>"
+
+    def marked(self, element: str, box: Box) -> str:
+        """An element in the class of the marks, where they cover its box."""
+        return f'<mrow class="{self.mark}">{element}</mrow>' if self.marks.cover(box) else element
+
+    def scripts(self, box: Box) -> str:
+        """A base with what stands below and above it."""
+        base, below, above = box.parts
+        primes = ""
+        if base.kind == "primed" and above.end == above.start:
+            base, primes = base.parts[0], _primes(base.text)
+        small = replace(self, small=True)
+        names = ("msub", "msup", "msubsup")
+        if box.text == "limits":
+            names = ("munder", "mover", "munderover")
+        inside = [_leaf(base) if base.kind == "function" else self.element(base)]
+        inside += [small.element(x) for x in (below, above) if x.end > x.start]
+        name = names[2] if len(inside) == 3 else names[below.end == below.start]
+        found = f"<{name}>{''.join(inside)}</{name}>"
+        return f"<mrow>{found}{primes}</mrow>" if primes else found
+
+    def primed(self, box: Box) -> str:
+        return f"<mrow>{self.element(box.parts[0])}{_primes(box.text)}</mrow>"
+
+    def fraction(self, box: Box) -> str:
+        top, bottom = box.parts
+        return f"<mfrac>{self.element(top)}{self.element(bottom)}</mfrac>"
+
+    def root(self, box: Box) -> str:
+        parts = "".join(self.element(part) for part in box.parts)
+        return f"<msqrt>{parts}</msqrt>" if len(box.parts) == 1 else f"<mroot>{parts}</mroot>"
+
+    def accent(self, box: Box) -> str:
+        grows = "true" if box.kind == "over" else "false"
+        sign = f'<mo class="accent" stretchy="{grows}">{box.text}</mo>'
+        return f'<mover accent="true">{self.element(box.parts[0])}{sign}</mover>'
+
+    def table(self, box: Box) -> str:
+        rows = []
+        for row in box.parts:
+            cells = (
+                _cell(box.text[column % len(box.text)], self.element(cell))
+                for column, cell in enumerate(row.parts)
+            )
+            rows.append(f"<mtr>{''.join(cells)}</mtr>")
+        return f'<mtable displaystyle="true">{"".join(rows)}</mtable>'
+
+
+def _shrunk(broken: Broken, limit: float) -> str:
+    """A smaller size for what cannot be broken, as a long fraction."""
+    scale = max(limit / max(broken.width, 1.0), SMALLEST)
+    return f' style="font-size:{scale:.2f}em"' if scale < 1 else ""
+
+
+def _row(box: Box) -> tuple[Box, ...]:
+    return box.parts if box.kind == "row" else (box,)
+
+
+def _tall(box: Box) -> bool:
+    """Whether a box is much higher than a line."""
+    if box.kind in _TALL or (box.kind == "scripts" and box.text == "limits"):
+        return True
+    inside = box.parts[:1] if box.kind == "scripts" else box.parts
+    return any(_tall(part) for part in inside)
+
+
+def _primes(text: str) -> str:
+    # the glyph is raised by itself: as a superscript it would float
+    return f'<mo lspace="0" rspace="0">{text}</mo>'
+
+
+def _cell(side: str, body: str) -> str:
+    return f'<mtd style="text-align:{_SIDES[side]}">{body}</mtd>'
+
+
+def _leaf(box: Box) -> str:
+    text = escape(box.text)
+    if box.kind == "space":
+        return f'<mspace width="{text}em"/>'
+    if box.kind == "letter":
+        return f"<mi>{text}</mi>"
+    if box.kind in ("upright", "function"):
+        return f'<mi mathvariant="normal">{text}</mi>'
+    if box.kind == "number":
+        return f"<mn>{text}</mn>"
+    if box.kind == "unknown":  # a command of the paper's own, as \diag
+        return f'<mi mathvariant="normal">{text.lstrip(chr(92))}</mi>'
+    return f"<mtext>{text.replace(' ', '&#xa0;')}</mtext>"

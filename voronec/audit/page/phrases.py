@@ -1,0 +1,161 @@
+"""What all reports of an audit say in the same words: verdicts, places, witnesses, lists."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from itertools import groupby
+from typing import Any
+
+from voronec.audit.page.witness_points import plain, point, short
+from voronec.audit.record import VERDICTS, Audit, FormulaRecord, Record
+
+__all__ = [
+    "KINDS",
+    "MEANING",
+    "about",
+    "clauses",
+    "convened",
+    "counted",
+    "counts",
+    "ended",
+    "faults",
+    "gist",
+    "grouped",
+    "values",
+    "with_verdict",
+]
+
+MEANING = {
+    "proved": "the formula follows from the derived equations, exactly",
+    "misprint": "it is false as printed; the correction, where one is given, is proved",
+    "convention": "it is true under a convention, or in a range of the parameters, that is stated",
+    "definition": "it introduces a name or a condition; checked by the formulas that use it",
+    "cited": "a fact that the paper quotes, and that is not proved here",
+    "unaudited": "a sentence that states something, and that nothing here decides",
+    "undecided": "neither proved nor refuted",
+}
+KINDS = {"display": "displayed equations", "text": "in the text"}
+
+
+def about(witness: Mapping[str, Any]) -> str:
+    """What the two values of a witness are values of, and for which indices; often nothing."""
+    where = ", ".join(f"{k} = {v}" for k, v in witness.get("indices", {}).items())
+    parts = [str(witness.get("about", "")), f"for {where}" if where else ""]
+    return ", ".join(part for part in parts if part)
+
+
+def sides(formula: FormulaRecord) -> tuple[str, str]:
+    """What the two values of a witness are called: an inequality has two sides of equal right."""
+    equality = formula.printed and not formula.ranges
+    return ("as printed", "derived") if equality else ("left side", "right side")
+
+
+def values(formula: FormulaRecord) -> tuple[tuple[str, str], ...]:
+    """The two values of a witness, each with its name; nothing where that would not say of what."""
+    witness = formula.witness
+    if witness is None or not (formula.printed or about(witness)):
+        return ()
+    first, second = sides(formula)
+    return (first, plain(str(witness["printed"]))), (second, plain(str(witness["derived"])))
+
+
+def grouped(formula: FormulaRecord) -> tuple[dict[str, str], ...]:
+    """The ranges of a claim: those with the same verdict, method and witness are one entry.
+
+    ``range``, ``where`` (with dollar signs), ``verdict``, ``method`` (empty where the record says
+    the same) and ``witness`` are words.
+    """
+    found: dict[tuple[str, str, str], list[Mapping[str, Any]]] = {}
+    for entry in formula.ranges:
+        at = _at(formula, entry["witness"])
+        found.setdefault((entry["verdict"], entry["method"], at), []).append(entry)
+    return tuple(
+        {
+            "range": ", ".join(str(r["range"]) for r in several),
+            "where": "; ".join(filter(None, (_in_math(r["statement"]) for r in several))),
+            "verdict": verdict,
+            "method": "" if f"; {method};" in f"; {formula.method};" else short(method),
+            "witness": at,
+        }
+        for (verdict, method, at), several in found.items()
+    )
+
+
+def _at(formula: FormulaRecord, witness: Mapping[str, Any] | None) -> str:
+    if witness is None:
+        return ""
+    both = f"{short(str(witness['printed']))} against {short(str(witness['derived']))} "
+    return (both if formula.printed else "") + f"at {point(witness)}"
+
+
+def _in_math(statement: str) -> str:
+    if "$" in statement or not statement:
+        return statement
+    return ", ".join(f"${part.strip()}$" for part in re.split(r",\\? ", statement))
+
+
+def clauses(text: str) -> list[str]:
+    """What stands between semicolons outside parentheses and formulas."""
+    found, depth, math = [""], 0, False
+    for position, letter in enumerate(text):
+        math ^= letter == "$"
+        depth += 0 if math else (letter == "(") - (letter == ")")
+        if letter == ";" and depth <= 0 and not math and text[position + 1 : position + 2] == " ":
+            found.append("")
+        else:
+            found[-1] += letter
+    return [clause.strip() for clause in found]
+
+
+def gist(method: str) -> str:
+    """The sentence that a list of conventions needs of a method: where it holds, against what."""
+    parts = clauses(method)
+    last = max((n for n, part in enumerate(parts) if part.startswith("against ")), default=0)
+    return "; ".join(parts[: last + 1])
+
+
+def ended(text: str) -> str:
+    """A sentence with its full stop, where it does not end in dots."""
+    return text if text.endswith((".", "...")) else f"{text}."
+
+
+def with_verdict(audit: Audit, verdict: str) -> Iterator[tuple[Record, FormulaRecord]]:
+    """The formulas that have a verdict, each with its record, in the order of print."""
+    for record in audit.records:
+        for formula in record.formulas:
+            if formula.verdict == verdict:
+                yield record, formula
+
+
+def convened(audit: Audit) -> Iterator[tuple[str, tuple[tuple[Record, FormulaRecord], ...]]]:
+    """The conventions: what is said of each, and the formulas in a row of which it is said."""
+    found = with_verdict(audit, "convention")
+    for said, several in groupby(found, key=lambda pair: gist(pair[1].method)):
+        yield said, tuple(several)
+
+
+def faults(record: Record) -> tuple[FormulaRecord, ...]:
+    """The formulas of a record that need a reader's attention."""
+    return tuple(f for f in record.formulas if f.verdict in ("misprint", "undecided"))
+
+
+def counts(audit: Audit) -> dict[str, dict[str, int]]:
+    """kind -> verdict -> number of records, worst first, for the verdicts that occur."""
+    found = {}
+    for kind in KINDS:
+        records = [r for r in audit.records if r.kind == kind]
+        if records:
+            found[kind] = {v: sum(r.verdict == v for r in records) for v in reversed(VERDICTS)}
+    return found
+
+
+def counted(audit: Audit) -> list[str]:
+    """The counts, a sentence for each kind of record."""
+    lines = []
+    for kind, numbers in counts(audit).items():
+        each = ", ".join(f"{n} {verdict}" for verdict, n in numbers.items() if n)
+        total = sum(numbers.values())
+        name = KINDS[kind].removesuffix("s") if total == 1 else KINDS[kind]
+        lines.append(f"{total} {name}: {each}")
+    return lines

@@ -1,0 +1,113 @@
+"""The report of an audit for the terminal: a line a record, errata and conventions below."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from voronec.audit.page.phrases import about, convened, counted, ended, faults, values, with_verdict
+from voronec.audit.page.witness_points import short
+from voronec.audit.record import Audit, FormulaRecord, Record
+
+__all__ = ["audit_table"]
+
+NAME = 22
+"""The widest name of a record that keeps the columns straight."""
+SEVERAL = 8
+"""At most so many formulas of one record are spelled out."""
+
+
+def audit_table(audit: Audit, width: int = 100) -> str:
+    """One line a record, grouped by section; misprints and conventions spelled out below.
+
+    Plain text, no line longer than ``width``.
+    """
+    names = max((len(r.called) for r in audit.records), default=0)
+    lines: list[str] = []
+    for section in audit.sections:
+        lines += ["", _cut(section, width), "-" * min(width, len(section))]
+        for record in (r for r in audit.records if r.section == section):
+            lines += _lines(record, min(names, NAME), width)
+    lines += ["", *(_cut(line, width) for line in counted(audit))]
+    for number, (record, formula) in enumerate(with_verdict(audit, "misprint"), 1):
+        lines += ["", *_erratum(number, record, formula, width)]
+    for said, several in convened(audit):
+        lines.append("")
+        for record, formula in several:
+            lines.append(_cut(f"convention: {_place(record)}", width))
+            lines += _wrapped(formula.says or formula.printed, "  ", width)
+        lines += _wrapped(ended(short(said)), "  ", width)
+    return "\n".join(lines).lstrip("\n") + "\n"
+
+
+def _lines(record: Record, names: int, width: int) -> Iterator[str]:
+    head = f"{record.called:<{names}}  {record.verdict:<10}  "
+    yield head + _cut("; ".join(f.printed or f.says for f in record.formulas), width - len(head))
+    wrong = faults(record) if len(record.formulas) > 1 else ()
+    for formula in wrong[:SEVERAL]:
+        head = f"{'':<{names}}  {formula.verdict:<10}    "
+        yield head + _cut(formula.printed or formula.says, width - len(head))
+        yield from _reason(formula, names, width)
+    if not wrong:
+        yield from _reason(record.decisive, names, width)
+
+
+def _reason(formula: FormulaRecord, names: int, width: int) -> list[str]:
+    """Why a formula is neither proved nor refuted."""
+    if formula.verdict != "undecided":
+        return []
+    return _wrapped(ended(short(formula.method)), " " * (names + 4), width)
+
+
+def _cut(latex: str, width: int) -> str:
+    text = " ".join(latex.split())
+    return text if len(text) <= width else text[: max(width - 3, 10)] + "..."
+
+
+def _wrapped(text: str, indent: str, width: int) -> list[str]:
+    """Words on lines of the width, the first after ``indent``, the others below its end."""
+    lines, empty = [indent], True
+    for word in text.split():
+        if len(lines[-1]) + len(word) + 1 > width and not empty:
+            lines, empty = [*lines, " " * len(indent)], True
+        lines[-1] += word if empty else f" {word}"
+        empty = False
+    return [_cut_line(line, width) for line in lines]
+
+
+def _cut_line(line: str, width: int) -> str:
+    return line if len(line) <= width else line[: width - 3] + "..."
+
+
+def _place(record: Record) -> str:
+    return f"{record.called} in '{record.section}'"
+
+
+def _erratum(number: int, record: Record, formula: FormulaRecord, width: int) -> list[str]:
+    lines = [_cut(f"erratum {number}: {_place(record)}", width)]
+    if formula.says:
+        lines += _wrapped(formula.says, "  claim  ", width)
+    if formula.correction is None:
+        lines += _wrapped(formula.printed, "  for    ", width) if formula.printed else []
+        lines += _wrapped(short(formula.method), "  ", width)
+    else:
+        for (a, b), (c, d) in zip(formula.struck, formula.changes, strict=True):
+            lines.append(_cut_line(f"  for    {_context(formula.printed, a, b)}", width))
+            lines.append(_cut_line(f"  read   {_context(formula.correction, c, d)}", width))
+    return lines + [_cut_line(f"  {line}", width) for line in _witness(formula)]
+
+
+def _context(latex: str, start: int, end: int) -> str:
+    """The change with a little of what stands around it."""
+    a, b = max(0, start - 24), min(len(latex), end + 24)
+    inner = " ".join(latex[a:b].split())
+    return ("..." if a else "") + inner + ("..." if b < len(latex) else "")
+
+
+def _witness(formula: FormulaRecord) -> list[str]:
+    """The two values of a witness, in words."""
+    witness = formula.witness
+    if witness is None:
+        return []
+    lines = [f"{name:<10}  {short(value)}" for name, value in values(formula)]
+    what = about(witness)
+    return [lines[0] + (f"  ({what})" if what else ""), *lines[1:]] if lines else []

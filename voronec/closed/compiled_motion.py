@@ -1,0 +1,252 @@
+"""A declared motion made ready for numbers, once: compiled, its integrals by partial fractions.
+
+The rate of an angle is ``c0 + c1 x + c2 x^2 + sum of share w/(x - c)`` over the declared poles c
+with their weights w, and over poles of any other kind (see ``fractions``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.text import sympified
+from voronec.closed.arithmetic import Function, ball, compiled, exact, precise
+from voronec.closed.decide import vanishes
+from voronec.closed.fractions import BITS, Split, ascending, split
+from voronec.declaration.quadratures import Quadratures
+from voronec.declaration.system import System
+from voronec.errors import DefinitionError
+
+__all__ = ["Prepared", "ascending", "motion_of", "prepared"]
+
+DEGREE = 4
+"""Of the square of the rate of the variable, at most."""
+
+
+def _nothing(_: Any) -> list[Any]:
+    return []
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A system's motion ready for numbers; ``gone`` are parameters whose values, exactly these,
+    send poles to infinity.
+
+    inputs, level
+        the symbols of a start (coordinates, velocities, parameters), and of a level (parameters,
+        constants).
+    starting
+        inputs -> the constants, then the variable and its rate.
+    parts
+        level -> quartic (5), then place and weight of each pole, the quotient (3) of each integral,
+        the cosine of each trace (2), and the slopes of a place on a plane (3 each).
+    rates
+        of the angles, then of the place on a plane, along and across, then of the time where the
+        quartic is in another one.
+    poles, others
+        place and weight of the poles that lie at finite places; places of the other ones.
+    cosines
+        offset and slope of those that are affine; nothing for the others.
+    fractions
+        rates and slopes as partial fractions; ``shares`` are whole numbers, one per pole.
+    """
+
+    system: System
+    gone: Mapping[Any, Any]
+    inputs: tuple[Any, ...]
+    level: tuple[Any, ...]
+    starting: Function
+    rate: Any
+    quartic: tuple[Any, ...]
+    poles: tuple[tuple[Any, Any], ...]
+    rates: tuple[Any, ...]
+    cosines: tuple[tuple[Any, Any], ...]
+    others: tuple[Any, ...] = ()
+    parts: Function = _nothing
+    fractions: Split = field(default_factory=Split)
+
+    @property
+    def shares(self) -> tuple[tuple[int, ...], ...]:
+        """Of each integral, one per pole."""
+        return self.fractions.shares
+
+    @property
+    def motion(self) -> Quadratures:
+        """The declaration."""
+        return motion_of(self.system)
+
+    @property
+    def quotient_at(self) -> int:
+        """Where in ``parts`` the quotients begin."""
+        return 5 + 2 * len(self.poles)
+
+    @property
+    def cosine_at(self) -> int:
+        """Where in ``parts`` the cosines begin."""
+        return self.quotient_at + 3 * len(self.rates)
+
+    @property
+    def slope_at(self) -> int:
+        """Where in ``parts`` the slopes of a place on a plane begin."""
+        return self.cosine_at + 2 * len(self.cosines)
+
+
+_KNOWN: dict[tuple[int, Any], Prepared] = {}
+
+
+def motion_of(system: System) -> Quadratures:
+    """The declared motion of a system; ``DefinitionError`` where it has none."""
+    if system.motion is not None:
+        return system.motion
+    from voronec.declaration.catalogue import load, names
+
+    having = [n for n in names() if load(n).motion is not None]
+    raise DefinitionError(
+        f"system '{system.name}' declares no motion in closed form; of the catalogue these do: "
+        f"{', '.join(having) or 'none'}"
+    )
+
+
+def prepared(system: System, values: Mapping[Any, Any]) -> Prepared:
+    """The motion of a system ready for numbers like ``values``, which give the parameters."""
+    motion = motion_of(system)
+    gone = {s: e for factor, s, e in _critical(system, motion) if _is_zero(factor, values)}
+    key = (id(motion), frozenset(gone.items()))
+    if key not in _KNOWN or _KNOWN[key].system.motion is not motion:
+        _KNOWN[key] = _prepare(system, motion, gone)
+    return _KNOWN[key]
+
+
+def _is_zero(factor: Any, values: Mapping[Any, Any]) -> bool:
+    if any(values.get(s) is None or callable(values[s]) for s in factor.free_symbols):
+        return False
+    return bool(vanishes(factor.xreplace({s: exact(values[s]) for s in factor.free_symbols})))
+
+
+_CRITICAL: dict[int, tuple[Quadratures, list[tuple[Any, Any, Any]]]] = {}
+
+
+def _critical(system: System, motion: Quadratures) -> list[tuple[Any, Any, Any]]:
+    """Polynomials in the parameters whose vanishing sends a pole to infinity, each with a parameter
+    and what it is then."""
+    if id(motion) not in _CRITICAL or _CRITICAL[id(motion)][0] is not motion:
+        own = {p.symbol for p in system.parameters if p.symbol.is_Symbol}
+        found: dict[Any, tuple[Any, Any, Any]] = {}
+        for place in (*motion.poles, *motion.others):
+            for factor in _factors(sp.fraction(sp.together(place))[1], own):
+                known = _solved_for(factor, sorted(own & factor.free_symbols, key=str)[::-1])
+                if known is not None:
+                    found.setdefault(known, (factor, *known))
+        _CRITICAL[id(motion)] = (motion, list(found.values()))
+    return _CRITICAL[id(motion)][1]
+
+
+def _factors(below: Any, own: set[Any]) -> list[Any]:
+    found: list[Any] = []
+    for part in sp.Mul.make_args(below):
+        above = sp.fraction(sp.together(part.base if part.is_Pow else part))[0]
+        if above.free_symbols and above.free_symbols <= own and above.is_polynomial(*own):
+            found += [factor for factor, _ in sp.factor_list(above)[1]]
+    return found
+
+
+def _solved_for(factor: Any, symbols: list[Any]) -> tuple[Any, Any] | None:
+    for s in symbols:
+        slope = sp.diff(factor, s)
+        if slope.is_number:
+            return s, s - sp.expand(factor / slope)
+    return None
+
+
+def _prepare(system: System, motion: Quadratures, gone: Mapping[Any, Any]) -> Prepared:
+    own = tuple(p.symbol for p in system.parameters)
+    rates = [e.xreplace(gone) for e in motion.integrals.values()]
+    plane = motion.plane
+    if plane is not None:
+        rates += [sympified(e).xreplace(gone) for e in plane.rates]
+    if motion.clock != 1:
+        rates.append(motion.clock.xreplace(gone))
+    rate = _rate_of_variable(system, motion)
+    inputs = (*system.coordinates, *system.velocities, *own)
+    poles = {c: w for c, w in motion.poles.items() if _is_finite(c, gone)}
+    straight = motion.clock == 1
+    raw = Prepared(
+        system=system,
+        gone=gone,
+        inputs=inputs,
+        level=(*own, *motion.constants),
+        starting=compiled([*motion.constants.values(), motion.meaning, rate], inputs),
+        rate=rate,
+        quartic=ascending(motion.quartic.xreplace(gone), motion.x, DEGREE),
+        poles=tuple((c.xreplace(gone), w.xreplace(gone)) for c, w in poles.items()),
+        others=tuple(c.xreplace(gone) for c in motion.others if _is_finite(c, gone)),
+        rates=tuple(rates),
+        cosines=tuple(
+            (e[0], e[1])
+            for e in (ascending(t.cosine.xreplace(gone), motion.x, 1) for t in motion.traces)
+        ) if straight else (),
+    )  # fmt: skip
+    slopes = [e.xreplace(gone) for e in plane.slopes] if plane is not None else []
+    whole = split(rates, slopes, raw.poles, raw.others, motion.x, raw.level, _example(raw))
+    flat = [*raw.quartic, *(e for pole in raw.poles for e in pole)]
+    flat += [e for q in whole.quotients for e in q] + [e for c in raw.cosines for e in c]
+    flat += [e for q in whole.slopes for e in q]
+    return replace(raw, parts=compiled(flat, raw.level), fractions=whole)
+
+
+def _is_finite(place: Any, gone: Mapping[Any, Any]) -> bool:
+    return bool(sp.fraction(sp.together(place))[1].xreplace(gone) != 0)
+
+
+def _rate_of_variable(system: System, motion: Quadratures) -> Any:
+    """dx/dtau as a function of the state, by the declared velocities."""
+    dots = [velocity(q) for q in system.coordinates]
+    pairs = [(v, e) for v, e in motion.velocities.items() if e.has(*dots)]
+    meaning = {motion.x: motion.meaning, **motion.constants}
+    found = sp.Integer(0)
+    for q, dot in zip(system.coordinates, dots, strict=True):
+        slope = sp.diff(motion.meaning, q)
+        if slope != 0:
+            value = dot if dot in system.velocities else _solved(system, pairs, dot, dots)
+            found += slope * value.xreplace(meaning)
+    return found if motion.clock == 1 else found * motion.clock.xreplace(meaning)
+
+
+def _solved(system: System, pairs: list[tuple[Any, Any]], dot: Any, dots: list[Any]) -> Any:
+    """The velocity of a coordinate out of the velocities, which are affine in two such at most."""
+    alone = [(v, e) for v, e in pairs if e.has(dot) and not e.has(*(d for d in dots if d != dot))]
+    rows = alone[:1] or pairs
+    own = [d for d in dots if any(e.has(d) for _, e in rows)]
+    if dot not in own or len(own) > 2:
+        raise DefinitionError(
+            f"system '{system.name}': the declared velocities of the motion do not give "
+            f"'{plain_name(dot)}'; write one such as tau: -mu*velocity(u)"
+        )
+    still = dict.fromkeys(own, sp.Integer(0))
+    table = [[sp.diff(e, d) for d in own] for _, e in rows]
+    right = [v - e.xreplace(still) for v, e in rows]
+    if len(rows) == 1:
+        return right[0] / table[0][0]
+    i = own.index(dot)
+    normal = [[sp.Add(*[r[a] * r[b] for r in table]) for b in range(len(own))]
+              for a in range(len(own))]  # fmt: skip
+    onto = [sp.Add(*[r[a] * c for r, c in zip(table, right, strict=True)]) for a in range(len(own))]
+    if len(own) == 1:
+        return onto[0] / normal[0][0]
+    j = 1 - i
+    determinant = normal[0][0] * normal[1][1] - normal[0][1] * normal[1][0]
+    return (onto[i] * normal[j][j] - onto[j] * normal[i][j]) / determinant
+
+
+def _example(raw: Prepared) -> list[Any]:
+    """Values of the symbols of a level, of a motion whose numbers are fractions of primes."""
+    plain = {s: sp.Rational(sp.prime(i + 20), sp.prime(i + 41)) for i, s in enumerate(raw.inputs)}
+    known = {s: e.xreplace(plain) for s, e in raw.gone.items()}
+    with precise(BITS):
+        given = [ball({**plain, **known}[s]) for s in raw.inputs]
+        count = len(raw.system.parameters)
+        return [*given[len(given) - count :], *raw.starting(given)[:-2]]

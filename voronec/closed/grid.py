@@ -1,0 +1,430 @@
+"""The motion on a grid of times in doubles: nothing is computed that is not asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name
+from voronec.closed.arithmetic import ball, precise
+from voronec.closed.bernstein import evaluated
+from voronec.closed.clock import pieces
+from voronec.closed.expressions import reading
+from voronec.closed.space_coordinates import BLOCK, read_circles
+from voronec.closed.upright_view import Seen, wrapped
+from voronec.declaration.reading import doubles
+from voronec.errors import EngineLimit
+
+if TYPE_CHECKING:
+    from voronec.closed.closed_form import ClosedForm
+
+__all__ = ["clocked", "sampled", "steadily", "tabulated"]
+
+
+BITS = 256
+PIECE = 26
+"""Bits of the pieces of a factor: products of two are exact."""
+SPLIT = float(2**27 + 1)
+
+
+def steadily(
+    form: ClosedForm, grid: np.ndarray, names: Sequence[str], whole: bool
+) -> dict[str, np.ndarray]:
+    """Coordinates and velocities; angles continuous (``whole``) or modulo a turn."""
+    system, problem = form.system, form.problem
+    given = dict(zip(problem.prepared.inputs, problem.given(BITS), strict=True))
+    plane, found = form.quadratures.plane, {}
+    straight = plane.place if plane is not None else ()
+    for q, rate in zip(system.coordinates, form.steady(BITS), strict=True):
+        if whole or q in straight:
+            found[plain_name(q)] = float(given[q]) + float(rate) * grid
+        else:
+            with precise(BITS):
+                turn = _part(given[q])
+            found[plain_name(q)] = 2 * np.pi * turned(rate, grid) + turn
+    if form.wheels:
+        from voronec.closed.planar_rotation import rolled
+
+        found |= {plain_name(q): x for q, x in rolled(form, grid).items()}
+    found |= _steady_velocities(form, grid, given)
+    own = form.attitude
+    in_space = {plain_name(q) for q in own.coordinates} if own is not None else set()
+    if own is not None and not own.upright and in_space & {*names}:
+        from voronec.closed.space_coordinates import read_frame
+
+        start = np.array([float(e) for e in own.start(BITS)[0]]).reshape(3, 3)
+        found |= read_frame(form, _frames(start, own.spin(BITS), grid), grid, names, whole)
+    return found
+
+
+def _steady_velocities(
+    form: ClosedForm, grid: np.ndarray, given: Mapping[Any, Any]
+) -> dict[str, np.ndarray]:
+    """Constant, where no moving coordinate is in them."""
+    names = list(map(plain_name, form.system.velocities))
+    values = [given[v] for v in form.system.velocities]
+    read = reading(form.problem.prepared)
+    if read.coordinates:
+        rates = dict(zip(form.system.coordinates, form.steady(BITS), strict=True))
+        with precise(BITS):
+            moved: dict[Any, Any] = dict.fromkeys(read.coordinates, ball(0))
+            start = [_part(given[q]) for q in read.coordinates]
+            numbers: list[Any] = [float(x) for x in form.resting(moved, BITS)]
+        for q, turn in zip(read.coordinates, start, strict=True):
+            numbers[read.symbols.index(q)] = 2 * np.pi * turned(rates[q], grid) + turn
+        values = sp.lambdify(read.symbols, list(read.expressions), "numpy", cse=True)(*numbers)
+    return {n: np.broadcast_to(x, grid.shape).astype(float) if np.ndim(x) else
+            np.full(grid.shape, float(x)) for n, x in zip(names, values, strict=True)}  # fmt: skip
+
+
+def _part(angle: Any) -> float:
+    """An angle modulo a turn."""
+    turn = 2 * ball(1).pi()
+    return float(angle - turn * round(float(angle / turn)))
+
+
+def turned(rate: Any, grid: np.ndarray) -> np.ndarray:
+    """rate t in turns, less whole ones, however late: products of short pieces are exact."""
+    with precise(BITS):
+        rest, pieces = rate / (2 * ball(1).pi()), []
+        for _ in range(4):
+            size = float(abs(rest))
+            if not size:
+                break
+            unit = 2.0 ** (np.frexp(size)[1] - PIECE)
+            piece = round(float(rest) / unit) * unit
+            pieces.append(piece)
+            rest = rest - ball(piece)
+    high = grid * SPLIT
+    high = high - (high - grid)
+    total = np.zeros(grid.shape)
+    for piece in pieces:
+        for part in (high, grid - high):
+            product = piece * part
+            total += product - np.rint(product)
+    return np.asarray(total - np.rint(total))
+
+
+def _frames(start: np.ndarray, spin: Any, grid: np.ndarray) -> Any:
+    """E0 exp(t Omega^) on the grid, entries as arrays."""
+    with precise(BITS):
+        squared = sum((c * c for c in spin), ball(0))
+        size = squared.sqrt() if squared > 0 else ball(0)
+        axis = [float(c / size) for c in spin] if size > 0 else [0.0, 0.0, 1.0]
+    angle = 2 * np.pi * turned(size, grid) if size > 0 else np.zeros(grid.shape)
+    a, b, c = axis
+    cross = start @ np.array([[0, -c, b], [c, 0, -a], [-b, a, 0]])
+    double = cross @ np.array([[0, -c, b], [c, 0, -a], [-b, a, 0]])
+    sine, rest = np.sin(angle), 2 * np.sin(angle / 2) ** 2
+    return [[start[i, j] + sine * cross[i, j] + rest * double[i, j] for j in range(3)]
+            for i in range(3)]  # fmt: skip
+
+
+FINE = 192
+TURN = 2 * np.pi
+
+
+def clocked(
+    form: ClosedForm, grid: np.ndarray, names: Sequence[str], whole: bool
+) -> dict[str, np.ndarray]:
+    """Coordinates and velocities; angles continuous (``whole``) or modulo a turn."""
+    if form.attitude is not None:
+        raise EngineLimit(
+            f"system '{form.system.name}': a motion in a time of its own is not turned in space"
+        )
+    seen = Timed(form, grid.ravel(), whole)
+    found: dict[str, np.ndarray] = {}
+    coordinates = {plain_name(q): q for q in form.system.coordinates}
+    for name in names:
+        if name in coordinates:
+            found[name] = seen.value(coordinates[name])
+    if {*names} - {*coordinates}:
+        found |= seen.velocities()
+    return {name: x.reshape(grid.shape) for name, x in found.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class Timed:
+    """One grid of a motion: whole periods, and the elliptic motion in the one that is left."""
+
+    form: ClosedForm
+    grid: np.ndarray
+    whole: bool
+
+    @cached_property
+    def _instants(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.form.clock.inverted(self.grid)
+
+    @cached_property
+    def sample(self) -> Any:
+        """The elliptic motion, periods taken off."""
+        return self.form.solution.sample(self._instants[1])
+
+    @cached_property
+    def _ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Shares of both ends in x."""
+        return self.sample.affine(1.0, 0.0), self.sample.affine(0.0, 1.0)
+
+    def _valued(self, numbers: Any) -> Any:
+        return evaluated(numbers, *self._ends)
+
+    def integral(self, j: int, whole: bool) -> np.ndarray:
+        """An integral since the start, or, of an angle, less whole turns that nobody asks for."""
+        advances = self.form.solution.constants(FINE).advances
+        count, summed = self._instants[0], self.form.clock.summed[j]
+        found = summed.at(self._instants[1]) if summed.needed else self.sample.integral(j)
+        if advances is None or not count.any():
+            return np.asarray(found)
+        with precise(FINE):
+            advance = advances[j]
+            if not whole:
+                return np.asarray(found + TURN * turned(advance, count))
+            parts = pieces(advance)
+        for part in reversed(parts):
+            found = found + count * part
+        return np.asarray(found)
+
+    def value(self, q: Any) -> np.ndarray:
+        """A coordinate as it is asked for."""
+        found, plane = self.coordinate(q, self.whole), self.form.quadratures.plane
+        if self.whole or (plane is not None and q in plane.place):
+            return found
+        return np.asarray(found - TURN * np.ceil(found / TURN - 0.5))
+
+    def coordinate(self, q: Any, whole: bool) -> np.ndarray:
+        """A colatitude, an angle that is an integral, or a place."""
+        motion = self.form.quadratures
+        for i, trace in enumerate(motion.traces):
+            if trace.colatitude == q:
+                side, turns = self.form.branch(i)
+                south, north = (self._valued(e) for e in self.form.clock.reach[i])
+                return np.asarray(2 * side * np.arctan2(np.sqrt(south), np.sqrt(north))
+                                  + turns * TURN)  # fmt: skip
+        if q in motion.angles:
+            j = motion.angles.index(q)
+            return self.integral(j, whole) + self.form.ready.starts[j][0 if whole else 1]
+        return self.place[q]
+
+    @cached_property
+    def place(self) -> dict[Any, np.ndarray]:
+        """On a plane."""
+        plane = self.form.quadratures.plane
+        assert plane is not None
+        count = len(self.form.quadratures.angles)
+        moved = [self.integral(count + i, True) + self._slid(i) for i in range(2)]
+        first, second = map(float, self.form.direction(FINE))
+        origin = [float(self.form.exact(q)(FINE)) for q in plane.place]
+        return {
+            plane.place[0]: origin[0] + first * moved[0] - second * moved[1],
+            plane.place[1]: origin[1] + second * moved[0] + first * moved[1],
+        }
+
+    def _slid(self, i: int) -> np.ndarray:
+        """What the slope of a place adds: nothing where x has come back."""
+        start, x = float(self.form.problem.place(FINE)), self.sample.x
+        a, b, c = self.form.ready.slides[i]
+        moved = x - start
+        total = moved * (a + b * (x + start) / 2 + c * (x * x + x * start + start**2) / 3)
+        for place, residues in self.form.problem.others(FINE):
+            residue = residues[len(self.form.problem.prepared.rates) + i]
+            if residue != 0:
+                share = moved / (start - complex(place))
+                size = 0.5 * np.log1p(2 * share.real + np.abs(share) ** 2)
+                total = total + complex(residue).real * size
+                total -= complex(residue).imag * np.arctan2(share.imag, 1 + share.real)
+        return np.asarray(total)
+
+    def velocities(self) -> dict[str, np.ndarray]:
+        """The velocities of the equations."""
+        form, own, x = self.form, self.form.problem.prepared, self.sample.x
+        clock, angles = form.clock, len(form.quadratures.angles)
+        pace = clock.paces(self.sample)
+        values: list[Any] = [*(float(c) for c in form.problem.level(FINE)), x]
+        with np.errstate(all="ignore"):
+            for i in range(len(form.quadratures.traces)):
+                south, north = (self._valued(e) for e in clock.reach[i])
+                above, below, bend = (self._valued(e) for e in clock.bends[i])
+                sine = form.branch(i)[0] * np.sqrt(south * north) / below
+                fall = -bend / below**2 * self.sample.rate / (sine * pace)
+                values += [sine, above / below, fall]
+            values += [rate / pace for rate in self._rates()[:angles]]
+            # less whole turns: the sines of late angles lose nothing
+            values += [self.coordinate(q, False) for q in reading(own).coordinates]
+            values += [self._valued(p) for p in form.ready.polynomials]
+            found = _velocities(own)(*values)
+        names = map(plain_name, form.system.velocities)
+        return {n: np.broadcast_to(e, self.grid.shape).astype(float)
+                for n, e in zip(names, found, strict=True)}  # fmt: skip
+
+    def _rates(self) -> list[Any]:
+        apart = [self.sample.affine(*ends) for ends in self.form.ready.distances]
+        found = []
+        for numerator, used in self.form.ready.fractions:
+            rate = self._valued(numerator)
+            for i in used:
+                rate = rate / apart[i]
+            found.append(rate)
+        return found
+
+
+_FUNCTIONS: dict[int, tuple[Any, Any]] = {}
+
+
+def _velocities(own: Any) -> Any:
+    if id(own) not in _FUNCTIONS or _FUNCTIONS[id(own)][0] is not own:
+        read = reading(own)
+        function = sp.lambdify(read.symbols, list(read.expressions), "numpy", cse=True)
+        _FUNCTIONS[id(own)] = (own, function)
+    return _FUNCTIONS[id(own)][1]
+
+
+MANY = 10_000
+"""Times from which on a table is worth making."""
+
+
+def tabulated(
+    form: ClosedForm, grid: np.ndarray, plain: Sequence[str], circles: Sequence[Any], whole: bool
+) -> Sequence[np.ndarray] | None:
+    """What ``Seen.rows`` gives, by a table; None where that is of no use."""
+    if grid.size < MANY or not _repeats(form, plain):
+        return None
+    sample = form.solution.sample(grid)
+    angles = {plain_name(q): j for j, q in enumerate(form.quadratures.angles)}
+    used = [angles[n] for n in (*plain, *map(plain_name, circles)) if n in angles]
+    if any(sample.model.courses[j].exact for j in used):
+        return None
+    panels = form.ready.panels(tuple(plain), tuple(circles), sample.model)
+    if panels is None:
+        return None
+    counts, rows = panels.at(sample.times, sample.model.arguments.reduction)
+    for name, row in zip(plain, rows, strict=False):
+        if name in angles:
+            first, part = form.ready.starts[angles[name]]
+            if whole and first != part:
+                row += first - part
+            _grown(row, counts, sample.model.courses[angles[name]], whole)
+    for i, q in enumerate(circles):
+        if plain_name(q) in angles:
+            first = len(plain) + 2 * i
+            course = sample.model.courses[angles[plain_name(q)]]
+            _spun(rows[first], rows[first + 1], counts, course)
+    return list(rows)
+
+
+def _repeats(form: ClosedForm, plain: Sequence[str]) -> bool:
+    """Whether all that is asked for repeats itself, or grows by the same in each half period."""
+    motion = form.quadratures
+    traced = {t.colatitude for t in motion.traces}
+    known = {plain_name(q) for q in (*traced, *motion.angles)}
+    velocities = {plain_name(v) for v in form.system.velocities}
+    asked = {*plain} - known
+    if not asked <= velocities:
+        return False
+    return not asked or {*reading(form.problem.prepared).coordinates} <= traced
+
+
+def _grown(row: np.ndarray, counts: np.ndarray, course: Any, whole: bool) -> None:
+    """The angle with what it has gained in whole half periods."""
+    for part in _blocks(row.size):
+        value, count = row[part], counts[part]
+        if whole:
+            # the only rounding of the size of the value is the last
+            value += count * course.second
+            value += count * course.first
+        else:
+            value /= TURN
+            value += _turned(count, course)
+            value -= np.ceil(value - 0.5)
+            value *= TURN
+
+
+def _spun(cosine: np.ndarray, sine: np.ndarray, counts: np.ndarray, course: Any) -> None:
+    """Cosine and sine of the angle with what it has gained."""
+    least = counts.min()
+    kinds = int(counts.max() - least) + 1
+    few = 2 * kinds < counts.size
+    if few:
+        angles = TURN * _turned(np.arange(kinds) + least, course)
+        known = np.cos(angles), np.sin(angles)
+    for part in _blocks(counts.size):
+        if few:
+            places = (counts[part] - least).astype(np.intp)
+            c, s = (table.take(places) for table in known)
+        else:
+            angles = TURN * _turned(counts[part], course)
+            c, s = np.cos(angles), np.sin(angles)
+        before = cosine[part].copy()
+        cosine[part] *= c
+        cosine[part] -= sine[part] * s
+        sine[part] *= c
+        sine[part] += before * s
+
+
+def _turned(count: np.ndarray, course: Any) -> np.ndarray:
+    """The gain in turns, less whole ones."""
+    total = np.zeros(count.size)
+    for share in course.turns:
+        if share:
+            more = count * share
+            more -= np.rint(more)
+            total += more
+    return total
+
+
+def _blocks(size: int) -> Iterator[slice]:
+    return (slice(i, i + BLOCK) for i in range(0, size, BLOCK))
+
+
+def sampled(
+    form: ClosedForm, times: Any, names: Sequence[str], whole: bool
+) -> dict[str, np.ndarray]:
+    """Coordinates and velocities at times; angles continuous (``whole``) or in (-pi, pi]."""
+    given = doubles(times, "times")
+    grid = given.ravel()
+    found = _resting(form, grid, names, whole) if form.rests else _moving(form, grid, names, whole)
+    return {name: found[name].reshape(given.shape) for name in names}
+
+
+def _resting(
+    form: ClosedForm, grid: np.ndarray, names: Sequence[str], whole: bool
+) -> dict[str, np.ndarray]:
+    found = steadily(form, grid, names, whole)
+    if whole:
+        return found
+    plane = form.quadratures.plane
+    straight = plane.place if plane is not None else ()
+    turning = {plain_name(q) for q in form.system.coordinates if q not in straight}
+    return {n: wrapped(x) if n in turning else x for n, x in found.items()}
+
+
+def _moving(
+    form: ClosedForm, grid: np.ndarray, names: Sequence[str], whole: bool
+) -> dict[str, np.ndarray]:
+    if form.quadratures.clock != 1:
+        return clocked(form, grid, names, whole)
+    own = form.attitude
+    in_space = () if own is None or own.upright else own.coordinates
+    circles = tuple(q for q in in_space if {*names} & {plain_name(q) for q in in_space})
+    plain = [n for n in names if n not in {plain_name(q) for q in circles}]
+    winding = _winding(form, circles, names) if whole else ()
+    turning = [*plain, *map(plain_name, winding)]
+    rows = tabulated(form, grid, turning, circles, whole)
+    if rows is None:
+        sample = form.solution.sample(grid)
+        rows = sample.each(lambda at: Seen(form, at, whole).rows(turning, circles))
+    found = dict(zip(plain, rows, strict=False))
+    if circles:
+        moved = dict(zip(winding, rows[len(plain) : len(turning)], strict=True)) if whole else None
+        found |= read_circles(form, rows[len(turning) :], grid, names, moved)
+    return found
+
+
+def _winding(form: ClosedForm, circles: Sequence[Any], names: Sequence[str]) -> tuple[Any, ...]:
+    """The coordinates whose whole turns, of the motion turned upright, tell those in space."""
+    traced = {t.colatitude for t in form.quadratures.traces}
+    return form.winding.names if {*names} & {plain_name(q) for q in {*circles} - traced} else ()

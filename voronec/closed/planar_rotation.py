@@ -1,0 +1,92 @@
+"""A place on a plane that goes round evenly, where nothing singles out a direction there."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy as sp
+
+from voronec.closed.arithmetic import ball, compiled, precise
+from voronec.closed.grid import turned
+from voronec.closed.space import Attitude
+
+if TYPE_CHECKING:
+    from voronec.closed.closed_form import ClosedForm
+    from voronec.closed.problem import Problem
+
+__all__ = ["rolled", "rolled_in_balls", "velocities"]
+
+BITS = 256
+
+
+def velocities(problem: Problem, bits: int) -> list[Any]:
+    """Of all coordinates at the start, by frame and constraints."""
+    found: list[Any] = Attitude(problem, problem.prepared.motion.space).rates(bits)  # type: ignore[arg-type]
+    return found
+
+
+def rolled(form: ClosedForm, grid: np.ndarray) -> dict[Any, np.ndarray]:
+    """The place on a grid of times: with W its velocity at the start and w the rate at which that
+    turns, place = start + (2/w) sin(w t/2) W turned by w t/2."""
+    x, y, first, second, a, b, spin = _rolling(form, BITS)
+    half = 2 * np.pi * turned(spin / 2, grid)
+    length = 2 * np.sin(half) / float(spin) if float(spin) else grid
+    cosine, sine, a, b = np.cos(half), np.sin(half), float(a), float(b)
+    return {
+        x: float(first) + length * (a * cosine - b * sine),
+        y: float(second) + length * (a * sine + b * cosine),
+    }
+
+
+def rolled_in_balls(form: ClosedForm, time: Any, bits: int) -> dict[Any, Any]:
+    """The same at one time."""
+    x, y, first, second, a, b, spin = _rolling(form, bits)
+    half = spin * time / 2
+    length, cosine, sine = half.sinc() * time, half.cos(), half.sin()
+    return {
+        x: first + length * (a * cosine - b * sine),
+        y: second + length * (a * sine + b * cosine),
+    }
+
+
+def _rolling(form: ClosedForm, bits: int) -> tuple[Any, ...]:
+    """The place, where it starts, its velocity there, and the rate at which that turns."""
+    plane = form.quadratures.plane
+    assert plane is not None
+    rates = dict(zip(form.system.coordinates, form.steady(bits), strict=True))
+    (x, y), start = plane.place, [form.exact(q)(bits) for q in plane.place]
+    with precise(bits):
+        spin = sum((rates[q] * c for q, c in _turning(form.problem).items()), ball(0))
+    return x, y, *start, rates[x], rates[y], spin
+
+
+def _turning(problem: Problem) -> dict[Any, int]:
+    """The angles that turn the vector in the plane, and how often each does.
+
+    Where an angle alone grows and the vector turns, at any state, what the vector is made of
+    besides does not move with the variable at rest.
+    """
+    own = problem.prepared
+    key = id(own)
+    if key not in _KNOWN or _KNOWN[key][0] is not own:
+        plane = own.motion.plane
+        assert plane is not None
+        a, b = plane.direction
+        slopes = [sp.diff(e, q) for q in own.motion.angles for e in (a, b)]
+        found = {}
+        with precise(BITS):
+            given = [ball(sp.Rational(sp.prime(i + 20), sp.prime(i + 41)))
+                     for i in range(len(own.inputs))]  # fmt: skip
+            first, second, *moved = compiled([a, b, *slopes], own.inputs)(given)
+            for i, q in enumerate(own.motion.angles):
+                along, across = moved[2 * i : 2 * i + 2]
+                times = round(float((first * across - second * along)
+                                    / (first * first + second * second)))  # fmt: skip
+                if (along + times * second).contains(0) and (across - times * first).contains(0):
+                    found[q] = times
+        _KNOWN[key] = (own, found)
+    return _KNOWN[key][1]
+
+
+_KNOWN: dict[int, tuple[Any, dict[Any, int]]] = {}

@@ -1,0 +1,179 @@
+"""What an evaluation in doubles needs of a motion, once: numbers rounded to the last bit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name
+from voronec.closed.arithmetic import ball, precise
+from voronec.closed.bernstein import Bernstein, bernstein, rounded
+from voronec.closed.compiled_motion import ascending
+from voronec.closed.expressions import reading
+from voronec.closed.upright_view import Seen
+from voronec.elliptic.panels import Panels
+
+if TYPE_CHECKING:
+    from voronec.closed.closed_form import ClosedForm
+
+__all__ = ["Ready"]
+
+FINE = 192
+"""Bits of what is rounded to doubles."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ready:
+    """Numbers of one motion; what nobody asks for is not computed."""
+
+    form: ClosedForm
+
+    @cached_property
+    def starts(self) -> list[tuple[float, float]]:
+        """The angles at the start, of the motion turned upright: whole, and modulo a turn."""
+        with precise(FINE):
+            turn = 2 * ball(1).pi()
+            return [
+                (float(a), float(a - turn * round(float(a / turn)))) for a in self.form.begin(FINE)
+            ]
+
+    @cached_property
+    def level(self) -> list[float]:
+        """Parameters and constants of the motion."""
+        return [float(c) for c in self.form.problem.level(FINE)]
+
+    @cached_property
+    def branches(self) -> list[tuple[int, int]]:
+        """Of each trace: the branch of its colatitude."""
+        return [self.form.branch(i) for i in range(len(self.form.quadratures.traces))]
+
+    @cached_property
+    def turn(self) -> list[float]:
+        """From the motion turned upright to that in space: nine entries, row by row."""
+        assert self.form.attitude is not None
+        return [float(e) for e in self.form.attitude.turn(FINE)]
+
+    @cached_property
+    def place(self) -> tuple[float, list[float], tuple[float, ...]]:
+        """On a plane: the variable and the place at the start, and the direction."""
+        plane = self.form.quadratures.plane
+        assert plane is not None
+        origin = [float(self.form.exact(q)(FINE)) for q in plane.place]
+        direction = tuple(map(float, self.form.direction(FINE)))
+        return float(self.form.problem.place(FINE)), origin, direction
+
+    def panels(self, plain: tuple[str, ...], circles: tuple[Any, ...], model: Any) -> Panels | None:
+        """Tables of ``Seen.rows``, with no whole half periods in them, nor whole turns in the
+        angles at the start."""
+        if (plain, circles) not in self.tables:
+            velocities = {plain_name(v) for v in self.form.system.velocities}
+            angles = {plain_name(q) for q in self.form.quadratures.angles}
+            sizes = ["largest" if n in velocities else "turn" if n in angles else "own"
+                     for n in plain]  # fmt: skip
+            sizes += ["turn"] * (2 * len(circles))
+
+            def work(at: Any) -> list[Any]:
+                return Seen(self.form, at, True, True).rows(plain, circles)
+
+            self.tables[plain, circles] = Panels.of(model, work, sizes)
+        return self.tables[plain, circles]
+
+    @cached_property
+    def tables(self) -> dict[Any, Panels | None]:
+        """Those that were made."""
+        return {}
+
+    @cached_property
+    def reach(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+        """Of each trace: 1 - cosine and 1 + cosine at both ends."""
+        found = []
+        for i in range(len(self.form.quadratures.traces)):
+            south, north = (self._cosine_from(i, side) for side in (-1, 1))
+            found.append((south, north))
+        return found
+
+    def _cosine_from(self, i: int, side: int) -> tuple[float, float]:
+        def at(bits: int, constants: Any) -> list[Any]:
+            offset, slope = self._part(bits, self.form.problem.prepared.cosine_at + 2 * i, 2)
+            return [1 + side * (offset + slope * x) for x in (constants.base, constants.other)]
+
+        low, high = rounded(self.form, at)
+        return max(low, 0.0), max(high, 0.0)
+
+    @cached_property
+    def cosines(self) -> list[tuple[float, float]]:
+        """Of each trace: the cosine, offset + slope x."""
+        count = len(self.form.quadratures.traces)
+        flat = [float(c) for c in self._part(FINE, self.form.problem.prepared.cosine_at, 2 * count)]
+        return list(zip(flat[::2], flat[1::2], strict=True))
+
+    @cached_property
+    def distances(self) -> list[tuple[float, float]]:
+        """Of each pole: x less its place at both ends."""
+        found = []
+        for i in range(len(self.form.problem.prepared.poles)):
+
+            def at(bits: int, constants: Any, i: int = i) -> list[Any]:
+                place = self._part(bits, 5 + 2 * i, 1)[0]
+                return [constants.base - place, constants.other - place]
+
+            low, high = rounded(self.form, at)
+            found.append((low, high))
+        return found
+
+    @cached_property
+    def fractions(self) -> list[tuple[Bernstein, tuple[int, ...]]]:
+        """Of each rate: its numerator, and which poles are in its denominator."""
+        weights = [pole.weight for pole in self.form.problem.source(FINE).poles]
+        found = []
+        for j, row in enumerate(self.form.problem.prepared.shares):
+            used = [i for i, share in enumerate(row) if share and not weights[i].is_zero()]
+            numerator = bernstein(self.form, partial(self._numerator, j, used))
+            found.append((numerator, tuple(used)))
+        return found
+
+    def _numerator(self, j: int, used: Sequence[int], bits: int) -> list[Any]:
+        from flint import arb_poly
+
+        own = self.form.problem.prepared
+        with precise(bits):
+            factors = [arb_poly([-self._part(bits, 5 + 2 * i, 1)[0], 1]) for i in used]
+            total = arb_poly(self._part(bits, own.quotient_at + 3 * j, 3))
+            for factor in factors:
+                total *= factor
+            for at, i in enumerate(used):
+                part = arb_poly([own.shares[j][i] * self._part(bits, 6 + 2 * i, 1)[0]])
+                for other in factors[:at] + factors[at + 1 :]:
+                    part *= other
+                total += part
+            row = list(total)
+            while len(row) > 1 and row[-1].is_zero():
+                row.pop()
+            return row or [ball(0)]
+
+    @cached_property
+    def polynomials(self) -> list[Bernstein]:
+        """Polynomials in x that the velocities hold."""
+        x = self.form.quadratures.x
+        found = []
+        for e in reading(self.form.problem.prepared).polynomials:
+            exact = [self.form.exact(c) for c in ascending(e, x, int(sp.degree(e, x)))]
+            found.append(bernstein(self.form, partial(_at, exact)))
+        return found
+
+    @cached_property
+    def slides(self) -> list[tuple[float, float, float]]:
+        """Of a place on a plane: the slopes by the variable, along and across."""
+        flat = [float(c) for c in self._part(FINE, self.form.problem.prepared.slope_at, 6)]
+        return list(zip(flat[::3], flat[1::3], flat[2::3], strict=True))
+
+    def _part(self, bits: int, first: int, count: int) -> list[Any]:
+        return self.form.problem.table(bits)[first : first + count]
+
+
+def _at(row: Sequence[Callable[[int], Any]], bits: int) -> list[Any]:
+    return [c(bits) for c in row]

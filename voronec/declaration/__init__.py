@@ -1,0 +1,1 @@
+"""What is declared: systems, geometry, claims, charts, scenes, relations; the catalogue."""

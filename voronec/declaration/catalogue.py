@@ -1,0 +1,320 @@
+"""Which systems there are, and where: found without running anybody's code, loaded on request.
+
+A distribution registers systems under the entry-point group ``voronec.systems``:
+
+    anything = "package.folder"           every module of that folder is a system, and defines
+                                          SYSTEM; ``rolling_coin.py`` is called ``rolling-coin``
+    name     = "package.module:OBJECT"    one system, called ``name``
+
+The systems of this project come in by the first of these doors.  Beside a system, its module may
+define ``RELATIONS`` and ``SQUARES``, tuples of them.  A system whose module is a folder may have a
+paper beside it, the module ``paper`` that defines ``PAPER``.
+"""
+
+from __future__ import annotations
+
+import pkgutil
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from importlib import import_module, metadata
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from voronec.algebra.arguments import TEXT, accepts
+from voronec.declaration.plugin_files import failure, run_file
+from voronec.errors import DefinitionError, did_you_mean
+
+if TYPE_CHECKING:
+    from voronec.declaration.relation import Relation, Square
+    from voronec.declaration.system import System
+
+__all__ = [
+    "Entry",
+    "entries",
+    "entry_of",
+    "file_entry",
+    "load",
+    "load_file",
+    "load_paper",
+    "load_paper_file",
+    "members",
+    "names",
+    "papers",
+    "registered",
+]
+
+GROUP = "voronec.systems"
+OWN = "voronec"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Where one system is defined: a module, or a file with a ``path`` of its own.
+
+    ``trouble`` says why it cannot even be looked for; ``member`` is which of a family it is, where
+    the module defines ``MEMBERS``, functions by name that make them.
+    """
+
+    name: str
+    module: str
+    attribute: str = "SYSTEM"
+    distribution: str = OWN
+    trouble: str = ""
+    path: str = ""
+    member: str = ""
+
+    @property
+    def origin(self) -> Path | None:
+        """The file of the system's module."""
+        if self.path:
+            return Path(self.path)
+        spec = _find(self.module)
+        return Path(spec.origin) if spec is not None and spec.origin else None
+
+    @property
+    def place(self) -> str:
+        """The file, else the module, for messages."""
+        return str(self.origin or self.module)
+
+    def load(self) -> System:
+        """Import the module and return its system; ``DefinitionError`` whatever goes wrong."""
+        from voronec.declaration.system import System
+
+        if self.trouble:
+            raise DefinitionError(f"system '{self.name}': {self.trouble}")
+        if self.path and not self.member:
+            return load_file(self.path)
+        if self.path:
+            found = run_file(Path(self.path)).get(self.attribute)
+        else:
+            found = getattr(_import(self.name, self.module, self.attribute), self.attribute)
+        if self.member:
+            found = self._made(found)
+        if not isinstance(found, System):
+            raise DefinitionError(
+                f"system '{self.name}': {self.module}:{self.attribute} is a "
+                f"{type(found).__name__}, not a voronec.System"
+            )
+        if found.name != self.name:
+            raise DefinitionError(
+                f"system '{self.name}': the system in {self.place} calls itself "
+                f"'{found.name}'; write name='{self.name}'"
+            )
+        return found
+
+    def _made(self, family: Any) -> Any:
+        """The member of a family; ``DefinitionError`` where its function fails."""
+        try:
+            return family[self.member]()
+        except Exception as error:
+            what = failure(error, str(self.origin.parent if self.origin else self.module))
+            raise DefinitionError(f"system '{self.name}' cannot be made: {what}") from error
+
+    def load_members(self) -> tuple[str, ...]:
+        """Which members the family in this module or file has; none where it is one system."""
+        if not self.path and not self.module:
+            return ()
+        space: Any = run_file(Path(self.path)) if self.path else None
+        if space is None:
+            space = vars(_import(self.name, self.module, self.attribute))
+        found = space.get("MEMBERS", {})
+        if not isinstance(found, Mapping) or not all(callable(make) for make in found.values()):
+            raise DefinitionError(
+                f"{self.place}: MEMBERS is no mapping of functions; write MEMBERS = "
+                "{'member': function that makes it}"
+            )
+        return tuple(map(str, found))
+
+    def of_member(self, member: str) -> Entry:
+        """A member of this family; ``DefinitionError`` where there is none of that name."""
+        name = f"{self.name}@{member}"
+        among = self.load_members()
+        if member not in among:
+            known = [f"{self.name}@{m}" for m in among] or [self.name]
+            raise DefinitionError(unknown("system", name, known))
+        return replace(self, name=name, attribute="MEMBERS", member=member)
+
+    def load_relations(self) -> tuple[tuple[Relation, ...], tuple[Square, ...]]:
+        """The ``RELATIONS`` and ``SQUARES`` beside the system; ``DefinitionError`` as ``load``."""
+        from voronec.declaration.relation import Relation, Square
+
+        if self.path:
+            space: Any = run_file(Path(self.path))
+        else:
+            space = vars(_import(self.name, self.module, self.attribute))
+        relations = self._several(space, "RELATIONS", Relation)
+        return relations, self._several(space, "SQUARES", Square)
+
+    def _several(self, space: Any, title: str, kind: type) -> tuple[Any, ...]:
+        """What the module declares under a title: a tuple of things of one kind."""
+        found = space.get(title, ())
+        entry = f"write {title} = ({kind.__name__}(...),)"
+        if not isinstance(found, (tuple, list)):
+            what = type(found).__name__
+            raise DefinitionError(f"{self.place}: {title} is a {what}, not a tuple; {entry}")
+        for position, thing in enumerate(found):
+            if not isinstance(thing, kind):
+                what = type(thing).__name__
+                raise DefinitionError(
+                    f"{self.place}: entry {position + 1} of {title} is a {what}; {entry}"
+                )
+        return tuple(found)
+
+
+def entries() -> tuple[tuple[Entry, ...], tuple[str, ...]]:
+    """All systems, sorted by name, each once, and warnings; nobody's code is run.
+
+    Where a name is registered twice, this project's own entry stands, then the first by name of
+    distribution.
+    """
+    found: dict[str, Entry] = {}
+    warnings = []
+    for entry in registered():
+        if entry.name in found:
+            warnings.append(
+                f"system '{entry.name}' of '{entry.distribution}' is hidden by that of "
+                f"'{found[entry.name].distribution}'; rename one of them"
+            )
+        else:
+            found[entry.name] = entry
+    return tuple(found[name] for name in sorted(found)), tuple(warnings)
+
+
+def names() -> list[str]:
+    """The names of all systems, without loading any of them."""
+    return [entry.name for entry in entries()[0]]
+
+
+@accepts(name=TEXT)
+def load(name: str) -> System:
+    """The system of that name; ``DefinitionError`` with the nearest names where there is none."""
+    return entry_of(name).load()
+
+
+def entry_of(name: str) -> Entry:
+    """Where the system of that name is defined."""
+    known = {entry.name: entry for entry in entries()[0]}
+    family, at, member = name.partition("@")
+    if family not in known:
+        raise DefinitionError(unknown("system", name, known))
+    if not at:
+        return known[name]
+    return known[family].of_member(member)
+
+
+def members(name: str) -> list[str]:
+    """Which members the family of that name has, ``NAME@MEMBER``; none where it is one system."""
+    return list(entry_of(name).load_members())
+
+
+def file_entry(path: str | Path) -> Entry:
+    """The system that a Python file defines, as an entry; raises as ``load_file``."""
+    return Entry(load_file(path).name, "", path=str(Path(path).resolve()))
+
+
+def papers() -> list[str]:
+    """The names of the systems that have a paper beside them, without loading anything."""
+    return [entry.name for entry in entries()[0] if _find(f"{entry.module}.paper") is not None]
+
+
+def load_paper(name: str) -> Any:
+    """The ``PAPER`` beside a system."""
+    known = papers()
+    if name not in known:
+        raise DefinitionError(unknown("paper", name, known))
+    return _import(name, f"{entry_of(name).module}.paper", "PAPER").PAPER
+
+
+def load_file(path: str | Path) -> System:
+    """The system that a Python file defines as ``SYSTEM``.
+
+    Raises ``DefinitionError``, with the line where there is one, where the file cannot be read,
+    does not parse, raises, or defines no system.
+    """
+    from voronec.declaration.system import System
+
+    namespace = run_file(Path(path))
+    found = namespace.get("SYSTEM")
+    if not isinstance(found, System):
+        what = "no SYSTEM" if found is None else f"SYSTEM as a {type(found).__name__}"
+        raise DefinitionError(f"{path} defines {what}; end it with SYSTEM = voronec.System(...)")
+    return found
+
+
+def load_paper_file(path: str | Path) -> Any:
+    """What a Python file defines as ``PAPER``; ``DefinitionError`` as ``load_file`` has it."""
+    found = run_file(Path(path)).get("PAPER")
+    if found is None:
+        raise DefinitionError(
+            f"{path} defines no PAPER; end it with PAPER = voronec.audit.Paper(...)"
+        )
+    return found
+
+
+def unknown(kind: str, name: str, known: Iterable[str]) -> str:
+    """The message for a name that is none of the known ones: the nearest, else all of them."""
+    return f"there is no {kind} '{name}'" + did_you_mean(name, known)
+
+
+def registered() -> Iterator[Entry]:
+    """Every registered system, those that are hidden too, this project's first."""
+
+    def rank(point: metadata.EntryPoint) -> tuple[bool, str, str]:
+        name = _distribution(point)
+        return name != OWN, name, point.name
+
+    for point in sorted(metadata.entry_points(group=GROUP), key=rank):
+        owner = _distribution(point)
+        module, _, attribute = (part.strip() for part in point.value.partition(":"))
+        spec = _find(module)
+        if attribute:
+            trouble = "" if spec else f"its module '{module}' of '{owner}' is not found"
+            yield Entry(point.name, module, attribute, owner, trouble)
+        elif spec is None or spec.submodule_search_locations is None:
+            trouble = f"the entry point of '{owner}' names '{module}', which is not a folder of "
+            yield Entry(
+                point.name, module, "SYSTEM", owner, trouble + "modules; use 'module:SYSTEM'"
+            )
+        else:
+            for found in pkgutil.iter_modules(spec.submodule_search_locations):
+                if not found.name.startswith("_"):
+                    name = found.name.replace("_", "-")
+                    yield Entry(name, f"{module}.{found.name}", distribution=owner)
+
+
+def _distribution(point: metadata.EntryPoint) -> str:
+    return str(point.dist.name) if point.dist is not None else ""
+
+
+def _find(module: str) -> ModuleSpec | None:
+    """The spec of a module, without importing the packages above it."""
+    locations = None
+    spec: ModuleSpec | None = None
+    parts = module.split(".")
+    for depth in range(1, len(parts) + 1):
+        name = ".".join(parts[:depth])
+        spec = next(filter(None, (f.find_spec(name, locations) for f in sys.meta_path)), None)
+        if spec is None:
+            return None
+        locations = spec.submodule_search_locations
+        if locations is None and depth < len(parts):
+            return None
+    return spec
+
+
+def _import(name: str, module: str, attribute: str) -> Any:
+    """A module that defines an attribute; ``DefinitionError`` whatever its code does."""
+    try:
+        found = import_module(module)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        spec = _find(module)
+        near = str(Path(spec.origin).parent) if spec is not None and spec.origin else module
+        what = failure(error, near)
+        raise DefinitionError(f"system '{name}' cannot be loaded: {what}") from error
+    if not hasattr(found, attribute):
+        raise DefinitionError(f"system '{name}': the module '{module}' defines no {attribute}")
+    return found

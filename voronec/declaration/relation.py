@@ -1,0 +1,120 @@
+"""Relations between systems, and squares of them: declarations only.
+
+A relation is one statement: a map Phi of states and a clock nu such that
+
+    DPhi(x) f(x) = nu(x) g(Phi(x)),
+
+with f the motion of the source and g that of the target, exactly or up to a power of a small
+parameter.  What kind it is, follows from the maps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.arguments import TEXT, require
+from voronec.declaration.reading import expression, mapping, several, shown
+from voronec.errors import DefinitionError
+
+__all__ = ["Limit", "Relation", "Square"]
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A parameter that tends to zero: ``parameters`` of the source are functions of it.
+
+    The relation holds up to terms of ``order`` in it.  At zero the clock must run and the target
+    must be determined, and what is expanded must be smooth there.
+    """
+
+    small: sp.Symbol
+    parameters: Mapping[Any, Any]
+    order: int = 1
+
+    def __post_init__(self) -> None:
+        values = mapping(self.parameters, "parameters of a limit", "parameter: expression")
+        object.__setattr__(self, "parameters", values)
+        if not isinstance(self.order, int) or self.order < 1:
+            raise DefinitionError(
+                f"the order of a limit is {shown(self.order)}; give an integer from 1 upward"
+            )
+
+
+@dataclass(frozen=True)
+class Relation:
+    """Motions of ``source`` are, through ``state``, motions of ``target``.
+
+    source, target
+        names of systems; the relation stands in the file of one of them.
+    state
+        each state variable of the target (coordinates and velocities, or invariants and
+        velocities) as a function of the state, the parameters and the time of the source; by
+        symbol or name.  Without it, variables of the same names are the same.
+    parameters
+        each parameter of the target as a function of parameters of the source, or of what is
+        constant along its motions; an unknown function of the target by its arguments there, or,
+        where it is taken of several, as ``{f(s): value in s}``.
+    clock
+        nu; the time of the target runs with the rate nu.
+    limit
+        ``Limit`` where the relation holds as a parameter tends to zero.
+    name
+        tells relations between the same two systems apart.
+    """
+
+    source: str
+    target: str
+    state: Mapping[Any, Any] | None = None
+    parameters: Mapping[Any, Any] = field(default_factory=dict)
+    clock: Any = sp.Integer(1)
+    limit: Limit | None = None
+    name: str = ""
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("source", "target", "name", "note"):
+            require("a relation", name, getattr(self, name), TEXT)
+        place = f"relation '{self.label}'"
+        object.__setattr__(self, "clock", expression(self.clock, f"{place}: the clock"))
+        for part, entry in (("state", "variable: expression"), ("parameters", "parameter: value")):
+            given = getattr(self, part)
+            if given is not None:
+                values = mapping(given, f"{place}: {part}", entry)
+                read = {k: expression(v, f"{place}: '{shown(k)}'") for k, v in values.items()}
+                object.__setattr__(self, part, mapping(read, part, entry))
+
+    @property
+    def label(self) -> str:
+        """What the relation is called in tables and in squares."""
+        return self.name or f"{self.source} -> {self.target}"
+
+
+@dataclass(frozen=True)
+class Square:
+    """Two chains of relations, given by their labels, from one system to another, that agree.
+
+    ``up_to`` is the label of a relation of the last system with itself, an automorphism, that
+    takes the end of the first chain to that of the second.  Where limits occur, those of a chain
+    are carried back to the parameters of its start and taken in its order; the chains agree in the
+    limits of both.  A chain that fixes a parameter which its limit moves has no meaning.
+    """
+
+    first: tuple[str, ...]
+    second: tuple[str, ...]
+    up_to: str = ""
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        for part in ("first", "second"):
+            object.__setattr__(self, part, several(getattr(self, part), part, "'label'"))
+        for label in (self.name, self.up_to, *self.first, *self.second):
+            require("a square", "a label", label, TEXT)
+
+    @property
+    def label(self) -> str:
+        """What the square is called in tables."""
+        return self.name or f"{', '.join(self.first)} = {', '.join(self.second) or 'identity'}"

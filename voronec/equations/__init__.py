@@ -1,0 +1,1 @@
+"""From a Lagrangian and constraints to equations of motion, their programs and their referee."""

@@ -1,0 +1,385 @@
+"""Reading a system: from the user's symbols to symengine, with every check on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.bounded import bounded, holds_exponentials
+from voronec.algebra.conditions import condition
+from voronec.algebra.door import Door
+from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, time, velocity
+from voronec.declaration.reading import shown
+from voronec.declaration.system import System, require_system
+from voronec.equations.connection import AffineForms, FibreSolution
+from voronec.equations.group_frame import GroupFrame, read_group
+from voronec.equations.jumps import require_no_jump, require_no_jump_of_lagrangian
+from voronec.equations.transversality import solved
+from voronec.errors import DefinitionError
+
+__all__ = ["Definition", "read"]
+
+Enter = Callable[[sp.Expr, str], Any]
+"""From an expression of the user's, and what a message calls it, to the expression inside."""
+
+
+@dataclass(frozen=True)
+class Definition:
+    """A system inside the door: symengine symbols and expressions, constraints solved.
+
+    ``dots`` are the velocities in which Lagrangian and constraints are written: those of the
+    coordinates, or of a group's frame; forces act along them: Q = ``forces`` + ``added`` qddot,
+    without ``added`` where no force holds an acceleration.
+    """
+
+    system: System
+    door: Door
+    coordinates: tuple[Any, ...]
+    coordinate_velocities: tuple[Any, ...]
+    dots: tuple[Any, ...]
+    group: GroupFrame | None
+    velocities: tuple[Any, ...]
+    momenta: tuple[Any, ...]
+    determinant: Any
+    parameters: tuple[Any, ...]
+    time: Any
+    lagrangian: Any
+    forces: tuple[Any, ...]
+    constraints: AffineForms
+    frame: AffineForms | None
+    relations: tuple[Any, ...]
+    differentiated: AffineForms
+    fibre: FibreSolution
+    near: dict[str, Any]
+    added: tuple[tuple[Any, ...], ...] = ()
+    share: float = 0.0
+
+    @property
+    def base(self) -> int:
+        """The number of base coordinates; on a group, of independent velocities."""
+        return self.system.base_directions
+
+    @property
+    def positive(self) -> tuple[Any, ...]:
+        """The parameters that are declared to be positive."""
+        pairs = zip(self.parameters, self.system.parameters, strict=True)
+        return tuple(p for p, declared in pairs if declared.is_positive)
+
+    @cached_property
+    def conditions(self) -> tuple[Any, ...]:
+        """What is known of parameters, and of whatever SymPy knows the sign: hypotheses beside the
+        relations."""
+        return _conditions(self.system, self.door)
+
+    @property
+    def split(self) -> tuple[list[str], list[str]]:
+        """What indices over the base and over the fibre count: coordinates, or, on a group,
+        velocities of its frame."""
+        names = [plain_name(x) for x in self.system.directions]
+        return names[: self.base], names[self.base :]
+
+    @property
+    def keeps_vertical(self) -> bool:
+        """Whether the fibre directions are those of a fibration that the brackets know."""
+        return self.group is None or self.group.keeps_vertical(self.base)
+
+    @property
+    def inputs(self) -> tuple[Any, ...]:
+        """The functions of the time that are given at run time."""
+        return tuple(self.door.inward_all(self.system.inputs))
+
+    @cached_property
+    def exponential(self) -> bool:
+        """Whether something holds an exponential, so that quotients of them may overflow."""
+        forms = [self.constraints, *([self.frame] if self.frame is not None else [])]
+        held = [e for form in forms for row in (*form.matrix, form.offset) for e in row]
+        return holds_exponentials(self.lagrangian, *self.forces, *held)
+
+    def along_fibre(self, function: Any) -> list[Any]:
+        """The derivatives of a function of the coordinates along the fibre directions."""
+        if self.group is None:
+            return [function.diff(s) for s in self.coordinates[self.base :]]
+        pairs = list(zip(self.coordinates, self.group.fields, strict=True))
+        size = range(self.base, len(self.dots))
+        return [se.Add(*[row[a] * function.diff(q) for q, row in pairs]) for a in size]
+
+
+def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0.0) -> Definition:
+    """Translate and check a system; raises ``DefinitionError`` where it makes no sense.
+
+    ``near`` is a point, by names, at which the solved constraints should be defined; by default
+    the start of the default scene.  With a ``share`` they are well conditioned there: no pivot is
+    smaller than this part of its row.
+    """
+    require_system(system)
+    pushed = set().union(*map(names_in, system.forces.values())) & {*system.accelerations}
+    known = (*system.known_symbols(), *sorted(pushed, key=str))
+    door = Door((s for s in known if _is_variable(system, s)), system.inputs)
+    coordinates = tuple(door.inward(q) for q in system.coordinates)
+    coordinate_velocities = tuple(door.inward(velocity(q)) for q in system.coordinates)
+    group = _group(system, door)
+    dots = group.velocities if group else coordinate_velocities
+    enter = _reader(system, door, group, coordinate_velocities)
+    relations = tuple(
+        enter(r, f"relation {i + 1}") for i, r in enumerate(system.fibration.relations)
+    )
+    differentiated = AffineForms((), ())
+    if group is None:
+        differentiated = AffineForms(
+            tuple(tuple(r.diff(q) for q in coordinates) for r in relations),
+            tuple(r.diff(door.inward(time)) for r in relations),
+        )
+    frame = _frame(system, enter, dots)
+    constraints = _constraints(system, enter, dots)
+    _count(system, len(constraints.matrix), differentiated)
+    point = _start(system) if near is None else dict(near)
+    fibre = solved(system, constraints, differentiated, relations, point, share)
+    _require_continuity(system, enter, (*coordinates, *dots), dots, _conditions(system, door))
+    named = system.frame.momenta if system.frame is not None else ()
+    determinant = system.frame.determinant if system.frame is not None else None
+    forces, added = _applied(system, door, enter, dots, frame)
+    return Definition(
+        system=system,
+        door=door,
+        coordinates=coordinates,
+        coordinate_velocities=coordinate_velocities,
+        dots=dots,
+        group=group,
+        velocities=tuple(door.inward(v) for v in system.velocities),
+        momenta=tuple(door.inward_all(named)),
+        determinant=determinant if determinant is None else door.inward(determinant),
+        parameters=tuple(door.inward(p.symbol) for p in system.parameters),
+        time=door.inward(time),
+        lagrangian=enter(system.lagrangian, "the Lagrangian"),
+        forces=forces,
+        constraints=constraints,
+        frame=frame,
+        relations=relations,
+        differentiated=differentiated,
+        fibre=fibre,
+        near=point,
+        added=added,
+        share=share,
+    )
+
+
+def _conditions(system: System, door: Door) -> tuple[Any, ...]:
+    """What a system declares of its parameters, and what SymPy knows of symbols."""
+    declared = [condition(c, door.inward) for c in system.conditions]
+    return (*declared, *door.hypotheses)
+
+
+def _require_continuity(
+    system: System,
+    enter: Enter,
+    variables: Sequence[Any],
+    dots: Sequence[Any],
+    known: Sequence[Any],
+) -> None:
+    """Steps are for forces: what velocities depend on may have kinks only."""
+    lagrangian = enter(system.lagrangian, "the Lagrangian")
+    place = f"system '{system.name}'"
+    require_no_jump_of_lagrangian(place, lagrangian, dots, variables, known)
+    for i, constraint in enumerate(system.constraints):
+        require_no_jump(_constraint(system, i), enter(constraint, f"constraint {i + 1}"), known)
+    if system.frame is not None and not system.on_group:
+        for v, expr in zip(system.frame.velocities, system.frame.expressions, strict=True):
+            name = f"{place}: the quasi-velocity '{plain_name(v)}'"
+            require_no_jump(name, enter(expr, name), known)
+
+
+def _applied(
+    system: System, door: Door, enter: Enter, dots: Sequence[Any], frame: AffineForms | None
+) -> tuple[tuple[Any, ...], tuple[tuple[Any, ...], ...]]:
+    """The forces along all directions, and their coefficients of the accelerations qddot.
+
+    The rate of a quasi-velocity e_a qdot_a + e is e_a qddot_a and its part at fixed velocities.
+    """
+    zero = se.Integer(0)
+    held = {q: enter(e, f"the force on '{plain_name(q)}'") for q, e in system.forces.items()}
+    forces = tuple(held.get(q, zero) for q in system.directions)
+    pushed = [a for a in dict.fromkeys(system.accelerations) if a in door]
+    if not pushed:
+        return forces, ()
+    linear = AffineForms.of(forces, door.inward_all(pushed))
+    if isinstance(linear, int):
+        raise DefinitionError(
+            f"system '{system.name}': the force on '{plain_name(system.directions[linear])}' is "
+            "not linear in the accelerations; solve it for them first"
+        )
+    rates = _rates_of_velocities(system, door, dots, frame)
+    rows, rests = [], list(linear.offset)
+    for k, row in enumerate(linear.matrix):
+        total = [zero] * len(dots)
+        for a, weight in zip(pushed, row, strict=True):
+            slopes, rest = rates[a]
+            total = [x + weight * s for x, s in zip(total, slopes, strict=True)]
+            rests[k] += weight * rest
+        rows.append(tuple(total))
+    return tuple(rests), tuple(rows)
+
+
+def _rates_of_velocities(
+    system: System, door: Door, dots: Sequence[Any], frame: AffineForms | None
+) -> dict[sp.Expr, tuple[Sequence[Any], Any]]:
+    """What an acceleration is: coefficients of qddot, and the part at fixed velocities."""
+    zero, size = se.Integer(0), range(len(dots))
+    found: dict[sp.Expr, tuple[Sequence[Any], Any]] = {}
+    if frame is not None:
+        clock, coordinates = door.inward(time), door.inward_all(system.coordinates)
+        definitions = zip(system.velocities, frame.matrix, frame.expressions(dots), strict=True)
+        for v, row, expr in definitions:
+            terms = (expr.diff(q) * dot for q, dot in zip(coordinates, dots, strict=True))
+            found[velocity(v)] = row, se.Add(expr.diff(clock), *terms)
+    for a, q in enumerate(system.coordinates):
+        found[velocity(velocity(q))] = [se.Integer(int(a == b)) for b in size], zero
+    return found
+
+
+def _group(system: System, door: Door) -> GroupFrame | None:
+    frame = system.frame
+    if frame is None or not frame.is_group:
+        return None
+    return read_group(frame, system.coordinates, door, f"system '{system.name}'")
+
+
+def _start(system: System) -> dict[str, Any]:
+    """Parameters and coordinates at the start of the default scene, zero where nothing is said.
+
+    Initial values may hold parameters; one that has no number then is left out.
+    """
+    scene = system.scenes.get("default")
+    values = {p.symbol: p.value for p in system.parameters if p.value is not None}
+    named = {p.name: p.symbol for p in system.parameters}
+    for key, value in (scene.parameters if scene is not None else {}).items():
+        values[named.get(plain_name(key), key)] = value
+    point = {plain_name(symbol): value for symbol, value in values.items()}
+    initial = scene.initial if scene is not None else {}
+    point |= {plain_name(k): _spelled(v, values) for k, v in initial.items()}
+    point = {name: value for name, value in point.items() if not _is_open(value)}
+    if not system.fibration.relations:
+        point = {plain_name(q): 0 for q in system.coordinates} | point
+    return point
+
+
+def _spelled(value: Any, values: Mapping[Any, Any]) -> Any:
+    """A value with numbers for the parameters in it, as far as they are known."""
+    return value.subs(values) if _is_open(value) else value
+
+
+def _is_open(value: Any) -> bool:
+    """Whether a value holds symbols, so that it is no number."""
+    return isinstance(value, sp.Expr) and not value.is_number
+
+
+def _is_variable(system: System, symbol: sp.Expr) -> bool:
+    """Whether a known symbol is a plain variable inside; unknown functions of time are not."""
+    driven = {*system.inputs, *map(velocity, system.inputs)}
+    return symbol not in driven and (is_symbolic_name(symbol) or isinstance(symbol, sp.Derivative))
+
+
+def _reader(
+    system: System, door: Door, group: GroupFrame | None, coordinate_velocities: Sequence[Any]
+) -> Enter:
+    """The way in: quasi-velocities are spelled out, and what the door refuses has a place.
+
+    On a group it is the velocities of the coordinates that are spelled out.
+    """
+
+    def plain(expr: sp.Expr, place: str) -> Any:
+        try:
+            return bounded(door.inward(expr))
+        except DefinitionError as error:
+            raise DefinitionError(f"system '{system.name}': {place}: {error}") from None
+
+    if system.frame is None:
+        return plain
+    if group is not None:
+        rates = group.moved(group.velocities)
+        spelled = dict(zip(coordinate_velocities, rates, strict=True))
+        return lambda expr, place: plain(expr, place).xreplace(spelled)
+    pairs = zip(system.frame.velocities, system.frame.expressions, strict=True)
+    meanings = {door.inward(v): plain(e, f"the definition of '{plain_name(v)}'") for v, e in pairs}
+    return lambda expr, place: plain(expr, place).xreplace(meanings)
+
+
+def _constraints(system: System, enter: Enter, dots: Sequence[Any]) -> AffineForms:
+    exprs = [enter(c, f"constraint {i + 1}") for i, c in enumerate(system.constraints)]
+    forms = AffineForms.of(exprs, dots)
+    if isinstance(forms, int):
+        raise DefinitionError(
+            f"{_constraint(system, forms)} is not affine in the velocities; solve it for a "
+            "velocity or differentiate it first"
+        )
+    for i, row in enumerate(forms.matrix):
+        if all(e == 0 for e in row):
+            binds = _mentions(system.constraints[i], {*system.coordinates})
+            mend = "differentiate it with respect to time" if binds else "drop it"
+            raise DefinitionError(f"{_constraint(system, i)} holds no velocity; {mend}")
+    return forms
+
+
+def _constraint(system: System, i: int) -> str:
+    return f"system '{system.name}': constraint {i + 1} ({shown(system.constraints[i])} = 0)"
+
+
+def _frame(system: System, enter: Enter, dots: Sequence[Any]) -> AffineForms | None:
+    if system.on_group:
+        return None
+    if system.frame is None:
+        if system.fibration.relations and _bound_on_base(system):
+            raise DefinitionError(
+                f"system '{system.name}': the base coordinates are redundant (they satisfy "
+                f"{system.fibration.relations[0]} = 0); give independent velocities with frame="
+            )
+        return None
+    pairs = zip(system.frame.velocities, system.frame.expressions, strict=True)
+    exprs = [enter(e, f"the definition of '{plain_name(v)}'") for v, e in pairs]
+    forms = AffineForms.of(exprs, dots)
+    if isinstance(forms, int):
+        name = plain_name(system.frame.velocities[forms])
+        raise DefinitionError(
+            f"system '{system.name}': the quasi-velocity '{name}' is not affine in the velocities; "
+            "define it by a combination of them whose coefficients hold none"
+        )
+    return forms
+
+
+def _bound_on_base(system: System) -> bool:
+    fibre = set(system.fibration.fibre)
+    return any(not _mentions(r, fibre) for r in system.fibration.relations)
+
+
+def _mentions(expr: sp.Expr, things: set[sp.Expr]) -> bool:
+    return any(expr.has(thing) for thing in things)
+
+
+def _count(system: System, constraints: int, differentiated: AffineForms) -> None:
+    """As many conditions as fibre coordinates, relations on the fibre counted."""
+    if system.on_group:
+        fibre = len(system.directions) - system.base_directions
+        if constraints != fibre:
+            raise DefinitionError(
+                f"system '{system.name}': {constraints} constraint(s) for {fibre} velocities in "
+                "the fibre of the frame; name as many there as there are constraints"
+            )
+        return
+    base, fibre = len(system.fibration.base), len(system.fibration.fibre)
+    binding = sum(any(e != 0 for e in row[base:]) for row in differentiated.matrix)
+    if constraints > fibre:
+        raise DefinitionError(
+            f"system '{system.name}': {constraints} constraints for {fibre} fibre coordinates; "
+            f"move {constraints - fibre} more coordinate(s) from the base to the fibre, or drop "
+            "a constraint"
+        )
+    if constraints + binding < fibre:
+        raise DefinitionError(
+            f"system '{system.name}': {fibre} fibre coordinates but only {constraints} "
+            f"constraint(s); move {fibre - constraints - binding} coordinate(s) to the base, or "
+            "add what is missing"
+        )

@@ -1,0 +1,208 @@
+"""The distribution spanned by the horizontal fields: how it grows under brackets, what integrates.
+
+D_1 = span(h_i),  D_(m+1) = D_m + [D_1, D_m].  The dimensions at a generic point form the growth
+vector.  A constraint is integrable where its form annihilates the involutive closure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.rank import independent_rows
+from voronec.algebra.tape import Tape
+from voronec.algebra.verdicts import decide_zero
+from voronec.equations.connection import EhresmannConnection
+from voronec.equations.definition import Definition
+from voronec.errors import EngineLimit
+
+__all__ = ["Distribution", "grow"]
+
+Field = tuple[Any, ...]
+BITS = 320
+NODES = 15_000
+"""Fields of more nodes are not bracketed again: symengine would not come to an end."""
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """How the distribution of the constraints grows, and which constraints integrate.
+
+    ``growth``: dimensions of D_1, D_2, ... until they stay.  ``integrable``: positions of the
+    constraints proved to annihilate the closure; ``undecided``: of those that do so in numbers
+    only.  ``dimension``: of the space; ``timed``: whether the time is one of its coordinates, as it
+    is where the constraints move or are affine.  ``cut``: whether further brackets were too large
+    to be made, so that the growth may go on.
+    """
+
+    growth: tuple[int, ...]
+    integrable: tuple[int, ...]
+    undecided: tuple[int, ...]
+    dimension: int
+    timed: bool
+    cut: bool = False
+
+
+def grow(definition: Definition, connection: EhresmannConnection) -> Distribution:
+    """The growth vector at a generic point, and the constraints proved to be integrable."""
+    n = connection.n
+    timed = _uses_time(definition, connection)
+    space = _Space(connection, timed)
+    fields = [_field(connection, i, timed) for i in range(n + 1 if timed else n)]
+    frame, tops, growth = list(fields), list(fields), [len(fields)]
+    rank_of = _RankOracle(definition.relations)
+    dimension = space.dimension
+    if connection.group is None:
+        dimension -= rank_of.relations(connection.coordinates)
+    cut = False
+    while tops and growth[-1] < dimension:
+        cut = Tape([e for field in tops for e in field]).size > NODES
+        if cut:
+            break
+        brackets = [
+            space.bracket(x, y)
+            for i, x in enumerate(fields)
+            for j, y in enumerate(tops)
+            if len(growth) > 1 or i < j
+        ]
+        tops = rank_of.enlarging(frame, [b for b in brackets if any(e != 0 for e in b)])
+        if not tops:
+            break
+        frame += tops
+        growth.append(len(frame))
+    standing = _standing(definition, connection, frame[len(fields) :], timed)
+    if cut:  # what annihilates the brackets that were made may not annihilate those that were not
+        standing = ["undecided" if s == "proved" else s for s in standing]
+    return Distribution(
+        growth=tuple(growth),
+        integrable=tuple(i for i, s in enumerate(standing) if s == "proved"),
+        undecided=tuple(i for i, s in enumerate(standing) if s == "undecided"),
+        dimension=dimension,
+        timed=timed,
+        cut=cut,
+    )
+
+
+def _standing(
+    definition: Definition, connection: EhresmannConnection, new: Sequence[Field], timed: bool
+) -> list[str]:
+    """For each constraint: is it integrable?  proved, refuted or undecided."""
+    relations, result = definition.relations, []
+    variables = (*connection.coordinates, *((connection.time,) if timed else ()))
+    alone = connection.group is None  # the form of one constraint by itself, in coordinates
+    for row, offset in zip(
+        definition.constraints.matrix, definition.constraints.offset, strict=True
+    ):
+        form = (*row, offset) if timed else row
+        on_new = [se.Add(*[c * f for c, f in zip(form, field, strict=True)]) for field in new]
+        if _witnessed(on_new, relations):
+            result.append("refuted")
+        elif _all_proved(on_new, relations) or (alone and _frobenius(form, variables, relations)):
+            result.append("proved")
+        else:
+            result.append("undecided")
+    return result
+
+
+def _witnessed(exprs: Sequence[Any], relations: Sequence[Any]) -> bool:
+    """Whether ball arithmetic shows one of the expressions to be nonzero somewhere."""
+    samples = sample_evaluable(Tape(exprs), relations, BITS)
+    return any(not value.contains(0) for _, values in samples for value in values)
+
+
+def _all_proved(exprs: Sequence[Any], relations: Sequence[Any]) -> bool:
+    return all(decide_zero(e, relations).proved for e in exprs)
+
+
+def _frobenius(form: Field, variables: Sequence[Any], relations: Sequence[Any]) -> bool:
+    """Whether a one-form is proved to be integrable by itself: w ^ dw = 0."""
+    m = len(variables)
+    d = {
+        (a, b): form[b].diff(variables[a]) - form[a].diff(variables[b])
+        for a in range(m)
+        for b in range(a + 1, m)
+    }
+    if _all_proved(list(d.values()), relations):
+        return True
+    triples = [
+        form[a] * d[b, c] - form[b] * d[a, c] + form[c] * d[a, b]
+        for a in range(m)
+        for b in range(a + 1, m)
+        for c in range(b + 1, m)
+    ]
+    return _all_proved(triples, relations)
+
+
+def _uses_time(definition: Definition, connection: EhresmannConnection) -> bool:
+    time = definition.time
+    moving = any(se.has_symbol(e, time) for row in connection.lift for e in row)
+    return moving or any(row[-1] != 0 for row in connection.lift)
+
+
+def _field(connection: EhresmannConnection, i: int, timed: bool) -> Field:
+    column = [row[i] for row in connection.lift]
+    return (*column, se.Integer(int(i == connection.n))) if timed else tuple(column)
+
+
+@dataclass(frozen=True)
+class _Space:
+    """Where the fields live: along the coordinates, or the fields of a group, and the time."""
+
+    connection: EhresmannConnection
+    timed: bool
+
+    @property
+    def dimension(self) -> int:
+        """The number of components of a field."""
+        return len(self.connection.lift) + int(self.timed)
+
+    def bracket(self, x: Field, y: Field) -> Field:
+        """[x, y]."""
+        moved = tuple(self._along(x, b) - self._along(y, a) for a, b in zip(x, y, strict=True))
+        group = self.connection.group
+        if group is None:
+            return moved
+        turned = group.turned(x[: len(group.velocities)], y[: len(group.velocities)])
+        turned += [se.Integer(0)] * int(self.timed)
+        return tuple(m + t for m, t in zip(moved, turned, strict=True))
+
+    def _along(self, field: Field, function: Any) -> Any:
+        coordinates, group = self.connection.coordinates, self.connection.group
+        rates = list(field if group is None else group.moved(field[: len(group.velocities)]))
+        variables = list(coordinates)
+        if self.timed:
+            variables.append(self.connection.time)
+            rates += [field[-1]] if group is not None else []
+        terms = [f * function.diff(q) for f, q in zip(rates, variables, strict=True) if f != 0]
+        return se.Add(*terms) if terms else se.Integer(0)
+
+
+class _RankOracle:
+    """Ranks at a generic point, by elimination in ball arithmetic."""
+
+    def __init__(self, relations: Sequence[Any]) -> None:
+        self._relations = relations
+
+    def relations(self, variables: Sequence[Any]) -> int:
+        """How many of the relations are independent."""
+        if not self._relations:
+            return 0
+        return len(self._independent([[r.diff(q) for q in variables] for r in self._relations]))
+
+    def enlarging(self, frame: Sequence[Field], candidates: Sequence[Field]) -> list[Field]:
+        """The candidates that, one after the other, enlarge the span of the frame."""
+        kept = self._independent([*frame, *candidates])
+        return [candidates[i - len(frame)] for i in kept if i >= len(frame)]
+
+    def _independent(self, rows: Sequence[Sequence[Any]]) -> list[int]:
+        tape = Tape([e for row in rows for e in row])
+        samples = sample_evaluable(tape, self._relations, BITS, count=1)
+        if not samples:
+            raise EngineLimit("no point was found at which the distribution is defined")
+        values, width = samples[0][1], len(rows[0])
+        table = [values[i * width : (i + 1) * width] for i in range(len(rows))]
+        return independent_rows(table, BITS)

@@ -1,0 +1,253 @@
+"""Equations at a point: accelerations to any number of digits, in ball arithmetic."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import flint
+import mpmath as mp
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.stable import stable_all
+from voronec.algebra.symbols import plain_name, time
+from voronec.algebra.tape import Tape, as_ball
+from voronec.algebra.verdicts import all_vanish
+from voronec.declaration.reading import shown
+from voronec.declaration.system import System
+from voronec.equations.definition import read
+from voronec.equations.derivation import Derivation
+from voronec.errors import DefinitionError, EngineLimit
+
+if TYPE_CHECKING:
+    from voronec.equations.voronec_equations import VoronecEquations
+
+__all__ = ["acceleration", "check_added", "check_inertia", "named_point"]
+
+ON_RELATIONS = 1e-9
+"""How far a point may lie off the relations between redundant coordinates."""
+
+ORDERS = 4
+"""Inputs may occur with derivatives below this order: the rate of one in a Lagrangian is the least
+that anybody writes, and the equations differentiate twice."""
+MOST_DIGITS = 10_000
+"""How many digits may be asked for."""
+
+
+def named_point(system: System, point: Mapping[Any, Any]) -> dict[str, Any]:
+    """A point by plain names, completed by the parameters' default values.
+
+    Keys are symbols or names.  Raises ``DefinitionError`` for a name that the system lacks, for
+    one that is named twice or has no value, and for a value that is not a finite real number.
+    """
+    if not isinstance(point, Mapping):
+        raise DefinitionError(
+            f"system '{system.name}': the point is '{shown(point)}'; give {{symbol: number, ...}}"
+        )
+    constants = [p for p in system.parameters if isinstance(p.symbol, sp.Symbol)]
+    needed = [*system.coordinates, *system.velocities, *(p.symbol for p in constants)]
+    names = [plain_name(s) for s in needed]
+    others = {plain_name(time), *jets(system)}
+    given: dict[str, Any] = {}
+    for key, value in point.items():
+        name = _name(system, key)
+        if name not in names and name not in others:
+            raise DefinitionError(
+                f"'{name}' is not a coordinate, velocity or parameter of system '{system.name}'; "
+                f"it has {', '.join(names)}"
+            )
+        if name in given:
+            raise DefinitionError(
+                f"system '{system.name}': the point gives '{name}' twice; give it once"
+            )
+        given[name] = _checked(system, name, value)
+    for parameter in constants:
+        if parameter.value is not None:
+            given.setdefault(parameter.name, parameter.value)
+    missing = [name for name in names if name not in given]
+    if missing:
+        raise DefinitionError(
+            f"the point gives no value for {', '.join(repr(m) for m in missing)} of system "
+            f"'{system.name}'; add it to the point"
+        )
+    return given
+
+
+def jets(system: System) -> dict[str, Any]:
+    """The inputs and their rates inside the door, by the names under which values are given."""
+    clock, found = se.Symbol(plain_name(time)), {}
+    for u in map(plain_name, system.inputs):
+        function = se.Function(u)(clock)
+        for order in range(ORDERS):
+            found[u + "dot" * order] = function
+            function = function.diff(clock)
+    return found
+
+
+def _name(system: System, key: Any) -> str:
+    if isinstance(key, str):
+        return key
+    try:
+        return plain_name(key)
+    except DefinitionError:
+        raise DefinitionError(
+            f"system '{system.name}': the point has the key '{shown(key)}', which is neither a "
+            "symbol nor a name; give {symbol: number, ...}"
+        ) from None
+
+
+def _checked(system: System, name: str, value: Any) -> Any:
+    """A value as it stands, if it is a finite real number."""
+    try:
+        sound = as_ball(value).is_finite()
+    except (DefinitionError, EngineLimit):
+        sound = False
+    if not sound:
+        raise DefinitionError(
+            f"system '{system.name}': the point gives '{name}' = '{shown(value)}', which is not a "
+            "real number; give a finite one"
+        )
+    return value
+
+
+def acceleration(
+    eqs: VoronecEquations, point: Mapping[Any, Any], digits: int
+) -> dict[sp.Expr, sp.Float]:
+    """See ``VoronecEquations.acceleration``."""
+    system = eqs.system
+    if not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= MOST_DIGITS:
+        raise DefinitionError(
+            f"system '{system.name}': digits = {shown(digits)}; give a whole number from 1 to "
+            f"{MOST_DIGITS}"
+        )
+    values = named_point(system, point)
+    values |= {str(f): values[name] for name, f in jets(system).items() if name in values}
+    result = _accelerations(eqs.raw, values, digits)
+    if result is None:  # a pivot may vanish just here: solve the constraints for this point
+        result = _accelerations(Derivation(read(system, values), False), values, digits)
+    if result is None:
+        raise DefinitionError(
+            f"system '{system.name}' has no accelerations at this point: its mass matrix is "
+            "singular or its equations are not defined there"
+        )
+    group = system.directions if system.on_group else ()
+    return dict(zip((*system.coordinates, *group), result, strict=True))
+
+
+def _accelerations(raw: Derivation, values: dict[str, Any], digits: int) -> list[sp.Float] | None:
+    """Accelerations to ``digits`` digits; None where the equations give none."""
+    system = raw.definition.system
+    n, connection = raw.connection.n, raw.connection
+    mass = [e for row in raw.mass for e in row]
+    rows, drifts = list(connection.coordinate_lift), list(raw.rate_drift)
+    if connection.group is not None:
+        rows, drifts = rows + list(connection.lift), drifts + raw.dot_drift
+    lift, total = [e for row in rows for e in row[:n]], len(rows)
+    tape = Tape(stable_all([*mass, *raw.force, *lift, *drifts, *raw.definition.relations]))
+    unknown = [a for a in tape.atoms if str(a) not in values]
+    if unknown:
+        name = next((n for n, f in jets(system).items() if f == unknown[0]), None)
+        mend = "add it to the point" if unknown[0].is_Symbol else "put a formula in its place"
+        mend = f"add '{name}' to the point" if name is not None else mend
+        raise DefinitionError(
+            f"system '{system.name}' cannot be evaluated without a value for '{unknown[0]}'; {mend}"
+        )
+    bits, doubtful = int(3.33 * digits) + 64, False
+    for _ in range(7):
+        numbers = iter(tape.arb(values, bits))
+        with flint.ctx.workprec(bits):
+            m = flint.arb_mat(n, n, [next(numbers) for _ in mass])
+            f = flint.arb_mat(n, 1, [next(numbers) for _ in range(n)])
+            h = flint.arb_mat(total, n, [next(numbers) for _ in lift])
+            drift = flint.arb_mat(total, 1, [next(numbers) for _ in range(total)])
+            _check_relations(system, list(numbers))
+            result = _solved(m, f, h, drift)
+        if result is not None and _accurate(result, digits):
+            if doubtful or all(a.is_zero() or not a.contains(0) for a in result):
+                return [_float(a, digits) for a in result]
+            doubtful = True  # what still holds zero at four times the precision counts as zero
+            bits *= 2
+        bits *= 2
+    return None
+
+
+def _float(ball: Any, digits: int) -> sp.Float:
+    """The middle of a ball, bit by bit: Python reads no text of more than 4300 digits."""
+    if ball.contains(0):
+        return sp.Float(0, digits)
+    mantissa, exponent = (int(part) for part in ball.mid().man_exp())
+    with mp.workdps(digits):
+        return sp.Float(mp.ldexp(mp.mpf(mantissa), exponent), digits)
+
+
+def _solved(m: Any, f: Any, h: Any, drift: Any) -> list[Any] | None:
+    try:
+        vdot = m.solve(f) if f.nrows() else f
+    except ZeroDivisionError:
+        return None
+    return list((h * vdot + drift).entries()) if f.nrows() else list(drift.entries())
+
+
+def _accurate(result: list[Any], digits: int) -> bool:
+    """Whether every entry is known to the digits asked for, but for those that may be zero."""
+    return all(
+        a.is_finite() and (a.contains(0) or a.rel_accuracy_bits() > 3.33 * digits) for a in result
+    )
+
+
+def _check_relations(system: System, residuals: list[Any]) -> None:
+    for relation, residual in zip(system.fibration.relations, residuals, strict=True):
+        if not abs(residual) < ON_RELATIONS:
+            raise DefinitionError(
+                f"the point does not satisfy the relation {relation} = 0 of system "
+                f"'{system.name}' (residual {float(residual.mid()):.3g}); correct the coordinates"
+            )
+
+
+def check_added(raw: Derivation) -> None:
+    """Raise ``DefinitionError`` where accelerations in forces make no symmetric mass matrix."""
+    n = raw.connection.n
+    gaps = [
+        raw.added[i][j] - raw.added[j][i] for i in range(n if raw.added else 0) for j in range(i)
+    ]
+    try:
+        symmetric = all_vanish(gaps, raw.definition.relations)
+    except EngineLimit:
+        symmetric = False
+    if not symmetric:
+        raise DefinitionError(
+            f"system '{raw.definition.system.name}': the forces hold accelerations, but not as an "
+            "added mass does: the matrix of their coefficients on the velocities is not symmetric; "
+            "solve the equations for the accelerations, and give forces without them"
+        )
+
+
+def check_inertia(raw: Derivation) -> None:
+    """Raise ``DefinitionError`` where the mass matrix is singular at generic points."""
+    n = raw.connection.n
+    if n == 0:
+        return
+    entries = [e for row in raw.mass for e in row]
+    try:
+        for first in (0, 1, 2):  # one regular point is enough; a singular one may be bad luck
+            samples = sample_evaluable(
+                Tape(entries), raw.definition.relations, 256, first=12 * first, count=1
+            )
+            if not samples:
+                return
+            with flint.ctx.workprec(256):
+                if not flint.arb_mat(n, n, samples[0][1]).det().contains(0):
+                    return
+    except EngineLimit:
+        return
+    names = [plain_name(v) for v in raw.definition.system.velocities]
+    empty = [names[i] for i in range(n) if all(e == 0 for e in raw.mass[i])]
+    where = f"the Lagrangian gives '{empty[0]}' no inertia" if empty else (
+        f"no inertia resists some combination of {', '.join(names)}"
+    )  # fmt: skip
+    raise DefinitionError(
+        f"system '{raw.definition.system.name}': the mass matrix is singular: {where}; add its "
+        "kinetic energy, or remove the coordinate"
+    )

@@ -1,0 +1,26 @@
+"""The straight-line program of a system, and its emitters.
+
+``Program.of(form)`` shares common subexpressions and eliminates the mass matrix; the emitters write
+it as Python, C or mpmath source, as a compiled Python function, or as heyoka expressions.
+"""
+
+from voronec.equations.program.c import c_source
+from voronec.equations.program.constants import Hoisted, hoisted
+from voronec.equations.program.low_rank import solved
+from voronec.equations.program.python import compiled, mpmath_source, python_source
+from voronec.equations.program.straight import Block, Program
+from voronec.equations.program.taylor import taylor_extras, taylor_system
+
+__all__ = [
+    "Block",
+    "Hoisted",
+    "Program",
+    "c_source",
+    "compiled",
+    "hoisted",
+    "mpmath_source",
+    "python_source",
+    "solved",
+    "taylor_extras",
+    "taylor_system",
+]

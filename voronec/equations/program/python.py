@@ -1,0 +1,206 @@
+"""Python source of a program, and its compiled functions."""
+
+from __future__ import annotations
+
+import hashlib
+import keyword
+import linecache
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from voronec.algebra.numeric_functions import EXPM1, EXPREL, HYPOT, LOG1P, SINC, SINHC, SIZE
+from voronec.equations.program.printing import (
+    FUNCTIONS,
+    Dialect,
+    code,
+    decimal,
+    fits,
+    identifiers,
+    lines,
+    text,
+)
+from voronec.equations.program.straight import Block, Program
+
+__all__ = ["WORDS", "compiled", "mpmath_source", "python_source"]
+
+Function = Callable[[Any, Any, Any], list[Any]]
+"""``f(t, state, parameters)``."""
+
+_ARGUMENTS = ("t", "state", "parameters", "inputs")
+_NUMERIC = {SINC: "sinc", SINHC: "sinhc", EXPREL: "exprel"}
+_NUMERIC |= {EXPM1: "expm1", LOG1P: "log1p", HYPOT: "hypot", SIZE: "fabs"}
+_QUOTIENTS = {"sinc": "sin", "sinhc": "sinh", "exprel": "expm1"}
+"""Names of sin(x)/x and the like in Python, and what is divided."""
+_HELPING = ("expm1", "where")
+_NUMPY = {f: f.replace("a", "arc", 1) if f[0] == "a" else f for f in FUNCTIONS} | _NUMERIC
+_NUMPY |= {"Abs": "absolute", SIZE: "absolute"}
+_PLAIN = {f: f for f in FUNCTIONS} | {"Abs": "fabs"} | _NUMERIC
+WORDS = frozenset(_PLAIN.values())
+"""Names of functions in the source on mpmath's numbers."""
+
+
+@dataclass(frozen=True)
+class _Flavour:
+    """A library to import from, and how numbers and functions are written for it."""
+
+    library: str
+    dialect: Dialect
+    about: str
+
+
+def _power(base: str, exponent: int) -> str:
+    atomic = re.fullmatch(r"\w+(\([^()]*\))?", base)
+    return f"{base}**{exponent}" if atomic else f"({base})**{exponent}"
+
+
+def _double(words: dict[str, str]) -> Dialect:
+    return Dialect(
+        number=lambda p: str(p) if fits(p) else decimal(p),
+        quotient=lambda p, q: f"{p}/{q}" if fits(p, q) else decimal(p, q),
+        power=_power,
+        pi="pi",
+        words=words,
+    )
+
+
+_ARRAYS = _Flavour("numpy", _double(_NUMPY), "floats or arrays of one shape")
+_FLOATS = _Flavour("math", _double(_PLAIN | {"power": "pow"}), "floats")
+_DIGITS = _Flavour(
+    "mpmath",
+    Dialect(
+        number=str,
+        quotient=lambda p, q: f"mpf({p})/{q}",
+        power=_power,
+        pi="pi",
+        words=_PLAIN,
+    ),
+    "mpmath numbers, at the precision in force",
+)
+
+
+def python_source(program: Program) -> str:
+    """Python source of ``rhs(t, state, parameters)``, on numpy.
+
+    ``state`` holds coordinates, then velocities; its entries may be floats or arrays of one shape.
+    Where the system has inputs, their values, and those of the rates that occur, are one argument
+    more.  The time derivatives come back as a list in the same order.  Where the program has extra
+    quantities, ``extras(t, state, parameters)`` computes them.
+    """
+    return _module(program, _ARRAYS, alike=True)
+
+
+def mpmath_source(program: Program) -> str:
+    """The same functions on mpmath numbers, at the precision in force when they are called."""
+    return _module(program, _DIGITS)
+
+
+@lru_cache(maxsize=64)  # one run asks several times for the same functions
+def compiled(program: Program, scalar: bool = False) -> tuple[Function, Function]:
+    """The functions ``rhs`` and ``extras`` of ``(t, state, parameters)``, compiled.
+
+    They work on arrays; with ``scalar`` on floats alone, several times faster, and a pole or a
+    root of a negative number is then an exception.  Tracebacks show the generated lines.
+    """
+    source = _module(program, _FLOATS if scalar else _ARRAYS)
+    digest = hashlib.sha256(source.encode()).hexdigest()[:12]
+    filename = f"<voronec program {digest}>"
+    linecache.cache[filename] = (len(source), None, source.splitlines(True), filename)
+    namespace: dict[str, Any] = {"sign": _sign}
+    exec(code(source, filename), namespace)
+    return namespace["rhs"], namespace.get("extras", _nothing)
+
+
+def _sign(x: float) -> float:
+    return float((x > 0) - (x < 0))
+
+
+def _nothing(_t: Any, _state: Any, _parameters: Any) -> list[Any]:
+    return []
+
+
+def _module(program: Program, flavour: _Flavour, alike: bool = False) -> str:
+    dialect = flavour.dialect
+    reserved = {*keyword.kwlist, *_ARGUMENTS, "rhs", "extras", "mpf", "pi", *_HELPING}
+    reserved |= {*dialect.words.values()}
+    inputs = [*program.state, *program.parameters, *program.inputs]
+    names = identifiers(inputs, reserved) | {program.time: "t"}
+    parts = [_function("rhs", "Time derivatives of the state.", program, program.derivative,
+                       names, dialect, [f"d({s})/dt" for s in program.state],
+                       alike)]  # fmt: skip
+    if program.names:
+        parts.append(_function("extras", f"Computes {', '.join(program.names)}.", program,
+                               program.extras, names, dialect, program.names,
+                               alike))  # fmt: skip
+    body = "\n\n".join([*_helpers("".join(parts), flavour.library), *parts])
+    words = {*dialect.words.values(), "mpf", *_HELPING} - _QUOTIENTS.keys()
+    used = sorted(w for w in words if re.search(rf"\b{w}\(", body))
+    used += ["pi"] if re.search(r"\bpi\b", body) else []
+    used = [w for w in used if (flavour.library, w) != ("math", "sign")]
+    imports = f"from {flavour.library} import {', '.join(used)}\n\n\n" if used else "\n"
+    return _header(program, flavour) + imports + body
+
+
+def _helpers(body: str, library: str) -> list[str]:
+    """The functions sin(x)/x and the like that are called."""
+    rows = []
+    for word in (w for w in _QUOTIENTS if re.search(rf"\b{w}\(", body)):
+        value = f"{_QUOTIENTS[word]}(x)/x if x else x + 1"
+        if library == "numpy":
+            value = f"where(x == 0, 1.0, {_QUOTIENTS[word]}(x)/where(x == 0, 1.0, x))"
+        rows.append(f'def {word}(x):\n    """{_QUOTIENTS[word]}(x)/x."""\n    return {value}\n')
+    return rows
+
+
+def _header(program: Program, flavour: _Flavour) -> str:
+    def listed(symbols: Sequence[Any]) -> str:
+        return _remark(f"[{', '.join(map(str, symbols))}]")
+
+    return (
+        '"""Right-hand side of a nonholonomic system, generated by voronec.\n\n'
+        f"state      = {listed(program.state)}: coordinates, then velocities\n"
+        f"parameters = {listed(program.parameters)}\n"
+        + (f"inputs     = {listed(program.inputs)}: at the time t\n" if program.inputs else "")
+        + f"Entries are {flavour.about}.  Angles are in radians; all else is in the\n"
+        "units of the parameters, which must be consistent.\n"
+        '"""\n\n'
+    )
+
+
+def _moves(result: Any, block: Block, program: Program) -> bool:
+    """Whether a result holds an entry of the state."""
+    moving = {*program.state}
+    for name, expr in block.assignments:
+        if expr.free_symbols & moving:
+            moving.add(name)
+    return bool(result.free_symbols & moving)
+
+
+def _remark(text: str) -> str:
+    """A text that ends neither a line nor the string in which it stands."""
+    printable = "".join(c if c.isprintable() else " " for c in text)
+    return printable.replace("\\", "/").replace('"', "'")
+
+
+def _function(
+    title: str, purpose: str, program: Program, block: Block, names: dict[Any, str],
+    dialect: Dialect, results: Sequence[str], alike: bool,
+) -> str:  # fmt: skip
+    names = names | identifiers([n for n, _ in block.assignments], names.values())
+    arguments = _ARGUMENTS if program.inputs else _ARGUMENTS[:-1]
+    rows = [f"def {title}({', '.join(arguments)}):", f'    """{_remark(purpose)}"""']
+    groups = (program.state, program.parameters, program.inputs)
+    for group, argument in zip(groups, _ARGUMENTS[1:], strict=True):
+        if group:
+            unpacked = ", ".join(names[s] for s in group) + ("," if len(group) == 1 else "")
+            rows.append(f"    {unpacked} = {argument}")
+    rows += [f"    {name} = {value}" for name, value in lines(block, dialect, names)]
+    rows.append("    return [")
+    for result, meaning in zip(block.results, results, strict=True):
+        value = text(result, dialect, names)
+        if alike and program.state and not _moves(result, block, program):
+            value = f"{value} + 0*{names[program.state[0]]}"  # of the shape of the others
+        rows.append(f"        {value},  # {_remark(meaning)}")
+    return "\n".join([*rows, "    ]"]) + "\n"

@@ -1,0 +1,375 @@
+"""From a first-order form to one straight-line program.
+
+A normal form is expanded; as it stands a*b*c + a*b*d takes four products, as a*b*(c + d) two.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from itertools import count
+from typing import TYPE_CHECKING, Any
+
+import symengine as se
+
+from voronec.algebra.stable import stable_all
+from voronec.algebra.stages import needed
+from voronec.algebra.tape import is_atom
+from voronec.equations.program.low_rank import Elimination, eliminations
+from voronec.equations.program.triangular import coupled_rows
+from voronec.equations.program.walls import is_rough, plain_roots, with_plain_roots
+from voronec.equations.program.weight import evaluation_weight, taylor_weight
+from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from voronec.equations.derivation import FirstOrderForm
+
+__all__ = ["Block", "Program", "nested"]
+
+
+def nested(expr: Any, constants: Iterable[Any]) -> Any:
+    """An expression whose sums take the factor that most of their terms share before a bracket,
+    and so on inside; ``constants`` are no such factors."""
+    return _nested(se.sympify(expr), set(constants), {})
+
+
+def _nested(expr: Any, still: set[Any], memo: dict[Any, Any]) -> Any:
+    if not expr.args or expr.is_Number:
+        return expr
+    done = memo.get(expr)
+    if done is None:
+        if isinstance(expr, se.Add):
+            terms = [_factors(_nested(t, still, memo)) for t in expr.args]
+            done = _bracketed(terms, still)
+        else:
+            done = expr.func(*[_nested(a, still, memo) for a in expr.args])
+        memo[expr] = done
+    return done
+
+
+def _factors(term: Any) -> dict[Any, int]:
+    """A term as {factor: exponent}; numbers and odd powers are factors of their own."""
+    found: dict[Any, int] = {}
+    for factor in term.args if isinstance(term, se.Mul) else [term]:
+        base, exponent = factor, 1
+        if isinstance(factor, se.Pow) and isinstance(factor.args[1], se.Integer):
+            base, exponent = factor.args[0], int(factor.args[1])
+        found[base] = found.get(base, 0) + exponent
+    return found
+
+
+def _product(factors: Mapping[Any, int]) -> Any:
+    return se.Mul(*[se.Pow(base, e) for base, e in factors.items()])
+
+
+def _bracketed(terms: list[dict[Any, int]], still: set[Any]) -> Any:
+    """The sum of terms, factors that are shared before brackets, the most frequent first."""
+    counts: Counter[Any] = Counter()
+    for term in terms:
+        for base, exponent in term.items():
+            if base.is_Number or base.free_symbols <= still:
+                continue
+            counts[base, 1 if exponent > 0 else -1] += 1
+    frequent = max(counts.values(), default=0)
+    if frequent < 2 or len(terms) < 2:
+        return se.Add(*map(_product, terms))
+    (base, sign) = min((k for k, n in counts.items() if n == frequent), key=str)
+    inside, outside = [], []
+    for term in terms:
+        exponent = term.get(base, 0)
+        if exponent * sign > 0:
+            rest = {b: e for b, e in term.items() if b != base}
+            if exponent != sign:
+                rest[base] = exponent - sign
+            inside.append(rest)
+        else:
+            outside.append(term)
+    bracket = _bracketed(inside, still)
+    factor = base if sign > 0 else 1 / base
+    if not outside:
+        return factor * bracket
+    return se.Add(factor * bracket, _bracketed(outside, still))
+
+
+NESTED = 1_000
+"""Above this many operations sums stay as they are: to try both forms would take too long."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """Assignments in order, then results; every name is assigned before it is used."""
+
+    assignments: tuple[tuple[Any, Any], ...]
+    results: tuple[Any, ...]
+
+    @property
+    def expressions(self) -> list[Any]:
+        """Right sides and results, all that is computed."""
+        return [e for _, e in self.assignments] + list(self.results)
+
+    @property
+    def operations(self) -> int:
+        """How many operations one evaluation costs."""
+        return int(se.count_ops(*self.expressions))
+
+    def weight(self, constants: Iterable[Any]) -> float:
+        """What it costs Taylor's method, in products of moving quantities."""
+        return taylor_weight(self.assignments, self.results, constants)
+
+    def is_rough(self, still: Iterable[Any], velocities: Iterable[Any] = ()) -> bool:
+        """Whether something in it may not be smooth, roots of ``velocities`` among it; ``still``
+        are symbols that do not move."""
+        return is_rough(self.assignments, self.results, still, velocities)
+
+    @property
+    def symbols(self) -> set[Any]:
+        """All symbols that occur, assigned names included."""
+        return set().union(*(e.free_symbols for e in self.expressions))
+
+
+@dataclass(frozen=True)
+class Program:
+    """The right-hand side of a system, and what else is computed from a state.
+
+    The state is ``coordinates`` then ``velocities``; ``derivative`` computes its time derivative,
+    ``extras`` the quantities called ``names``; ``inputs`` stand for functions of the time and their
+    rates, which whoever calls it must give.  All symbols are symengine's.
+    """
+
+    time: Any
+    coordinates: tuple[Any, ...]
+    velocities: tuple[Any, ...]
+    parameters: tuple[Any, ...]
+    derivative: Block
+    names: tuple[str, ...]
+    extras: Block
+    inputs: tuple[Any, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        form: FirstOrderForm,
+        extras: Mapping[str, Any] | None = None,
+    ) -> Program:
+        """The program of ``qdot = rates, mass * vdot = force``, with extra quantities.
+
+        ``extras`` maps names to symengine expressions in q, v, t, the parameters and the
+        velocities of all coordinates, for which the rates are put in.  Raises ``DefinitionError``
+        for an unknown function or symbol, and for a matrix without a pivot.
+        """
+        wanted = {name: se.sympify(e) for name, e in (extras or {}).items()}
+        return _program(form, tuple(wanted.items()))
+
+    @property
+    def state(self) -> tuple[Any, ...]:
+        """Coordinates, then velocities."""
+        return self.coordinates + self.velocities
+
+    @property
+    def operations(self) -> int:
+        """How many operations one evaluation of the right-hand side costs."""
+        return self.derivative.operations
+
+    @cached_property
+    def weight(self) -> float:
+        """What a step of Taylor's method costs, in products of moving quantities."""
+        return self.derivative.weight(self.parameters)
+
+    @cached_property
+    def evaluation_weight(self) -> int:
+        """What one evaluation costs, in additions; functions and quotients count for several."""
+        return evaluation_weight(self.derivative.expressions)
+
+
+@lru_cache(maxsize=32)  # starts, tolerances and methods change, what is asked of a form does not
+def _program(form: FirstOrderForm, extras: tuple[tuple[str, Any], ...]) -> Program:
+    form, wanted, inputs = _driven(form, dict(extras))
+    known = [form.time, *form.coordinates, *form.velocities, *form.parameters, *inputs]
+    dots = form.velocity_symbols
+    rates = dict(zip(dots, form.rates, strict=bool(dots))) | dict(form.dependent)
+    observed = [e.xreplace(rates) for e in wanted.values()]
+    matrix = [e for row in form.mass for e in row]
+    names = [name for name, _ in form.stages]
+    inner = [e for _, e in form.stages]
+    moving = [*inner, *form.rates, *matrix, *form.force]
+    _check("the equations of motion", moving, [*known, *names])
+    for name, expr in zip(wanted, observed, strict=True):
+        _check(f"'{name}'", [expr], [*known, *names])
+    derivative = _derivative(form, tuple(known))
+    extra = _shared(observed, _fresh(known), form.stages)
+    if derivative.is_rough(form.parameters):
+        form = with_plain_roots(form)
+        derivative = _derivative(form, tuple(known))
+    if extra.is_rough(form.parameters):
+        form, still = with_plain_roots(form), frozenset(form.parameters)
+        plain = [plain_roots(e, still) for e in observed]
+        extra = _shared(plain, _fresh(known), form.stages)
+    return Program(
+        time=form.time,
+        coordinates=tuple(form.coordinates),
+        velocities=tuple(form.velocities),
+        parameters=tuple(form.parameters),
+        derivative=derivative,
+        names=tuple(wanted),
+        extras=extra,
+        inputs=inputs,
+    )
+
+
+def _driven(
+    form: FirstOrderForm, extras: dict[str, Any]
+) -> tuple[FirstOrderForm, dict[str, Any], tuple[Any, ...]]:
+    """The same with plain symbols, also returned, for functions of the time and their rates."""
+    if not form.inputs:
+        return form, extras, ()
+    rows = (*form.mass, form.rates, form.force, form.definitions, (*extras.values(),))
+    held = [e for row in rows for e in row] + [e for _, e in (*form.stages, *form.dependent)]
+    found = set().union(*(se.sympify(e).atoms(se.FunctionSymbol, se.Derivative) for e in held))
+    symbols: dict[Any, Any] = {}
+    for function in form.inputs:
+        name = function.get_name()
+        rates = [d for d in found if isinstance(d, se.Derivative) and d.args[0] == function]
+        for node in (function, *sorted(rates, key=lambda d: len(d.args))):
+            if node in found:
+                symbols[node] = se.Symbol(name + "dot" * (len(node.args) - 1))
+
+    def on(exprs: Iterable[Any]) -> tuple[Any, ...]:
+        # derivatives first: in them, too, the function stands
+        rates = {node: s for node, s in symbols.items() if isinstance(node, se.Derivative)}
+        return tuple(se.sympify(e).xreplace(rates).xreplace(symbols) for e in exprs)
+
+    changed = replace(
+        form,
+        parameters=tuple(p for p in form.parameters if p not in form.inputs),
+        mass=tuple(map(on, form.mass)),
+        rates=on(form.rates),
+        force=on(form.force),
+        definitions=on(form.definitions),
+        stages=tuple(zip((n for n, _ in form.stages), on(e for _, e in form.stages), strict=True)),
+        dependent=tuple(
+            zip((n for n, _ in form.dependent), on(e for _, e in form.dependent), strict=True)
+        ),
+        inputs=(),
+    )
+    spelled = dict(zip(extras, on(extras.values()), strict=True))
+    return changed, spelled, tuple(symbols.values())
+
+
+@lru_cache(maxsize=32)  # a form is weighed first, and written with its extra quantities then
+def _derivative(form: FirstOrderForm, known: tuple[Any, ...]) -> Block:
+    """The cheaper of two ways to write it: expressions as they are, and with factors nested."""
+    mass = form.mass
+    single = {
+        i: force / mass[i][i] if force != 0 else force
+        for i, force in enumerate(form.force)
+        if i not in coupled_rows(mass) and mass[i][i] != 0
+    }
+    left = [i for i in range(len(form.force)) if i not in single]
+    rows = [[mass[i][j] for j in left] for i in left]
+    blocks = eliminations(rows, form.parameters, form.relations, form.positive)
+    exprs = [*form.rates, *single.values(), *(form.force[i] for i in left)]
+    exprs += [e for block in blocks for e in block.expressions]
+    # before sums are bracketed: what cancels in them is seen in their powers
+    exprs, inner = stable_all(exprs), stable_all(e for _, e in form.stages)
+
+    def written(change: Callable[[Any], Any]) -> Block:
+        fresh = _fresh(known)
+        stages = [(name, change(e)) for (name, _), e in zip(form.stages, inner, strict=True)]
+        shared = _shared([change(e) for e in exprs], fresh, stages)
+        return _eliminated(form, single, left, blocks, shared, fresh)
+
+    plain = written(se.sympify)
+    if plain.operations > NESTED:
+        return plain
+    bracketed = written(lambda e: nested(e, form.parameters))
+    return min(plain, bracketed, key=lambda block: block.weight(form.parameters))
+
+
+def _eliminated(
+    form: FirstOrderForm, single: Mapping[int, Any], left: Sequence[int],
+    blocks: Sequence[Elimination], shared: Block, fresh: Iterator[Any],
+) -> Block:  # fmt: skip
+    """Shared subexpressions first; then the elimination, on their names."""
+    results, assignments = list(shared.results), list(shared.assignments)
+
+    def name(expr: Any) -> Any:
+        if not expr.args:
+            return expr
+        assignments.append((next(fresh), expr))
+        return assignments[-1][0]
+
+    rates = [results.pop(0) for _ in form.rates]
+    vdot = {i: results.pop(0) for i in single}
+    force = [results.pop(0) for _ in left]
+    for block in blocks:
+        entries = [name(results.pop(0)) for _ in block.expressions]
+        values = block.solve(entries, [force[i] for i in block.rows], name)
+        vdot |= zip((left[i] for i in block.rows), values, strict=True)
+    return _pruned(assignments, [*rates, *(vdot[i] for i in range(len(form.force)))])
+
+
+def _fresh(known: Iterable[Any]) -> Iterator[Any]:
+    """Symbols c0, c1, ... with a prefix that no known name shares."""
+    taken = {str(s) for s in known}
+    prefix = "c"
+    while any(n.startswith(prefix) and n[len(prefix) :].isdigit() for n in taken):
+        prefix += "c"
+    return (se.Symbol(f"{prefix}{i}") for i in count())
+
+
+def _shared(
+    exprs: Sequence[Any], fresh: Iterator[Any], stages: Sequence[tuple[Any, Any]] = ()
+) -> Block:
+    """Common subexpressions of several expressions and of the stages they need, freshly named."""
+    stages = _pruned(stages, exprs).assignments
+    if not exprs:
+        return Block((), ())
+    replacements, reduced = se.cse(stable_all([*(e for _, e in stages), *exprs]))
+    inner = [name for name, _ in stages]
+    pending = dict([*replacements, *zip(inner, reduced, strict=False)])
+    results = reduced[len(stages) :]
+    names: dict[Any, Any] = {}
+    assignments = []
+    for old in needed(pending, [*inner, *results]):
+        expr = se.sympify(pending[old]).xreplace(names)
+        if expr.args:
+            names[old] = next(fresh)
+            assignments.append((names[old], expr))
+        else:
+            names[old] = expr
+    return Block(tuple(assignments), tuple(se.sympify(e).xreplace(names) for e in results))
+
+
+def _pruned(assignments: Sequence[tuple[Any, Any]], results: Sequence[Any]) -> Block:
+    """Only what the results need."""
+    needed = set().union(*(se.sympify(r).free_symbols for r in results)) if results else set()
+    kept = []
+    for name, expr in reversed(assignments):
+        if name in needed:
+            kept.append((name, expr))
+            needed |= expr.free_symbols
+    return Block(tuple(reversed(kept)), tuple(results))
+
+
+def _check(place: str, exprs: Iterable[Any], known: Iterable[Any]) -> None:
+    """Raise ``DefinitionError`` for what has no value: unknown functions and symbols."""
+    allowed = {k for k in known if isinstance(k, se.Symbol)}
+    seen, stack = set(), [se.sympify(e) for e in exprs]
+    while stack:
+        node = stack.pop()
+        if node in seen or node in allowed:
+            continue
+        seen.add(node)
+        if isinstance(node, se.Symbol):
+            raise DefinitionError(
+                f"{place}: '{node}' is neither a coordinate, a velocity, a parameter nor the time; "
+                "it has no value along a motion"
+            )
+        if is_atom(node):
+            raise DefinitionError(
+                f"{place}: the function '{node}' is unknown; put an expression in its place "
+                "before evaluating numerically"
+            )
+        stack.extend(node.args)

@@ -1,0 +1,200 @@
+"""A program as heyoka expressions, for its Taylor integrator.
+
+Expressions are built directly, node by node: heyoka's own reader of SymPy refuses rationals whose
+denominator is no power of two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial, reduce
+from math import factorial
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.numeric_functions import (
+    EXPM1,
+    EXPREL,
+    FORMULAS,
+    HYPOT,
+    LOG1P,
+    SINC,
+    SINHC,
+    SIZE,
+    numeric_name,
+)
+from voronec.equations.program.printing import rational, rewritten
+from voronec.equations.program.straight import Block, Program
+from voronec.errors import EngineLimit
+
+__all__ = ["taylor_extras", "taylor_system"]
+
+TERMS = 27
+"""Powers of w in the series of sin(w)/w: the next is 1e-18 for |w| < 2.4, further than a step from
+|w| < 1 goes."""
+
+
+def taylor_system(program: Program, units: Sequence[float] = ()) -> list[tuple[Any, Any]]:
+    """Pairs (variable, time derivative) for ``heyoka.taylor_adaptive``.
+
+    A variable is a state of the program divided by its unit, 1 by default.
+
+    Parameters are ``par[0], par[1], ...`` in the program's order; the time is ``heyoka.time``.
+    Raises ``EngineLimit`` for a function that heyoka does not know.
+    """
+    import heyoka as hy
+
+    hy.set_logger_level_critical()  # a terminal is the user's; runs are judged by their results
+    variables, known = _names(program, units, hy)
+    results = _built_block(program.derivative, known, hy)
+    sizes = units or [1.0] * len(variables)
+    scaled = [r if u == 1 else r / u for r, u in zip(results, sizes, strict=True)]
+    return list(zip(variables, scaled, strict=True))
+
+
+def taylor_extras(program: Program, units: Sequence[float] = ()) -> dict[str, Any]:
+    """The extra quantities by name, in the variables and parameters of ``taylor_system``.
+
+    Events and compiled functions of heyoka take them.
+    """
+    import heyoka as hy
+
+    _, known = _names(program, units, hy)
+    return dict(zip(program.names, _built_block(program.extras, known, hy), strict=True))
+
+
+def _names(program: Program, units: Sequence[float], hy: Any) -> tuple[list[Any], dict[Any, Any]]:
+    """heyoka's variables of the state, and what every symbol of the program stands for."""
+    variables = [hy.expression(f"y{i}") for i in range(len(program.state))]
+    sizes = units or [1.0] * len(variables)
+    states = [y if u == 1 else u * y for y, u in zip(variables, sizes, strict=True)]
+    known: dict[Any, Any] = dict(zip(program.state, states, strict=True))
+    known |= {p: hy.par[i] for i, p in enumerate(program.parameters)}
+    known[HYPOT] = any(u != 1 for u in sizes)  # then squares may overflow
+    known[program.time] = hy.time
+    return variables, known
+
+
+def _built_block(block: Block, known: dict[Any, Any], hy: Any) -> list[Any]:
+    for name, expr in block.assignments:
+        known[name] = _build(expr, known, hy)
+    return [_build(r, known, hy) for r in block.results]
+
+
+def _build(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
+    """The heyoka expression of a symengine expression; ``known`` remembers what is built."""
+    done = known.get(expr)
+    if done is None:
+        done = known[expr] = _built(expr, known, hy)
+    return done
+
+
+def _built(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
+    if expr.is_Number:
+        p, q = rational(expr)
+        return hy.expression(p / q)
+    if expr == se.pi:
+        return hy.pi
+    if expr == se.E:
+        return hy.exp(hy.expression(1.0))
+    other = rewritten(expr)
+    if other is not None:
+        return _build(other, known, hy)
+    numeric = numeric_name(expr)
+    if numeric == HYPOT and known.get(HYPOT):
+        return _length([_build(a, known, hy) for a in expr.args], hy)
+    if numeric is not None and numeric not in _NUMERIC:
+        return _build(FORMULAS[numeric](*expr.args), known, hy)
+    args = [_build(a, known, hy) for a in expr.args]
+    if numeric is not None:
+        return _NUMERIC[numeric](args[0], hy)
+    if isinstance(expr, se.Add):
+        return hy.sum(args)
+    if isinstance(expr, se.Mul):
+        return hy.prod(args)
+    if isinstance(expr, se.Pow):
+        return _power(expr, args, hy)
+    if isinstance(expr, se.Abs):
+        return _size(args[0], hy)
+    if isinstance(expr, se.sign):
+        negative = hy.select(hy.lt(args[0], 0.0), -1.0, 0.0)
+        return hy.select(hy.gt(args[0], 0.0), 1.0, negative)
+    function: Callable[..., Any] | None = getattr(hy, type(expr).__name__, None)
+    if function is None:
+        raise EngineLimit(f"heyoka has no function '{type(expr).__name__}'; use method='scipy'")
+    return function(*args)
+
+
+def _size(w: Any, hy: Any) -> Any:
+    return hy.select(hy.lt(w, 0.0), -w, w)
+
+
+def _length(sides: list[Any], hy: Any) -> Any:
+    """The root of a sum of squares, the largest taken out: equal whichever it is."""
+
+    def larger(a: Any, b: Any) -> Any:
+        return hy.select(hy.lt(a, b), b, a)
+
+    largest = reduce(larger, [_size(a, hy) for a in sides])
+    return largest * hy.sqrt(hy.sum([(a / largest) ** 2.0 for a in sides]))
+
+
+def _beside_one(x: Any, hy: Any) -> Any:
+    """log(1 + x) = 2 artanh(x/(2 + x)), which loses no digits of a small x."""
+    return hy.select(hy.lt(x, 1.0), 2.0 * hy.atanh(x / (2.0 + x)), hy.log(1.0 + x))
+
+
+def _less_one(w: Any, hy: Any) -> Any:
+    """exp(w) - 1 = 2 exp(w/2) sinh(w/2), which loses no digits of a small w."""
+    half = w / 2.0
+    product = 2.0 * hy.exp(half) * hy.sinh(half)
+    return hy.select(hy.lt(w, -1.0), hy.exp(w) - 1.0, product)
+
+
+def _cardinal(name: str, w: Any, hy: Any) -> Any:
+    """A quotient such as sin(w)/w; a power series for |w| < 1, where the division loses digits.
+
+    A step is the expansion at its start: what the function is further off matters to the terms
+    alone that the series has too.
+    """
+    above = {SINC: hy.sin, SINHC: hy.sinh, EXPREL: lambda x: hy.exp(x) - 1.0}[name]
+    step, sign = (1, 1) if name == EXPREL else (2, -1 if name == SINC else 1)
+    power = w if name == EXPREL else w**2.0
+    series = hy.expression(0.0)
+    for n in reversed(range(0, TERMS, step)):
+        series = series * power + sign ** (n // 2) / factorial(n + 1)
+    return hy.select(hy.lt(_size(w, hy), 1.0), series, above(w) / w)
+
+
+_NUMERIC: dict[str, Callable[[Any, Any], Any]] = {
+    **{name: partial(_cardinal, name) for name in (SINC, SINHC, EXPREL)},
+    EXPM1: _less_one,
+    LOG1P: _beside_one,
+    SIZE: _size,
+}
+"""Functions that programs alone know, where they are not written by their formulas."""
+
+
+def _power(expr: Any, args: list[Any], hy: Any) -> Any:
+    base, exponent = expr.args
+    if base == se.E:
+        return hy.exp(args[1])
+    if exponent.is_Number:
+        p, q = rational(exponent)
+        if q == 2:
+            root = hy.sqrt(args[0])
+            return root if p == 1 else _whole(root, p)
+        return _whole(args[0], p) if q == 1 else args[0] ** (p / q)
+    return args[0] ** args[1]
+
+
+def _whole(base: Any, exponent: int) -> Any:
+    """A power with a whole exponent; by squares and products where it is above two.
+
+    heyoka's recurrence for powers divides by the base, which may be zero, or close to it.
+    """
+    if exponent < 3:
+        return base ** float(exponent)
+    half = _whole(base, exponent // 2) if exponent > 3 else base
+    return half**2.0 * base if exponent % 2 else half**2.0

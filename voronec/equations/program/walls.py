@@ -1,0 +1,338 @@
+"""Where right-hand sides are not smooth: signs, absolute values, floors, cuts of angles.
+
+Such a function is smooth on either side of a wall g = 0 (a floor: of every whole g).  Here it is
+found, and replaced by what it is on one side.  Roots of squares are absolute values in disguise,
+(h^2 u)^r = |h|^(2r) u^r, and become such first; derivatives of signs and floors vanish.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import symengine as se
+
+from voronec.algebra.factors import irreducible_factors
+from voronec.algebra.numeric_functions import formula
+from voronec.algebra.ring import Ring
+from voronec.algebra.tape import is_flat
+from voronec.errors import EngineLimit
+
+if TYPE_CHECKING:
+    from voronec.equations.derivation import FirstOrderForm
+
+__all__ = [
+    "SATURATED",
+    "Sides",
+    "Wall",
+    "has_walls",
+    "is_rough",
+    "opened",
+    "plain_roots",
+    "radicands",
+    "with_plain_roots",
+]
+
+SATURATED = se.Integer(17)
+"""tanh w is flat to rounding for |w| a little beyond this: there a series knows nothing of what is
+to come, and a step as long as it allows would go over all of it."""
+LONG = 100
+"""Radicands of more operations are not searched for squares."""
+_ROUGH = (se.sign, se.Abs, se.floor, se.atan2, se.tanh, se.Derivative, se.Subs)
+
+
+@dataclass(frozen=True)
+class Wall:
+    """Where ``function`` vanishes, or, of a floor (``whole``), where it is any whole number."""
+
+    function: Any
+    whole: bool = False
+
+
+@dataclass
+class Sides:
+    """Rewrites expressions as they are on given sides of walls.
+
+    ``side`` is asked for 1 or -1 at each wall of a sign; a floor becomes a symbol of its own, given
+    by ``number``.  ``walls`` are those that were met; ``still`` symbols alone make none.
+    Of radicands that are ``cusps`` the absolute value is taken.  tanh w is the same on all sides of
+    its walls, |w| = ``saturated``, and half of that, within which squares of 1 - |tanh w| are not
+    flat either; they keep a step from going over it.
+    """
+
+    side: Callable[[Wall], int]
+    number: Callable[[Wall], Any]
+    still: frozenset[Any] = frozenset()
+    cusps: frozenset[Any] = frozenset()
+    saturated: Any = SATURATED
+    walls: dict[Wall, None] = field(default_factory=dict)
+    _known: dict[Any, Any] = field(default_factory=dict)
+
+    def __call__(self, expr: Any) -> Any:
+        """The expression on the sides."""
+        found = self._known.get(expr)
+        if found is None:
+            found = self._known[expr] = self._branch(expr)
+        return found
+
+    def _branch(self, expr: Any) -> Any:
+        if not expr.args:
+            return expr
+        if isinstance(expr, (se.sin, se.cos)):
+            return expr.func(self._turning(expr.args[0]))
+        args = [self(a) for a in expr.args]
+        if isinstance(expr, (se.sign, se.Abs)):
+            side = self._side(args[0])
+            return side if isinstance(expr, se.sign) else side * args[0]
+        if isinstance(expr, se.floor) and not args[0].free_symbols <= self.still:
+            wall = Wall(args[0], True)
+            self.walls.setdefault(wall)
+            return self.number(wall)
+        if isinstance(expr, se.atan2):
+            return self._angle(*args)
+        if isinstance(expr, se.Pow) and expr.args[0] in self.cusps and _is_root(expr):
+            return se.Abs(args[0]) ** args[1]
+        if isinstance(expr, se.tanh):
+            self._watch(args[0])
+        return expr if args == list(expr.args) else expr.func(*args)
+
+    def _watch(self, argument: Any) -> None:
+        if not argument.free_symbols <= self.still:
+            for end in (self.saturated, self.saturated / 2):
+                self._side(argument - end)
+                self._side(argument + end)
+
+    def _side(self, function: Any) -> Any:
+        if function.free_symbols <= self.still:
+            return se.sign(function)
+        if isinstance(function, se.Mul):
+            return se.Mul(*map(self._side, function.args))
+        if isinstance(function, se.Pow) and isinstance(function.args[1], se.Rational):
+            below, exponent = function.args
+            return self._side(below) if exponent.p % 2 and exponent.q % 2 else se.Integer(1)
+        wall = Wall(function)
+        self.walls.setdefault(wall)
+        return se.Integer(self.side(wall))
+
+    def _angle(self, y: Any, x: Any) -> Any:
+        """atan2(y, x), which jumps where y = 0 > x: there it is +-pi + atan2(-y, -x)."""
+        right = self._side(x)
+        if not right.is_Number or right >= 0:
+            return se.atan2(y, x)
+        return self._side(y) * se.pi + se.atan2(-y, -x)
+
+    def _turning(self, expr: Any) -> Any:
+        """The argument of a sine: whole turns of an angle in it are nothing."""
+        terms = expr.args if isinstance(expr, se.Add) else (expr,)
+        return se.Add(*[self._turn(t) for t in terms])
+
+    def _turn(self, term: Any) -> Any:
+        factors = term.args if isinstance(term, se.Mul) else (term,)
+        plain = [f for f in factors if not isinstance(f, se.atan2)]
+        if len(plain) + 1 == len(factors) and all(isinstance(f, se.Integer) for f in plain):
+            angle = next(f for f in factors if isinstance(f, se.atan2))
+            return se.Mul(*plain, se.atan2(*map(self, angle.args)))
+        return self(term)
+
+
+def has_walls(exprs: Iterable[Any], still: Iterable[Any] = ()) -> bool:
+    """Whether one of some expressions, with plain roots, is not smooth; ``still`` are symbols that
+    do not move."""
+    met = Sides(lambda _: 1, lambda _: se.Integer(0), frozenset(still))
+    for expr in exprs:
+        met(se.sympify(expr))
+        if met.walls:
+            return True
+    return False
+
+
+def radicands(exprs: Iterable[Any], among: frozenset[Any]) -> list[Any]:
+    """The radicands in expressions that hold one of some symbols."""
+    found: dict[Any, None] = {}
+    seen: set[Any] = set()
+    stack = [se.sympify(e) for e in exprs]
+    while stack:
+        node = stack.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        if isinstance(node, se.Pow) and _is_root(node) and node.args[0].free_symbols & among:
+            found.setdefault(node.args[0])
+        stack.extend(node.args)
+    return list(found)
+
+
+def _is_root(power: Any) -> bool:
+    return isinstance(power.args[1], se.Rational) and power.args[1].q != 1
+
+
+def is_rough(
+    assignments: Iterable[tuple[Any, Any]],
+    results: Iterable[Any],
+    still: Iterable[Any],
+    velocities: Iterable[Any] = (),
+) -> bool:
+    """Whether straight-line code may have walls, or a root of velocities; at the cost of a look at
+    each of its nodes."""
+    meaning = dict(assignments)
+    fixed, moving = frozenset(still), set(velocities)
+    for name, expr in meaning.items() if moving else ():
+        if expr.free_symbols & moving:
+            moving.add(name)
+    for node in _nodes([*meaning.values(), *map(se.sympify, results)]):
+        plain = formula(node)
+        node = node if plain is None else plain
+        if isinstance(node, _ROUGH):
+            return True
+        if isinstance(node, se.Pow) and _is_root(node):
+            base, exponent = node.args
+            if base.free_symbols & moving:
+                return True
+            power = _inside(base, meaning) ** exponent
+            if plain_roots(power, fixed) != power:
+                return True
+    return False
+
+
+def _nodes(exprs: Iterable[Any]) -> Iterator[Any]:
+    """What expressions are made of, but for symbols and numbers, each once."""
+    seen: set[Any] = set()
+    stack = [e for e in exprs if e.args]
+    while stack:
+        node = stack.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        yield node
+        stack.extend(e for e in node.args if not e.is_Symbol and not e.is_Number)
+
+
+def _inside(expr: Any, meaning: Mapping[Any, Any]) -> Any:
+    """An expression with the names in it spelled out, as far as it stays short."""
+    while expr.free_symbols & meaning.keys():
+        longer = expr.xreplace(meaning)
+        if int(se.count_ops(longer)) > LONG:
+            break
+        expr = longer
+    return expr
+
+
+def opened(form: FirstOrderForm, exprs: Mapping[str, Any]) -> tuple[FirstOrderForm, dict[str, Any]]:
+    """A form, and expressions on it, without stages."""
+    known: dict[Any, Any] = {}
+    for name, expr in form.stages:
+        known[name] = expr.xreplace(known)
+
+    def change(expr: Any) -> Any:
+        return se.sympify(expr).xreplace(known)
+
+    return _changed(replace(form, stages=()), change), {n: change(e) for n, e in exprs.items()}
+
+
+def with_plain_roots(form: FirstOrderForm) -> FirstOrderForm:
+    """A form without roots of squares and derivatives of signs; the same one where it has none."""
+    exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]
+    exprs += [e for _, e in form.stages]
+    known: dict[Any, Any] = {}
+    still = frozenset(form.parameters)
+    if all(plain_roots(e, still, known) == e for e in map(se.sympify, exprs)):
+        return form
+    return _changed(form, lambda e: plain_roots(se.sympify(e), still, known))
+
+
+def _changed(form: FirstOrderForm, change: Callable[[Any], Any]) -> FirstOrderForm:
+    return replace(
+        form,
+        rates=tuple(map(change, form.rates)),
+        force=tuple(map(change, form.force)),
+        mass=tuple(tuple(map(change, row)) for row in form.mass),
+        stages=tuple((name, change(e)) for name, e in form.stages),
+    )
+
+
+def plain_roots(
+    expr: Any, still: frozenset[Any] = frozenset(), known: dict[Any, Any] | None = None
+) -> Any:
+    """The expression with roots of squares as absolute values, and flat derivatives as zero.
+
+    Squares of ``still`` symbols alone stay under their roots.
+    """
+    known = {} if known is None else known
+    found = known.get(expr)
+    if found is None:
+        found = known[expr] = _plain(expr, still, known)
+    return found
+
+
+def _plain(expr: Any, still: frozenset[Any], known: dict[Any, Any]) -> Any:
+    if not expr.args:
+        return expr
+    if is_flat(expr):
+        return se.Integer(0)
+    if isinstance(expr, (se.FunctionSymbol, se.Derivative, se.Subs)):
+        return expr
+    args = [plain_roots(a, still, known) for a in expr.args]
+    if isinstance(expr, se.Pow) and isinstance(args[1], se.Rational) and args[1].q != 1:
+        root, rest = square_part(args[0])
+        factors = root.args if isinstance(root, se.Mul) else (root,)
+        kept = se.Mul(*[f for f in factors if f.free_symbols <= still])
+        if kept != root:
+            return _size(root / kept, 2 * args[1]) * (rest * kept**2) ** args[1]
+    return expr if args == list(expr.args) else expr.func(*args)
+
+
+def _size(expr: Any, exponent: Any) -> Any:
+    """|expr|^exponent, so that it divides where powers of the expression do."""
+    if exponent.q != 1:
+        return se.Abs(expr) ** exponent
+    power = expr**exponent
+    return power if exponent.p % 2 == 0 else power * se.sign(expr)
+
+
+@lru_cache(maxsize=256)
+def square_part(base: Any) -> tuple[Any, Any]:
+    """(h, u) with h^2 u = base; h = 1 where no square is found in it."""
+    one = se.Integer(1)
+    if isinstance(base, (se.Mul, se.Pow)):
+        roots, rest = [], []
+        for factor in base.args if isinstance(base, se.Mul) else (base,):
+            below, exponent = factor.args if isinstance(factor, se.Pow) else (factor, one)
+            inner, left = (one, one) if factor.is_Number else square_part(below)
+            if factor.is_Number or not isinstance(exponent, se.Integer):
+                rest.append(factor)
+            elif exponent % 2 == 0:
+                roots.append(below ** (exponent / 2))
+            else:
+                roots.append(below ** ((exponent - 1) / 2) * inner)
+                rest.append(left if inner != 1 else below)
+        return se.Mul(*roots), se.Mul(*rest)
+    if isinstance(base, se.Add) and base.free_symbols and int(se.count_ops(base)) < LONG:
+        try:
+            return _square_factor(base)
+        except EngineLimit:
+            pass
+    return one, base
+
+
+def _square_factor(base: Any) -> tuple[Any, Any]:
+    """The same of a sum, by its factors; 1 -+ cos a is twice the square of a sine or cosine."""
+    ring = Ring([base])
+    value = ring.fraction(base)
+    content, factors = irreducible_factors(value.num)
+    halves = []
+    for angle, (c, _) in ring.pairs.items():
+        half = angle / (2 * ring.found.angles[angle])
+        halves += [(1 - c, se.sin(half)), (1 + c, se.cos(half))]
+    root, rest = se.Integer(1), se.Integer(int(content.p)) / se.Integer(int(content.q))
+    for poly, e in factors:
+        expr = ring.polynomial(poly)
+        twice = next(((h, k) for g, h in halves for k in (1, -1) if expr == (k * g).expand()), None)
+        if twice is not None:
+            root, rest = root * twice[0] ** e, rest * (2 * twice[1]) ** e
+            continue
+        root, rest = root * expr ** (e // 2), rest * expr ** (e % 2)
+    if root == 1 or (rest.is_Number and rest < 0):
+        return se.Integer(1), base
+    return root, rest / ring.polynomial(ring.field.denominator(value.den))

@@ -1,0 +1,204 @@
+"""Descent: equations rewritten in invariants of the configuration, with the proof that they close.
+
+Given functions g_k(q), the engine looks for mass(g), force(g, v) and gdot(g, v).  A tag G_k is
+adjoined for each g_k; a Groebner basis of the relations and of g_k - G_k, in an order that ranks
+coordinates above tags, rewrites whatever descends in the tags alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.arguments import TEXT, VALUES, accepts, require
+from voronec.algebra.field import Fraction
+from voronec.algebra.normal import canonical
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.rank import proved_rank
+from voronec.algebra.ring import Ring
+from voronec.algebra.shape import expression
+from voronec.algebra.tape import Tape
+from voronec.algebra.text import sympified
+from voronec.algebra.typeset import plain_text
+from voronec.declaration.system import System
+from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.errors import DefinitionError, EngineLimit
+
+__all__ = ["Reduction", "descend", "in_invariants"]
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """mass(g) vdot = force(g, v),  gdot = rates(g, v): closed equations in invariants, proved.
+
+    ``invariants`` are the symbols g_k, ``velocities`` the v of the equations; ``relations`` vanish
+    identically (such as |gamma|^2 - 1).  Matrices are SymPy's.
+    """
+
+    system: System
+    invariants: tuple[sp.Symbol, ...]
+    definitions: tuple[sp.Expr, ...]
+    velocities: tuple[sp.Expr, ...]
+    mass: sp.ImmutableMatrix
+    force: sp.ImmutableMatrix
+    rates: sp.ImmutableMatrix
+    relations: tuple[sp.Expr, ...]
+
+    @property
+    def momenta(self) -> sp.ImmutableMatrix:
+        """G = mass(g) v, the momenta conjugate to v where L is quadratic in the velocities."""
+        return self.mass * sp.Matrix(self.velocities)
+
+    @property
+    def momentum_rates(self) -> sp.ImmutableMatrix:
+        """dG/dt along the motion."""
+        total = sp.Matrix(self.force)
+        for g, rate in zip(self.invariants, self.rates, strict=True):
+            total += self.mass.diff(g) * sp.Matrix(self.velocities) * rate
+        return sp.ImmutableMatrix(total)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The reduced equations as text that JSON can hold."""
+        names = [str(g) for g in self.invariants]
+        return {
+            "invariants": dict(zip(names, map(plain_text, self.definitions), strict=True)),
+            "relations": [plain_text(r) for r in self.relations],
+            "mass": [[plain_text(e) for e in self.mass.row(i)] for i in range(self.mass.rows)],
+            "force": [plain_text(e) for e in self.force],
+            "rates": dict(zip(names, map(plain_text, self.rates), strict=True)),
+        }
+
+
+@accepts(invariants=VALUES)
+def descend(
+    system: System | VoronecEquations, invariants: Mapping[str, Any] | None = None
+) -> Reduction:
+    """Rewrite the equations of a system in invariants: its declared ones, or those given by name.
+
+    Raises ``DefinitionError`` where an equation provably does not descend (a direction that keeps
+    every invariant changes it), ``EngineLimit`` where no expression was found.
+    """
+    eqs = system if isinstance(system, VoronecEquations) else derive(system)
+    chosen = _chosen(eqs, invariants)
+    derivation = eqs.exact
+    inside = [eqs.door.inward(g) for g in chosen.values()]
+    _check_configurational(eqs, chosen, inside)
+    tags = [se.Symbol(name) for name in chosen]
+    n = derivation.connection.n
+    labels = [f"mass[{i},{j}]" for i in range(n) for j in range(n)]
+    labels += [f"force[{i}]" for i in range(n)] + [f"d/dt {name}" for name in chosen]
+    targets = [e for row in derivation.mass for e in row] + list(derivation.force)
+    targets += [derivation.connection.flow_derivative(g, derivation.rates) for g in inside]
+    targets = canonical(targets, eqs.definition.relations)  # cancel before tags come in
+    ideal = [*eqs.definition.relations, *(g - t for g, t in zip(inside, tags, strict=True))]
+    ring = Ring([*targets, *inside, *tags, *eqs.definition.velocities], ideal)
+    group = [v for v in eqs.definition.velocities if ring.has(v)]
+    moving = _coordinate_generators(ring, eqs.definition.coordinates)
+    found = []
+    for label, target in zip(labels, targets, strict=True):
+        element = ring.fraction(target)
+        if not _free_of(ring, element, moving):
+            _refuse(eqs, label, target, inside)
+        found.append(eqs.door.outward(expression(ring, element, group)))
+    return Reduction(
+        system=eqs.system,
+        invariants=tuple(sp.Symbol(name) for name in chosen),
+        definitions=tuple(sympified(g) for g in chosen.values()),
+        velocities=eqs.velocities,
+        mass=sp.ImmutableMatrix(n, n, found[: n * n]),
+        force=sp.ImmutableMatrix(n, 1, found[n * n : n * n + n]),
+        rates=sp.ImmutableMatrix(len(tags), 1, found[n * n + n :]),
+        relations=_relations_among(eqs, ring, moving),
+    )
+
+
+def in_invariants(
+    eqs: VoronecEquations, exprs: Sequence[Any], kept: Sequence[Any] = ()
+) -> list[Any | None]:
+    """Expressions inside the door as functions of the declared invariants, of velocities of the
+    equations and of the coordinates that are ``kept``; None for those that were not rewritten."""
+    chosen = _chosen(eqs, None)
+    inside = [eqs.door.inward(g) for g in chosen.values()]
+    tags = [se.Symbol(name) for name in chosen]
+    plain = canonical(exprs, eqs.definition.relations)
+    ideal = [*eqs.definition.relations, *(g - t for g, t in zip(inside, tags, strict=True))]
+    ring = Ring([*plain, *inside, *tags, *eqs.definition.velocities], ideal)
+    group = [v for v in eqs.definition.velocities if ring.has(v)]
+    free = [q for q in eqs.definition.coordinates if q not in kept]
+    moving = _coordinate_generators(ring, free)
+    elements = [ring.fraction(e) for e in plain]
+    return [expression(ring, e, group) if _free_of(ring, e, moving) else None for e in elements]
+
+
+def _chosen(eqs: VoronecEquations, invariants: Mapping[str, Any] | None) -> dict[str, Any]:
+    chosen = dict(eqs.system.invariants if invariants is None else invariants)
+    if not chosen:
+        raise DefinitionError(f"system '{eqs.system.name}' declares no invariants; give some")
+    names = {str(s) for s in eqs.system.known_symbols()}
+    for name, meaning in chosen.items():
+        require("descend", "the name of an invariant", name, TEXT)
+        chosen[name] = sympified(meaning, f"the invariant '{name}'")
+        if name in names:
+            raise DefinitionError(f"the invariant '{name}' has the name of another symbol")
+    return chosen
+
+
+def _check_configurational(
+    eqs: VoronecEquations, chosen: Mapping[str, Any], inside: Sequence[Any]
+) -> None:
+    d = eqs.definition
+    moving = {*d.velocities, *d.coordinate_velocities}
+    for name, g in zip(chosen, inside, strict=True):
+        if g.free_symbols & moving:
+            raise DefinitionError(
+                f"the invariant '{name}' contains a velocity; invariants are functions of the "
+                "coordinates"
+            )
+
+
+def _coordinate_generators(ring: Ring, coordinates: Sequence[Any]) -> list[int]:
+    """The generators whose meaning depends on a coordinate."""
+    free = set(coordinates)
+    return [i for i, g in enumerate(ring.meaning) if g.free_symbols & free]
+
+
+def _free_of(ring: Ring, element: Fraction, generators: Sequence[int]) -> bool:
+    polynomials = [element.num, *(p for p, _ in ring.field.factors(element.den))]
+    return not any(p != 0 and p.degrees()[g] for p in polynomials for g in generators)
+
+
+def _relations_among(
+    eqs: VoronecEquations, ring: Ring, moving: Sequence[int]
+) -> tuple[sp.Expr, ...]:
+    """The elements of the Groebner basis in which only tags occur."""
+    return tuple(
+        eqs.door.outward(ring.polynomial(p))
+        for p in ring.field.ideal
+        if not any(p.degrees()[g] for g in moving)
+    )
+
+
+def _refuse(eqs: VoronecEquations, label: str, target: Any, invariants: Sequence[Any]) -> None:
+    """Say why a target was not rewritten: dF outside the span of the dg, or a limit."""
+    q = eqs.definition.coordinates
+    differentials = [e.diff(x) for e in (*invariants, target) for x in q]
+    relations = eqs.definition.relations
+    differentials += [r.diff(x) for r in relations for x in q]
+    rows, width = len(invariants) + 1, len(q)
+    known = (*relations, *eqs.definition.conditions)
+    for _, values in sample_evaluable(Tape(differentials), known, 256):
+        table = [values[i * width : (i + 1) * width] for i in range(rows + len(relations))]
+        without = [*table[: rows - 1], *table[rows:]]
+        if proved_rank(table, 256) > proved_rank(without, 256):
+            raise DefinitionError(
+                f"system '{eqs.system.name}': {label} is not a function of the invariants; "
+                "add an invariant, or choose others"
+            )
+    raise EngineLimit(
+        f"system '{eqs.system.name}': {label} depends on the invariants only, but no expression "
+        "was found"
+    )

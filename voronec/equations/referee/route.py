@@ -1,0 +1,377 @@
+"""Accelerations and reactions by multipliers, each digit confirmed at a higher precision.
+
+    [ M   -A^T ] [ qddot  ]   [ h ]      A: constraints and differentiated relations
+    [ A    0   ] [ lambda ] = [ b ]      M = d2L/dqdot2
+
+Rows of A that depend on others are left out: the accelerations do not feel them.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import mpmath as mp
+import sympy as sp
+
+from voronec.algebra.arguments import POINT, accepts
+from voronec.declaration.system import System, require_system
+from voronec.equations.referee.linear import Elimination, Vector, eliminate, negligible
+from voronec.equations.referee.plan import Plan, make_plan
+from voronec.equations.referee.point import Exact, at_precision, read_point
+from voronec.errors import DefinitionError
+
+__all__ = ["Reactions", "Solution", "multiplier_acceleration", "reaction_forces", "solve"]
+
+
+GIVEN = 1e-9
+"""How far a point may lie off its relations, and superfluous velocities off each other."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Accelerations, reaction A^T lambda and multipliers (constraints, then relations).
+
+    ``determined`` says of each multiplier whether it is unique; 0 stands where it is not.
+    """
+
+    accelerations: Vector
+    reaction: Vector
+    multipliers: Vector
+    determined: tuple[bool, ...]
+
+    @property
+    def numbers(self) -> Vector:
+        """All of it in one list."""
+        return [*self.accelerations, *self.reaction, *self.multipliers]
+
+
+def solve(plan: Plan, values: Mapping[str, Exact]) -> Solution:
+    """Solve at mpmath's working precision; ``DefinitionError`` where there is no solution."""
+    numbers = at_precision(values)
+    _settle(plan, numbers)
+    _check_affinity(plan, numbers)
+    rows = _find_velocities(plan, numbers)
+    return _solve_motion(plan, numbers, rows)
+
+
+def _settle(plan: Plan, numbers: dict[str, Any]) -> None:
+    """Move the coordinates to the nearest point on the relations (Newton, steps of least norm).
+
+    A point on them stays; one whose numbers were rounded comes so near that ranks can be told.
+    """
+    if not plan.system.fibration.relations:
+        return
+    residual, jacobian, sizes = _off_relations(plan, numbers)
+    excess = [abs(r) - GIVEN * size for r, size in zip(residual, sizes, strict=True)]
+    if max(excess) > 0:
+        worst = excess.index(max(excess))
+        raise DefinitionError(
+            f"the point does not satisfy the relation {plan.system.fibration.relations[worst]}"
+            f" = 0 (residual {mp.nstr(residual[worst], 5)}); correct the coordinates"
+        )
+    target = mp.mpf(10) ** (8 - mp.mp.dps)
+    for _ in range(20):
+        if all(abs(r) <= target * size for r, size in zip(residual, sizes, strict=True)):
+            return
+        for name, step in zip(plan.coordinates, _least_step(jacobian, residual), strict=True):
+            numbers[name] -= step
+        residual, jacobian, sizes = _off_relations(plan, numbers)
+    raise DefinitionError(
+        "the coordinates satisfy the relations only roughly, and the relations are too nearly "
+        "dependent to improve them; give the coordinates with more digits"
+    )
+
+
+def _off_relations(plan: Plan, numbers: Mapping[str, Any]) -> tuple[Vector, list[Vector], Vector]:
+    """The relations' values, their gradients, and the size that coordinates give their terms."""
+    count, width = len(plan.system.fibration.relations), len(plan.coordinates)
+    residual, flat = _split(plan.relations(numbers), count)
+    jacobian = [flat[k * width : (k + 1) * width] for k in range(count)]
+    reach = [max(abs(numbers[name]), 1) for name in plan.coordinates]
+    sizes = [mp.fdot(map(abs, row), reach) for row in jacobian]
+    return residual, jacobian, sizes
+
+
+def _least_step(jacobian: list[Vector], residual: Vector) -> Vector:
+    """The shortest x with J x = residual, for the independent rows of J."""
+    width = len(jacobian[0])
+    kept = eliminate(jacobian, residual, width).independent
+    rows = [jacobian[k] for k in kept]
+    gram = [[mp.fdot(a, b) for b in rows] for a in rows]
+    weights = eliminate(gram, [residual[k] for k in kept], len(kept)).solution
+    return [mp.fsum(w * row[i] for w, row in zip(weights, rows, strict=True)) for i in range(width)]
+
+
+def _find_velocities(plan: Plan, numbers: dict[str, Any]) -> list[Vector]:
+    """Solve for qdot, store it in ``numbers``, and return the rows of A."""
+    width = len(plan.dots)
+    flat = plan.kinematics(numbers)
+    forms = [flat[k * (width + 1) : (k + 1) * (width + 1)] for k in range(len(plan.labels))]
+    values = [mp.mpf(0)] * plan.exact + [numbers[name] for name in plan.velocities]
+    matrix = [form[:-1] for form in forms]
+    right = [value - form[-1] for value, form in zip(values, forms, strict=True)]
+    found = eliminate(matrix, right, width, first=plan.exact)
+    _check_consistency(plan, found, "contradicts the others")
+    for row, rest in found.leftover.items():
+        if row >= plan.exact and abs(rest) > GIVEN * found.size + _noise(found):
+            raise DefinitionError(
+                f"the velocity '{plan.velocities[row - plan.exact]}' of the point is off by "
+                f"{mp.nstr(rest, 5)} from what the other velocities, the constraints and the "
+                "relations make of it; correct the velocities"
+            )
+    if found.free:
+        names = ", ".join(f"'{plan.dots[c]}'" for c in found.free)
+        raise DefinitionError(
+            f"constraints and velocities do not determine {names} at this point; add a "
+            "constraint, or define the missing velocities with frame="
+        )
+    numbers.update(zip(plan.dots, found.solution, strict=True))
+    return matrix[: plan.exact]
+
+
+def _check_affinity(plan: Plan, numbers: Mapping[str, Any]) -> None:
+    """What looked as if it bent in the velocities must not do so at generic ones."""
+    generic = {v: mp.mpf(3 * k + 4) / (7 + k) for k, v in enumerate(plan.dots)}
+    values = plan.bends({**numbers, **generic}) if plan.bent else []
+    for label, value in zip(plan.bent, values, strict=True):
+        if abs(value) > negligible():
+            raise DefinitionError(
+                f"{label} is not affine in the velocities; solve it for a velocity or "
+                "differentiate it first"
+            )
+
+
+def _noise(found: Elimination) -> Any:
+    """What remains of a right side where rounding alone can have left it."""
+    return negligible() * max(found.size, mp.sqrt(negligible()))
+
+
+def _check_consistency(plan: Plan, found: Elimination, verb: str) -> None:
+    for row, rest in found.leftover.items():
+        if row < plan.exact and abs(rest) > _noise(found):
+            raise DefinitionError(
+                f"{plan.labels[row]} {verb} at this point (by {mp.nstr(rest, 5)}); correct or "
+                "drop it, or choose another point"
+            )
+
+
+def _solve_motion(plan: Plan, numbers: Mapping[str, Any], rows: list[Vector]) -> Solution:
+    width = len(plan.dots)
+    mass, force, right = _split(plan.dynamics(numbers), width * width, width)
+    found = eliminate(rows, right, width)
+    _check_consistency(plan, found, "depends on the others, and its derivative contradicts them,")
+    kept = found.independent
+    # Multipliers are scaled so that the size of the masses plays no part in what counts as zero.
+    unit = max(map(abs, mass), default=mp.mpf(0)) or mp.mpf(1)
+    sizes = {k: max(map(abs, rows[k])) for k in kept}
+    upper = [
+        [m / unit for m in mass[i * width : (i + 1) * width]]
+        + [-rows[k][i] / sizes[k] for k in kept]
+        for i in range(width)
+    ]
+    lower = [[c / sizes[k] for c in rows[k]] + [mp.mpf(0)] * len(kept) for k in kept]
+    sides = [f / unit for f in force] + [right[k] / sizes[k] for k in kept]
+    motion = eliminate(upper + lower, sides, width + len(kept))
+    if motion.free:
+        _refuse(plan, motion.kernel[0][:width])
+    scaled = dict(zip(kept, motion.solution[width:], strict=True))
+    multipliers = [
+        scaled[k] * unit / sizes[k] if k in scaled else mp.mpf(0) for k in range(len(rows))
+    ]
+    reaction = [
+        mp.fsum(m * row[i] for m, row in zip(multipliers, rows, strict=True)) for i in range(width)
+    ]
+    determined = _determined(rows, width) if found.leftover else (True,) * len(rows)
+    unique = [m if d else mp.mpf(0) for m, d in zip(multipliers, determined, strict=True)]
+    accelerations = _followed(plan, numbers, motion.solution[:width])
+    return Solution(accelerations, reaction, unique, determined)
+
+
+def _followed(plan: Plan, numbers: Mapping[str, Any], found: Vector) -> Vector:
+    """On a group, the accelerations of the coordinates before those of the frame's velocities."""
+    if plan.followers is None:
+        return found
+    flat, width = plan.followers(numbers), len(found) + 1
+    rows = [flat[k * width : (k + 1) * width] for k in range(len(plan.coordinates))]
+    return [*(mp.fdot(row[:-1], found) + row[-1] for row in rows), *found]
+
+
+def _determined(rows: list[Vector], width: int) -> tuple[bool, ...]:
+    """Which multipliers A^T lambda determines: those on which no null vector of A^T has a part."""
+    transposed = [[row[i] for row in rows] for i in range(width)]
+    kernel = eliminate(transposed, [mp.mpf(0)] * width, len(rows)).kernel
+    return tuple(all(abs(vector[k]) <= negligible() for vector in kernel) for k in range(len(rows)))
+
+
+def _refuse(plan: Plan, direction: Vector) -> None:
+    largest = max(map(abs, direction)) or mp.mpf(1)
+    parts = [
+        f"{name} = {mp.nstr(x / largest, 5)}"
+        for name, x in zip(plan.dots, direction, strict=True)
+        if abs(x) > negligible() * largest
+    ]
+    raise DefinitionError(
+        "the mass matrix is singular: no inertia resists the admissible velocity "
+        f"({', '.join(parts)}); add its kinetic energy, or remove the coordinate"
+    )
+
+
+def _split(flat: Vector, *lengths: int) -> list[Vector]:
+    """Consecutive pieces of a list, and the rest."""
+    pieces, start = [], 0
+    for length in lengths:
+        pieces.append(flat[start : start + length])
+        start += length
+    return [*pieces, flat[start:]]
+
+
+GUARD = 25
+"""Decimal digits computed beyond those asked for."""
+
+DOUBLINGS = 5
+"""How often the precision is doubled before an answer is given up."""
+
+_plans: OrderedDict[int, tuple[System, Plan]] = OrderedDict()
+_PLANS_KEPT = 32
+
+
+@dataclass(frozen=True)
+class Reactions:
+    """What the constraints do: lambda and A^T lambda in d/dt dL/dqdot - dL/dq = Q + A^T lambda.
+
+    ``multipliers``
+        lambda_k of constraint k (as given: an expression that vanishes, so twice the expression
+        has half the multiplier); None where some of them are not unique, because constraints
+        depend on each other or on the relations.
+    ``relation_multipliers``
+        the same for the relations of redundant coordinates; empty where there are none.
+    ``generalized``
+        coordinate -> its component of A^T lambda, of constraints and relations together; unique
+        always.  Units are those of dL/dq.
+    """
+
+    multipliers: tuple[sp.Float, ...] | None
+    relation_multipliers: tuple[sp.Float, ...] | None
+    generalized: Mapping[sp.Expr, sp.Float]
+
+
+@accepts(point=POINT)
+def multiplier_acceleration(
+    system: System, point: Mapping[Any, Any], digits: int = 30
+) -> dict[sp.Expr, sp.Float]:
+    """Second time derivatives of all coordinates by d'Alembert's principle with multipliers.
+
+    On a group, the derivatives of its frame's velocities follow.
+
+        d/dt dL/dqdot - dL/dq = Q + A^T lambda,    A qddot = b
+
+    where A holds the constraints and the derivatives of the relations.  ``point`` maps symbols or
+    names to numbers: coordinates, the velocities ``system.velocities``, parameters without default
+    values, and the time where it occurs.  Numbers (int, Fraction, float, Decimal, SymPy's,
+    mpmath's, strings) are taken exactly.  Coordinates may be off the relations by rounding (1e-9):
+    the nearest point on the relations is taken.
+
+    Every digit is confirmed by a second computation at twice the precision; an inertia (or a
+    part of a constraint) that is 10^(digits + 25) times smaller than the others counts as none.
+
+    Raises ``DefinitionError`` for a point that misses a value, has an unknown name or lies off the
+    relations; for constraints that are not affine or contradict each other; where an admissible
+    velocity has no inertia; for an unknown function; where the equations are not defined.
+    """
+    solution = _confirmed(require_system(system), point, digits)
+    things = (*system.coordinates, *(system.directions if system.on_group else ()))
+    return _labelled(things, solution.accelerations, digits)
+
+
+@accepts(point=POINT)
+def reaction_forces(system: System, point: Mapping[Any, Any], digits: int = 30) -> Reactions:
+    """The multipliers and reaction forces at a point; see ``multiplier_acceleration``."""
+    solution = _confirmed(require_system(system), point, digits)
+    count = len(system.constraints)
+
+    def unique(part: slice) -> tuple[sp.Float, ...] | None:
+        if not all(solution.determined[part]):
+            return None
+        return tuple(sp.Float(x, digits) for x in solution.multipliers[part])
+
+    return Reactions(
+        multipliers=unique(slice(None, count)),
+        relation_multipliers=unique(slice(count, None)),
+        generalized=MappingProxyType(_labelled(system.directions, solution.reaction, digits)),
+    )
+
+
+def _labelled(things: tuple[sp.Expr, ...], numbers: Vector, digits: int) -> dict[sp.Expr, sp.Float]:
+    return {x: sp.Float(number, digits) for x, number in zip(things, numbers, strict=True)}
+
+
+def _confirmed(system: System, point: Mapping[Any, Any], digits: int) -> Solution:
+    """A solution of which two precisions agree to the digits asked for."""
+    if not isinstance(digits, int) or digits < 1:
+        raise DefinitionError(f"digits = {digits!r} is not a positive whole number")
+    try:
+        plan = _plan(system)
+    except DefinitionError as error:
+        raise DefinitionError(f"system '{system.name}': {error}") from None
+    values = read_point(system, point, plan.held)
+    precision = digits + GUARD
+    before = _attempt(plan, values, precision)
+    for _ in range(DOUBLINGS):
+        precision *= 2
+        after = _attempt(plan, values, precision)
+        if isinstance(before, DefinitionError) and isinstance(after, DefinitionError):
+            raise DefinitionError(f"system '{system.name}': {after}")
+        if isinstance(before, Solution) and isinstance(after, Solution):
+            settled = _agreed(before, after, digits, precision // 2)
+            if settled is not None:
+                return settled
+        before = after
+    raise DefinitionError(
+        f"system '{system.name}': {digits} digits could not be confirmed with {precision} at this "
+        "point; the equations are singular nearby, so choose another point"
+    )
+
+
+def _attempt(plan: Plan, values: Mapping[str, Exact], precision: int) -> Solution | DefinitionError:
+    """A failure at one precision is a value too: more digits may tell two ranks apart."""
+    with mp.workdps(precision):
+        try:
+            return solve(plan, values)
+        except DefinitionError as error:
+            return error
+
+
+def _agreed(before: Solution, after: Solution, digits: int, lower: int) -> Solution | None:
+    """The later solution if the earlier one, made with ``lower`` digits, confirms it.
+
+    A number that shrinks with the precision is zero: what was computed of it is rounding alone.
+    """
+    if before.determined != after.determined:
+        return None
+    settled = []
+    with mp.workdps(lower):
+        near, vanishing = mp.mpf(10) ** (-digits - 3), mp.mpf(10) ** (-4 * lower // 5)
+        for a, b in zip(before.numbers, after.numbers, strict=True):
+            if abs(b) <= abs(a) * vanishing:
+                settled.append(mp.mpf(0))
+            elif abs(a - b) <= near * abs(b):
+                settled.append(b)
+            else:
+                return None
+    n = len(after.accelerations)
+    end = n + len(after.reaction)
+    return Solution(settled[:n], settled[n:end], settled[end:], after.determined)
+
+
+def _plan(system: System) -> Plan:
+    """The plan of a system, made once; kept with the system, so that its id stays its own."""
+    kept = _plans.get(id(system))
+    if kept is None:
+        kept = _plans[id(system)] = (system, make_plan(system))
+        if len(_plans) > _PLANS_KEPT:
+            _plans.popitem(last=False)
+    return kept[1]

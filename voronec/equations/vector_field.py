@@ -1,0 +1,332 @@
+"""The motion of a system as a vector field: on coordinates and velocities, or on invariants.
+
+    positions' = rates,   mass * velocities' = force
+
+Claims and relations are statements about such fields.  Everything here is inside the door.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.door import Door
+from voronec.algebra.elimination import solve_linear
+from voronec.algebra.matrices import determinant, is_product
+from voronec.algebra.normal import canonical
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.rank import independent_rows
+from voronec.algebra.tape import Tape
+from voronec.algebra.text import sympified
+from voronec.declaration.geometry import moving_names
+from voronec.declaration.system import System
+from voronec.equations.derivation import Derivation
+from voronec.equations.reduction import Reduction, descend
+from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.errors import DefinitionError, EngineLimit, VoronecError
+
+__all__ = ["Motions", "VectorField"]
+
+_KEPT = "_motions"
+BITS = 192
+"""The precision of ranks."""
+
+
+@dataclass(frozen=True)
+class VectorField:
+    """A field on ``variables``, positions before velocities, where ``relations`` vanish.
+
+    ``meaning`` says what other symbols stand for: velocities of coordinates in terms of the state,
+    and, on the coordinates, the invariants.  There ``dots`` are the symbols of the coordinates'
+    velocities, and ``definitions`` give the velocities of the equations in terms of them;
+    ``momenta`` are named in functions, dLc/dv, and ``determinant`` is a name of that of the mass.
+    On a group ``turning[i][k]`` is C_ab^k h_i^a w^b, k over the independent velocities.
+    ``level`` is ``coordinates`` or ``invariants``.  ``conditions`` are what is known besides, as
+    signs of parameters.
+    """
+
+    system: System
+    level: str
+    door: Door
+    positions: tuple[Any, ...]
+    velocities: tuple[Any, ...]
+    time: Any
+    parameters: tuple[Any, ...]
+    rates: tuple[Any, ...]
+    mass: tuple[tuple[Any, ...], ...]
+    force: tuple[Any, ...]
+    relations: tuple[Any, ...]
+    meaning: dict[Any, Any]
+    dots: tuple[Any, ...] = ()
+    definitions: dict[Any, Any] = field(default_factory=dict)
+    momenta: dict[Any, Any] = field(default_factory=dict)
+    determinant: Any = None
+    turning: tuple[tuple[Any, ...], ...] = ()
+    conditions: tuple[Any, ...] = ()
+
+    @property
+    def variables(self) -> tuple[Any, ...]:
+        """Positions, then velocities."""
+        return self.positions + self.velocities
+
+    @property
+    def hypotheses(self) -> tuple[Any, ...]:
+        """What is taken for granted where something is decided: relations and conditions."""
+        return self.relations + self.conditions
+
+    @property
+    def dimension(self) -> int:
+        """How many of the variables are independent where the relations vanish."""
+        return len(self.variables) - len(self.independent_relations)
+
+    def read(self, expr: sp.Expr) -> Any:
+        """A function of the state, from the user's symbols."""
+        return self.express(self.door.inward(expr))
+
+    def read_named(self, expr: sp.Expr) -> Any:
+        """The same with named momenta as they are: its rate is simpler so."""
+        return self._own(self._spelled(self.door.inward(expr)).xreplace(self.meaning))
+
+    def read_density(self, expr: sp.Expr) -> Any:
+        """The same with the determinant of the mass by its name."""
+        return self._own(self.door.inward(expr).xreplace(self.meaning).xreplace(self.momenta))
+
+    def read_branches(self, expr: sp.Expr) -> Any:
+        """The same where the determinant is raised to powers only: it is nowhere zero, and has no
+        branches; else spelled out."""
+        named = self.read_density(expr)
+        inside = [p for p in named.atoms(se.Pow) if self.determinant == p.args[0]]
+        rest = named.xreplace(dict.fromkeys(inside, se.Integer(1)))
+        return self.read(expr) if self.determinant in rest.free_symbols else named
+
+    def express(self, expr: Any) -> Any:
+        """A function inside the door, with everything that has a meaning spelled out."""
+        return self._own(self._spelled(expr).xreplace(self.meaning).xreplace(self.momenta))
+
+    @cached_property
+    def _foreign(self) -> frozenset[Any]:
+        """What moves with the system, but has no meaning on this level."""
+        own = {*self.variables, *self.momenta, self.determinant}
+        moving = moving_names(self.system.coordinates, self.system.frame)
+        return frozenset({*map(self.door.inward, moving)} - own)
+
+    def _own(self, expr: Any) -> Any:
+        """A function that holds nothing foreign: what moves must not pass for a constant."""
+        for symbol in sorted(expr.free_symbols & self._foreign, key=str):
+            raise EngineLimit(
+                f"'{symbol}' of system '{self.system.name}' has no meaning on the {self.level}; "
+                "write the function in the variables there"
+            )
+        return expr
+
+    def _spelled(self, expr: Any) -> Any:
+        """An expression with the determinant of the mass spelled out."""
+        if self.determinant is None or self.determinant not in expr.free_symbols:
+            return expr
+        return expr.xreplace({self.determinant: determinant(self.mass)})
+
+    def solve(self, columns: Sequence[Sequence[Any]]) -> list[list[Any]]:
+        """mass^-1 times the columns of a matrix given by rows."""
+        if not self.velocities:
+            return []
+        return solve_linear(self.mass, columns, self.hypotheses).values
+
+    @cached_property
+    def accelerations(self) -> tuple[Any, ...]:
+        """velocities' = mass^-1 force, in normal form where that is within the budget."""
+        raw = [row[0] for row in self.solve([[f] for f in self.force])]
+        try:
+            return tuple(canonical(raw, self.relations))
+        except EngineLimit:
+            return tuple(raw)
+
+    @property
+    def components(self) -> tuple[Any, ...]:
+        """The rates of all variables."""
+        return self.rates + self.accelerations
+
+    def derivative(self, function: Any) -> Any:
+        """d/dt along the motion."""
+        return self.derivatives([function])[0]
+
+    def derivatives(self, functions: Sequence[Any]) -> list[Any]:
+        """d/dt of several functions along the motion.
+
+        dF/dv . mass^-1 force is computed as y . force with mass y = dF/dv [Theory, eq. (13)]; of an
+        energy y is v.
+        """
+        found = [self.at_rest(f) for f in functions]
+        slopes = [self._slopes(f) for f in functions]
+        moving = [k for k, row in enumerate(slopes) if any(s != 0 for s in row)]
+        momenta = slopes[moving[0]] if len(moving) == 1 else ()
+        if momenta and is_product(momenta, self.mass, self.velocities, self.hypotheses):
+            power = [v * f for v, f in zip(self.velocities, self.force, strict=True)]
+            found[moving[0]] = se.Add(found[moving[0]], *power)
+        elif moving:
+            columns = zip(*[slopes[k] for k in moving], strict=True)
+            solved = self.solve([list(row) for row in columns])
+            for column, k in enumerate(moving):
+                pushed = [row[column] * f for row, f in zip(solved, self.force, strict=True)]
+                found[k] = se.Add(found[k], *pushed)
+        return found
+
+    def at_rest(self, function: Any) -> Any:
+        """The part of d/dt that holds no acceleration."""
+        pairs = [*zip(self.positions, self.rates, strict=True)]
+        if not self.momenta.keys().isdisjoint(function.free_symbols):
+            pairs += zip(self.momenta, self._momentum_rates, strict=True)
+        rate = se.Add(function.diff(self.time), *[rate * function.diff(q) for q, rate in pairs])
+        return rate.xreplace(self.momenta)
+
+    def _slopes(self, function: Any) -> list[Any]:
+        """dF/dv, named momenta held; where it vanishes, dF/dt needs no acceleration."""
+        slopes = [function.diff(v).xreplace(self.momenta) for v in self.velocities]
+        if self.momenta.keys().isdisjoint(function.free_symbols):
+            return slopes
+        return [s if s == 0 else canonical([s], self.relations)[0] for s in slopes]
+
+    @cached_property
+    def _momentum_rates(self) -> list[Any]:
+        """d/dt dLc/dv = force + the rate of the momenta where the velocities are constant."""
+        pairs = [*zip(self.positions, self.rates, strict=True)]
+        drifts = [
+            se.Add(p.diff(self.time), *[rate * p.diff(q) for q, rate in pairs])
+            for p in self.momenta.values()
+        ]
+        rates = [f + d for f, d in zip(self.force, drifts, strict=True)]
+        return canonical(rates, self.relations)
+
+    @cached_property
+    def independent_relations(self) -> tuple[Any, ...]:
+        """As many of the relations as are independent, by their rank at a point."""
+        if not self.relations:
+            return ()
+        slopes = [r.diff(q) for r in self.relations for q in self.positions]
+        width = len(self.positions)
+        for _, values in sample_evaluable(Tape(slopes), self.hypotheses, BITS, count=1):
+            rows = [values[i : i + width] for i in range(0, len(values), width)]
+            return tuple(self.relations[i] for i in independent_rows(rows, BITS))
+        raise EngineLimit("no point was found on the relations between the variables")
+
+
+@dataclass(frozen=True)
+class Motions:
+    """The motion of one system on both levels, each made when it is asked for."""
+
+    equations: VoronecEquations
+
+    @classmethod
+    def of(cls, system: System | VoronecEquations) -> Motions:
+        """Derive the equations; what is made here is kept with them."""
+        equations = system if isinstance(system, VoronecEquations) else derive(system)
+        known: Motions | None = equations.__dict__.get(_KEPT)
+        if known is None:
+            known = equations.__dict__[_KEPT] = cls(equations)
+        return known
+
+    @property
+    def system(self) -> System:
+        """The system."""
+        return self.equations.system
+
+    @cached_property
+    def _descent(self) -> Reduction | VoronecError:
+        """The descent, or why there is none: it is tried once."""
+        try:
+            return descend(self.equations)
+        except (DefinitionError, EngineLimit) as refusal:
+            return refusal
+
+    @property
+    def reduction(self) -> Reduction:
+        """The descent to the declared invariants; raises as ``descend`` does."""
+        if isinstance(self._descent, VoronecError):
+            raise self._descent
+        return self._descent
+
+    @cached_property
+    def on_coordinates(self) -> VectorField:
+        """The field on coordinates and velocities."""
+        return self._on_coordinates(self.equations.best)
+
+    @cached_property
+    def for_numbers(self) -> VectorField:
+        """The same, without normal forms where these would be too large to be of use."""
+        large = self.equations.is_large
+        return self._on_coordinates(self.equations.raw) if large else self.on_coordinates
+
+    def _on_coordinates(self, d: Derivation) -> VectorField:
+        door = self.equations.door
+        own = d.definition
+        rates = tuple(d.rates)
+        meaning = dict(zip(own.coordinate_velocities, rates, strict=True)) | dict(d.dependent)
+        for v in own.velocities:
+            meaning.pop(v, None)
+        for name, g in self.system.invariants.items():
+            meaning[se.Symbol(name)] = door.inward(g)
+        return VectorField(
+            system=self.system,
+            level="coordinates",
+            door=door,
+            positions=own.coordinates,
+            velocities=own.velocities,
+            time=own.time,
+            parameters=own.parameters,
+            rates=rates,
+            mass=tuple(map(tuple, d.mass)),
+            force=tuple(d.force),
+            relations=own.relations,
+            meaning=meaning,
+            dots=tuple(own.coordinate_velocities),
+            definitions=dict(zip(own.velocities, d.definitions, strict=True)),
+            momenta=dict(d.named_momenta),
+            determinant=own.determinant,
+            turning=d.turning,
+            conditions=own.conditions,
+        )
+
+    @cached_property
+    def on_invariants(self) -> VectorField:
+        """The field on invariants and velocities."""
+        found, door = self.reduction, self.equations.door
+        own = self.equations.definition
+        return VectorField(
+            system=self.system,
+            level="invariants",
+            door=door,
+            positions=tuple(door.inward(g) for g in found.invariants),
+            velocities=own.velocities,
+            time=own.time,
+            parameters=own.parameters,
+            rates=tuple(door.inward_all(found.rates)),
+            mass=tuple(tuple(door.inward_all(found.mass.row(i))) for i in range(found.mass.rows)),
+            force=tuple(door.inward_all(found.force)),
+            relations=tuple(door.inward_all(found.relations)),
+            meaning={},
+            determinant=own.determinant,
+            conditions=own.conditions,
+        )
+
+    def at(self, level: str) -> VectorField:
+        """The field on ``coordinates`` or on ``invariants``."""
+        return self.on_invariants if level == "invariants" else self.on_coordinates
+
+    def holds_coordinate(self, exprs: Iterable[sp.Expr]) -> bool:
+        """Whether any of the expressions holds what has no meaning on the invariants: a
+        coordinate, a velocity that is none of the equations, a named momentum."""
+        names = moving_names(self.system.coordinates, self.system.frame)
+        moving = {*names} - {*self.system.velocities}
+        return any(sympified(e).has(*moving) for e in exprs)
+
+    def deciding(self, exprs: Sequence[sp.Expr]) -> VectorField:
+        """The field on which a claim about these functions is decided: the reduced one, where they
+        hold no coordinate and the system descends to its invariants."""
+        low = not self.system.invariants or self.holds_coordinate(exprs)
+        if low or isinstance(self._descent, VoronecError):
+            return self.on_coordinates
+        return self.on_invariants

@@ -1,0 +1,401 @@
+"""The charts of a system in numbers: maps, distances from singularities, integrators."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import symengine as se
+
+from voronec.algebra.angles import Angles, holds_angles
+from voronec.algebra.symbols import velocity
+from voronec.declaration.charts import system_in
+from voronec.declaration.scene import Scene
+from voronec.equations.program import Program, compiled
+from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.motion.events import Event
+from voronec.motion.state_probe import quantities
+from voronec.motion.steppers import Problem, Run, Stepper, choose, guarded
+
+if TYPE_CHECKING:
+    from voronec.equations.derivation import FirstOrderForm
+
+__all__ = [
+    "HOME",
+    "LEAVE",
+    "RETURN",
+    "SIDE",
+    "Atlas",
+    "KeptChart",
+    "Place",
+    "kept_charts",
+    "own_singular",
+]
+
+
+_KEPT = "_equations_in_charts"
+"""Where equations keep those in their system's charts."""
+
+
+@dataclass(frozen=True)
+class KeptChart:
+    """One chart on the variables that are kept.
+
+    ``there`` and ``back`` map every variable, of the chart and of the system; ``twins`` give
+    other values for the same state of the system, where there are some; ``singular`` is a function
+    in the chart.  ``factors`` vanish where the system's own coordinates are singular.
+    """
+
+    name: str
+    equations: VoronecEquations
+    kept: FirstOrderForm
+    there: Mapping[Any, Any]
+    back: Mapping[Any, Any]
+    twins: tuple[Mapping[Any, Any], ...]
+    singular: Any
+    factors: tuple[Any, ...]
+
+    @cached_property
+    def form(self) -> FirstOrderForm:
+        """The equations in the chart, of what is kept."""
+        equations = _equations_in(self.equations, self.name)
+        # pivots of straight-line forms may vanish at a pole; normal forms hold what is needed
+        exact = self.equations.system.charts[self.name].near and equations.in_normal_form
+        form = equations.exact.form if exact else equations.form
+        rows = {q: i for i, q in enumerate(form.coordinates)}
+        order = [rows[q] for q in self.kept.coordinates]
+        dropped = [i for i in range(len(rows)) if i not in order]
+        # what a function of the motion says of velocities holds for those that are dropped, too
+        others = [(form.velocity_symbols[i], form.rates[i]) for i in dropped]
+        return replace(
+            form,
+            coordinates=self.kept.coordinates,
+            rates=tuple(form.rates[i] for i in order),
+            velocity_symbols=tuple(form.velocity_symbols[i] for i in order),
+            dependent=(*form.dependent, *others),
+        )
+
+    @cached_property
+    def angles(self) -> set[Any]:
+        """Variables that are angles, known up to whole turns."""
+        return {x for x, e in self.back.items() if holds_angles([Angles().resolved(e)])}
+
+    @cached_property
+    def sides(self) -> tuple[Any, ...]:
+        """Functions in the chart that change sign wherever an angle of the system comes from one
+        quadrant into another: y and x of each atan2(y, x) in ``back``."""
+        found: dict[Any, None] = {}
+        for e in self.back.values():
+            for angle in sorted(Angles().resolved(e).atoms(se.atan2), key=str):
+                # a root is never negative: its angle stays where it is
+                found |= {part: None for part in angle.args if not _is_root(part)}
+        return tuple(found)
+
+    def moved(self, function: Any) -> Any:
+        """A function of the system's state as one of the state in the chart."""
+        door, system = self.equations.door, self.equations.system
+        dots = {door.inward(q): door.inward(velocity(q)) for q in system.coordinates}
+        rates = {
+            own: se.Add(*[self.back[q].diff(x) * dot for x, dot in dots.items()])
+            for q, own in dots.items()
+            if q in self.back
+        }
+        return Angles().resolved(se.sympify(function).xreplace({**rates, **self.back}))
+
+
+def kept_charts(equations: VoronecEquations, form: FirstOrderForm) -> tuple[KeptChart, ...]:
+    """The charts that map the variables of a form among themselves, each map once.
+
+    There is none where the form has other velocities than the system's, or other variables.
+    """
+    system, door = equations.system, equations.door
+    names = {door.inward(x): x for x in (*system.coordinates, *system.velocities)}
+    state = (*form.coordinates, *form.velocities)
+    if not {*state} <= {*names} or len(form.velocities) != len(system.velocities):
+        return ()
+    dots = {door.inward(velocity(q)) for q in system.coordinates}
+    # a coordinate that a model holds fast is a parameter of its form, but not of the chart's
+    closed = {*state, *dots, *(door.inward(p.symbol) for p in system.parameters)}
+    found: dict[Any, KeptChart] = {}
+    for name, chart in system.charts.items():
+        maps = [chart.values(system), chart.values(system, "back"), *chart.twin_values(system)]
+        there, back, *twins = ({x: door.inward(e[names[x]]) for x in state} for e in maps)
+        images = [*there.values(), *back.values(), *(e for twin in twins for e in twin.values())]
+        own, others = (
+            tuple(f for f in _factors(door.inward(e)) if f.free_symbols <= closed)
+            for e in (chart.singular, chart.singular_there)
+        )
+        moves = any(x != e for x, e in there.items())
+        if own and moves and all(e.free_symbols <= closed for e in images):
+            kept = KeptChart(name, equations, form, there, back, (*twins,), se.Mul(*others), own)
+            found.setdefault(tuple(there.values()), kept)
+    return tuple(found.values())
+
+
+def _equations_in(equations: VoronecEquations, name: str) -> VoronecEquations:
+    """The equations in a chart, derived once."""
+    known: dict[str, VoronecEquations] = equations.__dict__.setdefault(_KEPT, {})
+    if name not in known:
+        near = equations.system.charts[name].near
+        scenes = {"default": Scene(initial=near)} if near else {}
+        known[name] = derive(replace(system_in(equations.system, name), scenes=scenes))
+    return known[name]
+
+
+def own_singular(charts: tuple[KeptChart, ...]) -> Any:
+    """What vanishes where the own chart is singular: all factors that charts name, each once."""
+    return se.Mul(*dict.fromkeys(f for chart in charts for f in chart.factors))
+
+
+def _is_root(expr: Any) -> bool:
+    return isinstance(expr, se.Pow) and expr.args[1].is_Rational and expr.args[1].q == 2
+
+
+def _factors(product: Any) -> tuple[Any, ...]:
+    return tuple(product.args) if isinstance(product, se.Mul) else (product,)
+
+
+HOME = ""
+"""The name of the system's own chart."""
+NEAR, CLEAR = se.Rational(1, 50), se.Rational(1, 25)
+"""Below the one a chart is left; above the other the system's own is taken again.  A change costs
+as much as about a hundred steps of Taylor's method, and these are what a passage so near takes."""
+GOOD = 0.25
+"""So far from a singularity a chart that is ready is good enough."""
+DIFFERENCE = 1e-5
+"""Of coordinates, in slopes of maps between charts."""
+LEAVE, RETURN = "the chart becomes singular", "the own chart is regular again"
+SIDE = "quadrant of an angle "
+"""Begins the names of events at which an angle comes from one quadrant into another."""
+
+
+Home = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Times (k,) and states (k, n) to states of the own chart."""
+
+
+@dataclass
+class Progress:
+    """Progress of a stretch, reported as progress of the whole run."""
+
+    report: Callable[[float], Any]
+    done: float = 0.0
+    part: float = 1.0
+
+    def __call__(self, fraction: float) -> None:
+        self.report(self.done + fraction * self.part)
+
+
+@dataclass(frozen=True)
+class Place:
+    """One chart, ready to be integrated in.
+
+    ``stepper`` begins at what ``problem.start`` holds when it is called; ``home`` takes times (k,)
+    and states (k, n) to states of the own chart, and each of ``twins`` takes these to others that
+    are the same.
+    """
+
+    name: str
+    problem: Problem
+    stepper: Stepper
+    chosen: Mapping[str, Any]
+    home: Home
+    twins: tuple[Home, ...] = ()
+
+    @property
+    def ways_home(self) -> list[Home]:
+        """``home``, and then any of the twins, one after another."""
+        ways = [self.home]
+        for twin in self.twins:
+            ways += [_after(way, twin) for way in ways]
+        return ways
+
+    def run(self, state: np.ndarray, times: np.ndarray) -> Run:
+        """The motion from a state on."""
+        self.problem.start[:] = state
+        return guarded(self.stepper(times), self.problem)
+
+
+@dataclass(frozen=True)
+class Atlas:
+    """The charts of a system, each derived and compiled when a run first comes to it.
+
+    ``problem`` is the one in the system's own chart, of which ``form`` are the equations and
+    ``functions`` those of its events; it is to be integrated on ``grid`` by ``method``.
+    ``seconds`` are what each chart took to make ready.
+    """
+
+    method: str
+    problem: Problem
+    grid: np.ndarray
+    form: FirstOrderForm
+    charts: tuple[KeptChart, ...]
+    functions: Mapping[str, Any] = field(default_factory=dict)
+    seconds: list[float] = field(default_factory=list)
+    _places: dict[str, Place] = field(default_factory=dict)
+
+    @cached_property
+    def angles(self) -> np.ndarray:
+        """Which variables are angles."""
+        found = set().union(*(chart.angles for chart in self.charts))
+        return np.array([x in found for x in self.problem.program.state])
+
+    def best(self, time: Any, state: np.ndarray) -> tuple[str, np.ndarray]:
+        """The chart in which a state of the own chart is far from a singularity, and the state
+        there: the own one, else one that is ready, else the one in which it is farthest."""
+        images = {HOME: state}
+        sizes = {HOME: self._distance(HOME, time, state)}
+        if sizes[HOME] > float(CLEAR):
+            return HOME, state
+        for chart in self.charts:
+            images[chart.name] = self._maps[chart.name](time, state)
+            sizes[chart.name] = self._distance(chart.name, time, images[chart.name])
+        ready = [name for name in self._places if name != HOME and sizes[name] > GOOD]
+        chosen = max(ready or sizes, key=sizes.__getitem__)
+        return chosen, images[chosen]
+
+    def distances(self, times: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """How far states of the own chart are from its singularity."""
+        program = quantities(self.form, {HOME: own_singular(self.charts)})
+        with np.errstate(all="ignore"):
+            (found,) = compiled(program)[1](times, list(rows.T), self._values(program))
+        return np.abs(np.broadcast_to(found, times.shape))
+
+    def _distance(self, name: str, time: Any, state: np.ndarray) -> float:
+        """How far a state in a chart is from its singularity; 0 where that is undefined."""
+        size = abs(float(self._distances[name](time, state)[0]))
+        return size if np.isfinite(size) else 0.0
+
+    def blind(self, name: str, time: Any, state: np.ndarray) -> np.ndarray:
+        """The direction (n,) in which the own coordinates at their singularity may change while a
+        chart sees the same state: the null vector of its map, by differences; largest entry 1."""
+        columns = []
+        for i in range(len(state)):
+            shift = np.eye(len(state))[i] * DIFFERENCE
+            ahead, behind = (self._maps[name](time, state + s * shift) for s in (1, -1))
+            columns.append(self.without_turns(ahead - behind) / (2 * DIFFERENCE))
+        _, _, rows = np.linalg.svd(np.array(columns).T)
+        found = np.where(self.angles, np.round(rows[-1] / np.abs(rows[-1]).max(), 6), 0)
+        return np.asarray(found)
+
+    def without_turns(self, steps: np.ndarray) -> np.ndarray:
+        """Steps (..., n) between states, those of angles without whole turns."""
+        turns = 2 * np.pi * np.rint(steps / (2 * np.pi))
+        return np.where(self.angles, steps - turns, steps)
+
+    def place(self, name: str) -> Place:
+        """A chart, ready to be integrated in."""
+        if name not in self._places:
+            began = perf_counter()
+            self._places[name] = self._own() if name == HOME else self._other(name)
+            self.seconds.append(perf_counter() - began)
+        return self._places[name]
+
+    @cached_property
+    def progress(self) -> Progress | None:
+        """Where progress is reported, if it is."""
+        report = self.problem.progress
+        return None if report is None else Progress(report)
+
+    def _own(self) -> Place:
+        given = self.problem
+        levels = {**self.functions, LEAVE: _beyond(own_singular(self.charts), NEAR)}
+        problem = replace(
+            given,
+            start=given.start.copy(),
+            events=(*given.events, self._end(LEAVE, -1)),
+            levels=quantities(self.form, levels),
+            progress=self.progress,
+            coarse=frozenset({LEAVE}),
+        )
+        made = choose(self.method, problem, self.grid)
+        return Place(HOME, problem, *made, _as_they_are)
+
+    def _other(self, name: str) -> Place:
+        chart, given = next(c for c in self.charts if c.name == name), self.problem
+        levels = {event: chart.moved(e) for event, e in self.functions.items()}
+        levels[LEAVE] = _beyond(chart.singular, NEAR)
+        levels[RETURN] = _beyond(chart.moved(own_singular(self.charts)), CLEAR)
+        sides = {f"{SIDE}{i}": e for i, e in enumerate(chart.sides)}
+        program = Program.of(chart.form)
+        ends = (self._end(LEAVE, -1), self._end(RETURN, 1))
+        problem = replace(
+            given,
+            program=program,
+            start=given.start.copy(),
+            parameters=self._values(program),
+            events=(*given.events, *ends, *(Event(name, name) for name in sides)),
+            levels=quantities(chart.form, levels | sides),
+            suspect=None,
+            progress=self.progress,
+            coarse=frozenset({LEAVE, RETURN}),
+        )
+        made = choose(self.place(HOME).chosen["method"], problem, self.grid)
+        twins = tuple(self._rows(self.form, twin) for twin in chart.twins)
+        return Place(name, problem, *made, self._rows(chart.form, chart.back), twins)
+
+    def _end(self, name: str, direction: int) -> Event:
+        """The end of a stretch; the direction is that along the run, which may go backwards."""
+        order = 1 if self.grid[-1] >= self.grid[0] else -1
+        return Event(name, name, direction * order, stop=True)
+
+    def _rows(self, form: FirstOrderForm, images: Mapping[Any, Any]) -> Home:
+        """A map to the own chart, for many states of a form."""
+        program = quantities(form, {str(x): e for x, e in images.items()})
+        values, (_, extras) = self._values(program), compiled(program)
+
+        def home(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
+            with np.errstate(all="ignore"):
+                found = extras(times, list(rows.T), values)
+            result = np.empty(rows.shape)
+            for i, column in enumerate(found):
+                result[:, i] = column
+            return result
+
+        return home
+
+    @cached_property
+    def _maps(self) -> dict[str, Callable[[Any, np.ndarray], np.ndarray]]:
+        """The ways from the own chart into the others."""
+        return {c.name: self._single([*c.there.values()]) for c in self.charts}
+
+    @cached_property
+    def _distances(self) -> dict[str, Callable[[Any, np.ndarray], np.ndarray]]:
+        """The functions that vanish where a chart is singular, of states there."""
+        others = {c.name: self._single([c.singular]) for c in self.charts}
+        return {**others, HOME: self._single([own_singular(self.charts)])}
+
+    def _single(self, wanted: list[Any]) -> Callable[[Any, np.ndarray], np.ndarray]:
+        """Functions of single states; not a number where one is undefined."""
+        program = quantities(self.form, {str(i): e for i, e in enumerate(wanted)})
+        values, (_, extras) = self._values(program), compiled(program, scalar=True)
+
+        def evaluate(time: Any, state: np.ndarray) -> np.ndarray:
+            try:
+                return np.array(extras(float(time), state.tolist(), values))
+            except (ArithmeticError, ValueError):
+                return np.full(len(wanted), np.nan)
+
+        return evaluate
+
+    def _values(self, program: Program) -> list[float]:
+        """The parameters of a program."""
+        names = map(str, self.problem.program.parameters)
+        given = dict(zip(names, self.problem.parameters, strict=True))
+        return [float(given[str(p)]) for p in program.parameters]
+
+
+def _as_they_are(_: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    return rows
+
+
+def _after(first: Home, second: Home) -> Home:
+    return lambda times, rows: second(times, first(times, rows))
+
+
+def _beyond(function: Any, size: Any) -> Any:
+    """Positive where a function is larger than a size."""
+    return function**2 - size**2

@@ -1,0 +1,392 @@
+"""Carrying many motions with one compiled integrator: heyoka's lanes, or scipy's one by one.
+
+A batch integrator takes one Taylor step of every lane in little more time than a step of one
+lane; it is compiled once, and its lanes are loaded again and again.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from voronec.equations.program import Hoisted, Program, compiled, hoisted, taylor_system
+from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.motion.steppers.first_step import STRIDE, openings, overlong_lanes
+from voronec.motion.steppers.run import COLLAPSE, INFINITE
+from voronec.motion.steppers.scipy_stepper import FINEST
+from voronec.motion.steppers.units import units_of_many
+
+__all__ = [
+    "PASSED",
+    "SINGULAR",
+    "Lanes",
+    "StepSizes",
+    "Stopped",
+    "along",
+    "along_scipy",
+    "chosen",
+    "note_step",
+    "strides",
+]
+
+CHUNK = 20_000
+"""Steps of all lanes between two looks at the keyboard."""
+COMPACT = 60.0
+"""Above this weight heyoka compiles in its compact mode: seconds sooner, then half as fast."""
+COLLAPSED = 1e-3
+"""Steps are about as long as the way to the next singularity of a motion in complex time, so that
+this share of the longest one tells how near it passed, and how many digits were lost."""
+SINGULAR = 1e-6
+"""A motion with so short a step is not to be trusted after it."""
+PIECE = 64
+"""Points of the grid in the first piece; later ones follow the steps it took."""
+PASSED = "the motion passes a place where its equations are singular, or nearly,"
+
+Look = Callable[[], bool]
+"""Whether somebody asked to stop."""
+
+
+class Stopped(Exception):
+    """Somebody asked to stop; what a batch had begun is not finished."""
+
+
+@dataclass(frozen=True, eq=False)
+class StepSizes:
+    """The shortest and the longest step of each of some motions, and which of these took one that
+    was made too long by coefficients that vanish; ``stride`` is how long one is looked at."""
+
+    shortest: np.ndarray
+    longest: np.ndarray
+    overlong: np.ndarray
+    stride: np.ndarray
+
+    @classmethod
+    def of(cls, count: int) -> StepSizes:
+        """No steps yet."""
+        none = np.zeros(count, dtype=bool)
+        return cls(np.full(count, np.inf), np.zeros(count), none, np.full(count, STRIDE))
+
+    def begin(self, which: Any) -> None:
+        """Forget the steps of some motions: others take their places."""
+        self.shortest[which], self.longest[which] = np.inf, 0.0
+        self.overlong[which], self.stride[which] = False, STRIDE
+
+    def note(self, which: int, shortest: float, longest: float) -> None:
+        """Further steps of one motion."""
+        self.shortest[which] = min(self.shortest[which], shortest)
+        self.longest[which] = max(self.longest[which], longest)
+
+    def collapsed(self, which: int, share: float = COLLAPSED) -> bool:
+        """Whether the steps of a motion became so short that it must have passed a place where its
+        equations are singular, or nearly: a pole of coordinates, a zero of a divisor."""
+        return bool(self.shortest[which] < share * self.longest[which])
+
+
+@dataclass(frozen=True, eq=False)
+class Lanes:
+    """heyoka's batch integrator; ``width`` motions at once, ``constants`` parameters of each, those
+    of the ``raised`` program.
+
+    ``units`` (n, width) are those of the states of each motion; where some start is ``scaled`` they
+    are parameters too, behind the constants.
+    """
+
+    integrator: Any
+    width: int
+    constants: int
+    raised: Hoisted
+    plain: Program
+    scaled: tuple[int, ...]
+    units: np.ndarray
+    steps: StepSizes
+
+    def again(self) -> Lanes:
+        """Another integrator of the same compiled code, for another thread."""
+        return replace(
+            self,
+            integrator=copy.deepcopy(self.integrator),
+            units=self.units.copy(),
+            steps=StepSizes.of(self.width),
+        )
+
+    def note_steps(self) -> None:
+        """Take down the steps since the last call of the integrator; those that were cut to end at
+        a given time are not counted by heyoka."""
+        for lane, result in enumerate(self.integrator.propagate_res):
+            self.steps.note(lane, abs(result[1]), abs(result[2]))
+
+    def first_steps(self, spans: np.ndarray) -> np.ndarray:
+        """How long the next steps of all lanes may be, which go no further than ``spans``."""
+        found = openings(self.integrator, spans)
+        self.steps.stride[found < np.inf] = 1.0
+        return found
+
+    def look_back(self, begin: tuple[np.ndarray, ...], state: np.ndarray) -> np.ndarray:
+        """Which lanes took steps too long since they began there, in the integrator's units; it is
+        noted, too."""
+        found = overlong_lanes(self.integrator, begin, state, self.steps.stride)
+        self.steps.overlong[found] = True
+        return found
+
+    @property
+    def states(self) -> np.ndarray:
+        """Where the motions stand (width, n)."""
+        return np.asarray((self.integrator.state * self.units).T)
+
+    def load(self, lane: Any, state: np.ndarray, values: np.ndarray, time: float) -> None:
+        """Put motions (k, n) with parameters (k, p) on some lanes."""
+        self.steps.begin(lane)
+        times = self.integrator.time.copy()
+        times[lane] = time
+        self.integrator.set_time(times.tolist())
+        if self.scaled:
+            at = list(self.scaled)
+            found = units_of_many(self.plain, np.atleast_2d(state), np.atleast_2d(values))[:, at]
+            self.units[at, lane] = self.integrator.pars[self.constants :, lane] = (
+                found.T if values.ndim > 1 else found[0]
+            )
+        self.integrator.state[:, lane] = state.T / self.units[:, lane]
+        rows = [self.raised.values(row.tolist())[: self.constants] for row in np.atleast_2d(values)]
+        own = np.array(rows, dtype=float).reshape(len(rows), self.constants)
+        self.integrator.pars[: self.constants, lane] = own.T if values.ndim > 1 else own[0]
+
+
+def lanes_of(program: Program, tol: float, states: np.ndarray, values: np.ndarray) -> Lanes:
+    """A batch integrator for motions that start at ``states`` (s, n), with parameters (s, p).
+
+    Raises ``ImportError`` without heyoka, ``EngineLimit`` for a function it does not know.
+    """
+    import heyoka as hy
+
+    width = 1
+    while width < min(hy.recommended_simd_size(), len(states)):
+        width *= 2
+    plain, raised = program, hoisted(program)
+    program = raised.program
+    own = units_of_many(plain, states, values)
+    moving = np.array([r != 0 for r in plain.derivative.results])
+    scaled = tuple(np.flatnonzero((own != 1).any(axis=0) & moving).tolist())
+    # heyoka wants no more parameters than the equations contain
+    used = [i for i, p in enumerate(program.parameters) if p in program.derivative.symbols]
+    constants = max(used, default=-1) + 1
+    units: list[Any] = [1.0] * len(program.state)
+    for k, i in enumerate(scaled):
+        units[i] = hy.par[constants + k]
+    integrator = hy.taylor_adaptive_batch(
+        taylor_system(program, units),
+        np.zeros((len(program.state), width)),
+        pars=np.ones((constants + len(scaled), width)),
+        tol=tol,
+        compact_mode=program.weight > COMPACT,
+    )
+    ones = np.ones((len(program.state), width))
+    return Lanes(integrator, width, constants, raised, plain, scaled, ones, StepSizes.of(width))
+
+
+def along(
+    lanes: Lanes, states: np.ndarray, values: np.ndarray, grid: np.ndarray, stopped: Look
+) -> tuple[np.ndarray, dict[int, IntegrationError], int, list[int]]:
+    """Up to ``width`` motions along one grid: states (m, k, n), errors, how many steps, and those
+    whose steps collapsed, or were made too long.
+
+    A motion that breaks down keeps its states up to there, the rest are not numbers; the others
+    are run again without it.
+    """
+    rows = np.full((len(states), len(grid), states.shape[1]), np.nan)
+    errors: dict[int, IntegrationError] = {}
+    left, steps = np.arange(len(states)), 0
+    while len(left):
+        # lanes without a motion of their own repeat the last one
+        pick = left[np.minimum(np.arange(lanes.width), len(left) - 1)]
+        lanes.load(slice(None), states[pick], values[pick], float(grid[0]))
+        block = np.full((lanes.width, *rows.shape[1:]), np.nan)
+        broken, taken = _pieces(lanes, block, grid, stopped)
+        rows[left] = block[: len(left)]
+        steps += taken
+        if not broken:
+            doubt = [lanes.steps.collapsed(k) or lanes.steps.overlong[k] for k in range(len(left))]
+            collapsed = [int(i) for i, bad in zip(left, doubt, strict=True) if bad]
+            return rows, errors, steps, collapsed
+        errors |= {int(pick[lane]): error for lane, error in broken.items() if lane < len(left)}
+        left = np.array([i for i in left if i not in errors], dtype=int)
+    return rows, errors, steps, []
+
+
+def _pieces(
+    lanes: Lanes, block: np.ndarray, grid: np.ndarray, stopped: Look
+) -> tuple[dict[int, IntegrationError], int]:
+    """Fill ``block`` (width, k, n) piece by piece of the grid; what broke, by lane, and steps."""
+    import heyoka as hy
+
+    ta, at, piece, steps = lanes.integrator, 0, PIECE, 0
+    block[:, 0] = lanes.states
+    while at < len(grid) - 1:
+        if stopped():
+            raise Stopped
+        longest = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at])).tolist()
+        if min(longest) < np.inf:
+            piece = 1  # steps of a piece are short where the first one must be
+        end = min(at + piece, len(grid) - 1)
+        times = np.repeat(grid[at : end + 1, None], lanes.width, axis=1)
+        begin, state = tuple(part.copy() for part in ta.dtime), ta.state.copy()
+        found = ta.propagate_grid(times, max_steps=CHUNK, max_delta_t=longest)
+        new = np.moveaxis((found[1] if isinstance(found, tuple) else found) * lanes.units, -1, 0)
+        lanes.note_steps()
+        taken = max(r[3] for r in ta.propagate_res)
+        steps += sum(r[3] for r in ta.propagate_res)
+        outcomes = {r[0] for r in ta.propagate_res}
+        if hy.taylor_outcome.err_nf_state in outcomes or not np.isfinite(ta.state).all():
+            block[:, at : end + 1] = new
+            return _broken(ta, block, grid), steps
+        if hy.taylor_outcome.step_limit in outcomes:
+            ta.set_time(float(grid[at]))
+            ta.state[:] = block[:, at].T / lanes.units
+            if piece > 1:
+                piece = max(1, piece // 8)
+                continue
+            collapsed, taken = _one_interval(lanes, grid[at : end + 1], longest, stopped)
+            steps += taken
+            if collapsed:
+                return collapsed, steps
+            new = np.stack([block[:, at], lanes.states], axis=1)
+        else:
+            lanes.look_back(begin, state)
+        block[:, at : end + 1] = new
+        at = end
+        piece = max(1, min(4 * piece, int(piece * CHUNK / (4 * max(taken, 1)))))
+    return {}, steps
+
+
+def _broken(ta: Any, block: np.ndarray, grid: np.ndarray) -> dict[int, IntegrationError]:
+    """The lanes whose state is no longer finite; the last good one is the last on the grid."""
+    found = {}
+    for lane in range(len(block)):
+        if not np.isfinite(ta.state[:, lane]).all():
+            good = np.isfinite(block[lane]).all(axis=1)
+            last = int(np.argmin(good)) - 1 if not good.all() else len(grid) - 1
+            block[lane, last + 1 :] = np.nan
+            found[lane] = _error(INFINITE, float(grid[last]), block[lane, last].copy())
+    return found
+
+
+def _one_interval(
+    lanes: Lanes, ends: np.ndarray, longest: list[float], stopped: Look
+) -> tuple[dict[int, IntegrationError], int]:
+    """From one point of the grid to the next, where that takes very many steps, none longer than
+    the lane's ``longest``."""
+    import heyoka as hy
+
+    ta, steps = lanes.integrator, 0
+    while True:
+        if stopped():
+            raise Stopped
+        before = ta.time.copy()
+        ta.propagate_until(float(ends[-1]), max_steps=CHUNK, max_delta_t=longest)
+        lanes.note_steps()
+        steps += sum(r[3] for r in ta.propagate_res)
+        if not np.isfinite(ta.state).all():
+            bad = [i for i in range(lanes.width) if not np.isfinite(ta.state[:, i]).all()]
+            return {i: _error(INFINITE, before[i], lanes.states[i]) for i in bad}, steps
+        if all(r[0] == hy.taylor_outcome.time_limit for r in ta.propagate_res):
+            return {}, steps
+        moved = np.abs(ta.time - before) > 1e-13 * np.ptp(ends)
+        stuck = [i for i in range(lanes.width) if ta.time[i] != ends[-1] and not moved[i]]
+        if stuck:
+            return {i: _error(COLLAPSE, ta.time[i], lanes.states[i]) for i in stuck}, steps
+
+
+def _error(reason: str, time: float, state: np.ndarray) -> IntegrationError:
+    return IntegrationError(f"{reason} after t = {time:.12g}", float(time), state)
+
+
+def strides(
+    program: Program, state: np.ndarray, values: np.ndarray, time: float, end: float, tol: float
+) -> Iterator[Any]:
+    """scipy's DOP853 after each of its steps; ``IntegrationError`` where it cannot go on."""
+    from scipy.integrate import DOP853
+
+    rhs, constants = compiled(program, scalar=True)[0], values.tolist()
+
+    def derivative(t: float, y: np.ndarray) -> Any:
+        try:
+            return rhs(t, y.tolist(), constants)
+        except (ZeroDivisionError, ValueError, OverflowError):
+            # a trial step left the domain: the method then tries a shorter one
+            return np.full(len(y), np.nan)
+
+    finest = max(tol, FINEST)
+    least = finest * units_of_many(program, state[None], values[None])[0]
+    method = DOP853(derivative, time, state, end, rtol=finest, atol=least)
+    while method.status == "running":
+        good, reached = method.y.copy(), float(method.t)
+        with np.errstate(all="ignore"):
+            method.step()
+        if method.status == "failed":
+            raise _error(COLLAPSE, reached, good)
+        if not np.isfinite(method.y).all():
+            raise _error(INFINITE, reached, good)
+        yield method
+
+
+def along_scipy(
+    program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray, tol: float,
+    stopped: Look,
+) -> tuple[np.ndarray, IntegrationError | None, int, bool]:  # fmt: skip
+    """One motion along a grid: states (k, n), the error that ended it, steps, and whether these
+    collapsed."""
+    rows = np.full((len(grid), len(state)), np.nan)
+    rows[0], done, steps = state, 1, 0
+    if len(grid) == 1:
+        return rows, None, 0, False
+    order, sizes = np.sign(grid[-1] - grid[0]), StepSizes.of(1)
+    try:
+        for method in strides(program, state, values, float(grid[0]), float(grid[-1]), tol):
+            steps += 1
+            if stopped():
+                raise Stopped
+            note_step(sizes, method)
+            reached = int(np.searchsorted(order * grid, order * method.t, side="right"))
+            if reached > done:
+                rows[done:reached] = method.dense_output()(grid[done:reached]).T
+                done = reached
+    except IntegrationError as error:
+        return rows, error, steps, False
+    return rows, None, steps, sizes.collapsed(0)
+
+
+def note_step(sizes: StepSizes, method: Any) -> None:
+    """Take down a step of scipy's; the last one is cut."""
+    if method.status == "running":
+        length = abs(method.t - method.t_old)
+        sizes.note(0, length, length)
+
+
+def chosen(
+    method: str, program: Program, tol: float, states: np.ndarray, values: np.ndarray
+) -> tuple[Lanes | None, str]:
+    """heyoka's lanes, or None for scipy; and why."""
+    if method not in ("auto", "heyoka", "scipy"):
+        raise DefinitionError(
+            f"there is no method '{method}' for many motions; methods are auto, heyoka, scipy"
+        )
+    if not 0 < tol < 1:
+        raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
+    if method == "scipy":
+        return None, "asked for"
+    try:
+        lanes = lanes_of(program, tol, states, values)
+    except ImportError:
+        if method == "heyoka":
+            raise DefinitionError(
+                "heyoka is not installed; 'pip install heyoka', or use method='scipy'"
+            ) from None
+        return None, "auto: heyoka is not installed"
+    except EngineLimit as limit:
+        if method == "heyoka":
+            raise
+        return None, f"auto: {limit}"
+    return lanes, "asked for" if method == "heyoka" else "auto: heyoka is installed"

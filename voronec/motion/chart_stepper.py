@@ -1,0 +1,283 @@
+"""The stepper that goes through the charts of a system, one stretch after another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.motion.atlas import HOME, LEAVE, RETURN, SIDE, Atlas, Home, Place, kept_charts
+from voronec.motion.steppers import Halt, Problem, Run, Stepper, choose, guarded
+from voronec.motion.steppers.choice import is_exact
+from voronec.motion.steppers.run import DISTANT, part_at
+
+if TYPE_CHECKING:
+    from voronec.equations.derivation import FirstOrderForm
+
+__all__ = ["through_charts"]
+
+TOUCH = 1e-12
+"""So near to a singularity, doubles do not tell on which side of it a motion passes."""
+APART = 1e-9
+"""A start nearer to a singularity is one on it: its angles there are known too badly."""
+SOON = 1e-7
+"""A motion that sets out from a singularity is looked at after this part of its span."""
+
+
+def through_charts(
+    method: str,
+    problem: Problem,
+    grid: np.ndarray,
+    equations: VoronecEquations,
+    functions: Mapping[str, Any],
+    form: FirstOrderForm | None = None,
+) -> tuple[Stepper, dict[str, Any]]:
+    """The integrator of a problem, and what ``Cost`` says of it, as ``choose`` gives them.
+
+    Near a singularity of the system's own chart it goes on in another.  ``functions`` are those of
+    the problem's events, by name, inside the door; ``form`` are the equations that the problem's
+    program is made of, by default those of the system.  Where no chart of the system maps the
+    variables of the form among themselves, this is what ``choose`` gives.  So it is in high
+    precision: the maps are made for doubles, and there steps may be as short as they like.
+    """
+    form = form or equations.form
+    charts = () if is_exact(method, problem.tol) else kept_charts(equations, form)
+    if not charts:
+        stepper, chosen = choose(method, problem, grid)
+        return lambda times: guarded(stepper(times), problem), chosen
+    atlas = Atlas(method, problem, grid, form, charts, functions)
+    own = atlas.place(HOME)
+    return lambda times: _Journey(atlas, times).run(), dict(own.chosen)
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """States of the own chart along a part of the way, on the right branches of angles.
+
+    ``inside`` gives states at any times of the part, of dense runs, on any branches.
+    """
+
+    times: np.ndarray
+    rows: np.ndarray
+    angles: np.ndarray
+    inside: Callable[[np.ndarray], np.ndarray] | None
+
+    def branched(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """States at times of this part with angles next to those known before them."""
+        order = 1.0 if self.times[-1] >= self.times[0] else -1.0
+        before = np.searchsorted(order * self.times, order * times, side="right") - 1
+        near = self.rows[np.clip(before, 0, len(self.rows) - 1)]
+        return np.where(self.angles, states - _turns(states - near), states)
+
+
+@dataclass
+class _Journey:
+    """One run: where it is, and what it has seen."""
+
+    atlas: Atlas
+    grid: np.ndarray
+    done: int = 1
+    steps: int = 0
+    evaluations: int = 0
+    switches: int = 0
+    ready: int = 0
+    idle: float = 0.0
+    last: np.ndarray = field(init=False)
+    standing: tuple[Any, np.ndarray] = field(init=False)
+    rows: list[np.ndarray] = field(init=False)
+    crossings: dict[str, list[tuple[np.ndarray, np.ndarray]]] = field(default_factory=dict)
+    stretches: list[_Stretch] = field(default_factory=list)
+    touched: list[float] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.last = self.atlas.problem.start
+        self.standing = self.grid[0], self.last
+        self.rows = [self.last[None, :]]
+        self.order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
+
+    def run(self) -> Run:
+        time, self.ready = self.grid[0], len(self.atlas.seconds)
+        try:
+            name, state = self.atlas.best(time, self.last)
+            while self.done < len(self.grid):
+                part = self.stretch(name, time, state)
+                halt = part.halt and Halt(
+                    part.halt.reason, part.halt.time, self.homeward(name, part.halt)
+                )
+                if part.halt or part.interrupted or part.stopped not in ("", LEAVE, RETURN):
+                    return self.result(halt, part.interrupted, part.stopped)
+                time, state, before = part.t[-1], part.states[-1], name
+                if part.stopped == RETURN:
+                    name, state = HOME, self.last
+                elif part.stopped == LEAVE:
+                    name, there = self.atlas.best(time, self.last)
+                    state = state if name == before else there
+                self.switches += name != before
+        except KeyboardInterrupt:
+            return self.result(interrupted=True)
+        return self.result()
+
+    def homeward(self, name: str, halt: Halt) -> np.ndarray:
+        """The state of a halt in the own chart."""
+        rows = self.atlas.place(name).home(np.array([halt.time]), halt.state[None, :])
+        return rows[0]
+
+    def stretch(self, name: str, time: Any, state: np.ndarray) -> Run:
+        """Go on in a chart until it ends, or the grid does."""
+        place = self.atlas.place(name)
+        times = np.concatenate([[time], self.grid[self.done :]])
+        if name != HOME and self.atlas.distances(times[:1], self.last[None, :])[0] < APART:
+            times = np.insert(times, 1, time + SOON * (self.grid[-1] - self.grid[0]))
+        if self.atlas.progress is not None:
+            whole = self.grid[-1] - self.grid[0]
+            self.atlas.progress.done = float((time - self.grid[0]) / whole)
+            self.atlas.progress.part = float((times[-1] - time) / whole)
+        part = place.run(state, times)
+        self.steps += part.steps
+        self.evaluations += part.evaluations
+        self.take(place, part)
+        return part
+
+    def take(self, place: Place, part: Run) -> None:
+        """Enter a stretch: points of the grid, crossings, dense output."""
+        angles, own = self.atlas.angles, place.name == HOME
+        times, rows = part.t, part.states
+        home = place.home
+        if not own:
+            times, rows = self.with_sides(part)
+            home = self.on_this_side(place, times[0], rows[0])
+            rows = self.beside_pole(place, times, home(times, rows))
+            rows[0] = self.last
+            rows = followed(rows, self.last, angles)
+            self.look(times, rows)
+        inside = part.inside
+        sampled = None if inside is None else lambda t: home(t, inside(t))
+        # in the own chart angles are on their branches as they are
+        stretch = _Stretch(times, rows, angles & (not own), sampled)
+        ahead = self.order * self.grid[self.done :]
+        count = int(np.searchsorted(ahead, self.order * times[-1], side="right"))
+        self.rows.append(rows[np.searchsorted(self.order * times, ahead[:count])])
+        self.done += count
+        self.last = rows[-1]
+        self.standing = times[-1], self.last
+        left = abs(times[-1] - (self.grid[self.done - 1] if count else times[0]))
+        share = left / abs(times[-1] - times[0]) if len(times) > 1 else 0.0
+        self.idle = (0.0 if count else self.idle) + share * part.steps
+        for event in self.atlas.problem.events:
+            t, states = part.crossings[event.name]
+            found = stretch.branched(t, home(t, states))
+            self.crossings.setdefault(event.name, []).append((t, found))
+        if self.atlas.problem.dense:
+            self.stretches.append(stretch)
+
+    def on_this_side(self, place: Place, time: Any, state: np.ndarray) -> Home:
+        """The way home from a chart; of coordinates that give states twice, on the side on which
+        the run has been."""
+        here, now = np.array([time]), state[None, :]
+        if self.atlas.distances(here, self.last[None, :])[0] < APART:
+            return place.home
+
+        def off(way: Home) -> float:
+            return float(np.abs(self.atlas.without_turns(way(here, now)[0] - self.last)).max())
+
+        return min(place.ways_home, key=off)
+
+    def beside_pole(self, place: Place, times: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """States at home, where a stretch sets out from a pole, or stays there, as if it had come
+        there as it leaves: there one angle of two is free, and stays as it was."""
+        begin = self.last[None, :]
+        if self.atlas.distances(times[:1], begin)[0] >= APART:
+            return rows
+        free = self.atlas.blind(place.name, times[0], self.last)
+        if not free.any():
+            return rows
+        which = int(np.argmax(np.abs(free)))
+        there = self.atlas.distances(times, rows) < TOUCH
+        there[0] = True
+        gap = (self.last[which] - rows[:, which]) / free[which]
+        rows = np.where(there[:, None], rows + gap[:, None] * free, rows)
+        left = np.flatnonzero(~there)
+        if len(left):
+            ahead = self.atlas.without_turns(rows[left[0]] - self.last)[which] / free[which]
+            self.last = np.where(self.atlas.angles, self.last + ahead * free, self.last)
+        return rows
+
+    def with_sides(self, part: Run) -> tuple[np.ndarray, np.ndarray]:
+        """Times and states of a stretch, with all instants at which an angle of the own chart
+        comes from one quadrant into another: between two of them it stays within a right angle."""
+        found = [rows for name, rows in part.crossings.items() if name.startswith(SIDE)]
+        inner = [(t, states) for t, states in found if len(t)]
+        times = np.concatenate([part.t, *(t for t, _ in inner)])
+        states = np.vstack([part.states, *(states for _, states in inner)])
+        order = self.order * times
+        _, first = np.unique(order, return_index=True)
+        kept = first[order[first] <= order[len(part.t) - 1]]
+        return times[kept], states[kept]
+
+    def look(self, times: np.ndarray, rows: np.ndarray) -> None:
+        """Note where a stretch passes through a singularity of the own chart, not where it sets
+        out from one."""
+        there = self.atlas.distances(times, rows) < TOUCH
+        begins = there & ~np.roll(there, 1)
+        begins[0] = False
+        self.touched += times[begins].tolist()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is to be said of the run."""
+        if not self.touched:
+            return ()
+        often = f", the first of {len(self.touched)} times" if len(self.touched) > 1 else ""
+        return (
+            f"at t = {self.touched[0]:.12g}{often} the motion passes through a pole of the "
+            "coordinates: angles after it are known up to whole turns",
+        )
+
+    def result(
+        self,
+        halt: Halt | None = None,
+        interrupted: bool = False,
+        stopped: str = "",
+    ) -> Run:
+        t, states = self.grid[: self.done], np.vstack(self.rows)[: self.done]
+        end, state = self.standing
+        kept = stopped or (interrupted and self.idle >= DISTANT)
+        if kept and self.order * end > self.order * t[-1]:
+            t, states = np.append(t, end), np.vstack([states, state])
+        width = states.shape[1]
+        crossings = {
+            e.name: (
+                np.concatenate([t for t, _ in self.crossings.get(e.name, [])] or [np.empty(0)]),
+                np.vstack([s for _, s in self.crossings.get(e.name, [])] or [np.empty((0, width))]),
+            )
+            for e in self.atlas.problem.events
+        }
+        return Run(
+            t.copy(), states, self.steps, self.evaluations, crossings, halt, interrupted, stopped,
+            self.inside if self.atlas.problem.dense else None, switches=self.switches,
+            prepared=sum(self.atlas.seconds[self.ready :]), notes=self.notes,
+        )  # fmt: skip
+
+    def inside(self, times: np.ndarray) -> np.ndarray:
+        """States at any times reached."""
+        which = part_at([s.times[-1] for s in self.stretches], self.order, times)
+        found = np.empty((len(times), len(self.last)))
+        for i in np.unique(which):
+            part, here = self.stretches[i], which == i
+            if part.inside is not None:
+                found[here] = part.branched(times[here], part.inside(times[here]))
+        return found
+
+
+def followed(rows: np.ndarray, before: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Rows (k, n), each angle on the branch nearest to the row above; ``before`` is the first."""
+    steps = np.diff(np.vstack([before, rows]), axis=0)
+    return np.where(angles, rows - np.cumsum(_turns(steps), axis=0), rows)
+
+
+def _turns(steps: np.ndarray) -> np.ndarray:
+    """The whole turns in steps."""
+    return 2 * np.pi * np.rint(steps / (2 * np.pi))

@@ -1,0 +1,168 @@
+"""``integrate(method="closed-form")``: a motion evaluated on a grid, and what is watched on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import ceil, log2, log10
+from time import perf_counter, process_time
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from voronec.algebra.symbols import plain_name
+from voronec.closed import ClosedForm
+from voronec.closed.winding import NoWholeTurns, passed_poles, told
+from voronec.equations.program import Program
+from voronec.errors import DefinitionError
+from voronec.motion.closed_form import closed_from
+from voronec.motion.motion_start import Outset
+from voronec.motion.numeric_model import whole
+from voronec.motion.observables import Watch, observed, watched
+from voronec.motion.request import Given
+from voronec.motion.state_probe import quantities
+from voronec.motion.steppers.choice import EXACT
+from voronec.motion.trajectory import Cost, Trajectory
+from voronec.motion.vocabulary import Vocabulary
+
+__all__ = ["evaluated_motion"]
+
+REASONS = {"closed-form": "asked for", "auto": "auto: the way is long, and nothing adds up"}
+MARGIN = 32
+"""Bits beyond those of the tolerance in which outputs are computed."""
+OFTEN = 20
+"""So many instants in balls pass between two reports of progress."""
+
+
+def evaluated_motion(
+    vocabulary: Vocabulary,
+    asked: Sequence[Any],
+    given: Given,
+    outset: Outset,
+    grid: np.ndarray,
+    tol: float,
+    dense: bool,
+    progress: Callable[[float], Any] | None,
+    began: float,
+    method: str,
+) -> Trajectory:
+    """The trajectory of a motion in closed form.
+
+    A tolerance below 1e-16 gives mpmath's numbers, from enclosures that are narrower than it.
+    Where a pole of coordinates in space is passed, its angles come modulo a turn, with a note.
+    """
+    if not 0 < tol < 1:
+        raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
+    equations = vocabulary.equations
+    form = closed_from(vocabulary, given, outset)
+    watch = watched(vocabulary, asked)
+    program = (
+        whole(vocabulary, asked, {}).program
+        if watch.multipliers is not None
+        else quantities(equations.raw.form, watch.expressions)
+    )
+    sight = _Sight(vocabulary, form, watch, program, outset, float(grid[0]), tol)
+    if tol >= EXACT:
+        form.modulo(0.0, sight.names)
+    elif not form.rests:
+        form.solution.constants(64)
+    ready, busy = perf_counter(), process_time()
+    t, states, notes = sight.states(grid, progress)
+    cost = Cost(
+        "closed-form", REASONS[method], tol, ready - began, perf_counter() - ready, 0, 0,
+        cpu=process_time() - busy,
+    )  # fmt: skip
+    if not len(t):
+        raise KeyboardInterrupt
+    trajectory = sight.seen(t, states, cost, len(t) < len(grid))
+    return replace(
+        trajectory,
+        notes=(*outset.notes, *notes),
+        within=(lambda times: sight.seen(*sight.states(times, None)[:2], cost)) if dense else None,
+    )
+
+
+@dataclass(frozen=True)
+class _Sight:
+    """How instants become states, and states a trajectory."""
+
+    vocabulary: Vocabulary
+    form: ClosedForm
+    watch: Watch
+    program: Program
+    outset: Outset
+    start: float
+    tol: float
+
+    @property
+    def names(self) -> list[str]:
+        """Of the states, in their order."""
+        system = self.vocabulary.equations.system
+        return [plain_name(q) for q in (*system.coordinates, *system.velocities)]
+
+    @property
+    def bits(self) -> int:
+        """In which outputs are computed."""
+        return max(53, ceil(-log2(self.tol)) + MARGIN)
+
+    def states(
+        self, grid: np.ndarray, progress: Callable[[float], Any] | None
+    ) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
+        """The instants, as far as the keyboard let them come, the states there, and what is to be
+        said of them."""
+        try:
+            t, states = self._states(grid, progress, True)
+        except NoWholeTurns as error:
+            t, states = self._states(grid, progress, False)
+            return t, states, (
+                f"{told(error.names, error.time, self.start)}; they are given modulo a turn",
+            )  # fmt: skip
+        passed = passed_poles(self.form, grid - self.start).items()
+        return t, states, tuple(
+            f"{told(names, time, self.start)}; half a turn is counted there"
+            for time, names in passed
+        )  # fmt: skip
+
+    def _states(
+        self, grid: np.ndarray, progress: Callable[[float], Any] | None, whole: bool
+    ) -> tuple[np.ndarray, np.ndarray]:
+        if self.tol >= EXACT:
+            value = self.form.at if whole else self.form.modulo
+            found = value(grid - self.start, self.names)
+            return grid.copy(), np.stack([found[n] for n in self.names]).T
+        rows = []
+        try:
+            for i, t in enumerate(grid):
+                rows.append(self._row(t, whole))
+                if progress is not None and i % OFTEN == 0:
+                    progress(i / len(grid))
+        except KeyboardInterrupt:
+            pass
+        table = np.array(rows, dtype=object).reshape(len(rows), len(self.names))
+        return np.array([mpmath.mpf(t) for t in grid[: len(rows)]], dtype=object), table
+
+    def _row(self, t: Any, whole: bool) -> list[Any]:
+        digits = ceil(-log10(self.tol)) + 1
+        found = self.form.enclose(Fraction(float(t)) - Fraction(self.start), digits, whole)
+        with mpmath.workprec(self.bits):
+            return [_number(found[name]) for name in self.names]
+
+    def seen(
+        self, t: np.ndarray, states: np.ndarray, cost: Cost, interrupted: bool = False
+    ) -> Trajectory:
+        """Everything watched at some states."""
+        constants = dict(self.outset.constants)
+        if states.dtype == object:
+            constants = self.outset.exactly.constants(self.bits)
+        with mpmath.workprec(self.bits):
+            return observed(
+                self.vocabulary, self.watch, self.program, t, states, constants, cost, interrupted
+            )
+
+
+def _number(ball: Any) -> Any:
+    """The middle of a ball as mpmath's number, rounded to the precision in force."""
+    mantissa, exponent = ball.mid().man_exp()
+    return mpmath.ldexp(mpmath.mpf(int(mantissa)), int(exponent))

@@ -1,0 +1,440 @@
+"""Ensembles: many starts, or many values of the parameters, of one system on one grid of times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
+from queue import SimpleQueue
+from threading import Event
+from time import perf_counter
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from voronec.algebra.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
+from voronec.declaration.scene import Scene
+from voronec.declaration.system import System, require_system
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import IntegrationError, VoronecError
+from voronec.motion.batches import Lanes, Stopped, along, along_scipy, chosen
+from voronec.motion.inputs import drive
+from voronec.motion.motion_pool import Many, at_each, drifts, many
+from voronec.motion.request import (  # fmt: skip
+    Values,
+    grid_of,
+    outputs_of,
+    quantity,
+    scene_of,
+    spread_starts,
+)
+from voronec.motion.separate_motions import Apart
+from voronec.motion.soundness import JudgeOfMany
+from voronec.motion.steppers.scipy_stepper import FINEST
+from voronec.motion.trajectory import Cost, Trajectory
+from voronec.motion.vocabulary import Vocabulary, held_name
+
+__all__ = ["Ensemble", "ensemble"]
+
+BATCHES = 8
+"""How many times a worker loads its lanes between two reports."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ensemble:
+    """Many motions of one system on one grid of times.
+
+    ``t`` has shape (k,); ``ensemble["u"]`` has shape (starts, k), by name, symbol or expression
+    among ``outputs``.  What was not computed is not a number: a motion that failed keeps what came
+    before, and ``errors`` tells by its position why it failed; one that the run did not come to is
+    missing in ``finished``, of shape (starts,).  ``parameters`` are arrays (starts,).
+
+    ``drift`` maps each integral that the equations in use can express to its largest change
+    along each motion, (starts,), relative to its start there; where it starts at zero, relative
+    to the largest start of all.  ``level`` names the variables of these equations, as in
+    ``Model``.  ``interrupted`` says that the run was stopped by hand.
+    """
+
+    system: System
+    t: np.ndarray
+    outputs: tuple[str, ...]
+    series: Mapping[str, np.ndarray]
+    parameters: Mapping[str, np.ndarray]
+    finished: np.ndarray
+    errors: Mapping[int, VoronecError]
+    drift: Mapping[str, np.ndarray]
+    level: str
+    cost: Cost
+    interrupted: bool = False
+
+    def __getitem__(self, key: Any) -> np.ndarray:
+        return self.series[held_name(key, self.series, "the ensemble holds")]
+
+    def __len__(self) -> int:
+        return len(self.finished)
+
+
+@accepts(
+    outputs=SEVERAL,
+    parameters=VALUES,
+    inputs=VALUES,
+    method=TEXT,
+    tol=REAL,
+    jobs=COUNT,
+    progress=CALLABLE,
+)
+def ensemble(
+    system: System | VoronecEquations,
+    starts: Mapping[Any, Any] | Sequence[Values] | None = None,
+    parameters: Mapping[Any, Any] | None = None,
+    times: Any = None,
+    outputs: Sequence[Any] = (),
+    scene: Any = None,
+    method: str = "auto",
+    tol: float = 1e-13,
+    jobs: int = 1,
+    progress: Callable[[float], Any] | None = None,
+    inputs: Mapping[Any, Any] | None = None,
+) -> Ensemble:
+    """The motions of one system from many starts, or with many values of its parameters.
+
+    starts
+        arrays of initial values by name or symbol, all of one length (a single number stands for
+        all), or a sequence of such mappings, one for each motion.  What a start does not give
+        comes from the scene, if one is named, else it is zero.
+    parameters
+        values by name or symbol; an array gives each motion its own.
+    times, outputs, scene, tol
+        as for ``integrate``.  The smallest model of the system that holds the outputs, whatever the
+        start, is what is integrated.
+    method
+        ``heyoka`` carries several motions at once in the lanes of one batch integrator, compiled
+        once; ``scipy`` (DOP853) runs them one by one; ``auto`` takes heyoka where it installs.
+    jobs
+        threads, each with an integrator of its own; scipy gains nothing by them and takes one.
+    progress
+        is called with the finished fraction.
+    inputs
+        values of the system's inputs, numbers or expressions, as for ``integrate``.
+
+    Motions that start at poles of coordinates, or pass near one or near a singular split of the
+    velocities, are integrated again alone, as by ``integrate``.
+    A start or a parameter from which no motion goes, and a motion that breaks down, loses a proved
+    integral or does not obey the equations, is noted in ``errors``, and the others go on; where
+    every start is wrong, the first error is raised.
+    Ctrl-C ends the run and keeps the motions that are done; none is while it is being set up.
+    """
+    began = perf_counter()
+    declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
+    chosen_scene = scene_of(declared, scene, starts is None, "starts")
+    single, columns = spread_starts(starts, parameters or {})
+    grid = grid_of(declared, chosen_scene, times)
+    driven = drive(system, inputs, chosen_scene, steady="an ensemble")
+    equations, columns = driven.equations, {**columns, **driven.constants}
+    vocabulary = Vocabulary.of(equations, driven.meaning)
+    keys, own = outputs_of(chosen_scene, outputs), equations.system
+    wanted = dict(quantity(vocabulary, k) for k in keys or (*own.coordinates, *own.velocities))
+    try:
+        motions = many(equations, chosen_scene, single, columns, wanted, float(grid[0]))
+        apart = Apart.of(motions, method, tol, grid)
+        lanes, reason = (
+            chosen(method, motions.program, tol, *motions.going)
+            if apart is None and motions.sound
+            else (None, "each start alone" if apart is None else apart.reason)
+        )
+    except KeyboardInterrupt:
+        return _nothing_done(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
+    ready = perf_counter()
+    finest = tol if lanes else max(tol, FINEST)
+    filled = _Filled.empty(motions, tuple(wanted), grid, apart, finest)
+    interrupted = _run(filled, lanes, tol, jobs, progress)
+    if not interrupted:
+        filled.go_on_alone(single, chosen_scene, keys, method, tol)
+    if not motions.sound and not filled.alone:
+        raise motions.wrong[0]
+    steps = sum(filled.steps) + sum(cost.steps for cost in filled.alone)
+    used = filled.alone[0].method if not motions.sound else "scipy" if lanes is None else "heyoka"
+    cost = Cost(
+        method=apart.method if apart else used, reason=reason,
+        tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
+        run=perf_counter() - ready, steps=steps, evaluations=steps,
+        switches=sum(cost.switches for cost in filled.alone),
+    )  # fmt: skip
+    return filled.ensemble(cost, interrupted)
+
+
+def _nothing_done(
+    system: System, outputs: tuple[str, ...], grid: np.ndarray, count: int, tol: float, spent: float
+) -> Ensemble:
+    """What there is when the set-up is stopped by hand."""
+    cost = Cost("none", "stopped by hand while it was set up", tol, spent, 0.0, 0, 0)
+    series = {name: np.full((count, len(grid)), np.nan) for name in outputs}
+    finished = np.zeros(count, dtype=bool)
+    for array in (grid, finished, *series.values()):
+        array.flags.writeable = False
+    return Ensemble(
+        system, grid, outputs, MappingProxyType(series), {}, finished, {}, {}, "", cost, True
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Filled:
+    """What the workers fill in; each writes the rows of its own starts alone."""
+
+    motions: Many
+    grid: np.ndarray
+    series: dict[str, np.ndarray]
+    changes: dict[str, np.ndarray]
+    first: dict[str, np.ndarray]
+    finished: np.ndarray
+    judge: JudgeOfMany
+    apart: Apart | None = None
+    errors: dict[int, VoronecError] = field(default_factory=dict)
+    steps: list[int] = field(default_factory=list)
+    collapsed: list[int] = field(default_factory=list)
+    alone: list[Cost] = field(default_factory=list)
+
+    @classmethod
+    def empty(
+        cls,
+        motions: Many,
+        outputs: tuple[str, ...],
+        grid: np.ndarray,
+        apart: Apart | None,
+        tol: float,
+    ) -> _Filled:
+        def nothing(*shape: int) -> np.ndarray:
+            return np.full(shape, np.nan)
+
+        count, integrals = len(motions), motions.ground.integrals
+        return cls(
+            motions=motions,
+            grid=grid,
+            series={name: nothing(count, len(grid)) for name in outputs},
+            changes={name: nothing(count) for name in integrals},
+            first={name: nothing(count) for name in integrals},
+            finished=np.zeros(count, dtype=bool),
+            apart=apart,
+            judge=JudgeOfMany(
+                motions.vocabulary.equations,
+                motions.program,
+                tol,
+                {name: f"integral {name}" for name in integrals},
+            ),
+            errors=dict(motions.wrong),
+        )
+
+    def put(self, where: np.ndarray, rows: np.ndarray, failed: Mapping[int, VoronecError]) -> None:
+        """States (m, k, n) of some starts; ``failed`` by position among these."""
+        values = self.motions.values[where][:, None, :]
+        values = np.broadcast_to(values, (*rows.shape[:2], values.shape[-1]))
+        names = self.motions.program.names
+        found = at_each(self.motions.extras, names, self.grid, rows, values)
+        for name, array in self.series.items():
+            array[where] = found[name]
+        for name, array in self.changes.items():
+            along_motion = found[f"integral {name}"]
+            self.first[name][where] = along_motion[:, 0]
+            # a motion that failed has numbers up to there, the first one in any case
+            array[where] = np.nanmax(np.abs(along_motion - along_motion[:, :1]), axis=1)
+        self.errors.update({int(where[i]): error for i, error in failed.items()})
+        self.finished[[int(i) for i in where if int(i) not in self.errors]] = True
+
+    def go_on_alone(
+        self, starts: Sequence[Values], scene: Scene | None, keys: Sequence[Any], method: str,
+        tol: float,
+    ) -> None:  # fmt: skip
+        """Motions that went wrong, did not start, or came near a place where the equations are
+        singular, once more, each alone: ``integrate`` goes on in other charts and splits.
+
+        ``starts`` are as they were given.
+        """
+        from voronec.motion.integration import integrate
+
+        motions, equations = self.motions, self.motions.vocabulary.equations
+        own = [*equations.system.coordinates, *equations.system.velocities]
+        for i in sorted({*self.errors, *self.collapsed}):
+            sound = i not in motions.wrong
+            if sound and i in self.errors and not motions.may_go_on:
+                continue
+            given = {name: float(x[i]) for name, x in motions.parameters.items()}
+            start: Values = dict(zip(own, motions.full[i].tolist(), strict=True))
+            at = Scene({}, (0.0, 1.0)) if sound or scene is None else scene
+            try:
+                run = integrate(
+                    equations, at, self.grid, keys, given, start if sound else starts[i], method,
+                    tol,
+                )  # fmt: skip
+            except VoronecError as error:
+                self.fails(i, error)
+            else:
+                self.replaces(i, run)
+
+    def fails(self, i: int, error: VoronecError) -> None:
+        """A motion that fails alone too: its first error stays, if it had one."""
+        if i in self.errors:
+            return
+        time = getattr(error, "time", None)
+        late = np.abs(self.grid - self.grid[0]) > abs(float(time or self.grid[0]) - self.grid[0])
+        for array in self.series.values():
+            array[i, late] = np.nan
+        self.errors[i] = error
+        self.finished[i] = False
+
+    def replaces(self, i: int, run: Trajectory) -> None:
+        """The motion of a start, integrated alone."""
+        if len(run) != len(self.grid):
+            return
+        for name, array in self.series.items():
+            array[i] = run[name]
+        for name in self.changes.keys() & run.integrals.keys():
+            values = run.integrals[name]
+            self.first[name][i] = values[0]
+            self.changes[name][i] = np.abs(values - values[0]).max()
+        self.alone.append(run.cost)
+        self.finished[i] = True
+        self.errors.pop(i, None)
+
+    def ensemble(self, cost: Cost, interrupted: bool) -> Ensemble:
+        drift = {name: drifts(x, self.first[name]) for name, x in self.changes.items()}
+        for array in (self.grid, self.finished, *self.series.values()):
+            array.flags.writeable = False
+        return Ensemble(
+            system=self.motions.vocabulary.equations.system,
+            t=self.grid,
+            outputs=tuple(self.series),
+            series=MappingProxyType(self.series),
+            parameters=MappingProxyType(dict(self.motions.parameters)),
+            finished=self.finished,
+            errors=MappingProxyType(dict(sorted(self.errors.items()))),
+            drift=MappingProxyType(drift),
+            level=self.motions.ground.level,
+            cost=cost,
+            interrupted=interrupted,
+        )
+
+
+def _run(filled: _Filled, lanes: Lanes | None, tol: float, jobs: int, progress: Any) -> bool:
+    """All motions, block by block; whether it was stopped by hand."""
+    sound = np.array(filled.motions.sound, dtype=int)
+    size = BATCHES * lanes.width if lanes else 1
+    blocks = [sound[i : i + size] for i in range(0, len(sound), size)]
+    jobs = max(1, min(jobs, len(blocks))) if lanes else 1
+    workers: SimpleQueue[Lanes | None] = SimpleQueue()
+    for k in range(jobs):
+        workers.put(lanes.again() if lanes and k else lanes)
+    halt = Event()
+
+    def work(block: np.ndarray) -> None:
+        own = workers.get()
+        try:
+            _block(filled, own, block, tol, halt)
+        finally:
+            workers.put(own)
+
+    try:
+        for done in _worked(work, blocks, jobs):
+            if progress is not None:
+                progress(done)
+    except KeyboardInterrupt:
+        halt.set()
+        return True
+    return False
+
+
+def _worked(work: Callable[[Any], None], blocks: list[Any], jobs: int) -> Iterator[float]:
+    """Do the work, in threads where there are several jobs; yields the finished fraction."""
+    if jobs == 1:
+        for k, block in enumerate(blocks):
+            work(block)
+            yield (k + 1) / len(blocks)
+        return
+    with ThreadPoolExecutor(jobs) as pool:
+        left = {pool.submit(work, block) for block in blocks}
+        try:
+            while left:
+                over, left = wait(left, return_when=FIRST_COMPLETED)
+                for one in over:
+                    one.result()
+                yield 1 - len(left) / len(blocks)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _block(
+    filled: _Filled, lanes: Lanes | None, block: np.ndarray, tol: float, halt: Event
+) -> None:
+    """Some starts, one load of the lanes after another."""
+    motions, width = filled.motions, lanes.width if lanes else 1
+    over: list[tuple[np.ndarray, np.ndarray, dict[int, IntegrationError]]] = []
+    taken = 0
+    try:
+        for i in range(0, len(block), width):
+            where = block[i : i + width]
+            states, values = motions.states[where], motions.values[where]
+            if filled.apart is not None:
+                rows, error, steps = filled.apart.along(int(where[0]), filled.grid, halt.is_set)
+                rows, failed = rows[None], {} if error is None else {0: error}
+            elif lanes is None:
+                rows, error, steps, short = along_scipy(
+                    motions.program, states[0], values[0], filled.grid, tol, halt.is_set
+                )
+                filled.collapsed.extend(where[:short].tolist())
+                rows, failed = rows[None], {} if error is None else {0: error}
+            else:
+                rows, failed, steps, near = along(lanes, states, values, filled.grid, halt.is_set)
+                filled.collapsed.extend(where[near].tolist())
+            taken += steps
+            over.append((where, rows, failed))
+    except Stopped:
+        return
+    finally:
+        _judged(filled, over, taken, lanes is None)
+
+
+def _judged(
+    filled: _Filled,
+    over: list[tuple[np.ndarray, np.ndarray, dict[int, IntegrationError]]],
+    steps: int,
+    stepwise: bool,
+) -> None:
+    """Fill in what is done of a block, after a look at whether it went well; ``stepwise`` says that
+    it was by scipy."""
+    if not over:
+        return
+    where = np.concatenate([w for w, _, _ in over])
+    rows = np.concatenate([r for _, r, _ in over])
+    failed: dict[int, IntegrationError] = {}
+    for at, (_, _, errors) in zip(
+        np.cumsum([0, *(len(w) for w, _, _ in over)]), over, strict=False
+    ):
+        failed |= {int(at) + i: error for i, error in errors.items()}
+    values, each = filled.motions.values[where], steps / len(where)
+    smooth = filled.apart is None  # else the equations have more than one right side
+    breaches = filled.judge.breaches(filled.grid, rows, values, each) if smooth else {}
+    for i, breach in breaches.items():
+        time, state = float(filled.grid[breach.row]), rows[i, breach.row].copy()
+        failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
+        rows[i, breach.row + 1 :] = np.nan
+    if smooth and stepwise:  # steps of Taylor's method grow short there, others may go across
+        filled.collapsed.extend(where[filled.motions.passes_divisor(filled.grid, rows, values)])
+    filled.steps.append(steps)
+    filled.put(where, rows, _told(filled.motions, where, failed))
+
+
+def _told(
+    motions: Many, where: np.ndarray, failed: Mapping[int, IntegrationError]
+) -> dict[int, VoronecError]:
+    """The errors, saying which start they are about."""
+    name = motions.vocabulary.equations.system.name
+    return {
+        i: IntegrationError(
+            f"system '{name}', start {where[i]}: {error}; end the run before that, or use another "
+            "chart",
+            error.time,
+            error.state,
+        )
+        for i, error in failed.items()
+    }

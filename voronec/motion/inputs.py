@@ -1,0 +1,288 @@
+"""Inputs: functions of the time whose values are given when a motion is computed.
+
+An expression takes the place of its input before anything is derived, so it is differentiated
+exactly.  Any other input becomes a polynomial about an instant s,
+
+    u(t) = u + udot (t - s) + udotdot (t - s)^2/2 + ...,
+
+whose coefficients are parameters: of a number they are constant, of a table they change at its
+knots, of a function of Python's they are its values at the instant s = t itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import factorial
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import names_in, plain_name, time, velocity
+from voronec.algebra.text import formula
+from voronec.declaration.claims import right_of
+from voronec.declaration.reading import expression, mapping, shown
+from voronec.declaration.scene import Parameter
+from voronec.declaration.system import System
+from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.errors import DefinitionError, did_you_mean
+from voronec.motion.steppers.signals import Signal, Signals
+from voronec.motion.tables import Table
+
+__all__ = ["Drive", "drive"]
+
+_KEPT = "_driven"
+"""Where a system keeps itself with inputs replaced."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A system with its inputs replaced.
+
+    ``original`` is the system as it was declared; ``meaning`` what stands for each input and its
+    rates; ``constants`` the values of inputs that are numbers; ``changing`` the parameters that
+    change in time, None where none does.
+    """
+
+    original: System
+    equations: VoronecEquations
+    meaning: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+    constants: Mapping[str, Any] = field(default_factory=dict)
+    changing: Signals | None = None
+
+    def parameters(self, start: float, end: float) -> dict[str, Any]:
+        """Values of the parameters that stand for inputs, where a motion starts."""
+        changing = {} if self.changing is None else self.changing.on(start, end)
+        return {**self.constants, **changing}
+
+    def require_span(self, start: float, end: float) -> None:
+        """Refuse times at which a table has no value."""
+        for signal in self.changing.signals if self.changing is not None else ():
+            low, high = min(start, end), max(start, end)
+            if low < signal.first or high > signal.last:
+                raise DefinitionError(
+                    f"system '{self.original.name}': the table of the input '{signal.name}' goes "
+                    f"from t = {signal.first:g} to {signal.last:g}, the motion from {low:g} to "
+                    f"{high:g}; give a longer table, or other times"
+                )
+
+
+def drive(
+    system: System | VoronecEquations,
+    inputs: Mapping[Any, Any] | None = None,
+    scene: Any = None,
+    steady: str = "",
+    unknown: bool = False,
+) -> Drive:
+    """The system with values for its inputs; ``DefinitionError`` names one that has none.
+
+    ``steady`` says who asks, where inputs that change with the time otherwise than by a formula
+    are refused; with ``unknown`` an input without a value is carried along as a parameter without
+    one, with as many rates as the equations hold.
+    """
+    original = system.system if isinstance(system, VoronecEquations) else system
+    if not original.inputs and not inputs:
+        return Drive(original, system if isinstance(system, VoronecEquations) else derive(system))
+    values = _named(original, {**getattr(scene, "inputs", {}), **(inputs or {})})
+    found = [_stand_in(original, u, values, unknown) for u in original.inputs]
+    signals = tuple(each.signal for each in found if each.signal is not None)
+    if signals and steady:
+        raise DefinitionError(
+            f"system '{original.name}': {steady} takes numbers and expressions of t for inputs, "
+            f"not what '{signals[0].name}' is given; integrate the motions one by one"
+        )
+    meaning = {thing: expr for each in found for thing, expr in each.meaning.items()}
+    constants = {name: x for each in found for name, x in each.constants.items()}
+    symbols = [s for each in found for s in each.symbols]
+    shapes = tuple(each.shape for each in found)
+    changing = Signals(signals) if signals and not unknown else None
+    driven = _driven(original, meaning, symbols, shapes, bool(signals))
+    return Drive(original, derive(driven), meaning, constants, changing)
+
+
+@dataclass(frozen=True)
+class _StandIn:
+    """What stands for one input: the ``meaning`` of it and its rates, in ``symbols`` of its own
+    where it is no expression; inputs of one ``shape`` have one meaning."""
+
+    shape: Any
+    meaning: Mapping[sp.Expr, sp.Expr]
+    symbols: Sequence[sp.Symbol] = ()
+    constants: Mapping[str, Any] = field(default_factory=dict)
+    signal: Signal | None = None
+
+
+def _stand_in(system: System, u: sp.Expr, values: Mapping[str, Any], unknown: bool) -> _StandIn:
+    name = plain_name(u)
+    if name not in values and unknown:
+        values = {name: Signal(name, derive(system).orders.get(name, 0), "an unknown input")}
+    if name not in values:
+        raise DefinitionError(
+            f"system '{system.name}': no value for the input '{name}'; give "
+            f"inputs={{'{name}': ...}}: a number, an expression, a table or a function of t"
+        )
+    read = _read(system, u, values)
+    if isinstance(read, Signal):
+        symbols = _symbols(system, u, read.degree)
+        _require_rates(system, u, read)
+        meaning = _rates(u, _polynomial(symbols, read.degree))
+        signal = replace(read, parameters=tuple(map(str, symbols)))
+        return _StandIn((name, (read.degree, len(symbols))), meaning, symbols, signal=signal)
+    if read.is_number:
+        symbol = sp.Symbol(name)
+        meaning = _rates(u, _polynomial([symbol], 0))
+        return _StandIn((name, (0, 1)), meaning, [symbol], {name: read})
+    return _StandIn((name, read), _rates(u, _jet_of_expression(system, u, read)))
+
+
+def _named(system: System, given: Mapping[Any, Any]) -> dict[str, Any]:
+    """Values by the names of inputs, and of their rates."""
+    known = [plain_name(u) + "dot" * k for u in system.inputs for k in range(3)]
+    found: dict[str, Any] = {}
+    for key, value in mapping(given, "inputs", "name: value").items():
+        name = key if isinstance(key, str) else plain_name(key)
+        if name not in known:
+            raise DefinitionError(
+                f"system '{system.name}' has no input '{shown(name)}'{did_you_mean(name, known)}"
+            )
+        found[name] = value
+    return found
+
+
+def _read(system: System, u: sp.Expr, values: Mapping[str, Any]) -> sp.Expr | Signal:
+    """The value of an input: an expression, or a signal that has yet to be named."""
+    name = plain_name(u)
+    value, place = values[name], f"system '{system.name}': the input '{name}'"
+    if isinstance(value, Signal):
+        return value
+    if isinstance(value, str):
+        known = {plain_name(s): s for s in system.known_symbols()}
+        value = formula(value, place, known)
+    elif isinstance(value, tuple) and len(value) == 2:
+        value = Table(*value)
+    rates = [values[k] for k in (f"{name}dot", f"{name}dotdot") if k in values]
+    if isinstance(value, Table) or not callable(value):
+        if rates:
+            raise DefinitionError(f"{place} is no function of Python's; it brings its own rates")
+        if isinstance(value, Table):
+            return value.signal(name)
+        return expression(value, place)
+    if not all(map(callable, rates)) or (f"{name}dotdot" in values and len(rates) < 2):
+        raise DefinitionError(f"{place}: its rates are functions of t too, none left out")
+    return Signal.called(name, (value, *rates))
+
+
+def _jet_of_expression(system: System, u: sp.Expr, value: sp.Expr) -> list[sp.Expr]:
+    """An expression and its rates, as far as it has any."""
+    constants = {p.symbol for p in system.parameters}
+    state = names_in(value) - constants - {time}
+    if not state:
+        return [value, value.diff(time), value.diff(time, 2)]
+    place = f"system '{system.name}': the input '{plain_name(u)}' = {shown(value)}"
+    known = {*system.known_symbols()} - {*system.inputs}
+    foreign = sorted(map(str, state - known))
+    if foreign:
+        raise DefinitionError(
+            f"{place} contains '{foreign[0]}', which is neither coordinate, velocity, parameter "
+            "nor the time"
+        )
+    held = [system.lagrangian, *system.constraints, *system.fibration.relations]
+    held += system.frame.expressions if system.frame is not None else ()
+    jets = {u, velocity(u)}
+    rated = any(names_in(e) & {n for n in names_in(e) if n != u and _rate_of(n, u)}
+                for e in system.forces.values())  # fmt: skip
+    if rated or any(names_in(e) & jets for e in held):
+        raise DefinitionError(
+            f"{place} holds '{min(map(str, state))}', but the input stands outside of the forces, "
+            "or with its rate: there it is a function of the time alone; write it into the system"
+        )
+    return [value]
+
+
+def _rate_of(thing: sp.Expr, u: sp.Expr) -> bool:
+    return thing == velocity(u) or (isinstance(thing, sp.Derivative) and thing.expr == u)
+
+
+def _rates(u: sp.Expr, jet: Sequence[sp.Expr]) -> dict[sp.Expr, sp.Expr]:
+    """What stands for an input and for its rates."""
+    found, thing = {}, u
+    for expr in jet:
+        found[thing] = expr
+        thing = velocity(thing)
+    return found
+
+
+def _symbols(system: System, u: sp.Expr, degree: int) -> list[sp.Symbol]:
+    """Parameters for the values of an input and its rates, and for the instant that they are of."""
+    name = plain_name(u)
+    found = [sp.Symbol(name + "dot" * k) for k in range(degree + 1)]
+    if not degree:
+        return found
+    taken = {plain_name(s) for s in system.known_symbols()}
+    since = f"{name}_since"
+    while since in taken:
+        since += "_"
+    return [*found, sp.Symbol(since)]
+
+
+def _polynomial(symbols: Sequence[sp.Symbol], degree: int) -> list[sp.Expr]:
+    """u + udot (t - s) + ..., and its derivatives."""
+    if not degree:
+        return [symbols[0], sp.Integer(0), sp.Integer(0)]
+    *values, since = symbols
+    whole = sp.Add(*[c * (time - since) ** k / factorial(k) for k, c in enumerate(values)])
+    return [whole, whole.diff(time), whole.diff(time, 2)]
+
+
+def _require_rates(system: System, u: sp.Expr, signal: Signal) -> None:
+    """Refuse a signal that lacks a derivative which the equations hold."""
+    needed = derive(system).orders.get(plain_name(u), 0)
+    if needed > signal.degree:
+        rate = plain_name(u) + "dot" * (signal.degree + 1)
+        raise DefinitionError(
+            f"system '{system.name}': the equations hold '{rate}', a derivative of the input "
+            f"'{plain_name(u)}' that {signal.kind} does not have; give {signal.mend(rate)}"
+        )
+
+
+def _driven(
+    original: System,
+    meaning: Mapping[sp.Expr, sp.Expr],
+    symbols: Sequence[sp.Symbol],
+    shape: Any,
+    moving: bool,
+) -> System:
+    """The system with expressions in the place of its inputs, made once for each shape of them.
+
+    What was claimed of the original is not claimed of it, but for integrals: those with an input in
+    them only where that does not jump.
+    """
+    kept: dict[Any, System] = original.__dict__.setdefault(_KEPT, {})
+    if shape in kept:
+        return kept[shape]
+
+    def on(expr: Any) -> Any:
+        return expr.xreplace(meaning)
+
+    jumping = {*meaning} if moving else set()
+    integrals = {name: right_of(e) for name, e in original.integrals.items()}
+    frame = original.frame
+    if frame is not None:
+        frame = replace(frame, expressions=tuple(map(on, frame.expressions)))
+    constants = [p for p in original.parameters if isinstance(p.symbol, sp.Symbol)]
+    kept[shape] = replace(
+        original,
+        lagrangian=on(original.lagrangian),
+        constraints=tuple(map(on, original.constraints)),
+        forces={q: on(e) for q, e in original.forces.items()},
+        fibration=replace(
+            original.fibration, relations=tuple(map(on, original.fibration.relations))
+        ),
+        frame=frame,
+        parameters=(*constants, *map(Parameter, symbols)),
+        integrals={n: on(e) for n, e in integrals.items() if not names_in(e) & jumping},
+        invariants={n: on(e) for n, e in original.invariants.items()},
+        inputs=(), measure=None, multiplier=None, poisson=None, essential=(), integrable="",
+        cases={}, equations={}, undecided={}, charts={}, motion=None,
+    )  # fmt: skip
+    return kept[shape]

@@ -1,0 +1,576 @@
+"""Integrating a system: the steps from a definition to a trajectory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import ceil, log2
+from time import perf_counter, process_time
+from types import MappingProxyType
+from typing import Any
+
+import mpmath
+import numpy as np
+import symengine as se
+from sympy.core.function import AppliedUndef
+
+from voronec.algebra.arguments import CALLABLE, FLAG, REAL, SEVERAL, TEXT, VALUES, accepts
+from voronec.algebra.text import sympified
+from voronec.declaration.scene import Scene
+from voronec.declaration.system import System, require_system
+from voronec.equations.attitudes import with_attitude_charts
+from voronec.equations.program import Program
+from voronec.equations.program.digits import precision
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.motion.all_velocities import WideStart
+from voronec.motion.angle_branches import Untold, require_told
+from voronec.motion.atlas import NEAR as CHANGE
+from voronec.motion.chart_stepper import through_charts
+from voronec.motion.divisors import Divisor
+from voronec.motion.events import Crossings, Event, spelled
+from voronec.motion.fallback import Way, first_success, other_method
+from voronec.motion.inputs import drive
+from voronec.motion.mode_stepper import Switched, through_walls
+from voronec.motion.motion_start import Outset
+from voronec.motion.numeric_model import Modelled, modelled, whole
+from voronec.motion.observables import Watch, followed, observed
+from voronec.motion.poles import LAST, POLE, NearPole, PoleGuard
+from voronec.motion.request import Given, grid_of, outputs_of, scene_of
+from voronec.motion.singular_directions import charted_directions
+from voronec.motion.soundness import Breach, Judge
+from voronec.motion.split_models import NEAR, SplitGround
+from voronec.motion.split_stepper import NearDivisor, SplitRun, guarding, unguarded
+from voronec.motion.state_probe import Probe, quantities
+from voronec.motion.steppers import Problem, Run, Stepper
+from voronec.motion.steppers.choice import CLOSED, EXACT, is_exact
+from voronec.motion.steppers.signals import Signals, in_kind
+from voronec.motion.trajectory import Cost, Trajectory
+from voronec.motion.vocabulary import Vocabulary
+
+__all__ = ["integrate"]
+
+FEW = 100
+"""On grids with fewer points angles are integrated, not read off: branches could not be told."""
+MARGIN = 32
+"""Bits beyond those of the tolerance with which outputs are computed from precise states."""
+FAR = 1e4
+"""Over such a span the errors of the steps add up; a closed form has none."""
+
+
+@accepts(
+    outputs=SEVERAL,
+    parameters=VALUES,
+    inputs=VALUES,
+    initial=VALUES,
+    method=TEXT,
+    tol=REAL,
+    project=FLAG,
+    dense=FLAG,
+    progress=CALLABLE,
+)
+def integrate(
+    system: System | VoronecEquations,
+    scene: str | Scene | None = None,
+    times: Any = None,
+    outputs: Sequence[Any] = (),
+    parameters: Mapping[Any, Any] | None = None,
+    initial: Mapping[Any, Any] | None = None,
+    method: str = "auto",
+    tol: float = 1e-13,
+    events: Any = (),
+    project: bool = False,
+    dense: bool = False,
+    progress: Callable[[float], Any] | None = None,
+    inputs: Mapping[Any, Any] | None = None,
+) -> Trajectory:
+    """The motion of a system from given initial data, on a grid of times.
+
+    system
+        a ``System``, or its ``VoronecEquations``, which saves deriving them again.
+    scene
+        name of one of the system's scenes (or a ``Scene``): initial data, span, parameters and
+        outputs.  Where neither scene nor ``initial`` is given, the one called ``default``.
+    times
+        a strictly monotonic array; it may run backwards.  One number T stands for 1001 points from
+        where the scene begins (else from 0) to T.  By default 1001 points over the span of the
+        scene (or of the scene ``default``).
+    outputs
+        names, symbols or expressions; by default all coordinates and velocities.
+    parameters, initial
+        values by symbol or name, over those of the scene.  ``initial`` takes coordinates, the
+        velocities v of the equations, and velocities of any coordinates, which must agree with
+        the constraints; what nobody gives starts at zero.  Values may contain parameters.
+    method
+        ``heyoka`` (Taylor), ``scipy`` (DOP853), ``lsoda`` (scipy's, for stiff systems), ``flint``
+        (Taylor in any precision), or ``auto``.  ``traj.cost`` says which it was, and why.
+        ``closed-form`` evaluates the motion, where the system declares one (``closed_form``): its
+        cost does not depend on the time, and ``tol`` may be as fine as with ``flint``; it looks
+        for no events.
+    tol
+        the local error of one step that the integrator aims at, relative to the state (absolute
+        where the state is small).  The methods differ in what they make of it, so compare errors,
+        not tolerances.  scipy takes 2.3e-14 for anything finer; heyoka drifts least with 1e-16.
+        With ``flint`` it may be 1e-40 and finer: values given exactly are then used exactly, those
+        given as floats as the doubles they are, and the results are mpmath's numbers.
+    events
+        ``Event``s, or bare names and expressions: instants at which they pass through zero, kept in
+        ``traj.events``.  An event may stop the run.
+    project
+        moves initial data that are off the constraints onto them; without it they are refused.
+    dense
+        keeps the whole motion, for ``traj.at(times)``.
+    progress
+        called now and then on long runs, with the fraction that is done.
+    inputs
+        the values of the system's inputs, by symbol or name, over those of the scene: a number; an
+        expression of the time, and, for inputs in forces alone, of the state; a ``Table``, or a
+        pair of times and values; a function of the time (by ``scipy`` only), its rate, where the
+        equations hold that, under the rate's symbol or name.
+
+    Ctrl-C during the run ends it: the trajectory then holds what is done, ends where the run stood
+    and is marked ``interrupted``.  Raises ``DefinitionError`` for input that makes no sense, and
+    ``IntegrationError`` (with ``time``, ``state`` and the ``trajectory`` up to there) where the
+    motion cannot be continued.
+    """
+    began = perf_counter()
+    declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
+    chosen = scene_of(declared, scene, initial is None)
+    driven = drive(system, inputs, chosen)
+    asked, grid = outputs_of(chosen, outputs), grid_of(declared, chosen, times)
+    driven.require_span(float(grid[0]), float(grid[-1]))
+    equations = driven.equations
+    _refuse_unknown_functions(equations.system)
+    vocabulary = Vocabulary.of(equations, driven.meaning)
+    given = Given.of(vocabulary, chosen, parameters, initial)
+    given = replace(
+        given, parameters={**given.parameters, **driven.parameters(float(grid[0]), float(grid[-1]))}
+    )
+    happenings, functions = spelled(vocabulary, events)
+    outset = Outset.of(vocabulary, given, float(grid[0]), project, driven.changing)
+    if method == CLOSED and happenings:
+        raise DefinitionError(
+            "the closed form looks for no events; use another method, or evaluate the motion "
+            "on a fine grid"
+        )
+    far = equations.system.motion is not None and not happenings and abs(grid[-1] - grid[0]) >= FAR
+    if method == CLOSED or (method == "auto" and far):
+        from voronec.motion.closed_form_run import evaluated_motion
+
+        with suppress(*(() if method == CLOSED else (DefinitionError, EngineLimit))):
+            return evaluated_motion(
+                vocabulary, asked, given, outset, grid, tol, dense, progress, began, method
+            )
+    followed = dense or bool(happenings) or not asked or len(grid) < FEW
+    request = _Request(
+        vocabulary, asked, functions, happenings, outset, grid, tol, dense, progress, followed,
+        method, began, given, project,
+    )  # fmt: skip
+    ways = (request.in_smallest, request.otherwise, request.on_coordinates)
+    tries = (request.in_any_split(way) for way in ways)
+    return replace(first_success(tries, float(grid[0])), system=declared)
+
+
+@dataclass(frozen=True)
+class _Request:
+    """What is wanted of one motion, and the ways to it, as ``first_success`` takes them.
+
+    ``followed`` says that angles are integrated from the first, not read off.
+    """
+
+    vocabulary: Vocabulary
+    outputs: tuple[Any, ...]
+    functions: Mapping[str, Any]
+    events: tuple[Event, ...]
+    outset: Outset
+    grid: np.ndarray
+    tol: float
+    dense: bool
+    progress: Callable[[float], Any] | None
+    followed: bool
+    method: str
+    began: float
+    given: Given
+    project: bool
+
+    def in_any_split(self, way: Way) -> Way:
+        """A way that goes on in other splits of the velocities where a divisor is near zero."""
+
+        def tried(error: IntegrationError | None) -> Trajectory | None:
+            try:
+                if not self.outset.framed:
+                    raise NearDivisor(self.vocabulary)
+                return way(error)
+            except NearDivisor as near:
+                return replace(self, vocabulary=near.vocabulary).through_splits()
+
+        return tried
+
+    def through_splits(self) -> Trajectory:
+        """On the coordinates, in one split of the velocities after another."""
+        own = self.vocabulary.equations
+        charted = None if is_exact(self.method, self.tol) else with_attitude_charts(own)
+        vocabulary = self.vocabulary if charted is None else Vocabulary.of(charted)
+        made = whole(vocabulary, self.outputs, self.functions)
+        ground = SplitGround(vocabulary.equations, self.outset.constants, float(self.grid[0]))
+        return SplitRun(
+            vocabulary, ground, made.watch, made.event_functions,
+            WideStart.of(vocabulary, ground, self.given, self.project), self.grid,
+            self.method, self.tol, self.events, self.dense, self.progress, self.outset.notes,
+            ceil(-log2(self.tol)) + 2 * MARGIN, self.began,
+        ).trajectory()  # fmt: skip
+
+    def in_smallest(self, _: IntegrationError | None) -> Trajectory:
+        """By the method asked for, in the smallest model; near poles of angles beyond them."""
+        if self._begins_at_chart:
+            return self._past_poles(None)
+        try:
+            return self._in_smallest(self.method, CHANGE)
+        except NearPole:
+            return first_success((self._beyond_poles, self._past_poles), float(self.grid[0]))
+        except IntegrationError as error:
+            own, start = self.vocabulary.equations, error.time in (None, self.grid[0])
+            if start and is_exact(self.method, self.tol) and self.outset.is_at_pole(own):
+                raise self._no_digits() from error
+            raise
+
+    @property
+    def _begins_at_chart(self) -> bool:
+        """Whether the start is where declared charts begin, and the smallest model knows of none:
+        on invariants the rates of angles are rounding there."""
+        own = self.vocabulary.equations
+        if is_exact(self.method, self.tol) or not own.system.charts or self.smallest.model is None:
+            return False
+        ground = SplitGround(own, self.outset.constants, float(self.grid[0]))
+        rest = np.zeros(len(own.definition.dots))
+        wide = np.concatenate([self.outset.state[: len(own.definition.coordinates)], rest])
+        return bool(charted_directions(ground, wide).shape[1])
+
+    def _no_digits(self) -> IntegrationError:
+        """The error where digits are asked for at a pole of angles."""
+        own = self.vocabulary.equations
+        return IntegrationError(
+            f"system '{own.system.name}': the motion starts at a pole of its angles, beyond which "
+            f"charts lead in doubles alone; give tol={EXACT:g} or more, and not method='flint', "
+            "or start elsewhere",
+            self.grid[0],
+            self.outset.state,
+        )
+
+    def _beyond_poles(self, _: IntegrationError | None) -> Trajectory | None:
+        """In charts that are regular at the poles of Euler's angles, where these can be made."""
+        own = self.vocabulary.equations
+        # what is not smooth goes on in one chart alone
+        charted = None if self.smallest.is_rough else with_attitude_charts(own)
+        if charted is None:
+            return None
+        there = replace(self, vocabulary=Vocabulary.of(charted))
+        made = whole(there.vocabulary, self.outputs, self.functions)
+        return replace(there._moved(made, self.method), system=own.system)
+
+    def _past_poles(self, _: IntegrationError | None) -> Trajectory:
+        """In the own coordinates after all, where nothing better is to be had: on invariants more
+        digits are lost."""
+        return self._moved(whole(self.vocabulary, self.outputs, self.functions), self.method)
+
+    def otherwise(self, error: IntegrationError | None) -> Trajectory | None:
+        """By another method, where the choice is ours."""
+        other = other_method(error) if error is not None and self.method == "auto" else ""
+        return self._in_smallest(other) if other else None
+
+    def on_coordinates(self, _: IntegrationError | None) -> Trajectory | None:
+        """By the equations on the coordinates, where the model is another: where that is singular
+        they may not be, or may have charts."""
+        charts = bool(self.vocabulary.equations.system.charts) and self.method != "flint"
+        reduced = self.method == "auto" and self.smallest.model is not None
+        if not (charts or reduced):
+            return None
+        return self._moved(whole(self.vocabulary, self.outputs, self.functions), self.method)
+
+    @cached_property
+    def smallest(self) -> Modelled:
+        """The smallest model."""
+        return self._modelled(self.followed)
+
+    def _modelled(self, followed: bool) -> Modelled:
+        outset = self.outset
+        return modelled(
+            self.vocabulary, self.outputs, self.functions, outset.state, outset.steady,
+            float(self.grid[0]), followed,
+        )  # fmt: skip
+
+    def _in_smallest(self, method: str, near: Any = LAST) -> Trajectory:
+        made, grid = self.smallest, self.grid
+        # where a grid is too coarse to tell branches of angles apart, its beginning mostly says so
+        parts = (grid[: len(grid) // 50 + 2], grid) if made.watch.branches else (grid,)
+        try:
+            for part in parts:
+                trajectory = self._moved(made, method, part, near)
+                if trajectory.interrupted:
+                    break
+            return trajectory
+        except Untold:
+            return self._moved(self._modelled(True), method, near=near)
+
+    def _moved(
+        self,
+        made: Modelled,
+        method: str,
+        times: np.ndarray | None = None,
+        near: Any = LAST,
+    ) -> Trajectory:
+        whole_way = times is None or times is self.grid
+        job = _Job(
+            self.vocabulary, made, self.outset, self.grid if times is None else times, self.tol,
+            self.events, self.dense, self.progress if whole_way else None,
+            None if is_exact(method, self.tol) else near,
+        )  # fmt: skip
+        return job.trajectory(method, self.began)
+
+
+@dataclass(frozen=True)
+class _Job:
+    """A model to be integrated, and how; ``near`` is how near to poles of angles, if that is to be
+    watched."""
+
+    vocabulary: Vocabulary
+    made: Modelled
+    outset: Outset
+    grid: np.ndarray
+    tol: float
+    events: tuple[Event, ...]
+    dense: bool
+    progress: Callable[[float], Any] | None
+    near: Any = None
+
+    def trajectory(self, method: str, began: float) -> Trajectory:
+        """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
+        made, outset, time = self.made, self.outset, float(self.grid[0])
+        state, values = made.place(outset.state, outset.constants, time)
+        equations = self.vocabulary.equations
+        probe = made.probe(equations.system.name, values, time, outset.changing)
+        guard = self._guard()
+        problem = self._problem(state, values, probe)
+        switched = self._switched(method, problem, guard)
+        if switched is None and equations.system.charts:
+            guard = None
+        if guard is not None:
+            guard.check(state, values, time)
+        if switched is not None and switched.corner is not None:
+            corner = switched.corner
+            probe = replace(probe, form=corner.form, program=corner.program, values=switched.values)
+        watched = self._watched(state, values) if switched is None else ()
+        if switched is not None or not (made.model is None and equations.system.charts):
+            probe.check(state)
+        if switched is not None:
+            stepper, chosen = switched.stepper, switched.chosen
+        else:
+            stepper, chosen = self._smooth(method, problem, guard, watched)
+        ready, busy = perf_counter(), process_time()
+        run = unguarded(stepper(self.grid), watched, self.vocabulary)
+        run = run if guard is None else guard.passed(run)
+        self._require_reactions(run)
+        cost = Cost(
+            **chosen, setup=ready - began + run.prepared,
+            run=perf_counter() - ready - run.prepared, cpu=process_time() - busy,
+            steps=run.steps, evaluations=run.evaluations, switches=run.switches, level=made.level,
+        )  # fmt: skip
+        sight = self._sight(run, values, cost)
+        told = outset.notes + run.notes
+        trajectory = replace(sight.trajectory(run), notes=told)
+        if run.halt is None and not run.interrupted:
+            require_told(trajectory, made.watch.branches, run)
+        breach, notes = self.judged(trajectory, run, values, switched is None)
+        if breach is not None:
+            run = run.until(breach.row, breach.what)
+            trajectory = replace(sight.trajectory(run), notes=told)
+        if run.halt is not None:
+            raise probe.failure(state, run.halt, trajectory)
+        return replace(trajectory, notes=(*told, *notes))
+
+    def _problem(self, state: np.ndarray, values: Sequence[float], probe: Probe) -> Problem:
+        """What is to be integrated, as if it were smooth and nobody watched."""
+        made = self.made
+        return Problem(
+            made.program, state, values, self.tol, self.events, made.event_program, self.dense,
+            probe.suspect(state), self.progress, self._exact, self.outset.changing,
+            marked=bool(made.watch.branches),
+        )  # fmt: skip
+
+    def _switched(self, method: str, problem: Problem, guard: PoleGuard | None) -> Switched | None:
+        """The integrator of a problem that is not smooth, poles watched; None where it is."""
+        made = self.made
+        watched = problem if guard is None else guard.watching(problem, self.grid)
+        functions = {**made.event_functions, **({} if guard is None else {POLE: guard.level})}
+        return through_walls(method, watched, self.grid, made.moving, functions)
+
+    def _require_reactions(self, run: Run) -> None:
+        """Refuse reactions of a motion that was held on a wall."""
+        if run.held and self.made.watch.reactions:
+            raise DefinitionError(
+                f"system '{self.vocabulary.equations.system.name}': reactions are not known while "
+                "friction holds the motion on a wall; leave them out, or end the run before"
+            )
+
+    def _sight(self, run: Run, values: Sequence[float], cost: Cost) -> _Sight:
+        """How the states of a run become a trajectory."""
+        made, outset, bits = self.made, self.outset, self._bits(run.states)
+        if run.states.dtype == object:
+            constants = outset.exactly.constants(bits) | made.constants(self._exact(bits)[1])
+        else:
+            constants = {**outset.constants, **made.constants(values)}
+        return _Sight(
+            self.vocabulary, made.watch, made.program, constants, cost, bits, outset.changing
+        )
+
+    def judged(
+        self, trajectory: Trajectory, run: Run, values: Sequence[Any], smooth: bool
+    ) -> tuple[Breach | None, tuple[str, ...]]:
+        """What went wrong with a run that came to its end, if anything did, and notes.
+
+        Where the right side is not smooth, only what does not jump with it is looked at.
+        """
+        made, equations = self.made, self.vocabulary.equations
+        watch = made.watch
+        followed = {
+            name: (key, watch.sizes[name])
+            for name, key in watch.integrals.items()
+            if smooth or not watch.expressions[key].atoms(se.sign, se.floor)
+        }
+        judge = Judge(
+            equations, made.program, [float(x) for x in values], trajectory.cost.tolerance,
+            run.steps, followed, watch.relations, made.relations, self.outset.changing,
+        )  # fmt: skip
+        t, states = run.t.astype(float), run.states.astype(float)
+        breach, notes = judge.breach(t, states) if smooth else judge.kept(t, states)
+        form = equations.raw.form
+        own = [str(x) for x in (*form.coordinates, *form.velocities)]
+        if smooth and breach is None and {*own} <= {*trajectory.series, *trajectory.names}:
+            states = np.stack([trajectory[name].astype(float) for name in own], axis=-1)
+            breach = judge.original(t, states, self.outset.constants)
+        return breach, notes
+
+    def _smooth(
+        self, method: str, problem: Problem, guard: PoleGuard | None, watched: Sequence[Divisor]
+    ) -> tuple[Stepper, dict[str, Any]]:
+        """The integrator of a problem that is smooth, and what ``Cost`` says of it."""
+        made, equations = self.made, self.vocabulary.equations
+        problem = problem if guard is None else guard.watching(problem, self.grid)
+        events, functions = guarding(watched)
+        if watched:
+            poles = {} if guard is None else {POLE: guard.level}
+            levels = {**made.event_functions, **poles, **functions}
+            problem = replace(
+                problem,
+                events=(*problem.events, *events),
+                levels=quantities(made.form, levels),
+                coarse=problem.coarse | functions.keys(),
+            )
+        functions = {**made.event_functions, **functions}
+        return through_charts(method, problem, self.grid, equations, functions, made.form)
+
+    def _watched(self, state: np.ndarray, values: Sequence[Any]) -> tuple[Divisor, ...]:
+        """The divisors to watch; ``NearDivisor`` where one is near zero at the start."""
+        made, outset = self.made, self.outset
+        if outset.changing is not None:
+            return ()
+        form = made.form if made.model is None else made.model.form
+        ground = SplitGround(self.vocabulary.equations, outset.constants, float(self.grid[0]))
+        found = ground.watched(form, made.below, outset.state)
+        if ground.smallest(form, found, state, values) < NEAR:
+            raise NearDivisor(self.vocabulary)
+        return tuple(found)
+
+    def _guard(self) -> PoleGuard | None:
+        """What watches the poles of Euler's angles, where the model is singular there and no chart
+        leads on."""
+        outset, charts = self.outset, self.vocabulary.equations.system.charts
+        if self.near is None or (charts and not self.made.is_rough):
+            return None
+        return PoleGuard.of(
+            self.vocabulary.equations, self.made, outset.state, outset.constants,
+            float(self.grid[0]), self.near if not charts else LAST,
+        )  # fmt: skip
+
+    def _bits(self, states: np.ndarray) -> int:
+        """The precision of states, at least that of the tolerance: some numbers are short."""
+        if states.dtype != object:
+            return precision(states)
+        return max(precision(states), ceil(-log2(self.tol)) + MARGIN)
+
+    def _exact(self, bits: int) -> tuple[np.ndarray, list[Any]]:
+        """Start and parameter values as mpmath's numbers."""
+        exactly, time = self.outset.exactly, float(self.grid[0])
+        with mpmath.workprec(bits):
+            state, _ = exactly.problem(bits)
+            return self.made.place(state, exactly.constants(bits), time)
+
+
+@dataclass(frozen=True)
+class _Sight:
+    """How states become a trajectory."""
+
+    vocabulary: Vocabulary
+    watch: Watch
+    program: Program
+    constants: Mapping[str, Any]
+    cost: Cost
+    bits: int
+    changing: Signals | None = None
+
+    def at(self, t: np.ndarray) -> Mapping[str, Any]:
+        """The constants, and at times (k,) those that change."""
+        if self.changing is None:
+            return self.constants
+        along = self.changing.along(t)
+        return {**self.constants, **{n: in_kind(x, t.dtype) for n, x in along.items()}}
+
+    def trajectory(self, run: Run) -> Trajectory:
+        """The motion of a run, its events, and, of a dense run, what lies between."""
+        seen = self.seen(run.t, run.states, run.interrupted)
+        crossings = {name: self.crossings(*rows) for name, rows in run.crossings.items()}
+        inside = run.inside
+        return replace(
+            seen,
+            events=MappingProxyType(crossings),
+            stopped=run.stopped,
+            halted=run.halt.reason if run.halt is not None else "",
+            within=None if inside is None else lambda times: self.seen(times, inside(times)),
+        )
+
+    def seen(self, t: np.ndarray, states: np.ndarray, interrupted: bool = False) -> Trajectory:
+        """Everything watched at some states."""
+        with mpmath.workprec(self.bits):
+            return observed(
+                self.vocabulary, self.watch, self.program, t, states, self.at(t), self.cost,
+                interrupted,
+            )  # fmt: skip
+
+    def crossings(self, t: np.ndarray, states: np.ndarray) -> Crossings:
+        """The same at the passages of an event."""
+        known = self.at(t)
+        values = [known.get(str(p), np.nan) for p in self.program.parameters]
+        series = dict.fromkeys(self.watch.outputs, t)
+        if len(t):
+            with mpmath.workprec(self.bits):
+                series = followed(self.watch, self.program, t, states, values)
+        shown = {name: series[name] for name in self.watch.outputs}
+        names = tuple(map(str, self.program.state))
+        for array in (t, states, *shown.values()):
+            array.flags.writeable = False
+        return Crossings(t, states, names, MappingProxyType(shown))
+
+
+def _refuse_unknown_functions(system: System) -> None:
+    """What holds an unknown function has no motion in numbers."""
+    frame = system.frame.expressions if system.frame is not None else ()
+    held = (system.lagrangian, *system.constraints, *system.forces.values(), *frame)
+    own = {*system.coordinates, *(system.frame.ambient if system.frame is not None else ())}
+    unknown = {f for e in held for f in sympified(e).atoms(AppliedUndef)} - own
+    if unknown:
+        raise DefinitionError(
+            f"system '{system.name}' holds the unknown function '{min(unknown, key=str)}', so it "
+            "has no motion in numbers; write a formula in its place"
+        )

@@ -1,0 +1,336 @@
+"""The stepper for right-hand sides that are not smooth: one smooth stretch after another.
+
+A stretch ends where a wall is reached, as an event does, and ``Crossroads`` tells how the motion
+goes on: through, back, or along.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import ceil, log, log2
+from typing import Any
+
+import mpmath
+import numpy as np
+import symengine as se
+
+from voronec.equations.program.digits import compiled_digits
+from voronec.equations.program.walls import SATURATED
+from voronec.errors import DefinitionError, EngineLimit
+from voronec.motion.events import Event
+from voronec.motion.mode_transitions import DOUBLE, GUARD, PAST, Crossroads, Mode
+from voronec.motion.modes import Corner, Modes, Surface
+from voronec.motion.steppers import Halt, Problem, Run, Stepper
+from voronec.motion.steppers.choice import is_exact
+from voronec.motion.steppers.restarts import in_pieces
+from voronec.motion.steppers.run import in_parts, until
+
+__all__ = ["Switched", "through_walls"]
+
+WINDOW, CRAWL = 200, 1e-8
+"""So many switches that cover less than this part of the span lead nowhere."""
+FLAT = 0.59
+"""See ``_saturated``: (1 + 0.6 log(e/2))/2, rounded."""
+COINCIDENT = 1e-9
+"""An event that is closer to zero than this at a switch, in units of its terms, may pass there."""
+RIM = "the motion comes to rest where a root of velocities in its equations has no slope"
+ZENO = "switches follow one another ever faster"
+
+
+@dataclass(frozen=True)
+class Switched:
+    """The integrator of a problem that is not smooth, and what ``Cost`` says of it.
+
+    ``corner`` are the equations with which it starts, and ``values`` those of its parameters; None
+    where no motion starts.
+    """
+
+    stepper: Stepper
+    chosen: dict[str, Any]
+    corner: Corner | None
+    values: Sequence[float]
+    roads: Crossroads
+
+    @classmethod
+    def of(cls, roads: Crossroads) -> Switched:
+        """The way from the start of a problem."""
+        problem, grid = roads.problem, roads.grid
+        with mpmath.workprec(roads.working):
+            first = roads.settled(grid[0], roads.start, {}, ())
+        if isinstance(first, str):
+            words = {"method": roads.method, "reason": "nothing moves", "tolerance": problem.tol}
+            return cls(lambda times: _refused(problem, times, first), words, None, (), roads)
+        values = [float(x) for x in roads.values(first.corner.program, first.sides)]
+
+        def run(times: np.ndarray) -> Run:
+            return _Passage(roads, times, first).run()
+
+        return cls(run, dict(first.chosen), first.corner, values, roads)
+
+    def elsewhere(self, time: float, start: np.ndarray, parameters: Sequence[Any]) -> Switched:
+        """The same from another start, with what was made ready for this one."""
+        return Switched.of(self.roads.elsewhere(time, start, parameters))
+
+
+def through_walls(
+    method: str,
+    problem: Problem,
+    grid: np.ndarray,
+    form: Any,
+    functions: Mapping[str, Any],
+) -> Switched | None:
+    """The integrator of a problem that is not smooth; None where it is smooth.
+
+    ``form`` are the equations of the problem's program, ``functions`` those of its events by name,
+    inside the door.  Where parameters change, each piece has its own modes.
+    """
+    changing = problem.changing
+    first = _through_walls(method, replace(problem, changing=None), grid, form, functions)
+    if changing is None or first is None:
+        return first
+    if changing.called is not None:
+        raise DefinitionError(
+            f"the input '{changing.called.name}' is a function of Python's, and the equations are "
+            "not smooth: where they switch cannot be told; give an expression or a table"
+        )
+
+    def make(piece: Problem) -> Stepper:
+        def run(times: np.ndarray) -> Run:
+            if first.roads.bits == DOUBLE:
+                again = first.elsewhere(float(times[0]), piece.start, piece.parameters)
+                return again.stepper(times)
+            switched = _through_walls(method, piece, times, form, functions)
+            assert switched is not None
+            return switched.stepper(times)
+
+        return run
+
+    return replace(first, stepper=in_pieces(make, problem, anew=True))
+
+
+def _through_walls(
+    method: str, problem: Problem, grid: np.ndarray, form: Any, functions: Mapping[str, Any]
+) -> Switched | None:
+    program = problem.program
+    rough = program.derivative.is_rough(program.parameters, program.velocities)
+    levels = problem.levels
+    if not rough and (levels is None or not levels.extras.is_rough(levels.parameters)):
+        return None
+    exact = is_exact(method, problem.tol)
+    modes = Modes.of(form, functions, _saturated(problem.tol, exact))
+    if modes is None:
+        return None
+    if modes.cusps and (exact or method == "heyoka"):
+        raise EngineLimit(
+            f"the root of {min(map(str, modes.cusps))} in the equations has no Taylor series where "
+            "it vanishes; use method='scipy', with a tolerance for doubles"
+        )
+    method = "scipy" if modes.cusps and method == "auto" else method
+    bits = ceil(-log2(problem.tol)) + GUARD if exact else DOUBLE
+    with mpmath.workprec(2 * bits + GUARD):
+        roads = Crossroads(method, problem, grid, modes, bits)
+    return Switched.of(roads)
+
+
+def _saturated(tol: float, exact: bool) -> Any:
+    """Where tanh w counts as flat.
+
+    Beyond, exp(-2 w) is to be less than the tolerance; within, the coefficients of a series of
+    order N = 0.6 log(1/tol) must be seen while a step takes w by no more than N/4, half the way to
+    where they are largest: exp(-2 w) (N/2)^N/N! > tol.
+    """
+    reach = se.Rational(round(100 * FLAT * -log(tol)), 100)
+    return reach if exact else min(reach, SATURATED)
+
+
+def _refused(problem: Problem, times: np.ndarray, reason: str) -> Run:
+    """The run that ends where it starts."""
+    nothing = {e.name: (np.empty(0), np.empty((0, len(problem.start)))) for e in problem.events}
+    halt = Halt(reason, times[0], problem.start)
+    return Run(times[:1].copy(), problem.start[None, :].copy(), 0, 0, nothing, halt)
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """A part of the way in one mode; ``inside``, of dense runs, gives states in it."""
+
+    end: Any
+    inside: Any
+
+
+@dataclass
+class _Passage:
+    """One run: where it is, and what it has seen."""
+
+    roads: Crossroads
+    grid: np.ndarray
+    mode: Mode
+    done: int = 1
+    steps: int = 0
+    evaluations: int = 0
+    switches: int = 0
+    rows: list[np.ndarray] = field(init=False)
+    crossings: dict[str, list[tuple[Any, np.ndarray]]] = field(default_factory=dict)
+    stretches: list[_Stretch] = field(default_factory=list)
+    recent: list[Any] = field(default_factory=list)
+    held: bool = False
+
+    def __post_init__(self) -> None:
+        self.order, self.exact = self.roads.order, self.roads.bits != DOUBLE
+        self.time, self.state = self.grid[0], self.roads.start
+        self.rows = [self.number(self.state)]
+
+    def number(self, state: np.ndarray) -> np.ndarray:
+        """A state in the numbers of the run."""
+        if not self.exact:
+            return state.astype(float)
+        with mpmath.workprec(self.roads.bits):
+            return np.array([+mpmath.mpf(x) for x in state], dtype=object)
+
+    def run(self) -> Run:
+        """Stretch after stretch, up to the end of the grid."""
+        with mpmath.workprec(self.roads.working):
+            return self.passed()
+
+    def passed(self) -> Run:
+        """The same, in numbers that are long enough."""
+        try:
+            while self.done < len(self.grid):
+                part = self.stretch()
+                if part.halt or part.interrupted:
+                    return self.result(part.halt, part.interrupted)
+                if part.stopped and part.stopped not in self.mode.watch:
+                    return self.result(stopped=part.stopped)
+                if not part.stopped:
+                    break
+                end = self.switched(self.mode.watch[part.stopped])
+                if end is not None:
+                    return end
+        except KeyboardInterrupt:
+            return self.result(interrupted=True)
+        return self.result()
+
+    def stretch(self) -> Run:
+        """Go on in a mode until it ends, or the grid does."""
+        mode, roads = self.mode, self.roads
+        kind = object if self.exact else float
+        times = np.array([self.time, *self.grid[self.done :]], dtype=kind)
+        if roads.progress is not None:
+            whole = self.grid[-1] - self.grid[0]
+            roads.progress.done = float((self.time - self.grid[0]) / whole)
+            roads.progress.part = float((times[-1] - self.time) / whole)
+        values = roads.values(mode.program, mode.sides)
+        if not self.exact:
+            values = list(map(float, values))
+        self.held = self.held or bool(mode.along)
+        part = self.cut(mode.run(self.number(self.state), values, times))
+        self.steps += part.steps
+        self.evaluations += part.evaluations
+        count = int(sum(self.order * (t - part.t[-1]) <= 0 for t in self.grid[self.done :]))
+        where = {float(t): i for i, t in enumerate(part.t)}
+        last = len(part.t) - 1
+        taken = [where.get(float(t), last) for t in self.grid[self.done : self.done + count]]
+        self.rows += [part.states[i] for i in taken]
+        self.done += count
+        for event in roads.problem.events:
+            self.crossings.setdefault(event.name, []).extend(
+                zip(*part.crossings[event.name], strict=True)
+            )
+        if roads.problem.dense:
+            self.stretches.append(_Stretch(part.t[-1], part.inside))
+        self.time, self.state = (
+            part.t[-1],
+            np.array(list(map(mpmath.mpf, part.states[-1])), dtype=object),
+        )
+        return part
+
+    def cut(self, part: Run) -> Run:
+        """A stretch up to where it touches a wall along which it may have come."""
+        for name, surface in self.mode.turns.items():
+            for time, state in zip(*part.crossings[name], strict=True):
+                if self.roads.touches(time, state, surface, self.mode.sides):
+                    kept = [self.order * (t - time) <= 0 for t in part.t]
+                    return replace(
+                        part, t=part.t[kept], states=part.states[kept], stopped="",
+                        crossings=until(part.crossings, self.time, time),
+                        halt=Halt(PAST.format(surface), time, state),
+                    )  # fmt: skip
+        return part
+
+    def switched(self, hit: tuple[Surface, ...]) -> Run | None:
+        """Change the mode where one ended; the run, where that ends it."""
+        roads, before = self.roads, self.mode
+        if not hit:
+            return self.result(Halt(RIM, self.time, self.number(self.state)))
+        if roads.order < 0 and roads.touches(self.time, self.state, hit[0], before.sides):
+            return self.result(Halt(PAST.format(hit[0]), self.time, self.number(self.state)))
+        if not before.along:
+            self.state = roads.on_surfaces(self.time, self.state, hit, before.sides)
+        self.switches += 1
+        self.recent.append(self.time)
+        if len(self.recent) > WINDOW:
+            moved = abs(self.time - self.recent.pop(0))
+            if moved <= CRAWL * float(np.ptp(self.grid)):
+                return self.result(Halt(ZENO, self.time, self.number(self.state)))
+        sides = {w: s for w, s in before.sides.items() if w not in {x.wall for x in hit}}
+        found = roads.settled(self.time, self.state, sides, hit)
+        if isinstance(found, str):
+            return self.result(Halt(found, self.time, self.number(self.state)))
+        self.mode = found
+        if found.along:
+            self.state = roads.on_surfaces(self.time, self.state, found.along, found.sides)
+        for event in roads.problem.events:
+            if self.passes(event, before, found):
+                state = self.number(self.state)
+                self.crossings[event.name].append((self.time, state))
+                if event.stop:
+                    return self.result(stopped=event.name)
+        return None
+
+    def passes(self, event: Event, before: Mode, after: Mode) -> bool:
+        """Whether an event happens just where the mode changes: neither stretch sees it then."""
+        seen = self.crossings.get(event.name, [])
+        if seen and abs(seen[-1][0] - self.time) <= COINCIDENT * max(1, abs(self.time)):
+            return False
+        levels = [self.level(event, mode, 0) for mode in (before, after)]
+        moved = [self.level(event, before, -1), self.level(event, after, 1)]
+        if None in (*levels, *moved) or abs(levels[0]) > COINCIDENT * max(1, abs(self.time)):
+            return False
+        left, right = moved[0] - levels[0], moved[1] - levels[1]
+        direction = event.direction * self.order
+        upwards = left < 0 <= right and direction >= 0
+        return bool(upwards or (left > 0 >= right and direction <= 0))
+
+    def level(self, event: Event, mode: Mode, way: int) -> Any:
+        """An event's function a moment before (-1) or after (1) the switch in a mode."""
+        roads = self.roads
+        time, state = roads.moment(mode, self.time, self.state, way)
+        extras = compiled_digits(mode.levels)[1]
+        values = roads.values(mode.program, mode.sides)
+        found = extras(time, list(state), values)
+        return dict(zip(mode.levels.names, found, strict=True))[event.name]
+
+    def result(self, halt: Halt | None = None, interrupted: bool = False, stopped: str = "") -> Run:
+        t, kind = self.grid[: self.done], object if self.exact else float
+        if self.exact:
+            t = np.array([mpmath.mpf(x) for x in t], dtype=object)
+        rows = list(self.rows)
+        if stopped and self.time != t[-1]:
+            t, rows = np.append(t, np.array([self.time], kind)), [*rows, self.number(self.state)]
+        width = len(self.state)
+        crossings = {}
+        for event in self.roads.problem.events:
+            found = self.crossings.get(event.name, [])
+            states = np.array([s for _, s in found], dtype=kind).reshape(len(found), width)
+            crossings[event.name] = np.array([x for x, _ in found], dtype=kind), states
+        return Run(
+            t.copy(), np.array(rows, dtype=kind), self.steps, self.evaluations, crossings, halt,
+            interrupted, stopped, self.inside if self.roads.problem.dense else None,
+            switches=self.switches, held=self.held,
+        )  # fmt: skip
+
+    def inside(self, times: np.ndarray) -> np.ndarray:
+        """States at any times reached."""
+        ends, parts = [s.end for s in self.stretches], [s.inside for s in self.stretches]
+        return in_parts(ends, self.order, parts, times, self.rows[0][None, :])

@@ -1,0 +1,570 @@
+"""Where walls meet a motion: which way it goes on, and the modes made ready for it.
+
+From the fields on all sides of the walls it is seen where they lead: away on one side (the motion
+goes on there), back from every side (it goes on along the walls [Filippov1988]), or away on
+several (nothing tells which).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import combinations, product
+from typing import Any
+
+import mpmath
+import numpy as np
+import symengine as se
+
+from voronec.algebra.numeric_functions import HYPOT, numeric_name
+from voronec.algebra.stable import stable_all
+from voronec.equations.program import Block, Program
+from voronec.equations.program.digits import compiled_digits
+from voronec.equations.program.walls import Wall
+from voronec.motion.atlas import Progress
+from voronec.motion.events import Event
+from voronec.motion.modes import Corner, Modes, Surface, held
+from voronec.motion.state_probe import quantities
+from voronec.motion.steppers import Problem, Run, Stepper, choose, guarded
+
+__all__ = ["DOUBLE", "GUARD", "PAST", "Crossroads", "Mode"]
+
+DOUBLE = 53
+"""Bits of a double."""
+GUARD = 64
+"""Bits beyond those of the tolerance, in high precision."""
+NEAR = 6
+"""A wall's function counts as zero where it is smaller than its terms by all bits but these."""
+MOST = 4
+"""So many walls may meet at an instant."""
+FREE = "the motion is not determined: it may leave {} on either side"
+PAST = "the past is not determined: the motion may have come along {}, or from either side"
+STUCK = "all fields lead back to {}, and switches would follow one another ever faster"
+RIM = 1e-11
+"""A radicand of velocities that falls below this part of its value at the start has vanished."""
+GRAZE = 1e-9
+"""A wall is touched where its function is smaller than this part of its terms, and turns."""
+CANCELLED = 1e-12
+"""Fields on the sides cancel where so much is left of them, in units of the largest: rounding."""
+UNDEFINED = (ZeroDivisionError, ValueError, TypeError)
+"""What mpmath raises where a function has no value, or none that is real."""
+SENSELESS = "the equations, or what switches in them, are not defined"
+TOGETHER = f"more than {MOST} walls meet"
+
+
+@dataclass(frozen=True, eq=False)
+class Mode:
+    """One mode, ready to be integrated in: a ``corner``, or the motion along surfaces next to it.
+
+    ``sides`` has the sign or floor of every wall; ``along`` are the surfaces on which the motion is
+    held.  ``watch`` maps names of events to the surfaces at which the mode ends (none: at a rim),
+    ``turns`` those of runs into the past to the surfaces that they may touch.
+    """
+
+    corner: Corner
+    program: Program
+    levels: Program
+    sides: Mapping[Wall, int]
+    along: tuple[Surface, ...]
+    watch: Mapping[str, tuple[Surface, ...]]
+    turns: Mapping[str, Surface]
+    problem: Problem
+    chosen: Mapping[str, Any]
+    stepper: Stepper | None
+
+    def run(self, state: np.ndarray, values: Sequence[Any], times: np.ndarray) -> Run:
+        """The motion from a state on."""
+        if self.stepper is not None:
+            self.problem.start[:] = state
+            self.problem.parameters[:] = values  # type: ignore[index]
+            return guarded(self.stepper(times), self.problem)
+        problem = replace(self.problem, start=state, parameters=list(values))
+        return guarded(choose(self.chosen["method"], problem, times)[0](times), problem)
+
+
+@dataclass
+class Crossroads:
+    """All modes of a problem, each made ready when a run first comes to it."""
+
+    method: str
+    problem: Problem
+    grid: np.ndarray
+    modes: Modes
+    bits: int
+    known_modes: dict[Any, Mode] = field(default_factory=dict)
+    known: dict[str, Any] = field(init=False)
+    start: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.order = 1 if self.grid[-1] >= self.grid[0] else -1
+        self.working = 2 * self.bits + GUARD
+        start, parameters = self.problem.start, self.problem.parameters
+        if self.bits != DOUBLE and self.problem.exact is not None:
+            start, parameters = self.problem.exact(self.bits)
+        self.start = np.array([mpmath.mpf(x) for x in start], dtype=object)
+        names = map(str, self.problem.program.parameters)
+        self.known = dict(zip(names, map(mpmath.mpf, parameters), strict=True))
+        self.progress = Progress(self.problem.progress) if self.problem.progress else None
+
+    def elsewhere(self, time: float, start: np.ndarray, parameters: Sequence[Any]) -> Crossroads:
+        """The same modes for another start and other parameters; what a rim is depends on those."""
+        problem = replace(self.problem, start=start.copy(), parameters=list(parameters))
+        grid = np.array([time, time + (self.grid[-1] - self.grid[0])])
+        kept = {k: p for k, p in self.known_modes.items() if not p.corner.rims}
+        with mpmath.workprec(self.working):
+            return replace(self, problem=problem, grid=grid, known_modes=kept)
+
+    # -- which way ------------------------------------------------------------------------
+
+    def settled(
+        self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[Surface]
+    ) -> Mode | str:
+        """The mode in which the motion goes on, or the reason why it does not.
+
+        ``sides`` are those of the mode that ended, ``hit`` the surfaces at which it did.
+        """
+        try:
+            return self._way_on(time, state, sides, hit)
+        except UNDEFINED:
+            return SENSELESS
+
+    def _way_on(
+        self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[Surface]
+    ) -> Mode | str:
+        met, corners = self._corners(time, state, sides, hit)
+        if len(met) > MOST:
+            return TOGETHER
+        leaving = [
+            (corner, values)
+            for above, (corner, values) in corners.items()
+            if all(
+                s in (0, side)
+                for s, side in zip(
+                    self._moved(corner.program, time, state, values, met), above, strict=True
+                )
+            )
+        ]
+        different = {corner for corner, _ in leaving}
+        names = " and ".join(map(str, met))
+        if len(leaving) == 1 or (leaving and len(different) == 1):
+            return self._mode((leaving[0][0],), leaving[0][1], ())
+        if leaving:
+            return (FREE if self.order > 0 else PAST).format(names)
+        for count in range(1, len(met) + 1):
+            for along in combinations(met, count):
+                mode = self._along(time, state, met, along, corners)
+                if mode is not None:
+                    return mode
+        rest = self._resting(time, state, met, corners)
+        return STUCK.format(names) if rest is None else rest
+
+    def _corners(
+        self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[Surface]
+    ) -> tuple[list[Surface], dict[tuple[int, ...], tuple[Corner, dict[Wall, int]]]]:
+        """The surfaces that meet at a state, and the equations on each side of all of them."""
+        met = list(hit)
+        while True:
+            corners = {}
+            more: list[Surface] = []
+            for above in product((1, -1), repeat=len(met)):
+                given = {s.wall: s.value(side) for s, side in zip(met, above, strict=True)}
+                corner, values = self._corner(time, state, {**sides, **given})
+                corners[above] = corner, values
+                for wall in corner.walls:
+                    if wall not in given and wall not in {s.wall for s in more}:
+                        more += self._touching(wall, time, state, values)
+            if not more or len(met) > MOST:
+                return met, corners
+            met += more
+
+    def _corner(
+        self, time: Any, state: np.ndarray, given: Mapping[Wall, int]
+    ) -> tuple[Corner, dict[Wall, int]]:
+        values: dict[Wall, int] = {}
+
+        def number(wall: Wall) -> Any:
+            if wall not in values:
+                values[wall] = (
+                    given[wall] if wall in given else self._value(wall, time, state, values)
+                )
+            return values[wall]
+
+        corner = self.modes.corner(number)
+        for wall in corner.walls:
+            number(wall)
+        return corner, {wall: values[wall] for wall in corner.walls}
+
+    def _value(self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]) -> int:
+        g = self._measured(wall, time, state, values)[0]
+        if wall.whole:
+            return int(mpmath.floor(g))
+        return 1 if g >= 0 else -1
+
+    def _touching(
+        self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
+    ) -> list[Surface]:
+        """The surface of a wall on which a state lies, to rounding."""
+        g, *slopes = self._measured(wall, time, state, values)
+        level = int(mpmath.nint(g)) if wall.whole else 0
+        size = sum(abs(a * b) for a, b in zip(slopes, [time, *state], strict=True))
+        if abs(g - level) > size * mpmath.mpf(2) ** (NEAR - self.bits):
+            return []
+        return [Surface(wall, level)]
+
+    def _measured(
+        self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
+    ) -> list[Any]:
+        return self.modes.gauge(wall)(time, state, self._named(values))
+
+    def _named(self, values: Mapping[Wall, int]) -> dict[str, Any]:
+        """Parameters by name, floors among them."""
+        floors = {str(self.modes.floor(w)): mpmath.mpf(n) for w, n in values.items() if w.whole}
+        return self.known | floors
+
+    def values(self, program: Program, sides: Mapping[Wall, int]) -> list[Any]:
+        """The parameters of a mode's program."""
+        named = self._named(sides)
+        return [named[str(p)] for p in program.parameters]
+
+    def _moved(
+        self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int],
+        surfaces: Sequence[Surface],
+    ) -> list[int]:  # fmt: skip
+        """On which side of each surface a short motion along the run leads, 0 for none.
+
+        It is so short that rounding of the state is seen no more than the second derivative, and is
+        followed with twice as many digits.
+        """
+        try:
+            later, there = self._followed(program, time, state, sides, self.order)
+        except UNDEFINED:
+            return [0] * len(surfaces)
+        found = []
+        for surface in surfaces:
+            if surface.wall not in sides:
+                found.append(0)
+                continue
+            a = self._measured(surface.wall, time, state, sides)[0]
+            b = self._measured(surface.wall, later, there, sides)[0]
+            tiny = mpmath.mpf(2) ** (-2 * self.bits - GUARD // 2) * max(abs(a), abs(surface.level))
+            found.append(0 if abs(b - a) <= tiny else 1 if b > a else -1)
+        return found
+
+    def _followed(
+        self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int], way: int
+    ) -> tuple[Any, np.ndarray]:
+        """Time and state a moment later (``way`` 1) or before."""
+        right, values = compiled_digits(program)[0], self.values(program, sides)
+
+        def rates(t: Any, x: np.ndarray) -> np.ndarray:
+            return np.array([mpmath.mpf(r) for r in right(t, list(x), values)], dtype=object)
+
+        pairs = zip(rates(time, state), state, strict=True)
+        pace = max((abs(f) / max(1, abs(x)) for f, x in pairs), default=0)
+        h = way * mpmath.mpf(2) ** (-(self.bits // 2)) / max(pace, 1)
+        return time + h, runge_kutta(rates, mpmath.mpf(time), state, h)
+
+    def moment(self, mode: Mode, time: Any, state: np.ndarray, way: int) -> tuple[Any, np.ndarray]:
+        """Time and state a moment after (1) or before (-1) along the run, in a mode."""
+        if way == 0:
+            return mpmath.mpf(time), state
+        return self._followed(mode.program, time, state, mode.sides, way * self.order)
+
+    def on_surfaces(
+        self, time: Any, state: np.ndarray, surfaces: Sequence[Surface], sides: Mapping[Wall, int]
+    ) -> np.ndarray:
+        """The state moved onto surfaces that it has reached, to rounding: the nearest there."""
+        measured = [self._measured(s.wall, time, state, sides) for s in surfaces]
+        pairs = [(g - s.level, row) for s, (g, _, *row) in zip(surfaces, measured, strict=True)]
+        pairs = [(g, row) for g, row in pairs if any(row)]
+        if not pairs:
+            return state
+        rows = mpmath.matrix([row for _, row in pairs])
+        try:
+            found = rows.T * mpmath.lu_solve(rows * rows.T, mpmath.matrix([g for g, _ in pairs]))
+        except ZeroDivisionError:
+            return state
+        moved = state - np.array(list(found), dtype=object)
+        tiny = mpmath.mpf(2) ** (-self.bits - GUARD // 2)
+        return np.where(abs(moved) <= tiny * abs(state), mpmath.mpf(0), moved)
+
+    def _along(
+        self, time: Any, state: np.ndarray, met: Sequence[Surface], along: tuple[Surface, ...],
+        corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
+    ) -> Mode | None:  # fmt: skip
+        """The motion along some of the surfaces that meet, if there is one."""
+        free = [s for s in met if s not in along]
+        for rest in product((1, -1), repeat=len(free)):
+            other = dict(zip(free, rest, strict=True))
+
+            def at(below: Surface | None, other: Mapping[Surface, int] = other) -> Any:
+                sides = (other.get(s, -1 if s == below else 1) for s in met)
+                return corners[tuple(sides)]
+
+            chosen = [at(None), *(at(s) for s in along)]
+            if any(s.wall not in chosen[0][1] for s in along):
+                continue
+            mode = self._mode(tuple(c for c, _ in chosen), chosen[0][1], along)
+            weights = None if mode is None else self._weights(mode, time, state)
+            if (
+                mode is None
+                or weights is None
+                or not self._affine(time, state, mode, weights, other, corners, met)
+            ):
+                continue
+            moved = self._moved(mode.program, time, state, mode.sides, free)
+            if all(s in (0, side) for s, side in zip(moved, rest, strict=True)):
+                return mode
+        return None
+
+    def _resting(
+        self, time: Any, state: np.ndarray, met: Sequence[Surface],
+        corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
+    ) -> Mode | None:  # fmt: skip
+        """The state of rest, where the fields on the sides cancel and hold no time."""
+        rows = []
+        for corner, sides in corners.values():
+            held = corner.program.derivative.symbols
+            if corner.program.time in held or any(
+                s.wall.function.has(corner.program.time) for s in met
+            ):
+                return None
+            found = compiled_digits(corner.program)[0](
+                time, list(state), self.values(corner.program, sides)
+            )
+            rows.append([float(x) for x in found])
+        from scipy.optimize import nnls
+
+        matrix = np.vstack([np.array(rows).T, np.ones(len(rows))])
+        scale = max(1.0, np.abs(matrix).max())
+        _, rest = nnls(matrix / scale, np.array([0.0] * len(state) + [1.0]) / scale)
+        if rest > CANCELLED:
+            return None
+        corner, sides = next(iter(corners.values()))
+        zero = Block((), (se.Integer(0),) * len(state))
+        still = replace(corner, program=replace(corner.program, derivative=zero), walls=(), rims=())
+        return self._mode((still,), sides, ())
+
+    def touches(
+        self, time: Any, state: np.ndarray, surface: Surface, sides: Mapping[Wall, int]
+    ) -> bool:
+        """Whether a wall is touched, not crossed, from a side while the other side leads to it, in
+        the sense of time: then the motion may have come along it."""
+        g, *slopes = self._measured(surface.wall, time, state, sides)
+        size = sum(abs(a * b) for a, b in zip(slopes, [time, *state], strict=True))
+        side = 1 if sides[surface.wall] == surface.value(1) else -1
+        own, scale = self._rate(time, state, surface, sides)
+        if abs(g - surface.level) > GRAZE * size or abs(own) > mpmath.sqrt(GRAZE) * scale:
+            return False
+        other, _ = self._rate(time, state, surface, {**sides, surface.wall: surface.value(-side)})
+        return bool(other * side > 0)
+
+    def _rate(
+        self, time: Any, state: np.ndarray, surface: Surface, sides: Mapping[Wall, int]
+    ) -> tuple[Any, Any]:
+        """How fast a wall's function grows on given sides, and the size of the terms of that."""
+        corner, values = self._corner(time, state, sides)
+        found = compiled_digits(corner.program)[0](
+            time, list(state), self.values(corner.program, values)
+        )
+        _, slope, *slopes = self._measured(surface.wall, time, state, sides)
+        terms = [slope, *(a * b for a, b in zip(slopes, found, strict=True))]
+        speeds = [
+            abs(a) * max(abs(b), abs(x)) for a, b, x in zip(slopes, found, state, strict=True)
+        ]
+        return sum(terms), sum(speeds) + abs(slope)
+
+    def _weights(self, mode: Mode, time: Any, state: np.ndarray) -> list[Any] | None:
+        """The weights of the sides along surfaces; None where the motion is not held there."""
+        count = len(mode.along)
+        extras = compiled_digits(mode.levels)[1]
+        try:
+            found = extras(time, list(state), self.values(mode.program, mode.sides))
+        except (ZeroDivisionError, ValueError):
+            return None
+        named = dict(zip(mode.levels.names, found, strict=True))
+        weights = [named[f"weight {i}"] for i in range(count)]
+        returns = [named[f"return {i}"] for i in range(count)]
+        if all(abs(w) <= 1 for w in weights) and all(self.order * r < 0 for r in returns):
+            return weights
+        return None
+
+    def _affine(
+        self, time: Any, state: np.ndarray, mode: Mode, weights: Sequence[Any],
+        other: Mapping[Surface, int], corners: Mapping[tuple[int, ...], Any],
+        met: Sequence[Surface],
+    ) -> bool:  # fmt: skip
+        """Whether the field is affine in the sides of several surfaces, so that it is known what
+        leads along all of them."""
+        if len(weights) < 2:
+            return True
+        rows = {}
+        for above, (corner, sides) in corners.items():
+            if all(above[met.index(s)] == side for s, side in other.items()):
+                key = tuple(above[met.index(s)] for s in mode.along)
+                values = self.values(corner.program, sides)
+                found = compiled_digits(corner.program)[0](time, list(state), values)
+                rows[key] = np.array(found, dtype=object)
+        top = (1,) * len(weights)
+        for key, row in rows.items():
+            flips = [i for i, side in enumerate(key) if side < 0]
+            single = [tuple(-1 if j == i else 1 for j in range(len(key))) for i in flips]
+            guess = rows[top] + sum((rows[s] - rows[top] for s in single), 0 * rows[top])
+            size = max(abs(x) for r in rows.values() for x in r) or 1
+            if max(abs(x) for x in row - guess) > size * mpmath.mpf(2) ** (16 - self.bits):
+                return False
+        return True
+
+    # -- modes made ready -------------------------------------------------------------------
+
+    def _mode(
+        self, corners: tuple[Corner, ...], sides: Mapping[Wall, int], along: tuple[Surface, ...]
+    ) -> Any:
+        floors = tuple(s for s in along if s.wall.whole)
+        key = (corners, along, tuple(sides[s.wall] for s in floors))
+        found = self.known_modes.get(key)
+        if found is None:
+            found = self._made(corners, sides, along)
+            if found is None:
+                return None
+            self.known_modes[key] = found
+        return replace(found, sides=sides, watch=self._watched(corners[0], sides, along))
+
+    def _watched(
+        self, corner: Corner, sides: Mapping[Wall, int], along: tuple[Surface, ...]
+    ) -> dict[str, tuple[Surface, ...]]:
+        watch: dict[str, tuple[Surface, ...]] = {}
+        for i, wall in enumerate(corner.walls):
+            if wall in {s.wall for s in along}:
+                continue
+            if wall.whole:
+                watch[f"wall {i} below"] = (Surface(wall, sides[wall]),)
+                watch[f"wall {i} above"] = (Surface(wall, sides[wall] + 1),)
+            else:
+                watch[f"wall {i}"] = (Surface(wall),)
+        watch |= {f"rim {i}": () for i in range(len(corner.rims))}
+        return watch | {f"weight {i}": along for i in range(len(along))}
+
+    def _levels(
+        self, corner: Corner, sides: Mapping[Wall, int], along: tuple[Surface, ...]
+    ) -> dict[str, Any]:
+        """What falls through zero where a mode ends, by the names of ``_watched``."""
+        levels = {}
+        for i, wall in enumerate(corner.walls):
+            if wall in {s.wall for s in along}:
+                continue
+            if wall.whole:
+                floor = self.modes.floor(wall)
+                levels[f"wall {i} below"] = wall.function - floor
+                levels[f"wall {i} above"] = floor + 1 - wall.function
+            else:
+                levels[f"wall {i}"] = corner.signs[wall] * wall.function
+        for i, base in enumerate(corner.rims):
+            levels[f"rim {i}"] = self._fall(base, corner, sides)
+        return levels
+
+    def _fall(self, base: Any, corner: Corner, sides: Mapping[Wall, int]) -> Any:
+        """What falls through zero where a radicand of velocities has vanished; of a sum of squares,
+        which may be beyond doubles, by its root."""
+        (root,) = stable_all([se.sqrt(base)])
+        power = 2 if numeric_name(root) == HYPOT else 1
+        measure = root if power == 2 else base
+        program = quantities(corner.form, {"size": measure})
+        values = self.values(program, sides)
+        size = compiled_digits(program)[1](self.grid[0], list(self.start), values)[0]
+        small = float(RIM ** (1 / power) * abs(size))
+        return measure - se.Rational(*small.as_integer_ratio())
+
+    def _made(
+        self, corners: tuple[Corner, ...], sides: Mapping[Wall, int], along: tuple[Surface, ...]
+    ) -> Mode | None:
+        corner, given = corners[0], self.problem
+        functions = {**corner.functions, **self._levels(corner, sides, along)}
+        program, turns = corner.program, {}
+        if along:
+            below = [None, *along]
+            numbered = [self._numbered(c, s, along) for c, s in zip(corners, below, strict=True)]
+            found = held(numbered, along)
+            if found is None:
+                return None
+            program, weighing = found
+            kinds = [f"{w} {i}" for w in ("weight", "return") for i in range(len(along))]
+            block = Block(weighing.assignments, (*functions.values(), *weighing.results))
+            levels = replace(program, names=(*functions, *kinds), extras=block)
+        elif self.order < 0:
+            turns = {
+                f"turn at {n}": s[0] for n, s in self._watched(corner, sides, along).items() if s
+            }
+            levels = _with_turns(quantities(corner.form, functions), program, turns, functions)
+        else:
+            levels = quantities(corner.form, functions)
+        ends = [*self._watched(corner, sides, along)]
+        events = [Event(name, name, -self.order, stop=True) for name in ends]
+        events += [Event(name, name, -self.order) for name in turns]
+        watching = levels if not along else _of_events(levels, [*given.events], ends)
+        problem = replace(
+            given, program=program, start=given.start.copy(), levels=watching,
+            events=(*given.events, *events), parameters=[*map(float, self.values(program, sides))],
+            exact=None, walls=frozenset(ends), suspect=None if along else given.suspect,
+            progress=self.progress,
+        )  # fmt: skip
+        method = (
+            next(iter(self.known_modes.values())).chosen["method"]
+            if self.known_modes
+            else self.method
+        )
+        if self.bits != DOUBLE:
+            method = "flint"
+        stepper, chosen = choose(method, problem, self.grid)
+        lasting = stepper if chosen["method"] == "heyoka" else None
+        return Mode(corner, program, levels, sides, along, {}, turns, problem, chosen, lasting)
+
+    def _numbered(self, corner: Corner, below: Surface | None, along: Sequence[Surface]) -> Corner:
+        """A corner with numbers for the floors along which the motion is held."""
+        floors = {
+            self.modes.floor(s.wall): se.Integer(s.value(-1 if s == below else 1))
+            for s in along if s.wall.whole
+        }  # fmt: skip
+        if not floors:
+            return corner
+        block = corner.program.derivative
+        lines = tuple((name, e.xreplace(floors)) for name, e in block.assignments)
+        results = tuple(se.sympify(r).xreplace(floors) for r in block.results)
+        return replace(corner, program=replace(corner.program, derivative=Block(lines, results)))
+
+
+def _with_turns(
+    levels: Program, program: Program, turns: Mapping[str, Surface], functions: Mapping[str, Any]
+) -> Program:
+    """The same quantities, and the rates of those of ``functions`` that turn."""
+    lines = program.derivative.assignments
+    fresh = {name: se.Symbol(f"level {i}") for i, (name, _) in enumerate(levels.extras.assignments)}
+    own = tuple((fresh[n], e.xreplace(fresh)) for n, e in levels.extras.assignments)
+    results = tuple(se.sympify(r).xreplace(fresh) for r in levels.extras.results)
+    moved = []
+    for name in turns:
+        g = functions[name.removeprefix("turn at ")]
+        pairs = zip(program.state, program.derivative.results, strict=True)
+        moved.append(g.diff(program.time) + se.Add(*[g.diff(x) * f for x, f in pairs]))
+    block = Block((*lines, *own), (*results, *moved))
+    return replace(levels, names=(*levels.names, *turns), extras=block)
+
+
+def _of_events(levels: Program, given: Sequence[Event], ends: Sequence[str]) -> Program:
+    """What the events of a motion along surfaces look at: weights by how far they are from +-1."""
+    found = dict(zip(levels.names, levels.extras.results, strict=True))
+    results = [found[e.name] for e in given]
+    results += [1 - found[n] ** 2 if n.startswith("weight") else found[n] for n in ends]
+    names = (*(e.name for e in given), *ends)
+    return replace(levels, names=names, extras=replace(levels.extras, results=tuple(results)))
+
+
+def runge_kutta(
+    field: Callable[[Any, np.ndarray], np.ndarray], time: Any, state: np.ndarray, h: Any
+) -> np.ndarray:
+    """One step of the classical method of order four."""
+    a = field(time, state)
+    b = field(time + h / 2, state + a * (h / 2))
+    c = field(time + h / 2, state + b * (h / 2))
+    d = field(time + h, state + c * h)
+    return state + (a + 2 * b + 2 * c + d) * (h / 6)

@@ -1,0 +1,349 @@
+"""The equations of a system on one level: which variables, their rates, what is to be solved.
+
+    positions' = rates,   mass * velocities' = force
+
+Levels are proved to be equivalent: coordinates, invariants, and momenta in the place of velocities.
+
+Where two functions of the invariants are a = r cos(q), b = r sin(q), with r free of the angle q,
+the angle is atan2(b, a) up to a half turn; and r itself, the root of a^2 + b^2 up to its sign, is
+one more function to read others off, such as the colatitude u from cos(u) and r = sin(u).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import combinations, permutations
+from typing import Any
+
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.normal import canonical
+from voronec.algebra.verdicts import all_vanish
+from voronec.equations.derivation import FirstOrderForm
+from voronec.equations.reduction import in_invariants
+from voronec.equations.vector_field import Motions, VectorField
+from voronec.errors import EngineLimit, VoronecError
+from voronec.motion.model.denominators import with_positive_denominators
+
+__all__ = ["Angle", "Level", "coordinates_level", "defined", "invariants_level", "recovered_angles"]
+
+
+@dataclass(frozen=True)
+class Angle:
+    """q = atan2(sine, cosine) up to signs and turns that the start tells.
+
+    Both are in terms of the invariants, with a common factor r whose sign does not change while the
+    chart holds; a root stands for a factor of either sign, and keeps it too.  ``meaning`` is what
+    the two are, r cos(q) and r sin(q), in the coordinates; ``roots`` tells which of them is a root.
+    """
+
+    coordinate: Any
+    cosine: Any
+    sine: Any
+    meaning: tuple[Any, Any]
+    roots: tuple[bool, bool]
+
+    def mapped(self, on: Callable[[Any], Any]) -> Angle:
+        """The angle with its expressions replaced."""
+        return replace(self, cosine=on(self.cosine), sine=on(self.sine))
+
+    def signs(self, start: Mapping[Any, float]) -> tuple[int, int]:
+        """With which signs of cosine and sine the angle is what it is at the start.
+
+        ``start`` gives the numbers of the coordinates there, and of parameters.
+        """
+        begin = float(start[self.coordinate])
+        true = [float(e.subs(dict(start)).n(53, real=True)) for e in self.meaning]
+        reverse = -1 if true[0] * math.cos(begin) + true[1] * math.sin(begin) < 0 else 1
+        # a root is never negative, what it stands for may be
+        i, j = (-1 if root and x < 0 else 1 for x, root in zip(true, self.roots, strict=True))
+        return reverse * i, reverse * j
+
+    @property
+    def symbols(self) -> set[Any]:
+        """What it is read off."""
+        return set(self.cosine.free_symbols | self.sine.free_symbols)
+
+
+def recovered_angles(motions: Motions, wanted: Mapping[str, Any]) -> dict[str, Angle]:
+    """Those wanted quantities that are coordinates and can be read off the invariants."""
+    d, door = motions.equations.definition, motions.equations.door
+    names = {e: name for name, e in wanted.items() if e in d.coordinates}
+    if not names:
+        return {}
+    known = [(se.Symbol(name), door.inward(g)) for name, g in motions.system.invariants.items()]
+    angles = [q for q in d.coordinates if any(se.has_symbol(g, q) for _, g in known)]
+    found: dict[Any, Angle] = {}
+    while True:
+        fresh = _next(known, [q for q in angles if q not in found])
+        if fresh is None:
+            break
+        angle, modulus, meaning = fresh
+        found[angle.coordinate] = angle
+        if modulus is not None:
+            known.append((modulus, meaning))
+    return {name: found[q] for q, name in names.items() if q in found}
+
+
+def _next(known: Iterable[tuple[Any, Any]], angles: Iterable[Any]) -> tuple[Angle, Any, Any] | None:
+    """One more angle, and the factor that is known with it: as read off, and as it is."""
+    functions = list(known)
+    for q in angles:
+        for pair in combinations([f for f in functions if se.has_symbol(f[1], q)], 2):
+            for (a, cosine), (b, sine) in permutations(pair):
+                for sign in (1, -1):
+                    if not _turns(cosine, sign * sine, q):
+                        continue
+                    factor = _factor(cosine, sign * sine, q)
+                    root = se.sqrt(a**2 + b**2)
+                    angle = Angle(
+                        q, a, sign * b, (cosine, sign * sine), (bool(a.args), bool(b.args))
+                    )  # fmt: skip
+                    return angle, (None if factor is None else root), factor
+    return None
+
+
+def _turns(cosine: Any, sine: Any, q: Any) -> bool:
+    """Whether the two are a factor times cos(q) and sin(q), up to one turn for both."""
+    return all_vanish([cosine.diff(q) + sine, sine.diff(q) - cosine]) and all_vanish(
+        [cosine * se.sin(q) - sine * se.cos(q)]
+    )
+
+
+def _factor(cosine: Any, sine: Any, q: Any) -> Any | None:
+    """r = a cos(q) + b sin(q), in the other coordinates."""
+    total = cosine.subs({q: 0})
+    return total if all_vanish([cosine * se.cos(q) + sine * se.sin(q) - total]) else None
+
+
+INFINITE = (se.zoo, se.nan, se.oo, -se.oo)
+"""What a division by zero leaves."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """Equations in symengine, with what the wanted quantities are on them.
+
+    ``stages`` are pairs (name, expression) that everything else may use.  ``start`` says what each
+    variable is in terms of coordinates and velocities of the equations.  ``quantities`` holds the
+    wanted outputs and those first integrals that this level can express, by name; ``angles`` are
+    outputs that are read off invariants.  ``exact`` tells normal forms from expressions whose
+    symbols may be there in vain.  ``inertia`` is the mass matrix of the velocities, where momenta
+    stand in for them.
+    """
+
+    name: str
+    system: Any
+    positions: tuple[Any, ...]
+    velocities: tuple[Any, ...]
+    rates: tuple[Any, ...]
+    mass: tuple[tuple[Any, ...], ...]
+    force: tuple[Any, ...]
+    parameters: tuple[Any, ...]
+    time: Any
+    relations: tuple[Any, ...]
+    start: Mapping[Any, Any]
+    outputs: Mapping[str, Any]
+    integrals: Mapping[str, Any]
+    angles: Mapping[str, Angle] = field(default_factory=dict)
+    stages: tuple[tuple[Any, Any], ...] = ()
+    exact: bool = True
+    inertia: tuple[tuple[Any, ...], ...] | None = None
+
+    @property
+    def variables(self) -> tuple[Any, ...]:
+        """Positions, then velocities."""
+        return self.positions + self.velocities
+
+    @property
+    def positive(self) -> tuple[Any, ...]:
+        """The parameters that are declared to be positive."""
+        return tuple(se.Symbol(p.name) for p in self.system.parameters if p.is_positive)
+
+    @property
+    def form(self) -> FirstOrderForm:
+        """What a ``Program`` is made of."""
+        return FirstOrderForm(
+            coordinates=self.positions,
+            velocities=self.velocities,
+            parameters=self.parameters,
+            time=self.time,
+            rates=self.rates,
+            mass=self.mass,
+            force=self.force,
+            relations=self.relations,
+            stages=self.stages,
+            positive=self.positive,
+        )
+
+    def substituted(self, values: Mapping[Any, Any]) -> Level:
+        """The level with symbols replaced; integrals that then have no meaning are left out."""
+        given = dict(values)
+
+        def on(expr: Any) -> Any:
+            return expr.subs(given) if given.keys() & expr.free_symbols else expr
+
+        return replace(
+            self,
+            rates=tuple(map(on, self.rates)),
+            mass=tuple(tuple(map(on, row)) for row in self.mass),
+            force=tuple(map(on, self.force)),
+            relations=tuple(map(on, self.relations)),
+            outputs={name: on(e) for name, e in self.outputs.items()},
+            integrals={name: e for name, x in self.integrals.items() if defined(e := on(x))},
+            angles={name: a.mapped(on) for name, a in self.angles.items()},
+            stages=tuple((name, on(e)) for name, e in self.stages),
+            inertia=self.inertia and tuple(tuple(map(on, row)) for row in self.inertia),
+        )
+
+
+def defined(expr: Any) -> bool:
+    """Whether an expression holds no infinity, such as a division by zero leaves."""
+    return not any(expr == bad or expr.has(bad) for bad in INFINITE)
+
+
+def coordinates_level(
+    motions: Motions, wanted: Mapping[str, sp.Expr], integrals: Mapping[str, sp.Expr]
+) -> Level:
+    """The equations in coordinates and the velocities of the frame.
+
+    Normal forms where they are within the budget; else the straight-line form.
+    """
+    equations, flow = motions.equations, motions.for_numbers
+    exact = not equations.is_large and equations.in_normal_form
+    outputs = {name: flow.read(e) for name, e in wanted.items()}
+    claims = _readable(flow, integrals)
+    if not equations.is_large:
+        outputs = {name: _plainest(flow, e) for name, e in outputs.items()}
+        claims = {name: _plainest(flow, e) for name, e in claims.items()}
+    d = equations.definition
+    level = Level(
+        name="coordinates",
+        system=equations.system,
+        positions=flow.positions,
+        velocities=flow.velocities,
+        rates=flow.rates,
+        mass=flow.mass,
+        force=flow.force,
+        parameters=flow.parameters,
+        time=flow.time,
+        relations=flow.relations,
+        start={x: x for x in flow.variables},
+        outputs=outputs,
+        integrals=claims,
+        exact=exact,
+    )
+    if exact or d.group is not None:
+        return level
+    lean = equations.form
+    return replace(level, rates=lean.rates, mass=lean.mass, force=lean.force, stages=lean.stages)
+
+
+def _plainest(flow: VectorField, expr: Any) -> Any:
+    """An expression without variables that it holds in vain, where a normal form tells so."""
+    try:
+        (normal,) = canonical([expr], flow.relations)
+    except EngineLimit:
+        return expr
+    return normal if normal.free_symbols < expr.free_symbols else expr
+
+
+def _readable(flow: VectorField, exprs: Mapping[str, sp.Expr]) -> dict[str, Any]:
+    found = {}
+    for name, expr in exprs.items():
+        try:
+            found[name] = flow.read(expr)
+        except VoronecError:
+            continue
+    return found
+
+
+def invariants_level(
+    motions: Motions,
+    wanted: Mapping[str, sp.Expr],
+    integrals: Mapping[str, sp.Expr],
+    followed: Collection[str] = (),
+) -> Level | None:
+    """The equations in the declared invariants and the velocities; None where they do not close.
+
+    A coordinate that is wanted and is no function of the invariants is kept beside them, with all
+    that its rate needs; an angle whose cosine and sine are invariants up to a factor is read off.
+    """
+    if not motions.system.invariants:
+        return None
+    try:
+        flow = motions.on_invariants
+    except VoronecError:
+        return None  # they do not close: a false claim, but the motion is there
+    try:
+        plain = _readable(flow, wanted)
+        spelled = {n: motions.on_coordinates.read(e) for n, e in wanted.items() if n not in plain}
+        free = {n: e for n, e in spelled.items() if n not in followed}
+        sides = recovered_angles(motions, free)
+        others, kept, rates = _expressed(motions, spelled, sides)
+    except EngineLimit:
+        return None
+    d = motions.equations.definition
+    door = motions.equations.door
+    start = {se.Symbol(name): door.inward(g) for name, g in motions.system.invariants.items()}
+    return Level(
+        name="invariants",
+        system=motions.system,
+        positions=(*flow.positions, *kept),
+        velocities=flow.velocities,
+        rates=(*flow.rates, *rates),
+        mass=flow.mass,
+        force=flow.force,
+        parameters=flow.parameters,
+        time=flow.time,
+        relations=flow.relations,
+        start={**start, **{x: x for x in (*kept, *d.velocities)}},
+        outputs=plain | others,
+        integrals=_claims(motions, flow, integrals, kept),
+        angles=sides,
+    )
+
+
+def _claims(
+    motions: Motions, flow: VectorField, integrals: Mapping[str, sp.Expr], kept: Sequence[Any]
+) -> dict[str, Any]:
+    """The integrals that are functions of the invariants, the velocities and what is kept."""
+    found = _readable(flow, integrals)
+    others = {name: e for name, e in integrals.items() if name not in found}
+    if not others:
+        return found
+    low = _readable(motions.on_coordinates, others)
+    try:
+        rewritten = in_invariants(motions.equations, list(low.values()), kept)
+    except EngineLimit:
+        return found
+    named = zip(low, rewritten, strict=True)
+    return found | {name: e for name, e in named if e is not None}
+
+
+def _expressed(
+    motions: Motions, spelled: Mapping[str, Any], angles: Mapping[str, Angle]
+) -> tuple[dict[str, Any], tuple[Any, ...], list[Any]]:
+    """Outputs on the invariants; the coordinates that they keep, and the rates of these."""
+    todo = {name: e for name, e in spelled.items() if name not in angles}
+    if not todo:
+        return {}, (), []
+    low = motions.on_coordinates
+    rate = dict(zip(low.positions, low.rates, strict=True))
+    kept: list[Any] = []
+    while True:
+        targets = [*todo.values(), *(rate[q] for q in kept)]
+        found = in_invariants(motions.equations, targets, kept)
+        missing = [t for t, f in zip(targets, found, strict=True) if f is None]
+        if not missing:
+            count, ideal = len(todo), motions.on_invariants.relations
+            found = [with_positive_denominators(e, ideal) for e in found]
+            return dict(zip(todo, found[:count], strict=True)), tuple(kept), found[count:]
+        needed = set().union(*(t.free_symbols for t in missing)) - set(kept)
+        fresh = [q for q in low.positions if q in needed]
+        if not fresh:
+            raise EngineLimit("an output has no expression in the invariants")
+        kept += fresh

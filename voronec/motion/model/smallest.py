@@ -1,0 +1,231 @@
+"""The smallest model of a scene: from levels of the equations to the one that costs least.
+
+On every level of the equations the smallest closed set of variables is taken that the wanted
+outputs need; constants and what stays at zero are frozen, first integrals stand in for equations;
+and of the levels the one whose program costs least is chosen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.verdicts import all_vanish
+from voronec.equations.program import Program
+from voronec.equations.vector_field import Motions
+from voronec.errors import EngineLimit
+from voronec.motion.model.dependence import cyclic, dependence, needed_variables, restricted
+from voronec.motion.model.level import Level, coordinates_level, invariants_level
+from voronec.motion.model.model import Candidate, Model, Role
+from voronec.motion.model.momenta import momenta_level
+from voronec.motion.model.special import at_zero, by_integrals, constants, without_parameters
+
+__all__ = ["absent", "smallest_model"]
+
+
+def absent(level: Level, needed: set[Any], names: tuple[Any, ...]) -> Iterator[tuple[Any, str]]:
+    """Which of the ``names`` are no variables of the level, and in which needed ones each stands.
+
+    The list is empty where nothing that is needed holds it.
+    """
+    for x in names:
+        if x in level.variables:
+            continue
+        holders = [
+            str(y) for y in level.variables if y in needed and x in level.start[y].free_symbols
+        ]
+        yield x, ", ".join(holders)
+
+
+_KEPT, MOST = "_levels", 8
+"""Where motions keep their levels, which no start changes, and for how many sets of outputs."""
+
+Note = Callable[[Any, str, str], None]
+"""Takes down what became of a variable: the variable, the kind of role, the reason."""
+
+
+@dataclass(frozen=True)
+class _Particular:
+    """What is known of one motion: zero parameters and variables, numbers of expressions."""
+
+    values: Mapping[Any, float]
+
+    def number(self, expr: Any) -> float:
+        """The value of an expression of the start; infinite where it has none."""
+        try:
+            return float(expr.subs(dict(self.values)).n(53, real=True))
+        except (RuntimeError, TypeError, ValueError):
+            return float("inf")
+
+
+def smallest_model(
+    motions: Motions,
+    wanted: Mapping[str, sp.Expr],
+    integrals: Mapping[str, sp.Expr],
+    start: Mapping[Any, float] | None = None,
+    thorough: bool = False,
+    followed: Collection[str] = (),
+) -> Model:
+    """The cheapest model in which the wanted quantities can be computed.
+
+    ``wanted`` and ``integrals`` are expressions in the user's symbols, invariants among them;
+    ``start`` gives numbers of coordinates, velocities, parameters and the time, as symbols inside
+    the door: with it, what is zero is frozen; without it, the model holds for all starts.  Where
+    invariants alone suffice, coordinates are weighed only in a ``thorough`` search: they hold the
+    same products, and sines besides.  Outputs that are ``followed`` are not read off as angles.
+    """
+    kept = motions.__dict__.setdefault(_KEPT, {})
+    key = (tuple(wanted.items()), tuple(integrals.items()), thorough, frozenset(followed))
+    if key not in kept:
+        if len(kept) >= MOST:
+            kept.clear()
+        kept[key] = tuple(_levels(motions, wanted, integrals, thorough, followed))
+    levels = kept[key]
+    models = [_cut_down(motions, level, start) for level in levels]
+    best = min(models, key=lambda m: (m.candidates[0].weight, m.candidates[0].states))
+    weighed = tuple(replace(m.candidates[0], chosen=m is best) for m in models)
+    return replace(best, candidates=weighed)
+
+
+def _levels(
+    motions: Motions,
+    wanted: Mapping[str, sp.Expr],
+    integrals: Mapping[str, sp.Expr],
+    thorough: bool,
+    followed: Collection[str],
+) -> Iterator[Level]:
+    """The levels to weigh."""
+    low = invariants_level(motions, wanted, integrals, followed)
+    if low is not None:
+        yield from _with_momenta(low)
+        alone = len(low.positions) == len(motions.system.invariants)
+        if alone and not thorough:
+            return
+    yield from _with_momenta(coordinates_level(motions, wanted, integrals))
+
+
+def _with_momenta(level: Level) -> Iterator[Level]:
+    yield level
+    momenta = momenta_level(level)
+    if momenta is not None:
+        yield momenta
+
+
+def _cut_down(motions: Motions, full: Level, start: Mapping[Any, float] | None) -> Model:
+    """One level cut down to what its outputs need."""
+    roles: dict[Any, Role] = {}
+
+    def note(x: Any, kind: str, why: str) -> None:
+        roles[x] = Role(str(x), kind, why)
+
+    level, known = full, None
+    if start is not None:
+        known = _Particular(_at_start(full, start))
+        zero = {p: se.Integer(0) for p in full.parameters if known.values.get(p) == 0}
+        level = without_parameters(level, zero)
+    level = _closed(level, note, "no output depends on it")
+    if known is not None:
+        level = _on_plane(level, known, note)
+    level, frozen = _without_constants(level, full, note)
+    level, told = _without_integrals(level, full, known or _Particular({}), note)
+    _note_moving(level, note)
+    for name, angle in level.angles.items():
+        roles.setdefault(name, Role(name, "read off", _angle_words(angle)))
+    needed = {x for x in full.variables if x in roles and roles[x].kind != "dropped"}
+    d = motions.equations.definition
+    for x, holders in absent(full, needed, (*d.coordinates, *d.velocities)):
+        if str(x) not in level.angles:
+            why = f"by {holders}" if holders else "no output depends on it"
+            note(x, "replaced" if holders else "dropped", why)
+    program = Program.of(level.form)
+    summary = Candidate(level.name, len(level.variables), program.operations, program.weight)
+    order = {x: i for i, x in enumerate([*full.variables, *full.angles])}
+    ranked = sorted(roles.items(), key=lambda item: order.get(item[0], len(order)))
+    return Model(level, full, tuple(r for _, r in ranked), (summary,), frozen | told)
+
+
+def _on_plane(level: Level, known: _Particular, note: Note) -> Level:
+    """The level on the invariant plane of variables that are zero at the start and stay so."""
+    zeros = {x for x in level.variables if known.values.get(x) == 0}
+    plane = at_zero(level, zeros)
+    for x in plane:
+        note(x, "zero", "zero at the start, and then for ever: its rate vanishes there")
+    left = [x for x in level.variables if x not in plane]
+    level = restricted(level.substituted(dict.fromkeys(plane, se.Integer(0))), left)
+    return _closed(level, note, "no output depends on it where the others are zero")
+
+
+def _without_constants(level: Level, full: Level, note: Note) -> tuple[Level, dict[Any, Any]]:
+    """The level with constant variables as parameters, and what these are at the start."""
+    frozen = {x: full.start[x] for x in constants(level)}
+    for x in frozen:
+        note(x, "constant", "its rate vanishes identically")
+    if not frozen:
+        return level, frozen
+    left = [x for x in level.variables if x not in frozen]
+    level = replace(level, parameters=(*level.parameters, *frozen))
+    return _closed(restricted(level, left), note, ""), frozen
+
+
+def _without_integrals(
+    level: Level, full: Level, known: _Particular, note: Note
+) -> tuple[Level, dict[Any, Any]]:
+    """The level without the variables that proved first integrals give, and the values of these
+    integrals as they are at the start."""
+    level, given = by_integrals(level, lambda name: _is_integral(full, name), known.number)
+    for x, (name, _, _) in given.items():
+        note(x, "integral", f"given by the first integral '{name}'")
+    return level, {s: e.xreplace(dict(full.start)) for _, s, e in given.values()}
+
+
+def _note_moving(level: Level, note: Note) -> None:
+    """Of what is integrated: what takes part in a cycle, and what is a quadrature."""
+    turning = cyclic(dependence(level), level.variables)
+    for x in level.variables:
+        if x in turning:
+            note(x, "integrated", "in a cycle: the rates depend on one another")
+        else:
+            note(x, "quadrature", "follows from others, which do not depend on it")
+
+
+def _angle_words(angle: Any) -> str:
+    return f"atan2({angle.sine}, {angle.cosine}), up to the branch"
+
+
+def _at_start(level: Level, start: Mapping[Any, float]) -> dict[Any, float]:
+    """Numbers of the level's own variables, of the parameters and the time."""
+    given = _Particular(start)
+    own = {x: given.number(meaning) for x, meaning in level.start.items() if x != meaning}
+    return {**start, **own}
+
+
+def _closed(level: Level, note: Note, why: str) -> Level:
+    kept = needed_variables(level, dependence(level))
+    for x in level.variables:
+        if x not in kept:
+            note(x, "dropped", why)
+    return restricted(level, kept)
+
+
+def _is_integral(level: Level, name: str) -> bool:
+    """Whether a declared integral is proved to be one, on the level."""
+    integral = level.integrals[name]
+    slopes = [integral.diff(q) * r for q, r in zip(level.positions, level.rates, strict=True)]
+    slopes.append(integral.diff(level.time))
+    held = [i for i, v in enumerate(level.velocities) if integral.diff(v) != 0]
+    for i in held:
+        if any(level.mass[i][j] != 0 for j in range(len(level.velocities)) if j != i):
+            return False
+        slopes.append(integral.diff(level.velocities[i]) * level.force[i] / level.mass[i][i])
+    total = se.Add(*slopes)
+    stages = dict(level.stages)
+    while total.free_symbols & stages.keys():
+        total = total.xreplace(stages)
+    try:
+        return all_vanish([total], level.relations)
+    except EngineLimit:
+        return False

@@ -1,0 +1,207 @@
+"""What need not be integrated: constants, what stays at zero, what a first integral tells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.normal import canonical
+from voronec.algebra.verdicts import all_vanish
+from voronec.errors import EngineLimit
+from voronec.motion.model.denominators import with_positive_denominators
+from voronec.motion.model.dependence import blocks, restricted
+from voronec.motion.model.level import Level, defined
+
+__all__ = [
+    "at_zero",
+    "by_integrals",
+    "constants",
+    "is_many_valued",
+    "level_of",
+    "without_parameters",
+]
+
+AMPLIFICATION = 100.0
+"""An integral gives a variable only where it enlarges errors of the others by less than this."""
+
+STEADY = {"sin", "cos", "exp", "sinh", "cosh", "tanh"}
+"""Functions that are continuous wherever they are defined; a tangent's poles, for one, are not."""
+
+Value = Callable[[Any], float]
+"""The number of an expression at the start."""
+
+
+def without_parameters(level: Level, zero: Mapping[Any, Any]) -> Level:
+    """The level with parameters that are zero taken out; as it is where that makes no sense."""
+    found = level.substituted(zero)
+    return _tidied(found) if _finite(found) else level
+
+
+def at_zero(level: Level, zeros: set[Any]) -> list[Any]:
+    """The largest set of variables, all zero at the start, that stay at zero for ever.
+
+    On it every rate vanishes identically: an invariant subspace, proved.  What a sign or a floor
+    depends on is none of them: where it is zero the rate is not that of the motions nearby.
+    """
+    chosen = [x for x in level.variables if x in zeros]
+    steps = _steps(level, chosen)
+    chosen = [x for x in chosen if x not in steps]
+    while chosen:
+        plane = level.substituted(dict.fromkeys(chosen, se.Integer(0)))
+        if not _finite(plane):
+            return []
+        stay = [x for x in chosen if _rests(plane, x, chosen)]
+        if len(stay) == len(chosen):
+            return chosen
+        chosen = stay
+    return []
+
+
+def _steps(level: Level, among: list[Any]) -> set[Any]:
+    """What signs and floors in the rates depend on."""
+    seen: set[Any] = set()
+    found: set[Any] = set()
+    stack = [e for _, e in level.stages] + [*level.rates, *level.force] if among else []
+    while stack:
+        node = se.sympify(stack.pop())
+        if node not in seen:
+            seen.add(node)
+            if isinstance(node, se.sign | se.floor):
+                found |= node.free_symbols
+            stack.extend(node.args)
+    return found
+
+
+def _rests(level: Level, x: Any, chosen: list[Any]) -> bool:
+    """Whether the rate of a variable vanishes where all the chosen ones do."""
+    if x in level.positions:
+        return _vanishes([level.rates[level.positions.index(x)]], level)
+    i = level.velocities.index(x)
+    others = [j for j, v in enumerate(level.velocities) if v not in chosen]
+    return _vanishes([level.force[i], *(level.mass[i][j] for j in others)], level)
+
+
+def _vanishes(exprs: list[Any], level: Level) -> bool:
+    stages = dict(level.stages)
+    opened = [_opened(e, stages) for e in exprs]
+    try:
+        return all_vanish(opened, level.relations)
+    except EngineLimit:
+        return False
+
+
+def _opened(expr: Any, stages: Mapping[Any, Any]) -> Any:
+    while expr.free_symbols & stages.keys():
+        expr = expr.xreplace(dict(stages))
+    return expr
+
+
+def constants(level: Level) -> list[Any]:
+    """Variables whose rates vanish identically."""
+    alone = [block[0] for block in blocks(level) if len(block) == 1]
+    found = [q for q, rate in zip(level.positions, level.rates, strict=True) if rate == 0]
+    return found + [level.velocities[i] for i in alone if level.force[i] == 0]
+
+
+def level_of(integral: str) -> Any:
+    """The symbol for the constant value of an integral that stands in for an equation."""
+    return se.Symbol(f"level of {integral}")
+
+
+def by_integrals(
+    level: Level, proved: Callable[[str], bool], value: Value
+) -> tuple[Level, dict[Any, tuple[str, Any, Any]]]:
+    """Variables that first integrals give, instead of equations.
+
+    An integral is used for a variable x in which it is linear with a constant coefficient: then
+    x = (level - rest) / coefficient everywhere.  Maps x to the integral's name, the symbol of its
+    level and its expression.
+    """
+    given: dict[Any, tuple[str, Any, Any]] = {}
+    for name, integral in level.integrals.items():
+        if given.keys() & integral.free_symbols:
+            continue
+        x = _solvable(level, integral, value)
+        if x is None or not proved(name):
+            continue
+        slope = integral.diff(x)
+        symbol = level_of(name)
+        rest = integral.subs({x: 0})
+        given[x] = (name, symbol, integral)
+        left = [y for y in level.variables if y != x]
+        stages = ((x, (symbol - rest) / slope), *level.stages)
+        level = replace(level, stages=stages, parameters=(*level.parameters, symbol))
+        level = restricted(level, left)
+    return level, given
+
+
+def _solvable(level: Level, integral: Any, value: Value) -> Any | None:
+    """The variable that an integral gives well, if there is one."""
+    inside = integral.free_symbols
+    if is_many_valued(integral):
+        return None
+    alone = {level.velocities[block[0]] for block in blocks(level) if len(block) == 1}
+    if not inside <= {*level.variables, *level.parameters, level.time}:
+        return None
+    for x in reversed(level.variables):
+        if x not in inside or not (x in alone or x in level.positions):
+            continue
+        slope = _short(integral.diff(x))
+        if slope.free_symbols & {*level.variables, level.time}:
+            continue
+        others = [integral.diff(y) for y in level.variables if y != x and y in inside]
+        size = abs(value(slope))
+        if size > 0 and sum(abs(value(e)) for e in others) <= AMPLIFICATION * size:
+            return x
+    return None
+
+
+def _short(expr: Any) -> Any:
+    """The normal form, or, where that is too large, the expression as it is."""
+    try:
+        return canonical([expr])[0]
+    except EngineLimit:
+        return expr
+
+
+def is_many_valued(expr: Any) -> bool:
+    """Whether an expression may hold a function with branches or steps, on which a motion may
+    change over: its rate vanishes, and yet it is not constant along the motion."""
+    stack, seen = [expr], set()
+    while stack:
+        node = stack.pop()
+        if node in seen or not node.args:
+            continue
+        seen.add(node)
+        if not isinstance(node, se.Add | se.Mul | se.Pow) and type(node).__name__ not in STEADY:
+            return True
+        stack.extend(node.args)
+    return False
+
+
+def _finite(level: Level) -> bool:
+    parts = [*level.rates, *level.force, *(e for row in level.mass for e in row)]
+    parts += [e for _, e in level.stages] + [*level.outputs.values()]
+    return all(map(defined, map(se.sympify, parts)))
+
+
+def _tidied(level: Level) -> Level:
+    """Normal forms again, after something was put in; rates without denominators that cancel."""
+    if not level.exact or level.stages:
+        return level
+    flat = [*level.rates, *level.force, *(e for row in level.mass for e in row)]
+    try:
+        flat = canonical(flat, level.relations)
+    except EngineLimit:
+        return level
+    n, k = len(level.velocities), len(level.rates)
+    rows = flat[k + n :]
+    return replace(
+        level,
+        rates=tuple(with_positive_denominators(e, level.relations) for e in flat[:k]),
+        force=tuple(flat[k : k + n]),
+        mass=tuple(tuple(rows[i * n : (i + 1) * n]) for i in range(n)),
+    )

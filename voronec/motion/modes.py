@@ -1,0 +1,310 @@
+"""Right-hand sides that are not smooth, mode by mode: on given sides of their walls, or along them.
+
+On either side of a wall g = 0 the field is smooth, f+ and f-.  Where both lead to the wall the
+motion stays on it [Filippov1988]: it follows f = (f+ + f-)/2 + a (f+ - f-)/2 with -1 < a < 1 such
+that g stays zero, and of several walls with one such a for each, where the field is affine in them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.door import Door
+from voronec.algebra.normal import canonical, canonical_for_numbers
+from voronec.algebra.signs import prove_inequality
+from voronec.equations.program import Block, Program
+from voronec.equations.program.digits import compiled_digits
+from voronec.equations.program.walls import (
+    SATURATED,
+    Sides,
+    Wall,
+    has_walls,
+    opened,
+    plain_roots,
+    radicands,
+    with_plain_roots,
+)
+from voronec.errors import EngineLimit
+from voronec.motion.state_probe import quantities
+
+__all__ = ["Corner", "Modes", "Surface", "held"]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A wall where its function is a ``level``: zero, or of a floor any whole number."""
+
+    wall: Wall
+    level: int = 0
+
+    @property
+    def function(self) -> Any:
+        """Vanishes on the surface, is positive above."""
+        return self.wall.function - self.level
+
+    def value(self, side: int) -> int:
+        """What stands for the wall above (1) and below (-1): the sign, or the floor."""
+        if not self.wall.whole:
+            return side
+        return self.level if side > 0 else self.level - 1
+
+    def __str__(self) -> str:
+        return f"{self.wall.function} = {self.level}"
+
+
+@dataclass(frozen=True, eq=False)
+class Corner:
+    """The equations on one side of every wall; floors are parameters of the ``program``.
+
+    ``signs`` are the sides that were asked for, ``walls`` all that were met, ``functions`` those of
+    events.  ``rims`` are radicands of roots that velocities may bring to zero, all at once.
+    """
+
+    form: Any
+    program: Program
+    functions: Mapping[str, Any]
+    signs: Mapping[Wall, int]
+    walls: tuple[Wall, ...]
+    rims: tuple[Any, ...]
+
+
+@dataclass
+class Modes:
+    """All modes of a form; ``functions`` are those of events by name, inside the door.
+
+    ``cusps`` are radicands that vanish on walls, as in |x|^(3/2): such a root has no Taylor series
+    there, and beyond it is taken of the absolute value, so that a step may look across.
+    """
+
+    form: Any
+    functions: Mapping[str, Any]
+    cusps: frozenset[Any] = frozenset()
+    saturated: Any = SATURATED
+    _corners: list[Corner] = field(default_factory=list)
+    _floors: dict[Wall, Any] = field(default_factory=dict)
+    _gauges: dict[Wall, Callable[..., Any]] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls, form: Any, functions: Mapping[str, Any], saturated: Any = SATURATED
+    ) -> Modes | None:
+        """The modes of a form; None where it is smooth.  tanh w counts as flat to the rounding in
+        force where |w| is greater than ``saturated``."""
+        form, functions = opened(with_plain_roots(form), functions)
+        still = frozenset(form.parameters)
+        functions = {name: plain_roots(e, still) for name, e in functions.items()}
+        exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]
+        if not has_walls([*exprs, *functions.values()], still) and not rims(form, exprs):
+            return None
+        return cls(form, functions, _cusps(form, exprs), saturated)
+
+    def floor(self, wall: Wall) -> Any:
+        """The parameter that stands for a floor."""
+        return self._floors.setdefault(wall, se.Symbol(f"floor {len(self._floors) + 1}"))
+
+    def corner(self, side: Callable[[Wall], int]) -> Corner:
+        """The equations on given sides of the walls."""
+        for known in self._corners:
+            if all(side(wall) == sign for wall, sign in known.signs.items()):
+                return known
+        form = self.form
+        asked: dict[Wall, int] = {}
+
+        def answer(wall: Wall) -> int:
+            return asked.setdefault(wall, side(wall))
+
+        still = frozenset(form.parameters)
+        change = Sides(answer, self.floor, still, self.cusps, self.saturated)
+        made = replace(
+            form,
+            rates=tuple(self._settled(e, change) for e in form.rates),
+            force=tuple(self._settled(e, change) for e in form.force),
+            mass=tuple(tuple(self._settled(e, change) for e in row) for row in form.mass),
+        )
+        functions = {name: change(e) for name, e in self.functions.items()}
+        floors = [self.floor(wall) for wall in change.walls if wall.whole]
+        made = replace(made, parameters=(*form.parameters, *floors))
+        exprs = [*made.rates, *made.force, *(e for row in made.mass for e in row)]
+        found = Corner(
+            made, Program.of(made), functions, asked, tuple(change.walls), rims(form, exprs)
+        )
+        self._corners.append(found)
+        return found
+
+    def _settled(self, expr: Any, change: Sides) -> Any:
+        """An entry on the sides, without the factors that vanish on a wall both above and below."""
+        expr = se.sympify(expr)
+        found = change(expr)
+        if found == expr:
+            return expr
+        try:
+            return canonical_for_numbers([found], self.form.relations)[0]
+        except EngineLimit:
+            return found
+
+    def gauge(self, wall: Wall) -> Callable[..., Any]:
+        """Of (time, state, values by name): a wall's function, and its derivatives by the time and
+        by the state, in any precision."""
+        if wall not in self._gauges:
+            g = wall.function
+            floors = tuple(s for s in self._floors.values() if s in g.free_symbols)
+            form = replace(self.form, parameters=(*self.form.parameters, *floors))
+            slots = [form.time, *form.coordinates, *form.velocities]
+            wanted = {"wall": g} | {f"slope by {x}": plain_roots(g.diff(x)) for x in slots}
+            program = quantities(form, wanted)
+            extras = compiled_digits(program)[1]
+
+            def measured(time: Any, state: Any, values: Mapping[str, Any]) -> list[Any]:
+                return list(extras(time, list(state), [values[str(p)] for p in program.parameters]))
+
+            self._gauges[wall] = measured
+        return self._gauges[wall]
+
+    @cached_property
+    def state(self) -> tuple[Any, ...]:
+        """Coordinates, then velocities."""
+        return (*self.form.coordinates, *self.form.velocities)
+
+
+def _cusps(form: Any, exprs: Sequence[Any]) -> frozenset[Any]:
+    """The radicands in expressions that vanish on a wall."""
+    still = frozenset(form.parameters)
+    bases = radicands(exprs, frozenset((*form.coordinates, *form.velocities, form.time)))
+    found = set()
+    for change in (Sides(lambda _: 1, _zero, still), Sides(lambda _: -1, _zero, still)):
+        for expr in exprs if bases else ():
+            change(expr)
+        for base in bases:
+            if any(_vanishes(change(base), wall.function, still) for wall in change.walls):
+                found.add(base)
+    return frozenset(found)
+
+
+def _zero(_wall: Wall) -> Any:
+    return se.Integer(0)
+
+
+def _vanishes(expr: Any, function: Any, still: frozenset[Any]) -> bool:
+    """Whether an expression vanishes where a function does that is linear in one of its symbols."""
+    for x in sorted(function.free_symbols - still, key=str):
+        slope = function.diff(x)
+        if slope != 0 and x not in slope.free_symbols:
+            there = expr.xreplace({x: x - function / slope})
+            try:
+                return bool(canonical([there])[0] == 0)
+            except EngineLimit:
+                return False
+    return False
+
+
+def rims(form: Any, exprs: Sequence[Any]) -> tuple[Any, ...]:
+    """The radicands in expressions that hold velocities and are not known to be positive.
+
+    Such a root is not smooth where its radicand vanishes, as the speed of a body that comes to rest
+    while friction acts against its velocity.
+    """
+    found = radicands(exprs, frozenset(form.velocities))
+    return tuple(base for base in found if not _is_positive(base, frozenset(form.positive)))
+
+
+@lru_cache(maxsize=64)
+def _is_positive(base: Any, positive: frozenset[Any]) -> bool:
+    door = Door()
+    above = [door.outward(s) for s in base.free_symbols & positive]
+    return prove_inequality(door.outward(base), ">", 0, positive=above).proved
+
+
+def held(corners: Sequence[Corner], surfaces: Sequence[Surface]) -> tuple[Program, Block] | None:
+    """The motion along surfaces, and the block that computes their weights a, and how far the push
+    of each leads back to its own; None where the sides do not differ in where they lead.
+
+    The first corner lies above all surfaces, the others below one each.
+    """
+    lines: list[tuple[Any, Any]] = []
+    fields = [_relabelled(c.program.derivative, k, lines) for k, c in enumerate(corners)]
+    program, above = corners[0].program, fields[0]
+    halves = [[(a - b) / 2 for a, b in zip(above, other, strict=True)] for other in fields[1:]]
+
+    def name(expr: Any) -> Any:
+        if expr.is_Number or expr.is_Symbol:
+            return expr
+        lines.append((se.Symbol(f"along {len(lines)}"), expr))
+        return lines[-1][0]
+
+    slopes = [[s.function.diff(x) for x in program.state] for s in surfaces]
+    pushes = [
+        [name(se.Add(*[g * f for g, f in zip(row, half, strict=True)])) for half in halves]
+        for row in slopes
+    ]
+    wanted = [
+        -se.Add(s.function.diff(program.time), *[g * f for g, f in zip(row, above, strict=True)])
+        for s, row in zip(surfaces, slopes, strict=True)
+    ]
+    shares = _eliminated(pushes, wanted, name)
+    if shares is None:
+        return None
+    rates = [
+        f + se.Add(*[share * half[m] for share, half in zip(shares, halves, strict=True)])
+        for m, f in enumerate(above)
+    ]
+    if all(g.is_Number for row in slopes for g in row):
+        _hold(rates, slopes, [-s.function.diff(program.time) for s in surfaces])
+    weights = tuple(1 + share for share in shares)
+    returns = tuple(pushes[i][i] for i in range(len(surfaces)))
+    made = replace(program, derivative=Block(tuple(lines), tuple(rates)))
+    return made, Block(tuple(lines), (*weights, *returns))
+
+
+def _hold(rates: list[Any], slopes: list[list[Any]], wanted: list[Any]) -> None:
+    """Let rates satisfy slopes * rates = wanted exactly, not to rounding: some follow from others.
+
+    The slopes are numbers.
+    """
+    rows = [[*row, w] for row, w in zip(slopes, wanted, strict=True)]
+    pivots: list[int] = []
+    for i, row in enumerate(rows):
+        pivot = next((m for m, g in enumerate(row[:-1]) if g != 0), None)
+        if pivot is None:
+            return
+        rows[i] = row = [g / row[pivot] for g in row]
+        for k, other in enumerate(rows):
+            if k != i and other[pivot] != 0:
+                rows[k] = [a - other[pivot] * b for a, b in zip(other, row, strict=True)]
+        pivots.append(pivot)
+    for pivot, row in zip(pivots, rows, strict=True):
+        rest = [g * rates[m] for m, g in enumerate(row[:-1]) if m not in pivots]
+        rates[pivot] = row[-1] - se.Add(*rest)
+
+
+def _relabelled(block: Block, k: int, lines: list[tuple[Any, Any]]) -> list[Any]:
+    """The results of a block whose lines are added under names of their own."""
+    names: dict[Any, Any] = {}
+    for old, expr in block.assignments:
+        names[old] = se.Symbol(f"side {k} {old}")
+        lines.append((names[old], expr.xreplace({x: y for x, y in names.items() if x != old})))
+    return [se.sympify(r).xreplace(names) for r in block.results]
+
+
+def _eliminated(
+    matrix: list[list[Any]], right: list[Any], name: Callable[[Any], Any]
+) -> list[Any] | None:
+    """The solution of few linear equations, pivot after pivot; None where one is zero."""
+    rows, values, n = [list(row) for row in matrix], [name(r) for r in right], len(right)
+    for i in range(n):
+        if rows[i][i] == 0:
+            return None
+        for j in range(i + 1, n):
+            factor = name(rows[j][i] / rows[i][i])
+            for m in range(i + 1, n):
+                rows[j][m] = name(rows[j][m] - factor * rows[i][m])
+            values[j] = name(values[j] - factor * values[i])
+    found: list[Any] = [None] * n
+    for i in reversed(range(n)):
+        rest = se.Add(*[rows[i][m] * found[m] for m in range(i + 1, n)])
+        found[i] = name((values[i] - rest) / rows[i][i])
+    return found

@@ -1,0 +1,305 @@
+"""Many motions of one system: one program, and a state and parameter values for each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from voronec.declaration.scene import Scene
+from voronec.equations.attitudes import euler_angles
+from voronec.equations.program import Program, compiled
+from voronec.equations.vector_field import Motions
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.motion.divisors import Divisor
+from voronec.motion.inertia import require_inertia
+from voronec.motion.initial_state import named, parameter_values, start_of
+from voronec.motion.model import smallest_model
+from voronec.motion.split_models import NEAR, SplitGround
+from voronec.motion.state_probe import quantities, quiet, rates_along
+from voronec.motion.vocabulary import Vocabulary
+
+__all__ = ["Ground", "Many", "at_each", "drifts", "ground", "many"]
+
+SMALL = 1e-6
+"""An integral below this part of the largest among the starts counts as starting at zero."""
+NOTHING = 1e-9
+"""Integrals that all start below this are compared absolutely."""
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The equations in which motions run, and what is looked at, all inside the door.
+
+    ``level`` says in which variables they stand; ``start`` is what each of them is in coordinates
+    and velocities, and ``frozen`` what constants of the motion among the parameters are;
+    ``quantities`` and ``integrals`` are in the form's variables.
+    """
+
+    level: str
+    form: Any
+    start: tuple[Any, ...]
+    frozen: Mapping[str, Any]
+    quantities: Mapping[str, Any]
+    integrals: Mapping[str, Any]
+
+
+def ground(vocabulary: Vocabulary, wanted: Mapping[str, sp.Expr]) -> Ground:
+    """The smallest model that holds for all starts, where it has everything wanted as it is; else
+    all coordinates and velocities."""
+    equations = vocabulary.equations
+    own = equations.form
+    integrals = {name: vocabulary.claims[name] for name in equations.system.integrals}
+    model = smallest_model(Motions.of(equations), wanted, integrals) if wanted else None
+    # an angle that is read off needs its branch followed along the motion
+    if model is not None and wanted.keys() <= model.outputs.keys():
+        return Ground(
+            level=model.level,
+            form=model.form,
+            start=tuple(model.start.values()),
+            frozen={str(symbol): e for symbol, e in model.frozen.items()},
+            quantities=model.outputs,
+            integrals=model.integrals,
+        )
+    return Ground(
+        level="coordinates",
+        form=own,
+        start=(*own.coordinates, *own.velocities),
+        frozen={},
+        quantities={name: vocabulary.inward(e) for name, e in wanted.items()},
+        integrals={name: vocabulary.inward(e) for name, e in integrals.items()},
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Many:
+    """Motions to run: ``states`` (s, n) and ``values`` (s, p) in the order of the program.
+
+    ``full`` (s, all coordinates and velocities) are the same starts on the coordinates;
+    ``parameters`` holds an array (s,) for each.  ``wrong`` has the error of each start from which
+    no motion can go; its state is not used.  ``extras(t, columns, values)`` computes what
+    ``program.names`` says.
+    """
+
+    vocabulary: Vocabulary
+    ground: Ground
+    program: Program
+    extras: Callable[[Any, Any, Any], list[Any]]
+    states: np.ndarray
+    full: np.ndarray
+    values: np.ndarray
+    parameters: Mapping[str, np.ndarray]
+    time: float
+    wrong: dict[int, VoronecError]
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+    @cached_property
+    def divisors(self) -> tuple[Divisor, ...]:
+        """What the equations divide by and what may vanish while the motion goes on, as it is found
+        around the first sound start."""
+        if not self.sound:
+            return ()
+        equations, ground, i = self.vocabulary.equations, self.ground, self.sound[0]
+        named = zip(self.program.state, ground.start, strict=True)
+        below = {f"start {x}": e for x, e in named}
+        below |= {f"frozen {name}": e for name, e in ground.frozen.items()}
+        constants = {name: float(x[i]) for name, x in self.parameters.items()}
+        places = SplitGround(equations, constants, self.time)
+        program = quantities(equations.raw.form, below)
+        return tuple(places.watched(ground.form, program, self.full[i]))
+
+    def passes_divisor(self, t: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Of motions (m, k, n) with parameters (m, p), which came near a zero of a divisor (m,), as
+        far as the instants ``t`` tell."""
+        found = np.zeros(len(states), dtype=bool)
+        if not self.divisors:
+            return found
+        names = [str(i) for i in range(len(self.divisors))]
+        functions = [d.function for d in self.divisors]
+        program = quantities(self.ground.form, dict(zip(names, functions, strict=True)))
+        order = [self.program.parameters.index(p) for p in program.parameters]
+        each = np.broadcast_to(values[:, None, order], (*states.shape[:2], len(program.parameters)))
+        sizes = at_each(compiled(program)[1], program.names, t, states, each)
+        for divisor, size in zip(self.divisors, sizes.values(), strict=True):
+            found |= (np.abs(size) < NEAR * divisor.scale).any(axis=1)
+            found |= (np.diff(np.sign(size), axis=1) != 0).any(axis=1)
+        return found
+
+    @property
+    def may_go_on(self) -> bool:
+        """Whether a motion, where its equations fail, may go on in other charts or splits."""
+        equations = self.vocabulary.equations
+        if equations.system.charts or euler_angles(equations):
+            return True
+        return bool(self.divisors)
+
+    @property
+    def sound(self) -> list[int]:
+        """Positions of the starts from which a motion goes."""
+        return [i for i in range(len(self)) if i not in self.wrong]
+
+    @property
+    def going(self) -> tuple[np.ndarray, np.ndarray]:
+        """States and parameters of these."""
+        return self.states[self.sound], self.values[self.sound]
+
+
+def many(
+    equations: VoronecEquations,
+    scene: Scene | None,
+    starts: Sequence[Mapping[Any, Any]],
+    parameters: Mapping[Any, Any],
+    wanted: Mapping[str, sp.Expr],
+    time: float,
+) -> Many:
+    """The starts in numbers.  ``parameters`` may hold arrays, one value for each start."""
+    vocabulary = Vocabulary.of(equations)
+    basis = ground(vocabulary, wanted)
+    looked = {**basis.quantities, **{f"integral {n}": e for n, e in basis.integrals.items()}}
+    program = Program.of(basis.form, looked)
+    below = _below(equations, basis)
+    functions = compiled(below)
+    needed = {str(s) for p in (program, below) for b in (p.derivative, p.extras) for s in b.symbols}
+    constants, wrong = _constants(vocabulary, scene, parameters, len(starts), needed)
+    initial = named(vocabulary, scene.initial if scene else {}, "initial value")
+    width = len(below.state)
+    full = np.full((len(starts), width), np.nan)
+    for i, given in enumerate(starts):
+        if i in wrong:
+            continue
+        own = {name: float(x[i]) for name, x in constants.items()}
+        known = [own.get(str(p), np.nan) for p in below.parameters]
+        rates = partial(rates_along, quiet(functions[0], known), time)
+        try:
+            data = named(vocabulary, given, "initial value")
+            full[i] = start_of(vocabulary, initial, data, own, rates, time).state
+            require_inertia(equations, own, full[i], time)
+        except VoronecError as error:
+            wrong[i] = error
+    states, frozen = _placed(below, functions[1], full, constants, time)
+    values = _table({**constants, **frozen}, program.parameters, len(starts))
+    rhs, extras = compiled(program)
+    if not program.derivative.is_rough(program.parameters):
+        # a case that does not hold may have no value, and yet the motion has
+        _check_defined(vocabulary, rhs, states, values, time, wrong)
+    return Many(vocabulary, basis, program, extras, states, full, values, constants, time, wrong)
+
+
+def _below(equations: VoronecEquations, basis: Ground) -> Program:
+    """The program on the coordinates: where a start is on the ground."""
+    start = {f"start {i}": e for i, e in enumerate(basis.start)}
+    start |= {f"frozen {name}": e for name, e in basis.frozen.items()}
+    return Program.of(equations.form, start)
+
+
+def _constants(
+    vocabulary: Vocabulary,
+    scene: Scene | None,
+    parameters: Mapping[Any, Any],
+    count: int,
+    needed: set[str],
+) -> tuple[dict[str, np.ndarray], dict[int, VoronecError]]:
+    """Values of the parameters, (s,) each; and the starts whose value is out of range."""
+    given = named(vocabulary, scene.parameters if scene else {}, "parameter")
+    given |= named(vocabulary, parameters, "parameter")
+    series = {k: np.asarray(x) for k, x in given.items() if _is_array(x)}
+    first = given | {k: x[0].item() for k, x in series.items()}
+    wrong: dict[int, VoronecError] = {}
+    single = parameter_values(vocabulary, _inside(vocabulary, first, series), needed)
+    single |= {k: float(x[0]) for k, x in series.items()}
+    values = {name: np.full(count, x) for name, x in single.items()}
+    declared = {p.name: p for p in vocabulary.equations.system.parameters}
+    for name, x in series.items():
+        values[name] = x.astype(float)
+        for i, one in enumerate(values[name].tolist()):
+            try:
+                declared[name].check(one)
+            except VoronecError as error:
+                wrong.setdefault(i, error)
+    return values, wrong
+
+
+def _inside(vocabulary: Vocabulary, first: dict[str, Any], series: Iterable[str]) -> dict[str, Any]:
+    """Values of one start in which a parameter of many values has one that its range allows."""
+    system = vocabulary.equations.system
+    allowed = {p.name: p.value for p in system.parameters if p.value is not None}
+    return {k: allowed.get(k, x) if k in set(series) else x for k, x in first.items()}
+
+
+def _is_array(x: Any) -> bool:
+    return isinstance(x, list | tuple | np.ndarray) and np.ndim(x) > 0
+
+
+def _placed(
+    below: Program, extras: Any, full: np.ndarray, constants: Mapping[str, np.ndarray], time: float
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """The states and the frozen quantities on the ground."""
+    values = _table(constants, below.parameters, len(full))
+    found = at_each(extras, below.names, time, full, values)
+    columns = [x for n, x in found.items() if n.startswith("start ")]
+    frozen = {n.removeprefix("frozen "): x for n, x in found.items() if n.startswith("frozen ")}
+    if not columns:
+        raise DefinitionError("the outputs hold nothing that moves; ask for one that does")
+    return np.stack(columns, axis=-1), frozen
+
+
+def _check_defined(
+    vocabulary: Vocabulary,
+    rhs: Any,
+    states: np.ndarray,
+    values: np.ndarray,
+    time: float,
+    wrong: dict[int, VoronecError],
+) -> None:
+    """Mark the starts at which the equations are not defined."""
+    names = [f"rate {i}" for i in range(states.shape[1])]
+    slopes = np.stack([*at_each(rhs, names, time, states, values).values()], axis=-1)
+    finite = np.isfinite(states).all(axis=1) & np.isfinite(slopes).all(axis=1)
+    for i in np.nonzero(~finite)[0].tolist():
+        refusal = IntegrationError(
+            f"system '{vocabulary.equations.system.name}': the equations are not defined at start "
+            f"{i}; start elsewhere or use another chart",
+            time,
+            states[i],
+        )
+        wrong.setdefault(i, refusal)
+
+
+def _table(constants: Mapping[str, np.ndarray], symbols: Sequence[Any], count: int) -> np.ndarray:
+    """Parameter values (s, p), in the order of the symbols."""
+    missing = np.full(count, np.nan)
+    columns = [constants.get(str(p), missing) for p in symbols]
+    return np.stack(columns, axis=-1) if columns else np.empty((count, 0))
+
+
+def at_each(
+    function: Any, names: Sequence[str], t: Any, states: np.ndarray, values: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Quantities at states (..., n) with parameters (..., p), each an array of shape (...)."""
+    with np.errstate(all="ignore"):
+        results = function(t, list(np.moveaxis(states, -1, 0)), list(np.moveaxis(values, -1, 0)))
+    shape = states.shape[:-1]
+    return {
+        name: np.broadcast_to(np.asarray(r, dtype=float), shape)
+        for name, r in zip(names, results, strict=True)
+    }
+
+
+def drifts(changes: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Largest changes of an integral (s,) relative to where it starts (s,).
+
+    Where it starts at zero, or nearly, the largest value among the starts takes its place; where
+    that vanishes too, the change is absolute.
+    """
+    sizes = np.abs(starts)
+    largest = float(np.nanmax(sizes, initial=0.0))
+    if largest < NOTHING:
+        return changes
+    return np.asarray(changes / np.where(sizes > SMALL * largest, sizes, largest))

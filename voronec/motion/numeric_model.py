@@ -1,0 +1,197 @@
+"""From a start in coordinates to the smallest model in numbers: program, state and constants."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import mpmath
+import numpy as np
+import symengine as se
+
+from voronec.equations.program import Program, compiled
+from voronec.equations.program.digits import compiled_digits
+from voronec.equations.vector_field import Motions
+from voronec.motion.model import Model, smallest_model
+from voronec.motion.observables import Branch, Watch, watched
+from voronec.motion.state_probe import Probe, quantities
+from voronec.motion.steppers.signals import Signals
+from voronec.motion.vocabulary import Vocabulary, Wanted
+
+__all__ = ["Modelled", "modelled", "numbers_at", "whole"]
+
+
+@dataclass(frozen=True)
+class Modelled:
+    """A model made ready: its program, what is watched on it, the functions of events.
+
+    ``form`` has the mass matrix of the velocities; ``event_functions`` are expressions on the model
+    by the event's name; ``below`` computes on the coordinates where the model starts and what it
+    takes as constant.
+    """
+
+    model: Model | None
+    program: Program
+    watch: Watch
+    form: Any
+    event_functions: Mapping[str, Any]
+    below: Program
+
+    @property
+    def level(self) -> str:
+        """The variables in which the model stands."""
+        return "coordinates" if self.model is None else self.model.level
+
+    @property
+    def relations(self) -> tuple[Any, ...]:
+        """What vanishes along every motion, by the meaning of the model's variables."""
+        if self.model is None:
+            return ()
+        known = {*self.program.state, *self.program.parameters, self.program.time}
+        return tuple(r for r in self.model.cut.relations if r.free_symbols <= known)
+
+    @property
+    def moving(self) -> Any:
+        """The form that the program is made of."""
+        return self.form if self.model is None else self.model.form
+
+    @property
+    def is_rough(self) -> bool:
+        """Whether rates or functions of events may hold what is not smooth."""
+        program, events = self.program, self.event_program
+        return program.derivative.is_rough(program.parameters, program.velocities) or (
+            events is not None and events.extras.is_rough(events.parameters)
+        )
+
+    @cached_property
+    def event_program(self) -> Program | None:
+        """Computes the functions of events; None where there are none."""
+        return quantities(self.form, self.event_functions) if self.event_functions else None
+
+    def place(
+        self, state: Any, constants: Mapping[str, Any], time: Any
+    ) -> tuple[np.ndarray, list[Any]]:
+        """The model's state (n,) and the values of its program's parameters, as numbers of the kind
+        that the state on the coordinates has."""
+        digits = np.asarray(state).dtype == object
+        nothing = mpmath.nan if digits else np.nan
+        own = [constants.get(str(p), nothing) for p in self.below.parameters]
+        _, extras = (compiled_digits if digits else compiled)(self.below)
+        with np.errstate(all="ignore"):
+            found = dict(zip(self.below.names, extras(time, list(state), own), strict=True))
+        kind = object if digits else float
+        placed = np.array([found[f"start {x}"] for x in self.program.state], dtype=kind)
+        values = {**constants, **{n.removeprefix("frozen "): x for n, x in found.items()}}
+        return placed, [values.get(str(p), nothing) for p in self.program.parameters]
+
+    def constants(self, values: Sequence[Any]) -> dict[str, Any]:
+        """The values of the program's parameters by name."""
+        return dict(zip(map(str, self.program.parameters), values, strict=True))
+
+    def probe(
+        self, name: str, values: Sequence[float], time: float, changing: Signals | None = None
+    ) -> Probe:
+        """Looks at single states of the model."""
+        return Probe(name, self.form, self.program, values, time, changing)
+
+
+def modelled(
+    vocabulary: Vocabulary,
+    outputs: Sequence[Any],
+    functions: Mapping[str, Any],
+    start: np.ndarray,
+    constants: Mapping[str, float],
+    time: float,
+    followed: bool,
+) -> Modelled:
+    """The smallest model of the outputs and of the functions of events.
+
+    ``functions`` gives those of events in the user's symbols; ``start`` (n,) is on the
+    coordinates; ``followed`` keeps angles among the states.  Reactions need accelerations, and so
+    the coordinates.
+    """
+    wanted = vocabulary.wanted(outputs)
+    if wanted.reactions:
+        return whole(vocabulary, outputs, functions)
+    equations, raw = vocabulary.equations, vocabulary.equations.raw.form
+    names = {f"event {name}": e for name, e in functions.items()}
+    given = {**wanted.given, **names}
+    known = numbers_at(raw, start, constants, time)
+    model = smallest_model(
+        Motions.of(equations),
+        given,
+        {name: vocabulary.claims[name] for name in equations.system.integrals},
+        known,
+        followed=given if followed else names,
+    )
+    watch = _watch(vocabulary, wanted, model, known)
+    below = {f"start {x}": e for x, e in model.start.items()}
+    below |= {f"frozen {x}": e for x, e in model.frozen.items()}
+    return Modelled(
+        model=model,
+        program=Program.of(model.form, watch.expressions),
+        watch=watch,
+        form=replace(model.form, mass=model.cut.inertia or model.cut.mass),
+        event_functions={n: model.outputs[f"event {n}"] for n in functions},
+        below=quantities(raw, below),
+    )
+
+
+def numbers_at(
+    form: Any, state: np.ndarray, constants: Mapping[str, float], time: float
+) -> dict[Any, float]:
+    """Numbers of coordinates, velocities, parameters and the time by their symbols inside."""
+    found = dict(zip(form.coordinates + form.velocities, map(float, state), strict=True))
+    return found | {se.Symbol(name): value for name, value in constants.items()} | {form.time: time}
+
+
+def _watch(
+    vocabulary: Vocabulary, wanted: Wanted, model: Model, known: Mapping[Any, float]
+) -> Watch:
+    """The outputs on a model, its angles by their cosines and sines, and the integrals and
+    relations that it can express."""
+    level = model.cut
+    parts = {f"cosine of {n}": a.cosine for n, a in level.angles.items()}
+    parts |= {f"sine of {n}": a.sine for n, a in level.angles.items()}
+    shown = {n: e for n, e in level.outputs.items() if n in wanted.given}
+    usable = {*level.variables, *level.parameters, level.time}
+    relations = vocabulary.equations.system.fibration.relations
+    inside = {str(r): vocabulary.inward(r) for r in relations}
+    kept = {name: e for name, e in inside.items() if e.free_symbols <= usable}
+    branches = {
+        name: Branch(f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate])
+        for name, a in level.angles.items()
+    }
+    besides = {n: e for n, e in _besides(vocabulary, model).items() if n not in wanted.names}
+    expressions = shown | parts | besides
+    watch = Watch.of(replace(wanted, expressions=expressions), level.integrals, kept)
+    return replace(watch, branches=branches, besides=tuple(besides))
+
+
+def _besides(vocabulary: Vocabulary, model: Model) -> dict[str, Any]:
+    """Coordinates and velocities that a model knows without integrating them: what it solves for,
+    what an integral gives, what is constant or stays at zero."""
+    level, definition = model.cut, vocabulary.equations.definition
+    known = {name for name, _ in level.stages} | set(level.parameters)
+    zero = {role.variable for role in model.roles if role.kind == "zero"}
+    own = (*definition.coordinates, *definition.velocities)
+    found = {str(x): x for x in own if x in known}
+    return found | {str(x): se.Integer(0) for x in own if str(x) in zero}
+
+
+def whole(vocabulary: Vocabulary, outputs: Sequence[Any], functions: Mapping[str, Any]) -> Modelled:
+    """The equations as they are, on coordinates and velocities."""
+    form = vocabulary.equations.form
+    watch = watched(vocabulary, outputs)
+    inside = {name: vocabulary.inward(e) for name, e in functions.items()}
+    states = (*form.coordinates, *form.velocities)
+    return Modelled(
+        model=None,
+        program=Program.of(form, watch.expressions),
+        watch=watch,
+        form=form,
+        event_functions=inside,
+        below=quantities(form, {f"start {x}": x for x in states}),
+    )

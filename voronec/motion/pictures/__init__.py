@@ -1,0 +1,1 @@
+"""Pictures of trajectories, models, sections and rolling bodies."""

@@ -1,0 +1,108 @@
+"""The pictures of a motion: its outputs against the time, its path, the system's own drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from voronec.declaration.plugin_files import failure
+from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from voronec.motion import Trajectory
+
+__all__ = ["drawing", "pictures", "save"]
+
+
+def pictures(trajectory: Trajectory) -> dict[str, Any]:
+    """Matplotlib figures by name.
+
+    ``plot``, of all outputs; ``path``, where there are outputs ``x`` and ``y``; ``drawing``, where
+    the system has one and the trajectory holds what it shows.
+    """
+    from voronec.motion.pictures.time_plots import plot_trajectory
+
+    system = trajectory.system
+    found = {"plot": plot_trajectory(trajectory, title=system.title or system.name)}
+    if {"x", "y"} <= set(trajectory.outputs):
+        found["path"] = _path(trajectory)
+    if system.drawing is not None:
+        with suppress(_NotHeld):
+            found["drawing"] = drawing(trajectory)
+    return found
+
+
+class _NotHeld(DefinitionError):
+    """A drawing shows what the trajectory does not hold."""
+
+
+def drawing(trajectory: Trajectory) -> Any:
+    """The system's own drawing, as a matplotlib figure.
+
+    It is a function of the trajectory, or a mapping of titles to pairs of names (colatitude,
+    longitude) for traces on spheres, of which those are drawn that the trajectory holds.
+    ``DefinitionError`` where it fails.
+    """
+    own = trajectory.system.drawing
+    if isinstance(own, Mapping):
+        return _spheres(trajectory, own)
+    try:
+        return own(trajectory)
+    except DefinitionError as error:
+        raise _NotHeld(str(error)) from error
+    except Exception as error:
+        what = failure(error, getattr(getattr(own, "__code__", None), "co_filename", "?"))
+        name = trajectory.system.name
+        raise DefinitionError(f"the drawing of system '{name}' failed: {what}") from error
+
+
+def _spheres(trajectory: Trajectory, titled: Mapping[str, Any]) -> Any:
+    """The traces that a trajectory holds; ``_NotHeld`` where it is none of them."""
+    import numpy as np
+
+    from voronec.closed.pictures.sphere_picture import SphereTrace, traces_figure
+
+    elapsed = np.abs(np.asarray(trajectory.t, float) - float(trajectory.t[0]))
+    found, missing = [], None
+    for title, (u, v) in titled.items():
+        try:
+            held = trajectory[u], trajectory[v]
+        except DefinitionError as error:
+            missing = error
+            continue
+        found.append(SphereTrace(*held, elapsed, title=title, axis=""))
+    if missing is not None and not found:
+        raise _NotHeld(str(missing)) from missing
+    return traces_figure(found)
+
+
+def save(figure: Any, target: Path | BinaryIO, suffix: str = "") -> None:
+    """Write a figure, the same bytes every time, to a path, or in the format ``suffix`` to a
+    stream."""
+    from matplotlib import rc_context
+
+    suffix = suffix or getattr(target, "suffix", ".svg")
+    dated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    with rc_context({"svg.hashsalt": "voronec"}):
+        figure.savefig(target, dpi=150, metadata=dated.get(suffix), format=suffix[1:])
+
+
+def _path(trajectory: Trajectory) -> Any:
+    """The curve (x, y) in its plane; the dot is its start."""
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    from voronec.closed.pictures.style import INK, MARK, STYLE
+
+    x, y = trajectory["x"], trajectory["y"]
+    with rc_context(STYLE):
+        figure = Figure(figsize=(5, 5), layout="constrained")
+        panel = figure.subplots()
+        panel.plot(x, y, color=INK, linewidth=0.9)
+        panel.plot(x[:1], y[:1], "o", color=MARK, markersize=4)
+        panel.set(xlabel="$x$", ylabel="$y$", aspect="equal")
+        figure.draw_without_rendering()  # settles fonts while the style is in force
+    return figure

@@ -1,0 +1,93 @@
+"""Figures for a paper: quantities against the time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.text import printed
+from voronec.algebra.typeset import symbol_latex
+from voronec.closed.pictures.style import INK, STYLE, WIDTH
+from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from voronec.motion import Trajectory
+
+__all__ = ["plot_trajectory", "quantity_label"]
+
+
+def quantity_label(trajectory: Trajectory, name: str) -> str:
+    """The mathtext of a quantity's name: ``thetadot`` becomes a dotted theta."""
+    system = trajectory.system
+    for thing in (*system.coordinates, *system.velocities):
+        if name == plain_name(thing):
+            return f"${symbol_latex(name)}$"
+        if name == plain_name(velocity(thing)):
+            return rf"$\dot{{{symbol_latex(plain_name(thing))}}}$"
+    if name in system.integrals or name in system.invariants:
+        return name
+    try:
+        expr = printed(name, "a label", {plain_name(s): s for s in system.known_symbols()})
+    except DefinitionError:
+        return name
+    return f"${sp.latex(expr)}$"
+
+
+LARGEST = 1e300
+"""Beyond this the limits of a panel would be no doubles."""
+
+
+def plot_trajectory(
+    trajectory: Trajectory, names: Sequence[str] | None = None, title: str | None = None
+) -> Any:
+    """Quantities against the time, one panel each, on one time axis.
+
+    ``names`` are what ``trajectory[...]`` understands, by default its outputs.  Returns a
+    matplotlib ``Figure``; save it as SVG or PDF for print.
+    """
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    shown = tuple(trajectory.outputs if names is None else names)
+    if not shown:
+        raise DefinitionError("there is nothing to plot; name outputs")
+    columns = 1 if len(shown) <= 5 else 2
+    rows = -(-len(shown) // columns)
+    with rc_context(STYLE):
+        height = 1.15 if rows < 5 else 0.95
+        figure = Figure(figsize=(WIDTH, 0.5 + height * rows), layout="constrained")
+        panels = figure.subplots(rows, columns, sharex=True, squeeze=False)
+        for place, panel in enumerate(panels.T.flat):
+            if place >= len(shown):
+                panel.set_visible(False)
+                continue
+            _curve(panel, trajectory, shown[place])
+            lowest = place % rows == rows - 1 or place == len(shown) - 1
+            panel.tick_params(labelbottom=lowest)
+        figure.align_ylabels()
+        figure.supxlabel("$t$", fontsize=10)
+        if title:
+            figure.suptitle(title, fontsize=10)
+        figure.draw_without_rendering()  # settles fonts while the style is in force
+    return figure
+
+
+def _curve(panel: Any, trajectory: Trajectory, name: str) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    values = trajectory[name]
+    panel.plot(trajectory.t, values, color=INK, linewidth=0.9)
+    panel.set_ylabel(quantity_label(trajectory, name))
+    panel.margins(x=0)
+    panel.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
+    panel.spines[["top", "right"]].set_visible(False)
+    known = np.asarray(values, dtype=float)
+    known = known[np.abs(known) < LARGEST]  # an output may have a pole on the way
+    size = np.abs(known).max(initial=0.0)
+    if len(known) and np.ptp(known) <= 1e-9 * size:
+        # a constant is a level line, not magnified rounding
+        panel.set_ylim(known[0] - 0.5 * (size or 1.0), known[0] + 0.5 * (size or 1.0))

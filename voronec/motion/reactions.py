@@ -1,0 +1,239 @@
+"""Reaction forces along a motion: the multipliers of the constraints, from the accelerations.
+
+    r_a = d/dt dL/dw^a - X_a L + C_ab^c w^b dL/dw^c - Q_a = (A^T lambda)_a     [Theory, eq. (19)]
+
+w are the velocities of the coordinates (X_a = d/dq_a and no brackets), or those of a group's
+frame; A holds the constraints as they are given, and the derivatives of the relations between
+redundant coordinates.  The accelerations v' come from the equations of motion; w' solves the
+differentiated conditions on the velocities.  Both systems are linear, small, and solved in numbers
+on the whole grid at once: nothing is inverted in symbols.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import symengine as se
+
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.rank import independent_rows
+from voronec.algebra.tape import Tape
+from voronec.algebra.text import sympified
+from voronec.equations.definition import Definition
+from voronec.errors import DefinitionError
+
+__all__ = ["Multipliers"]
+
+DEPENDENT = 1e-11
+"""A singular value below this part of the largest counts as zero."""
+BITS = 192
+"""The precision of ranks at generic points."""
+PART = 1e-8
+"""A multiplier with a larger part in a vector that A^T annihilates is not unique."""
+
+
+@dataclass(frozen=True)
+class Multipliers:
+    """What the reactions are computed from, at each instant.
+
+    ``entries`` maps names to expressions in q, w, t and the parameters, as ``Program.of`` takes
+    them.  They and the constant ``fixed`` numbers, both by position, make up one after the other:
+    the mass matrix d2L/dw2 (N x N), the part of r without accelerations (N), the conditions on the
+    velocities (rows x N) and their rates at fixed w (rows).  The first ``count`` rows are the
+    constraints, those up to ``exact`` the relations, the last ones define the ``velocities`` v,
+    whose rates are needed too.
+    """
+
+    count: int
+    exact: int
+    width: int
+    velocities: tuple[Any, ...]
+    entries: Mapping[str, Any]
+    fixed: Mapping[int, Any]
+
+    @classmethod
+    def of(cls, d: Definition) -> Multipliers:
+        """The multipliers of a system, from its definition as it was read.
+
+        Raises ``DefinitionError`` where they are not unique at generic points.
+        """
+        _check_unique(d)
+        rates = d.group.moved(d.dots) if d.group is not None else d.dots
+        conditions = _conditions(d)
+        momenta = [d.lagrangian.diff(w) for w in d.dots]
+        mass = [p.diff(w) for p in momenta for w in d.dots]
+        if d.added:  # accelerations in forces
+            mass = [m - e for m, e in zip(mass, (e for row in d.added for e in row), strict=True)]
+        rows = [entry for form in conditions for entry in form[:-1]]
+        drifts = []
+        for form in conditions:
+            terms = (entry * w for entry, w in zip(form, d.dots, strict=False))
+            drifts.append(_drift(d, rates, se.Add(form[-1], *terms)))
+        flat = [*mass, *_still(d, rates, momenta), *rows, *drifts]
+        held = {i: se.sympify(e) for i, e in enumerate(flat)}
+        return cls(
+            count=len(d.constraints.matrix),
+            exact=len(conditions) - len(d.velocities),
+            width=len(d.dots),
+            velocities=d.velocities,
+            entries={_name(i): e for i, e in held.items() if e.free_symbols},
+            fixed={i: e for i, e in held.items() if not e.free_symbols},
+        )
+
+    def solved(self, series: Mapping[str, Any], accelerations: Sequence[Any]) -> np.ndarray:
+        """lambda_k of constraint k, shape (instants, constraints).
+
+        ``series`` holds the values of ``entries`` by name, ``accelerations`` those of v', each of
+        shape (instants,); with mpmath numbers in them the precision in force is kept.  ``nan``
+        where a multiplier is not unique, because constraints depend on each other or on the
+        relations there, or where the equations are not defined.
+        """
+        inputs = [np.asarray(a) for a in (*accelerations, *series.values())]
+        precise = any(a.dtype == object for a in inputs)
+        mass, still, rows, right = self._matrices(series, accelerations, precise)
+        transposed = np.swapaxes(rows[:, : self.exact], 1, 2)
+        if precise:
+            found = [_precise(*at) for at in zip(mass, still, rows, right, transposed, strict=True)]
+            return np.array(found, dtype=object).reshape(len(rows), -1)[:, : self.count]
+        moved, unique = _least_squares(rows, right)
+        moved = np.where(unique, moved, np.nan)
+        applied = np.einsum("kij,kj->ki", mass, moved) + still
+        multipliers, unique = _least_squares(transposed, applied)
+        return np.where(unique, multipliers, np.nan)[:, : self.count]
+
+    def _matrices(
+        self, series: Mapping[str, Any], accelerations: Sequence[Any], precise: bool
+    ) -> tuple[Any, ...]:
+        """Mass, forces at rest, conditions and the right sides of conditions * w' = right."""
+        size, rows = self.width, self.exact + len(self.velocities)
+        total = len(self.entries) + len(self.fixed)
+        instants = max((np.size(a) for a in (*accelerations, *series.values())), default=1)
+        flat = np.empty((instants, total), dtype=object if precise else float)
+        for i in range(total):
+            given = _name(i) in self.entries
+            flat[:, i] = series[_name(i)] if given else _number(self.fixed[i], precise)
+        cuts = np.cumsum([size * size, size, rows * size])
+        mass, still, left, drift = np.split(flat, cuts, axis=1)
+        right = -drift
+        for i, acceleration in enumerate(accelerations):
+            right[:, self.exact + i] += acceleration
+        return mass.reshape(-1, size, size), still, left.reshape(-1, rows, size), right
+
+
+def _name(i: int) -> str:
+    return f"for the reactions, {i}"
+
+
+def _number(value: Any, precise: bool) -> Any:
+    """A constant as a double, or as an mpmath number at the precision in force."""
+    if not precise:
+        return float(value)
+    import mpmath as mp
+    import sympy as sp
+
+    digits = mp.mp.dps + 5
+    return mp.mpf(sp.Float(sympified(value).evalf(digits), digits)._mpf_)
+
+
+def _conditions(d: Definition) -> list[tuple[Any, ...]]:
+    """Coefficients of w, then the offset: constraints, relations, definitions of v."""
+    forms: list[tuple[Any, Any]] = [*zip(d.constraints.matrix, d.constraints.offset, strict=True)]
+    forms += zip(d.differentiated.matrix, d.differentiated.offset, strict=True)
+    if d.frame is not None:
+        forms += zip(d.frame.matrix, d.frame.offset, strict=True)
+    else:
+        own = [[se.Integer(i == a) for a in range(len(d.dots))] for i in range(len(d.velocities))]
+        forms += [(row, se.Integer(0)) for row in own]
+    return [(*row, offset) for row, offset in forms]
+
+
+def _check_unique(d: Definition) -> None:
+    """Constraints are independent; together with the relations they need not be."""
+    slopes = [[r.diff(q) for q in d.coordinates] for r in d.relations]
+    if d.group is not None:  # along the fields X_a
+        fields = [*zip(*d.group.fields, strict=True)]
+        slopes = [
+            [se.Add(*[s * x for s, x in zip(row, field, strict=True)]) for field in fields]
+            for row in slopes
+        ]
+    forms = [*d.constraints.matrix, *slopes]
+    count, width = len(d.constraints.matrix), len(d.dots)
+    if len(forms) == count:
+        return
+    tape = Tape([entry for form in forms for entry in form])
+    for _, values in sample_evaluable(tape, d.relations, BITS, count=1):
+        rows = [values[i : i + width] for i in range(0, len(values), width)]
+        rank = len(independent_rows(rows, BITS))
+        for k in range(count):
+            if len(independent_rows(rows[:k] + rows[k + 1 :], BITS)) == rank:
+                raise DefinitionError(
+                    f"system '{d.system.name}': 'reaction {k + 1}' is not unique, because "
+                    f"constraint {k + 1} depends on the others and the relations; "
+                    "voronec.reaction_forces gives the forces along the coordinates"
+                )
+
+
+def _drift(d: Definition, rates: Sequence[Any], expr: Any) -> Any:
+    """The time derivative at fixed w."""
+    terms = (expr.diff(q) * rate for q, rate in zip(d.coordinates, rates, strict=True))
+    return se.Add(expr.diff(d.time), *terms)
+
+
+def _still(d: Definition, rates: Sequence[Any], momenta: Sequence[Any]) -> list[Any]:
+    """The part of r that holds no w'.
+
+    With P = (dL/dq) qdot + dL/dt, d/dt dL/dw^a at fixed w is dP/dw^a - X_a L, since X_a is linear.
+    """
+    power = _drift(d, rates, d.lagrangian)
+    slopes = [d.lagrangian.diff(q) for q in d.coordinates]
+    result = []
+    for a, (w, applied) in enumerate(zip(d.dots, d.forces, strict=True)):
+        along = se.Add(*[s * rate.diff(w) for s, rate in zip(slopes, rates, strict=True)])
+        terms = [power.diff(w), -2 * along, -applied]
+        if d.group is not None:
+            unit = [se.Integer(b == a) for b in range(len(d.dots))]
+            turned = d.group.turned(unit, d.dots)
+            terms += [t * p for t, p in zip(turned, momenta, strict=True)]
+        result.append(se.Add(*terms))
+    return result
+
+
+def _least_squares(matrices: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The shortest x with matrix x = right in the mean, and which of its entries are unique.
+
+    Shapes (k, rows, n) and (k, rows) give (k, n) twice.  Columns are scaled to unit length, so
+    that units play no part in what counts as dependent.
+    """
+    sound = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
+    matrices = np.where(sound[:, None, None], matrices, 0.0)
+    lengths = np.linalg.norm(matrices, axis=1)
+    lengths[lengths == 0] = 1.0
+    u, sizes, vt = np.linalg.svd(matrices / lengths[:, None, :], full_matrices=True)
+    count, n = sizes.shape[1], matrices.shape[2]
+    kept = sizes > DEPENDENT * sizes.max(axis=1, initial=0.0, keepdims=True)
+    inverse = np.divide(1.0, sizes, where=kept, out=np.zeros_like(sizes))
+    parts = np.einsum("kri,kr->ki", u[:, :, :count], np.where(sound[:, None], right, 0.0))
+    solution = np.einsum("kin,ki->kn", vt[:, :count], parts * inverse)
+    null = np.ones((len(matrices), n), dtype=bool)
+    null[:, :count] = ~kept
+    reach = np.abs(np.where(null[:, :, None], vt, 0.0)).max(axis=1, initial=0.0)
+    return solution / lengths, (reach <= PART) & sound[:, None]
+
+
+def _precise(
+    mass: np.ndarray, still: np.ndarray, rows: np.ndarray, right: np.ndarray, forms: np.ndarray
+) -> list[Any]:
+    """The multipliers at one instant, at mpmath's working precision."""
+    import mpmath as mp
+
+    with mp.workprec(2 * mp.mp.prec):  # the normal equations square the condition number
+        try:
+            moved = mp.lu_solve(mp.matrix(rows.tolist()), mp.matrix(right.tolist()))
+            applied = mp.matrix(mass.tolist()) * moved + mp.matrix(still.tolist())
+            found = mp.lu_solve(mp.matrix(forms.tolist()), applied)
+        except (ValueError, ZeroDivisionError):
+            return [mp.nan] * forms.shape[1]
+    return [+value for value in found]

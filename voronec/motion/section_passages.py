@@ -1,0 +1,590 @@
+"""Following motions from one passage through a surface to the next.
+
+A Taylor step is a small part (about e^-2) of the radius of convergence, so over one step all but
+the first few terms are small; a few samples a step see every change of sign that lies further
+apart than the step resolves.  What touches zero between samples is looked for at the extrema.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voronec.errors import IntegrationError, VoronecError
+from voronec.motion.batches import PASSED, SINGULAR, Lanes, StepSizes, note_step, strides
+from voronec.motion.steppers.run import COLLAPSE, INFINITE
+from voronec.motion.vocabulary import number
+
+if TYPE_CHECKING:
+    from voronec.motion.motion_pool import Many
+    from voronec.motion.sections import Watch
+
+__all__ = ["Passages", "Paths", "Zeros", "pass_lanes", "pass_scipy", "zeros"]
+
+
+SAMPLES = 4
+"""Looks at each polynomial."""
+NEAR = 0.25
+"""An extremum whose parabola comes nearer to zero than this part of its rise is looked into."""
+TOUCH = 1e-10
+"""An extremum this near to zero, relative to the largest value seen, touches it."""
+GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+
+Quantity = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+"""``(t, states (m, n), lane (m,))`` to values (m,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Paths:
+    """Motions in several lanes, each a sequence of polynomials.
+
+    ``times`` (s + 1, lanes) are the ends of the steps; ``series`` (s, n, order + 1, lanes) are the
+    coefficients in the time since the beginning of the step.
+    """
+
+    times: np.ndarray
+    series: np.ndarray
+
+    @property
+    def lengths(self) -> np.ndarray:
+        """Lengths of the steps (s, lanes)."""
+        return np.diff(self.times, axis=0)
+
+    def sampled(self, needed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Times (m, lanes) and states (n, lanes, m), m = SAMPLES s + 1; only needed entries."""
+        steps, size, order, lanes = self.series.shape
+        h = self.lengths
+        powers = np.ones((steps, order, lanes))
+        np.cumprod(np.broadcast_to(h[:, None], (steps, order - 1, lanes)), 1, out=powers[:, 1:])
+        terms = self.series[:, needed] * powers[:, None]
+        parts = np.arange(SAMPLES)[:, None] / SAMPLES
+        values = parts ** np.arange(order) @ terms
+        states = np.zeros((size, lanes, SAMPLES * steps + 1))
+        states[needed, :, :-1] = values.transpose(1, 3, 0, 2).reshape(
+            len(needed), lanes, SAMPLES * steps
+        )
+        states[needed, :, -1] = terms[-1].sum(axis=1)
+        times = self.times[:-1, None] + h[:, None] * parts
+        return np.concatenate([times.reshape(-1, lanes), self.times[-1:]]), states
+
+    def terms(self, step: np.ndarray, lane: np.ndarray, needed: np.ndarray) -> np.ndarray:
+        """Coefficients (order + 1, needed, m) of some steps (m,) of lanes (m,)."""
+        picked = self.series[step[:, None], needed[None, :], :, lane[:, None]]
+        return np.ascontiguousarray(picked.transpose(2, 1, 0))
+
+
+def _horner(terms: np.ndarray, tau: np.ndarray) -> np.ndarray:
+    """Polynomials with coefficients along the first axis."""
+    value = terms[-1].copy()
+    for term in terms[-2::-1]:
+        value *= tau
+        value += term
+    return np.asarray(value)
+
+
+@dataclass(frozen=True, eq=False)
+class Zeros:
+    """Zeros in order of the lane, then of the time: ``lane``, ``t`` (m,), ``states`` (m, n), and
+    ``speed`` (m,), the rate of the quantity there.  ``touches`` (lane, t) come to zero and turn
+    back; ``low``, ``high`` are the quantity's range and ``fastest`` its largest rate (lanes,)."""
+
+    lane: np.ndarray
+    t: np.ndarray
+    states: np.ndarray
+    speed: np.ndarray
+    touches: tuple[tuple[int, float], ...]
+    low: np.ndarray
+    high: np.ndarray
+    fastest: np.ndarray
+
+
+def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) -> Zeros:
+    """All zeros of a quantity, to rounding; ``direction`` is that of its change, or 0 for both.
+
+    ``needed`` are the entries of the state that the quantity holds.
+    """
+    times, states = paths.sampled(needed)
+    lanes = times.shape[1]
+    which = np.arange(lanes)
+    values = np.stack([quantity(times[:, i], states[:, i].T, which[i]) for i in range(lanes)], 1)
+    size = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
+
+    def close(step: np.ndarray, lane: np.ndarray) -> _Close:
+        return _Close.of(paths, quantity, needed, step, lane)
+
+    a, b = values[:-1], values[1:]
+    with np.errstate(all="ignore"):  # a lane that idles takes steps of no length
+        rates = np.abs(b - a) / np.diff(times, axis=0)
+    change = _crossed(a, b, direction)
+    row, lane = np.nonzero(change)
+    step, left = row // SAMPLES, (row % SAMPLES) / SAMPLES
+    h = paths.lengths[step, lane]
+    brackets = [(step, lane, left * h, (left + 1 / SAMPLES) * h)]
+    more, touches = _turns(close, paths, values, direction, size)
+    brackets += more
+    step, lane, lower, upper = (np.concatenate(x) for x in zip(*brackets, strict=True))
+    order = np.lexsort((paths.times[step, lane] + lower, lane))
+    step, lane = step[order], lane[order]
+    look = close(step, lane)
+    tau = look.root(lower[order], upper[order])
+    return Zeros(
+        lane=lane,
+        t=look.begin + tau,
+        states=_horner(paths.terms(step, lane, np.arange(look.size)), tau).T.copy(),
+        speed=look.speed(tau),
+        touches=touches,
+        low=np.fmin.reduce(values, axis=0),
+        high=np.fmax.reduce(values, axis=0),
+        fastest=np.fmax.reduce(rates, axis=0),
+    )
+
+
+def _crossed(a: np.ndarray, b: np.ndarray, direction: int) -> np.ndarray:
+    """Where a quantity passes zero from a to b; a zero at b counts, one at a does not."""
+    up, down = (a < 0) & (b >= 0), (a > 0) & (b <= 0)
+    return np.asarray(up | down if direction == 0 else (up if direction > 0 else down))
+
+
+@dataclass(frozen=True, eq=False)
+class _Close:
+    """A close look at some steps, all at once: only the entries that the quantity holds."""
+
+    quantity: Quantity
+    needed: np.ndarray
+    size: int
+    lane: np.ndarray
+    begin: np.ndarray
+    length: np.ndarray
+    terms: np.ndarray
+
+    @classmethod
+    def of(
+        cls, paths: Paths, quantity: Quantity, needed: np.ndarray, step: np.ndarray,
+        lane: np.ndarray,
+    ) -> _Close:  # fmt: skip
+        terms = paths.terms(step, lane, needed)
+        begin, length = paths.times[step, lane], paths.lengths[step, lane]
+        return cls(quantity, needed, paths.series.shape[1], lane, begin, length, terms)
+
+    def value(self, tau: np.ndarray) -> np.ndarray:
+        """The quantity at times tau (m,) into the steps."""
+        states = np.zeros((self.size, len(tau)))
+        states[self.needed] = _horner(self.terms, tau)
+        return self.quantity(self.begin + tau, states.T, self.lane)
+
+    def root(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+        """The zero in each bracket: regula falsi (Illinois), bisection where that is slow."""
+        a, b = lower, upper
+        if not len(a):
+            return a
+        fa, fb = self.value(a), self.value(b)
+        before = np.abs(b - a)
+        for k in range(100):
+            with np.errstate(all="ignore"):
+                c = np.where(fb == fa, 0.5 * (a + b), b - fb * (b - a) / (fb - fa))
+            outside = ~((c - a) * (c - b) <= 0)
+            slow = np.zeros(len(a), dtype=bool)
+            if k % 4 == 3:
+                slow, before = np.abs(b - a) > 0.25 * before, np.abs(b - a)
+            c = np.where((slow | outside) & (fb != 0), 0.5 * (a + b), np.where(fb == 0, b, c))
+            fc = self.value(c)
+            swap = fc * fb < 0
+            done = (np.abs(c - b) <= 4e-16 * np.abs(upper)) | (fc == 0)
+            # the end that stays loses half its weight, so that both ends move
+            a, fa = np.where(swap, b, a), np.where(swap, fb, 0.5 * fa)
+            b, fb = c, fc
+            if done.all():
+                break
+        return np.asarray(b)
+
+    def speed(self, tau: np.ndarray) -> np.ndarray:
+        """The rate of the quantity, by a difference."""
+        d = 1e-4 * self.length
+        return np.asarray((self.value(tau + d) - self.value(tau - d)) / (2 * d))
+
+    def lowest(
+        self, lower: np.ndarray, upper: np.ndarray, sign: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Where sign * quantity is least between bounds, and its value: by the golden section."""
+        a, b = lower, upper
+        for _ in range(44):
+            c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
+            left = sign * self.value(c) < sign * self.value(d)
+            a, b = np.where(left, a, c), np.where(left, d, b)
+        best = 0.5 * (a + b)
+        return best, sign * self.value(best)
+
+
+Bracket = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+def _turns(
+    close: Callable[[np.ndarray, np.ndarray], _Close],
+    paths: Paths,
+    values: np.ndarray,
+    direction: int,
+    size: float,
+) -> tuple[list[Bracket], tuple[tuple[int, float], ...]]:
+    """Pairs of zeros between samples, where the quantity comes near to zero and turns back.
+
+    The extremum lies between the neighbours of its least sample; these may belong to two steps, so
+    each half is looked into by itself.
+    """
+    sign = np.sign(values[1:-1])
+    a, m, b = (sign * x for x in (values[:-2], values[1:-1], values[2:]))
+    bend = a - 2 * m + b
+    turning = (sign != 0) & (a >= m) & (b >= m) & (a > 0) & (b > 0) & (bend > 0)
+    with np.errstate(all="ignore"):
+        depth = (a - b) ** 2 / (8 * bend)
+    row, lane = np.nonzero(turning & (m - depth < NEAR * np.maximum(a - m, b - m)))
+    brackets: list[Bracket] = []
+    touches: dict[tuple[int, int], float] = {}
+    nothing = TOUCH * size
+    for half in (0, 1):
+        place = row + half
+        step, h = place // SAMPLES, paths.lengths[place // SAMPLES, lane]
+        lower = (place % SAMPLES) / SAMPLES * h
+        upper = lower + h / SAMPLES
+        if not len(row):
+            break
+        s = sign[row, lane]
+        best, least = close(step, lane).lowest(lower, upper, s)
+        times = paths.times[step, lane] + best
+        for k in np.nonzero(np.abs(least) <= nothing)[0]:
+            touches.setdefault((int(lane[k]), int(row[k])), float(times[k]))
+        through = least < -nothing
+        # towards zero first, away from it afterwards
+        for first, want in ((lower, -s), (best, s)):
+            second = best if first is lower else upper
+            take = through & ((direction == 0) | (want == direction))
+            brackets.append((step[take], lane[take], first[take], second[take]))
+    return brackets, tuple((k[0], t) for k, t in touches.items())
+
+
+PATIENCE = 50_000
+"""Steps without a crossing after which a motion is given up."""
+FEWEST, MOST = 256, 4096
+"""Steps between two looks for crossings: each look costs as much as some hundred steps."""
+STARTING = 1e-9
+"""A crossing sooner than this part of the first step is the start itself."""
+FOREVER = 1e300
+
+
+@dataclass(frozen=True, eq=False)
+class Passages:
+    """Crossings as they are found, start by start; its arrays and lists are filled in."""
+
+    wanted: int
+    direction: int
+    until: float
+    progress: Callable[[float], Any] | None
+    count: np.ndarray
+    idle: np.ndarray
+    reached: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    fastest: np.ndarray
+    parts: dict[int, list[tuple[np.ndarray, np.ndarray, np.ndarray]]]
+    touches: list[tuple[int, float]] = field(default_factory=list)
+    errors: dict[int, VoronecError] = field(default_factory=dict)
+    steps: list[int] = field(default_factory=lambda: [0])
+    interrupted: list[bool] = field(default_factory=lambda: [False])
+
+    @classmethod
+    def empty(
+        cls, starts: int, wanted: int, direction: int, until: float | None, progress: Any
+    ) -> Passages:
+        """Nothing passed yet."""
+
+        def nothing() -> np.ndarray:
+            return np.full(starts, np.nan)
+
+        return cls(
+            wanted=wanted,
+            direction=direction,
+            until=FOREVER if until is None else number(until, "until"),
+            progress=progress,
+            count=np.zeros(starts, dtype=int),
+            idle=np.zeros(starts, dtype=int),
+            reached=nothing(),
+            low=nothing(),
+            high=nothing(),
+            fastest=nothing(),
+            parts={i: [] for i in range(starts)},
+        )
+
+    def put(self, i: int, t: np.ndarray, states: np.ndarray, speed: np.ndarray) -> None:
+        """Further crossings of start i, no more than are wanted."""
+        room = self.wanted - int(self.count[i])
+        t, states, speed = t[:room], states[:room], speed[:room]
+        if len(t):
+            self.parts[i].append((t, states, speed))
+            self.count[i] += len(t)
+            self.idle[i] = 0
+
+    def cut(self, i: int, count: int) -> None:
+        """Keep the first crossings of start i alone."""
+        t, states, speed = (np.concatenate(column) for column in zip(*self.parts[i], strict=True))
+        self.parts[i] = [(t[:count], states[:count], speed[:count])]
+        self.count[i] = count
+
+    def seen(self, i: int, time: float, steps: int, found: Sequence[float]) -> None:
+        """How far start i came; the range of the quantity on the way and its largest rate."""
+        low, high, fastest = found
+        self.reached[i] = time
+        self.idle[i] += steps
+        self.low[i], self.high[i] = np.fmin(self.low[i], low), np.fmax(self.high[i], high)
+        self.fastest[i] = np.fmax(self.fastest[i], fastest)
+
+    def over(self, i: int) -> bool:
+        """Whether start i has all it needs, failed, or is given up."""
+        full = self.count[i] >= self.wanted or self.idle[i] > PATIENCE
+        return bool(full or i in self.errors or self.reached[i] >= self.until)
+
+    def tell(self, sound: list[int]) -> None:
+        """Report the fraction that is done."""
+        if self.progress is not None:
+            shares = [1.0 if self.over(i) else self.count[i] / self.wanted for i in sound]
+            self.progress(float(np.mean(shares)))
+
+    def ends(self, i: int, wrong: Mapping[int, VoronecError]) -> str:
+        """How start i ended, in words."""
+        if i in wrong or i in self.errors:
+            return "failed"
+        if self.count[i] >= self.wanted:
+            return "complete"
+        if not self.over(i):
+            return "stopped by hand"
+        return f"no more crossings up to t = {self.reached[i]:.6g}"
+
+    def joined(self, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Start, t, states, speed of all crossings."""
+        start = np.repeat(np.arange(len(self.count)), self.count)
+        parts = [part for i in range(len(self.count)) for part in self.parts[i]]
+        t = np.concatenate([np.empty(0), *(p[0] for p in parts)])
+        states = np.concatenate([np.empty((0, size)), *(p[1] for p in parts)])
+        speed = np.concatenate([np.empty(0), *(p[2] for p in parts)])
+        return start, t, states, speed
+
+
+def pass_lanes(motions: Many, watch: Watch, passages: Passages, lanes: Lanes) -> None:
+    """Follow the motions in heyoka's lanes; a lane whose motion is over takes the next one."""
+    waiting = iter(motions.sound)
+    holds: list[int | None] = [_load(lanes, k, waiting, motions) for k in range(lanes.width)]
+    origin = lanes.integrator.time.copy()
+    try:
+        while any(i is not None for i in holds):
+            _stretch(motions, watch, passages, lanes, holds, origin)
+            for k, i in enumerate(holds):
+                if i is not None and passages.over(i):
+                    holds[k] = _load(lanes, k, waiting, motions)
+                    origin[k] = motions.time
+            passages.tell(motions.sound)
+    except KeyboardInterrupt:
+        passages.interrupted[0] = True
+
+
+def _load(lanes: Lanes, lane: int, waiting: Iterator[int], motions: Many) -> int | None:
+    """Put the next motion on a lane; where there is none, any sound one idles there."""
+    i = next(waiting, None)
+    k = motions.sound[0] if i is None else i
+    lanes.load(lane, motions.states[k], motions.values[k], motions.time)
+    return i
+
+
+def _stretch(
+    motions: Many,
+    watch: Watch,
+    passages: Passages,
+    lanes: Lanes,
+    holds: list[int | None],
+    origin: np.ndarray,
+    careful: bool = False,
+) -> None:
+    """Some hundreds or thousands of steps of all lanes, and the crossings in them; or, where steps
+    are made too long by coefficients that vanish, ``careful`` ones, each looked at before."""
+    ta = lanes.integrator
+    begin, state = tuple(part.copy() for part in ta.dtime), ta.state.copy()
+    before, limit = ta.time.copy(), 1 if careful else _steps_ahead(passages, holds)
+    idle = np.array([i is None for i in holds])
+    # a lane that idles stays where it is as far as possible
+    ends = np.where(idle, before + 1e-300, passages.until)
+    ends = np.maximum(ends, before)
+    longest = np.full(lanes.width, np.inf)
+    if (fresh := ~idle & (careful | (before == origin))).any():
+        longest = np.where(fresh, lanes.first_steps(ends - before), np.inf)
+        limit = 1 if np.isfinite(longest).any() else limit
+    output = ta.propagate_until(
+        ends.tolist(), max_steps=limit, max_delta_t=longest.tolist(), c_output=True
+    )[0]
+    taken = [r[3] for r in ta.propagate_res]
+    if not careful and lanes.look_back(begin, state).any():
+        ta.set_dtime(*begin)
+        ta.state[:] = state
+        for _ in range(max(taken)):
+            if not any(i is not None and passages.over(i) for i in holds):
+                _stretch(motions, watch, passages, lanes, holds, origin, careful=True)
+        return
+    lanes.note_steps()
+    passages.steps[0] += sum(n for n, i in zip(taken, holds, strict=True) if i is not None)
+    busy = [k for k, i in enumerate(holds) if i is not None]
+    broken = [k for k in busy if not np.isfinite(ta.state[:, k]).all()]
+    stuck = [k for k in busy if taken[k] == limit and _stuck(ta.time[k], before[k], origin[k])]
+    passed = [k for k in busy if lanes.steps.collapsed(k, SINGULAR)]
+    if output is not None:
+        series = output.tcs * lanes.units[:, None] if lanes.scaled else output.tcs
+        trusted = [
+            _trusted(output.times[:, k]) if k in passed else np.inf for k in range(len(holds))
+        ]
+        _collect(motions, watch, passages, Paths(output.times, series), holds, origin, trusted)
+    for k in busy:
+        if k in passed and k not in broken:
+            _fail(motions, passages, holds[k], lanes, k, PASSED)
+        elif k in broken or k in stuck:
+            _fail(motions, passages, holds[k], lanes, k, INFINITE if k in broken else COLLAPSE)
+        elif output is None and (i := holds[k]) is not None:
+            passages.seen(i, ta.time[k], max(taken[k], 1), (np.nan,) * 3)
+
+
+def _stuck(now: float, before: float, origin: float) -> bool:
+    return bool(now - before <= 1e-13 * max(abs(now - origin), 1e-3))
+
+
+def _steps_ahead(passages: Passages, holds: list[int | None]) -> int:
+    """So many steps that the motion nearest to its end is not carried far beyond it."""
+    left = [passages.wanted - passages.count[i] for i in holds if i is not None]
+    done = int(passages.count.sum())
+    each = passages.steps[0] / done if done else FEWEST
+    return int(np.clip(1.1 * each * min(left) + 16, FEWEST, MOST))
+
+
+def _collect(
+    motions: Many,
+    watch: Watch,
+    passages: Passages,
+    paths: Paths,
+    holds: list[int | None],
+    origin: np.ndarray,
+    trusted: Sequence[float],
+) -> None:
+    rows = np.array([motions.sound[0] if i is None else i for i in holds])
+
+    def plane(t: np.ndarray, states: np.ndarray, lane: np.ndarray) -> np.ndarray:
+        values = np.broadcast_to(motions.values[rows[lane]], (*states.shape[:1], _width(motions)))
+        return watch.function(t, states, values)
+
+    found = zeros(paths, plane, watch.needed, passages.direction)
+    first = STARTING * paths.lengths[0]
+    for k, i in enumerate(holds):
+        if i is not None:
+            _keep(passages, found, k, i, origin[k] + first[k], trusted[k])
+            seen = (found.low[k], found.high[k], found.fastest[k])
+            passages.seen(i, paths.times[-1, k], len(paths.lengths), seen)
+
+
+def _width(motions: Many) -> int:
+    return motions.values.shape[1]
+
+
+def _trusted(times: np.ndarray) -> float:
+    """The time at which a motion, by the ends of its steps, comes to a singular place."""
+    lengths = np.abs(np.diff(times))
+    short = lengths < SINGULAR * np.maximum.accumulate(lengths)
+    return float(times[int(np.argmax(short))]) if short.any() else float(times[0])
+
+
+def _keep(
+    passages: Passages, found: Zeros, lane: int, i: int, after: float, until: float = np.inf
+) -> None:
+    take = (found.lane == lane) & (found.t > after) & (found.t < until)
+    room = passages.wanted - int(passages.count[i])
+    last = found.t[take][:room][-1] if len(found.t[take]) >= room else np.inf
+    passages.touches.extend((i, t) for k, t in found.touches if k == lane and after < t <= last)
+    passages.put(i, found.t[take], found.states[take], found.speed[take])
+
+
+def _fail(
+    motions: Many, passages: Passages, i: int | None, lanes: Lanes, lane: int, reason: str
+) -> None:
+    if i is None:
+        return
+    time = passages.reached[i] if np.isfinite(passages.reached[i]) else motions.time
+    passages.errors[i] = _told(motions, i, reason, float(time), lanes.states[lane])
+    # a lane that is not finite would stop all others
+    lanes.load(lane, motions.states[i], motions.values[i], motions.time)
+
+
+def _told(motions: Many, i: int, reason: str, time: float, state: np.ndarray) -> IntegrationError:
+    name = motions.vocabulary.equations.system.name
+    return IntegrationError(
+        f"system '{name}', start {i}: {reason} after t = {time:.12g}; ask for fewer crossings, or "
+        "use another chart",
+        time,
+        np.array(state),
+    )
+
+
+def pass_scipy(motions: Many, watch: Watch, passages: Passages, tol: float) -> None:
+    """Follow the motions one by one with DOP853; crossings are sought on its interpolant."""
+    try:
+        for i in motions.sound:
+            _follow(motions, watch, passages, tol, i)
+            passages.tell(motions.sound)
+    except KeyboardInterrupt:
+        passages.interrupted[0] = True
+
+
+def _follow(motions: Many, watch: Watch, passages: Passages, tol: float, i: int) -> None:
+    values = motions.values[i]
+
+    def plane(t: np.ndarray, states: np.ndarray, _lane: np.ndarray) -> np.ndarray:
+        return watch.function(t, states, np.broadcast_to(values, (len(states), len(values))))
+
+    end = passages.until if passages.until < FOREVER else motions.time + 1e12
+    size, after, rise = len(motions.states[i]), None, np.inf
+    everything, lane = np.arange(size), np.zeros(1, dtype=int)
+    last = float(plane(np.array([motions.time]), motions.states[i : i + 1], lane)[0])
+    sizes = StepSizes.of(1)
+    try:
+        run = strides(motions.program, motions.states[i], values, motions.time, end, tol)
+        for method in run:
+            passages.steps[0] += 1
+            note_step(sizes, method)
+            if sizes.collapsed(0, SINGULAR):
+                raise IntegrationError(
+                    f"{PASSED} after t = {method.t_old:.12g}", method.t_old, method.y
+                )
+            now = float(plane(np.array([method.t]), method.y[None], lane)[0])
+            if after is None:
+                after = motions.time + STARTING * (method.t - motions.time)
+            # no look where the quantity could not come to zero at twice its latest rate
+            near = min(abs(last), abs(now)) <= 2 * max(abs(now - last), rise)
+            rise = abs(now - last)
+            rate = rise / (method.t - method.t_old)
+            if near or last * now <= 0:
+                found = zeros(_as_polynomial(method), plane, everything, passages.direction)
+                _keep(passages, found, 0, i, after)
+            passages.seen(i, method.t, 1, (min(last, now), max(last, now), rate))
+            last = now
+            if passages.over(i):
+                return
+    except IntegrationError as error:
+        reason = str(error).partition(" after")[0]
+        passages.errors[i] = _told(
+            motions, i, reason, float(error.time or 0.0), np.asarray(error.state)
+        )
+
+
+def _as_polynomial(method: Any) -> Paths:
+    """The step's own interpolant, a polynomial of degree seven, by its values at eight points."""
+    dense = method.dense_output()
+    h = method.t - method.t_old
+    nodes = np.linspace(0.0, 1.0, 8)
+    values = dense(method.t_old + h * nodes)
+    coefficients = np.linalg.solve(np.vander(nodes, increasing=True), values.T).T
+    scaled = coefficients / h ** np.arange(8)
+    times = np.array([[method.t_old], [method.t]])
+    return Paths(times, scaled[None, :, :, None])

@@ -1,0 +1,501 @@
+"""Poincare sections: the points at which motions of one system pass through a surface."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from voronec.algebra.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
+from voronec.algebra.symbols import plain_name
+from voronec.declaration.scene import Scene
+from voronec.declaration.system import System, require_system
+from voronec.equations.program import Program, compiled
+from voronec.equations.vector_field import Motions
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.motion.batches import chosen
+from voronec.motion.ensembles import ensemble
+from voronec.motion.inputs import drive
+from voronec.motion.motion_pool import Many, at_each, drifts, many
+from voronec.motion.request import Values, outputs_of, quantity, scene_of, spread_starts
+from voronec.motion.section_passages import Passages, pass_lanes, pass_scipy
+from voronec.motion.separate_motions import Apart
+from voronec.motion.soundness import JudgeOfMany
+from voronec.motion.steppers.scipy_stepper import FINEST
+from voronec.motion.trajectory import Cost
+from voronec.motion.vocabulary import Vocabulary, held_name, number
+
+__all__ = ["Section", "Surface", "section", "starts_alike", "suggested"]
+
+
+EQUAL = 1e-12
+"""How far the integrals may differ, relative to their size."""
+TRIES = 40
+"""Directions tried for each start that is wanted."""
+
+Integrals = Callable[[np.ndarray], np.ndarray]
+"""States (s, n) to the values (s, k) that all starts are to share."""
+
+
+def starts_alike(
+    equations: VoronecEquations,
+    scene: Scene | None,
+    initial: Mapping[Any, Any],
+    parameters: Mapping[Any, Any],
+    count: int,
+) -> list[dict[str, float]]:
+    """The start of the scene, and others in all directions about it with the same integrals.
+
+    Velocities are turned and stretched at random (the same way every time), coordinates moved a
+    little; Newton steps of least length then lead back to these values.  ``DefinitionError`` where
+    the system declares no integral, or no other start is found.
+    """
+    system = equations.system
+    if not system.integrals:
+        raise DefinitionError(
+            f"system '{system.name}' declares no integral, so no starts alike are known; "
+            "give starts as arrays of initial values"
+        )
+    motions = many(equations, scene, [initial], parameters, {}, 0.0)
+    if motions.wrong:
+        raise motions.wrong[0]
+    names = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
+    base, integrals = motions.full[0], _integrals(motions)
+    random = np.random.default_rng(1)
+    states, width = [base], len(system.velocities)
+    target = integrals(base[None])[0]
+    for _ in range(TRIES * count):
+        if len(states) == count:
+            break
+        led = _led_back(integrals, _aside(base, width, random), target)
+        if led is not None:
+            states.append(led)
+    if len(states) < count:
+        raise DefinitionError(
+            f"system '{system.name}': only {len(states)} starts with the same integrals were "
+            "found; give starts as arrays of initial values"
+        )
+    return [dict(zip(names, x.tolist(), strict=True)) for x in states]
+
+
+def _integrals(motions: Many) -> Integrals:
+    """All integrals, and the relations between redundant coordinates, at states (s, n)."""
+    quantities = dict(motions.ground.integrals)
+    relations = motions.vocabulary.equations.form.relations
+    quantities |= {f"relation {k}": e for k, e in enumerate(relations)}
+    program = Program.of(motions.ground.form, quantities)
+    extras = compiled(program)[1]
+
+    def integrals(states: np.ndarray) -> np.ndarray:
+        rows = np.broadcast_to(motions.values[:1], (len(states), motions.values.shape[1]))
+        found = at_each(extras, program.names, motions.time, states, rows)
+        return np.stack(list(found.values()), axis=-1)
+
+    return integrals
+
+
+def _aside(base: np.ndarray, width: int, random: np.random.Generator) -> np.ndarray:
+    """A state near another: its ``width`` velocities turned, its coordinates moved a little."""
+    guess = base.copy()
+    turn = random.normal(size=width)
+    speed = np.linalg.norm(base[-width:]) if width else 0.0
+    guess[-width:] = turn / np.linalg.norm(turn) * (speed or 1.0)
+    guess[:-width] += 0.3 * random.normal(size=len(base) - width)
+    return guess
+
+
+def _led_back(integrals: Integrals, guess: np.ndarray, target: np.ndarray) -> np.ndarray | None:
+    """The nearest state with these integrals, by Newton steps of least length; None where they
+    fail."""
+    x, size = guess, 1.0 + np.abs(target)
+    step = 1e-6 * (1.0 + np.abs(guess))
+    for _ in range(30):
+        shifts = np.diag(step)
+        around = integrals(np.vstack([x[None], x + shifts, x - shifts]))
+        off, n = around[0] - target, len(x)
+        if not np.isfinite(around).all():
+            return None
+        if (np.abs(off) <= EQUAL * size).all():
+            return np.asarray(x)
+        slopes = ((around[1 : n + 1] - around[n + 1 :]) / (2 * step[:, None])).T
+        change = np.linalg.lstsq(slopes, off, rcond=1e-10)[0]
+        # a long step would leave the place where the slopes hold
+        x = x - change * min(1.0, 1.0 / (np.linalg.norm(change) + 1e-300))
+    return None
+
+
+INSTANTS = 4001
+RETURNS = 3
+"""How often a quantity must come back within the trial."""
+STILL = 1e-9
+"""A quantity whose range is below this part of its size does not move."""
+LONGER = 5.0
+"""The trial, in spans of the scene."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """plane = value, and what is worth recording there."""
+
+    plane: str
+    value: float
+    outputs: tuple[str, ...]
+
+
+def suggested(
+    equations: VoronecEquations,
+    scene: Any = None,
+    initial: Mapping[Any, Any] | None = None,
+    parameters: Mapping[Any, Any] | None = None,
+    plane: str | None = None,
+) -> Surface:
+    """The first position or velocity that oscillates along the scene's motion, at zero or else at
+    the middle of its range; and a further position and velocity that move.  Where ``plane`` names
+    the surface, only the outputs are suggested.
+
+    Positions are the invariants where the system descends to them.  ``DefinitionError`` with the
+    names there are where nothing oscillates.
+    """
+    system = equations.system
+    chosen = scene_of(system, scene, True)
+    assert chosen is not None
+    positions = [*system.invariants] or [plain_name(q) for q in system.coordinates]
+    velocities = [plain_name(v) for v in system.velocities]
+    start, end = (number(x, "the span's end") for x in chosen.times)
+    grid = np.linspace(start, start + LONGER * (end - start), INSTANTS)
+    names = [*positions, *velocities]
+    trial = ensemble(
+        equations, [dict(initial or {})], parameters, grid, names, scene=chosen, tol=1e-9
+    )  # fmt: skip
+    series = {name: x[0][np.isfinite(x[0])] for name, x in trial.series.items()}
+    if plane is not None:
+        return Surface(plane, 0.0, _others(series, plane, positions, velocities))
+    for name in names:
+        value = _passed(series[name])
+        if value is not None:
+            return Surface(name, value, _others(series, name, positions, velocities))
+    raise DefinitionError(
+        f"system '{system.name}': nothing oscillates along its motion, so no plane suggests "
+        f"itself; name one with plane EXPR=VALUE in {', '.join(names)}"
+    )
+
+
+def _passed(x: np.ndarray) -> float | None:
+    """A value that x passes upwards again and again: zero, or the middle of its range."""
+    if len(x) < 2 or _still(x):
+        return None
+    middle = 0.5 * (x.min() + x.max())
+    for value in (0.0, float(f"{middle:.3g}")):
+        if np.sum((x[:-1] < value) & (x[1:] >= value)) >= RETURNS:
+            return value
+    return None
+
+
+def _still(x: np.ndarray) -> bool:
+    return bool(len(x) < 2 or np.ptp(x) <= STILL * max(1.0, np.abs(x).max()))
+
+
+def _others(
+    series: Mapping[str, np.ndarray], plane: str, positions: list[str], velocities: list[str]
+) -> tuple[str, ...]:
+    """A position and a velocity that move, or two of one kind."""
+    moving = [n for n in (*positions, *velocities) if n != plane and not _still(series[n])]
+    first = [n for n in moving if n in positions][:1]
+    second = [n for n in moving if n in velocities][:1]
+    rest = [n for n in moving if n not in (*first, *second)]
+    return tuple([*first, *second, *rest][:2])
+
+
+GRAZING = 1e-4
+"""A crossing slower than this part of the quantity's largest rate is called near-tangent."""
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """The points where motions pass through the surface ``plane`` = ``value``.
+
+    ``points`` has shape (k, m) with columns ``outputs``; ``section["u"]`` is one column.  ``t``
+    (k,) is the time of each point and ``start`` (k,) the position of its motion among the starts;
+    points are in order of the start, then of the time.  ``speed`` (k,) is the rate of the plane's
+    quantity: where it is small, the crossing is near-tangent and its time ill-conditioned;
+    ``near_tangent`` (k,) marks those slower than 1e-4 of its largest rate.  ``touches`` (start, t)
+    came to the surface and turned back.
+
+    ``ends`` says of each start how it ended: ``complete``, ``stopped by hand``, ``no more
+    crossings up to t = ...`` or ``failed``; ``errors`` has the failures by position.
+    ``drift`` maps the integrals that the equations in use can express to their largest change up to
+    the last point, (starts,), relative as in ``Ensemble``; ``level`` names the variables of these
+    equations.
+    """
+
+    system: System
+    plane: str
+    value: float
+    direction: int
+    outputs: tuple[str, ...]
+    points: np.ndarray
+    t: np.ndarray
+    start: np.ndarray
+    speed: np.ndarray
+    near_tangent: np.ndarray
+    touches: tuple[tuple[int, float], ...]
+    ends: tuple[str, ...]
+    errors: Mapping[int, VoronecError]
+    parameters: Mapping[str, np.ndarray]
+    drift: Mapping[str, np.ndarray]
+    level: str
+    cost: Cost
+    interrupted: bool = False
+
+    def __getitem__(self, key: Any) -> np.ndarray:
+        name = held_name(key, self.outputs, "the section holds")
+        return self.points[:, self.outputs.index(name)]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+
+@accepts(
+    outputs=SEVERAL,
+    parameters=VALUES,
+    inputs=VALUES,
+    initial=VALUES,
+    method=TEXT,
+    tol=REAL,
+    crossings=COUNT,
+    direction=COUNT,
+    progress=CALLABLE,
+)
+def section(
+    system: System | VoronecEquations,
+    plane: Any,
+    outputs: Sequence[Any] = (),
+    scene: Any = None,
+    initial: Mapping[Any, Any] | None = None,
+    parameters: Mapping[Any, Any] | None = None,
+    crossings: int = 1000,
+    direction: int = 1,
+    starts: int | Mapping[Any, Any] | Sequence[Values] | None = None,
+    value: Any = 0,
+    until: float | None = None,
+    method: str = "auto",
+    tol: float = 1e-13,
+    progress: Callable[[float], Any] | None = None,
+    inputs: Mapping[Any, Any] | None = None,
+) -> Section:
+    """The Poincare section of one or several motions.
+
+    plane, value
+        a name, symbol or expression, and the value it takes on the surface.
+    outputs
+        what is recorded there, by default the invariants, or all coordinates where there are none
+        or the plane holds one, and the velocities v.
+    crossings, until
+        how many points each motion gives, and the time after which it is given up.  Without
+        ``until`` it is given up when it has not come back for very many steps.
+    direction
+        1 where the quantity grows, -1 where it falls, 0 for both.  A motion that starts on the
+        surface does not count its start.
+    starts, initial
+        arrays of initial values by name, or a sequence of mappings, as for ``ensemble``; or a
+        number: that many starts around the one of ``scene`` and ``initial``, on which all
+        integrals of the system have the same values.
+    scene, parameters, method, tol, progress, inputs
+        as for ``ensemble``.
+
+    Each crossing is found on the Taylor polynomial of its step (with scipy, on the interpolant) and
+    polished to rounding.  Raises ``DefinitionError`` where no motion ever passes through
+    the surface; what breaks down later, or loses a proved integral, is in ``errors``.  Ctrl-C keeps
+    the points that are there.
+    """
+    began = perf_counter()
+    declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
+    if direction not in (-1, 0, 1) or crossings < 1:
+        raise DefinitionError("direction must be 1, -1 or 0, and crossings at least 1")
+    chosen_scene = scene_of(declared, scene, starts is None or isinstance(starts, int))
+    driven = drive(system, inputs, chosen_scene, steady="a section")
+    equations, parameters = driven.equations, {**(parameters or {}), **driven.constants}
+    vocabulary = Vocabulary.of(equations, driven.meaning)
+    surface, expr = quantity(vocabulary, plane, "plane")
+    on_plane = number(value, "the value of the plane")
+    keys = outputs_of(None, outputs) or _whole(equations, expr)
+    wanted = dict(quantity(vocabulary, key) for key in keys)
+    single, columns = _starts(equations, chosen_scene, starts, initial, parameters)
+    motions = many(
+        equations, chosen_scene, single, columns, {**wanted, f"plane {surface}": expr}, 0.0
+    )
+    if len(motions.wrong) == len(motions):
+        raise motions.wrong[0]
+    watch = _watch(motions, f"plane {surface}", on_plane)
+    apart = Apart.of(motions, method, tol, np.array([0.0, 1.0]))
+    lanes, reason = (
+        chosen(method, motions.program, tol, *motions.going)
+        if apart is None
+        else (None, apart.reason)
+    )
+    ready = perf_counter()
+    passages = Passages.empty(len(motions), crossings, direction, until, progress)
+    if apart is not None:
+        apart.passages(watch, passages, f"plane {surface}", on_plane)
+    elif lanes is None:
+        pass_scipy(motions, watch, passages, tol)
+    else:
+        pass_lanes(motions, watch, passages, lanes)
+    cost = Cost(
+        method=apart.method if apart else "scipy" if lanes is None else "heyoka", reason=reason,
+        tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
+        run=perf_counter() - ready, steps=passages.steps[0], evaluations=passages.steps[0],
+    )  # fmt: skip
+    _refuse_nothing(motions, passages, surface, on_plane)
+    if apart is None:  # else the equations have more than one right side
+        _cut_unsound(motions, passages, cost)
+    return _section(motions, passages, tuple(wanted), surface, on_plane, direction, cost)
+
+
+def _whole(equations: VoronecEquations, plane: sp.Expr) -> tuple[Any, ...]:
+    """What is recorded where nobody says it."""
+    system = equations.system
+    low = not system.invariants or Motions.of(equations).holds_coordinate([plane])
+    return (*(system.coordinates if low else system.invariants), *system.velocities)
+
+
+def _starts(
+    equations: VoronecEquations, scene: Any, starts: Any, initial: Any, parameters: Any
+) -> tuple[list[Values], dict[Any, Any]]:
+    own = dict(initial or {})
+    if isinstance(starts, int) and starts > 1:
+        rows = starts_alike(equations, scene, own, parameters or {}, starts)
+        return spread_starts(rows, parameters or {})
+    if isinstance(starts, int):
+        starts = None
+    single, columns = spread_starts(starts, parameters or {})
+    return [{**own, **row} for row in single], columns
+
+
+@dataclass(frozen=True, eq=False)
+class Watch:
+    """The plane's quantity: ``function(t, states (m, n), values (m, p))``, and which entries of
+    the state it holds."""
+
+    function: Callable[[Any, np.ndarray, np.ndarray], np.ndarray]
+    needed: np.ndarray
+
+
+def _watch(motions: Many, name: str, value: float) -> Watch:
+    program = Program.of(motions.ground.form, {"plane": motions.ground.quantities[name]})
+    symbols = program.extras.symbols
+    needed = np.array([i for i, s in enumerate(program.state) if s in symbols], dtype=int)
+    if not len(needed) and program.time not in symbols:
+        raise DefinitionError(
+            f"the plane '{name.removeprefix('plane ')}' is constant along every motion; name a "
+            "quantity that moves"
+        )
+    extras = compiled(program)[1]
+
+    def function(t: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
+        return at_each(extras, ("plane",), t, states, values)["plane"] - value
+
+    return Watch(function, needed)
+
+
+def _refuse_nothing(motions: Many, passages: Passages, surface: str, value: float) -> None:
+    if passages.count.any() or passages.interrupted[0]:
+        return
+    for error in passages.errors.values():
+        raise error
+    nearest = int(np.nanargmin(np.maximum(passages.low, -passages.high)))
+    low, high = passages.low[nearest] + value, passages.high[nearest] + value
+    which = (
+        f"start {nearest}, the nearest of {len(motions)}, stays"
+        if len(motions) > 1
+        else ("it stays")
+    )
+    system = motions.vocabulary.equations.system.name
+    way = {1: " upwards", -1: " downwards", 0: ""}[passages.direction]
+    raise DefinitionError(
+        f"system '{system}': no motion passes through {surface} = {value:g}{way}; up to t = "
+        f"{passages.reached[nearest]:.6g} {which} between {low:.6g} and {high:.6g}; choose "
+        "another value, direction or plane"
+    )
+
+
+def _cut_unsound(motions: Many, passages: Passages, cost: Cost) -> None:
+    """Of motions that lose a proved integral keep the points before that, and say so."""
+    own = motions.vocabulary.equations
+    integrals = {name: f"integral {name}" for name in motions.ground.integrals}
+    judge = JudgeOfMany(own, motions.program, cost.tolerance, integrals)
+    steps = cost.steps / max(1, len(motions.sound))
+    for i in motions.sound:
+        if not passages.parts[i]:
+            continue
+        t = np.concatenate([[motions.time], *(part[0] for part in passages.parts[i])])
+        states = np.vstack([motions.states[i], *(part[1] for part in passages.parts[i])])
+        found = judge.lost(t[None], states[None], motions.values[i][None], steps)
+        breach = min((b for _, b in found), key=lambda b: b.row, default=None)
+        if breach is not None:
+            name, time = own.system.name, float(t[breach.row])
+            passages.cut(i, breach.row)
+            passages.errors[i] = IntegrationError(
+                f"system '{name}', start {i}: {breach.what} after t = {time:.12g}; end the run "
+                "before that, or use another chart",
+                time,
+                states[breach.row],
+            )
+
+
+def _section(
+    motions: Many,
+    passages: Passages,
+    outputs: tuple[str, ...],
+    surface: str,
+    value: float,
+    direction: int,
+    cost: Cost,
+) -> Section:
+    start, t, states, speed = passages.joined(motions.states.shape[1])
+    names, values = motions.program.names, motions.values[start]
+    found = at_each(motions.extras, names, t, states, values)
+    points = np.stack([found[name] for name in outputs], axis=-1)
+    for array in (points, t, start, speed):
+        array.flags.writeable = False
+    return Section(
+        system=motions.vocabulary.equations.system,
+        plane=surface,
+        value=value,
+        direction=direction,
+        outputs=outputs,
+        points=points,
+        t=t,
+        start=start,
+        speed=speed,
+        near_tangent=np.abs(speed) < GRAZING * passages.fastest[start],
+        touches=tuple(passages.touches),
+        ends=tuple(passages.ends(i, motions.wrong) for i in range(len(motions))),
+        errors=MappingProxyType({**motions.wrong, **passages.errors}),
+        parameters=MappingProxyType(dict(motions.parameters)),
+        drift=MappingProxyType(_drift(motions, found, start)),
+        level=motions.ground.level,
+        cost=cost,
+        interrupted=passages.interrupted[0],
+    )
+
+
+def _drift(
+    motions: Many, found: Mapping[str, np.ndarray], start: np.ndarray
+) -> dict[str, np.ndarray]:
+    """See ``Section.drift``."""
+    names = motions.program.names
+    first = at_each(motions.extras, names, motions.time, motions.states, motions.values)
+    result = {}
+    for name in motions.ground.integrals:
+        key = f"integral {name}"
+        largest = np.zeros(len(motions))
+        np.maximum.at(largest, start, np.abs(found[key] - first[key][start]))
+        result[name] = drifts(largest, first[key])
+    return result

@@ -1,0 +1,174 @@
+"""Motions of an ensemble or a section whose right side is not smooth: each goes its own way.
+
+Lanes of a batch carry one right side; where walls are reached at different times, there are many.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import symengine as se
+
+from voronec.equations.program import compiled
+from voronec.errors import DefinitionError, IntegrationError
+from voronec.motion.batches import Stopped
+from voronec.motion.events import Event
+from voronec.motion.mode_stepper import Switched, through_walls
+from voronec.motion.state_probe import quantities
+from voronec.motion.steppers import Problem, Run
+
+if TYPE_CHECKING:
+    from voronec.motion.motion_pool import Many
+    from voronec.motion.section_passages import Passages
+    from voronec.motion.sections import Watch
+
+__all__ = ["Apart"]
+
+PLANE = "the plane"
+"""The name of a section's event."""
+STRETCH, GROWTH, LONGEST = 16.0, 2.0, 1e6
+"""A section is sought over so many units of time scale at first, then over so many times more."""
+LOOKS = 64
+"""Points of a stretch at which the range of the plane's quantity is seen."""
+SLOPE = 1e-6
+"""The step of difference quotients, in units of the time scale."""
+
+
+@dataclass
+class Apart:
+    """Many motions, one by one; ``switched`` is the way of the latest, with what was made ready."""
+
+    motions: Many
+    method: str
+    tol: float
+    reason: str
+    switched: Switched
+    plane: Switched | None = field(default=None)
+
+    @classmethod
+    def of(cls, motions: Many, method: str, tol: float, grid: np.ndarray) -> Apart | None:
+        """None where the right side is smooth, or no motion goes."""
+        if not motions.sound:
+            return None
+        switched = _switched(motions, motions.sound[0], method, tol, grid)
+        if switched is None:
+            return None
+        if method not in ("auto", "heyoka", "scipy"):
+            raise DefinitionError(
+                f"there is no method '{method}' for many motions; methods are auto, heyoka, scipy"
+            )
+        reason = f"{switched.chosen['reason']}; not smooth, so one by one"
+        return cls(motions, str(switched.chosen["method"]), tol, reason, switched)
+
+    def along(
+        self, i: int, grid: np.ndarray, stopped: Callable[[], bool]
+    ) -> tuple[np.ndarray, IntegrationError | None, int]:
+        """Motion i along a grid: states (k, n), the error that ended it, steps."""
+        if stopped():
+            raise Stopped
+        state, values = self.motions.states[i], self.motions.values[i]
+        self.switched = self.switched.elsewhere(float(grid[0]), state, values.tolist())
+        run = self.switched.stepper(grid)
+        if run.interrupted:
+            raise KeyboardInterrupt
+        rows = np.full((len(grid), len(state)), np.nan)
+        rows[: len(run.t)] = run.states
+        return rows, _error(run), run.steps
+
+    def passages(self, watch: Watch, passages: Passages, name: str, value: float) -> None:
+        """The crossings of a plane by all motions."""
+        try:
+            for i in self.motions.sound:
+                self._pass(i, watch, passages, name, value)
+                passages.tell(self.motions.sound)
+        except KeyboardInterrupt:
+            passages.interrupted[0] = True
+
+    def _pass(self, i: int, watch: Watch, passages: Passages, name: str, value: float) -> None:
+        motions = self.motions
+        time, state, values = motions.time, motions.states[i], motions.values[i]
+        unit = self._unit(time, state, values)
+        length = STRETCH * unit
+        while not passages.over(i):
+            grid = np.linspace(time, min(time + length, passages.until), LOOKS)
+            way = self._to_plane(i, grid, state, name, value, passages.direction)
+            run = way.stepper(grid)
+            if run.interrupted:
+                raise KeyboardInterrupt
+            t, states = run.crossings[PLANE]
+            passages.put(i, t, states, self._speeds(watch, t, states, values, unit))
+            seen = watch.function(
+                run.t, run.states, np.broadcast_to(values, (len(run.t), len(values)))
+            )
+            rates = np.abs(np.diff(seen)) / np.diff(run.t) if len(run.t) > 1 else np.zeros(1)
+            passages.steps[0] += run.steps
+            passages.seen(i, float(run.t[-1]), run.steps, (seen.min(), seen.max(), rates.max()))
+            error = _error(run)
+            if error is not None:
+                passages.errors[i] = error
+                return
+            time, state = float(run.t[-1]), run.states[-1]
+            length = min(GROWTH * length, LONGEST * unit)
+
+    def _unit(self, time: float, state: np.ndarray, values: np.ndarray) -> float:
+        """A time in which no variable changes by more than its size, or by one unit."""
+        rates = compiled(self.motions.program)[0](time, list(state), values.tolist())
+        pace = np.max(np.abs(np.array(rates, float)) / np.maximum(1.0, np.abs(state)), initial=0.0)
+        return float(1.0 / pace) if 0 < pace < np.inf else 1.0
+
+    def _to_plane(
+        self, i: int, grid: np.ndarray, state: np.ndarray, name: str, value: float, direction: int
+    ) -> Switched:
+        """The way of motion i from a state on, with the plane as an event."""
+        values = self.motions.values[i].tolist()
+        if self.plane is None:
+            exact = se.Rational(*float(value).as_integer_ratio())
+            functions = {PLANE: self.motions.ground.quantities[name] - exact}
+            event = Event(PLANE, PLANE, direction)
+            made = _switched(
+                self.motions, i, self.method, self.tol, grid, (event,), functions, state
+            )
+            if made is None:
+                raise DefinitionError("the right side is smooth after all")
+            self.plane = made
+        self.plane = self.plane.elsewhere(float(grid[0]), state, values)
+        return self.plane
+
+    def _speeds(
+        self, watch: Watch, t: np.ndarray, states: np.ndarray, values: np.ndarray, unit: float
+    ) -> np.ndarray:
+        """How fast the plane's quantity changes at crossings."""
+        if not len(t):
+            return np.empty(0)
+        rates = compiled(self.motions.program)[0](t, list(states.T), values.tolist())
+        along = np.stack([np.broadcast_to(r, t.shape) for r in rates], axis=-1)
+        given, h = np.broadcast_to(values, (len(t), len(values))), SLOPE * unit
+        ends = [watch.function(t + s * h, states + s * h * along, given) for s in (1, -1)]
+        return np.asarray((ends[0] - ends[1]) / (2 * h))
+
+
+def _switched(
+    motions: Many, i: int, method: str, tol: float, grid: np.ndarray,
+    events: tuple[Event, ...] = (), functions: dict[str, Any] | None = None,
+    state: np.ndarray | None = None,
+) -> Switched | None:  # fmt: skip
+    form, given = motions.ground.form, functions or {}
+    levels = quantities(form, given) if given else None
+    start = motions.states[i] if state is None else state
+    bare = replace(
+        motions.program,
+        names=(),
+        extras=replace(motions.program.extras, assignments=(), results=()),
+    )
+    problem = Problem(bare, start.copy(), motions.values[i].tolist(), tol, events, levels)
+    return through_walls(method, problem, grid, form, given)
+
+
+def _error(run: Run) -> IntegrationError | None:
+    halt = run.halt
+    if halt is None:
+        return None
+    return IntegrationError(f"{halt.reason} after t = {halt.time:.12g}", halt.time, halt.state)

@@ -1,0 +1,546 @@
+"""No run ends well that did not go well: what must stay along a motion, and whether it is one.
+
+Integrals that are proved and relations between redundant coordinates must stay as far as the
+tolerance allows, after as many steps; states must obey the equations that were integrated, and
+coordinates those that were derived first, in another form and by other code.
+
+    defect = x(t_8) - x(t_0) - integral of f(t, x(t)) dt
+
+over nine neighbouring instants t_0, ..., t_8.  The integral is that of the polynomial through the
+nine rates; how fast the coefficients of its expansion in Legendre polynomials fall says how far it
+can be trusted.  Nothing of the integrator that found the states is used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import symengine as se
+
+from voronec.algebra.cardinal import cardinal_all
+from voronec.algebra.numeric_functions import elementary
+from voronec.algebra.verdicts import all_vanish
+from voronec.declaration.claims import right_of
+from voronec.equations.program import Program, compiled
+from voronec.equations.vector_field import Motions
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import VoronecError
+from voronec.motion.model.special import is_many_valued
+from voronec.motion.observables import evaluated
+from voronec.motion.steppers.signals import Signals, values_along
+
+__all__ = ["WIDTH", "Breach", "Judge", "JudgeOfMany", "Rates", "Windows", "again"]
+
+
+WIDTH = 9
+"""Instants in a window."""
+RELATIVE, ROUNDING = 1e-6, 1e-9
+"""A defect is no rounding where it is larger than these parts of the way that a variable goes in
+the window, and of the variable's size."""
+DOUBT = 2.0
+"""A defect counts where it is so many times larger than what the last two coefficients contribute;
+the coefficients that are left out are of their size."""
+ILL, SAME = 1e4, 1e-9
+"""Nodes that magnify rates by more tell nothing; nodes that differ by less are the same."""
+BUDGET = 3000
+"""Evaluations that integrating a window again may take."""
+NEARBY, FINE, LEFT = 1e-7, 1e-11, 1e3
+"""How far from the first another start is, the tolerance from there, and how many tolerances the
+state may be off."""
+
+Rates = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Times (k,) and states (k, n) to the rates (k, n) of the variables; nan where undefined."""
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Rows of a grid, in windows: ``rows`` has shape (windows, WIDTH)."""
+
+    rows: np.ndarray
+
+    @classmethod
+    def spread(cls, size: int, most: int) -> Windows:
+        """As many windows as cover a grid of some size, side by side, or as may be, evenly spread;
+        none where the grid is too small."""
+        whole = (size - 1) // (WIDTH - 1)
+        if whole < 1:
+            return cls(np.empty((0, WIDTH), dtype=int))
+        starts = np.arange(whole) * (WIDTH - 1)
+        if whole > most:
+            starts = starts[np.unique(np.linspace(0, whole - 1, most).astype(int))]
+        elif starts[-1] + WIDTH < size:
+            starts = np.append(starts, size - WIDTH)
+        return cls(starts[:, None] + np.arange(WIDTH))
+
+    def doubtful(self, t: np.ndarray, states: np.ndarray, rates: Rates) -> list[int]:
+        """The windows whose states seem not to obey the equations, worst first; what the grid does
+        not resolve is in no doubt here.
+
+        ``states`` has shape (k, n), their times ``t`` (k,).
+        """
+        if not len(self.rows) or not states.shape[1]:
+            return []
+        used, where = np.unique(self.rows, return_inverse=True)
+        slopes = rates(t[used], states[used])[where.reshape(self.rows.shape)]
+        times, values = t[self.rows], states[self.rows]
+        half = (times[:, -1:] - times[:, :1]) / 2
+        inverse = _inverse_bases((times - times[:, :1]) / half - 1)
+        good = np.isfinite(slopes).all(axis=(1, 2)) & np.isfinite(values).all(axis=(1, 2))
+        good &= np.abs(inverse).max(axis=(1, 2)) < ILL
+        kept, half = np.flatnonzero(good), half[good]
+        shares = np.broadcast_to(inverse, (len(times), WIDTH, WIDTH))[good] @ slopes[good]
+        length = 2 * np.abs(half)
+        defect = np.abs(values[good, -1] - values[good, 0] - 2 * half * shares[:, 0])
+        allowed = DOUBT * length * np.abs(shares[:, -2:]).sum(axis=1)
+        allowed += RELATIVE * length * np.abs(slopes[good]).max(axis=1)
+        allowed += ROUNDING * np.maximum(1.0, np.abs(values[good]).max(axis=(1, 2)))[:, None]
+        worst = (defect / allowed).max(axis=1)
+        return [int(kept[i]) for i in np.argsort(-worst) if worst[i] > 1]
+
+
+def _inverse_bases(nodes: np.ndarray) -> np.ndarray:
+    """From values at nodes (windows, WIDTH) to shares of Legendre polynomials: matrices, one for
+    all windows where all have the same nodes."""
+    if np.abs(nodes - nodes[0]).max() < SAME:
+        nodes = nodes[:1]
+    basis = np.polynomial.legendre.legvander(nodes, WIDTH - 1)
+    found = np.full_like(basis, np.inf)
+    sound = np.linalg.det(basis) != 0
+    found[sound] = np.linalg.inv(basis[sound])
+    return found
+
+
+def again(
+    rates: Rates, t: np.ndarray, states: np.ndarray, tol: float, most: int = BUDGET
+) -> np.ndarray | None:
+    """The defect of the last state of a window, by variable, in units of what is allowed: the
+    motion is integrated again from the first state by a Runge-Kutta method.
+
+    Also from a start nearby, which tells how far what the tolerance leaves open grows.  None where
+    that cannot be done in so many evaluations.
+    """
+    from scipy.integrate import DOP853
+
+    size = np.maximum(1.0, np.abs(states).max(initial=0.0))
+    left = [most]
+
+    def single(time: float, state: np.ndarray) -> np.ndarray:
+        left[0] -= 1
+        if left[0] < 0:
+            raise _Spent
+        return rates(np.array([time]), state[None, :])[0]
+
+    ends = []
+    for start in (states[0], states[0] + NEARBY * size * _signs(states.shape[1])):
+        solver = DOP853(single, t[0], start, t[-1], rtol=FINE, atol=FINE)
+        try:
+            with np.errstate(all="ignore"):
+                while solver.status == "running":
+                    solver.step()
+        except (_Spent, ValueError):
+            return None
+        if solver.status != "finished" or not np.isfinite(solver.y).all():
+            return None
+        ends.append(solver.y)
+    grown = np.abs(ends[1] - ends[0]) / NEARBY
+    allowed = RELATIVE * size + LEFT * max(tol, FINE) * grown
+    return np.asarray(np.abs(states[-1] - ends[0]) / allowed)
+
+
+class _Spent(Exception):
+    """More evaluations than there were to spend."""
+
+
+def _signs(count: int) -> np.ndarray:
+    return np.where(np.arange(count) % 2, -1.0, 1.0)
+
+
+LOOSE = 1000.0
+"""An integral may change by so many tolerances in a step, in units of what its terms, or its slopes
+times the state, are: integrators hold their tolerance only roughly."""
+FREE = 10
+"""So many steps are allowed to everybody."""
+ROWS = 200
+"""Instants that are looked at."""
+LONG = 100_000
+"""Operations, shared ones counted every time, above which the equations derived first are let be:
+to make them ready would take longer than a run."""
+REGULAR = 1e12
+"""The condition number of a mass matrix below which accelerations mean something."""
+_KEPT = "_original_rates"
+UNIT = 2.0**-52
+"""The relative spacing of doubles."""
+MOST, FEW, EACH = 128, 12, 4
+"""Windows in which the equations that were integrated are looked at, and the original ones, and
+those of each of many motions."""
+DISOBEDIENT = "the states do not obey the equations"
+WORST = 3
+"""Windows in doubt, of each motion, that are integrated again."""
+SLOPE = 6e-6
+"""The step of difference quotients: the cube root of the rounding."""
+
+
+@dataclass(frozen=True)
+class Breach:
+    """What went wrong, in words, and the last row of the grid before it was seen."""
+
+    what: str
+    row: int
+
+
+@dataclass(frozen=True)
+class Judge:
+    """What is known of a run: its program at ``values`` of the parameters, with a tolerance.
+
+    ``integrals`` and ``relations`` name extra quantities of the program, and those that give the
+    size of the terms; ``vanishing`` are further relations, expressions in the program's symbols;
+    parameters that are ``changing`` are those of the start among the ``values``.
+    """
+
+    equations: VoronecEquations
+    program: Program
+    values: Sequence[float]
+    tol: float
+    steps: int
+    integrals: Mapping[str, tuple[str, str]]
+    relations: Mapping[str, str]
+    vanishing: Sequence[Any] = ()
+    changing: Signals | None = None
+
+    def breach(self, t: np.ndarray, states: np.ndarray) -> tuple[Breach | None, tuple[str, ...]]:
+        """What went wrong first, if anything did, and what is to be said of mere claims."""
+        found, notes = self._lost(t, states)
+        rates = program_rates(self.program, self.at)
+        found += disobedient(t, states, rates, self.tol, MOST)
+        return min(found, key=lambda b: b.row, default=None), notes
+
+    def kept(self, t: np.ndarray, states: np.ndarray) -> tuple[Breach | None, tuple[str, ...]]:
+        """The same of integrals and relations alone."""
+        found, notes = self._lost(t, states)
+        return min(found, key=lambda b: b.row, default=None), notes
+
+    def at(self, t: np.ndarray) -> list[Any]:
+        """The values of the parameters at times (k,): doubles, or arrays of them."""
+        return values_along(self.changing, map(str, self.program.parameters), self.values, t)
+
+    def original(
+        self, t: np.ndarray, states: np.ndarray, constants: Mapping[str, Any]
+    ) -> Breach | None:
+        """The same of coordinates and velocities (k, n), by the equations derived first."""
+        if len(t) < WIDTH:
+            return None
+        rates = original_rates(self.equations, constants, self.changing)
+        if rates is None:
+            return None
+        found = disobedient(t, states, rates, self.tol, FEW)
+        return min(found, key=lambda b: b.row, default=None)
+
+    def _lost(self, t: np.ndarray, states: np.ndarray) -> tuple[list[Breach], tuple[str, ...]]:
+        rows = np.unique(np.linspace(0, len(t) - 1, ROWS).astype(int))
+        relations = {name: (key, "") for name, key in self.relations.items()}
+        relations |= {f"{e} = 0": (f"vanishing {e}", "") for e in self.vanishing}
+        conserved = Conserved({**self.integrals, **relations}, self._extras())
+        breaches, notes = [], []
+        lost = conserved.lost(t[rows], states[rows], self.tol, self.steps)
+        for name, (i, change, allowed) in lost.items():
+            amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
+            if name in relations:
+                breaches.append(Breach(f"the relation {name} is lost {amount}", int(rows[i - 1])))
+            elif self.changing is None and proved(
+                self.equations, self.equations.system.integrals[name]
+            ):  # proofs take parameters for constants
+                breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
+            else:
+                notes.append(
+                    f"the integral '{name}' is only claimed, and drifts {amount}, up to "
+                    f"t = {t[rows[i]]:.6g}"
+                )
+        return breaches, tuple(notes)
+
+    def _extras(self) -> Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]:
+        program = self.program
+        inputs = (program.time, *program.state, *program.parameters)
+        further = _function(inputs, tuple(self.vanishing)) if self.vanishing else None
+
+        def extras(t: np.ndarray, states: np.ndarray) -> Mapping[str, np.ndarray]:
+            given = self.at(t)
+            found = evaluated(program, t, states, given)
+            if further is not None:
+                wide = [np.broadcast_to(x, t.shape) for x in given]
+                columns = further(np.column_stack([t, states, *wide])).reshape(len(t), -1).T
+                names = (f"vanishing {e}" for e in self.vanishing)
+                found |= zip(names, columns, strict=True)
+            return found
+
+        return extras
+
+
+def disobedient(
+    t: np.ndarray, states: np.ndarray, rates: Rates, tol: float, most: int
+) -> list[Breach]:
+    """Windows of the grid, among so many, whose states do not obey the equations; what seems not to
+    is integrated again."""
+    windows = Windows.spread(len(t), most)
+    found = []
+    for i in windows.doubtful(t, states, rates)[:WORST]:
+        rows = windows.rows[i]
+        off = again(rates, t[rows], states[rows], tol)
+        if off is not None and off.max() > 1:
+            found.append(Breach(DISOBEDIENT, int(rows[0])))
+    return found
+
+
+@dataclass(frozen=True)
+class Conserved:
+    """Quantities that must stay: ``names`` of extra quantities of a program, and of those which
+    give the size of their terms (empty where these are not known).
+
+    ``extras(t, states)`` gives all quantities of the program at times (k,) and states (k, n).
+    """
+
+    names: Mapping[str, tuple[str, str]]
+    extras: Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]
+
+    def lost(
+        self, t: np.ndarray, states: np.ndarray, tol: float, steps: int
+    ) -> dict[str, tuple[int, float, float]]:
+        """Of those that did not stay: the row where that is seen first, the change and what is
+        allowed there."""
+        if len(t) < 2:
+            return {}
+        values = self.extras(t, states)
+        off = [abs(values[key][0]) for key, size in self.names.values() if not size]
+        share = np.abs(t - t[0]) / abs(t[-1] - t[0])
+        per_unit = LOOSE * max(tol, UNIT) * (FREE + steps * share) + LOOSE * max(off, default=0.0)
+        found = {}
+        for name, (key, size) in self.names.items():
+            change = np.abs(values[key] - values[key][0])
+            allowed = per_unit * (_scale(np.abs(values[size])) if size else 1.0)
+            if not (change > allowed).any():
+                continue
+            allowed = np.maximum(allowed, per_unit * _scale(self._slopes(key, t, states)))
+            bad = np.flatnonzero(change > allowed)
+            if len(bad):
+                found[name] = int(bad[0]), float(change[bad[0]]), float(allowed[bad[0]])
+        return found
+
+    def _slopes(self, key: str, t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """By how much a quantity changes, to first order, with each variable by its size, at least
+        one unit, or by that of the largest: what tolerances are relative to."""
+        largest = np.maximum(1.0, np.abs(states).max(axis=1, initial=0.0))
+        total = np.zeros(len(t))
+        for j in range(states.shape[1]):
+            step = SLOPE * np.maximum(np.abs(states[:, j]), 1e-3)
+            ends = []
+            for sign in (1, -1):
+                moved = states.copy()
+                moved[:, j] += sign * step
+                ends.append(self.extras(t, moved)[key])
+            with np.errstate(all="ignore"):
+                total += np.abs(ends[0] - ends[1]) / (2 * step)
+        return total * largest
+
+
+def _scale(sizes: np.ndarray) -> np.ndarray:
+    """Sizes at the instants compared: here, at the start, and along the way, where a single large
+    one counts for nothing."""
+    finite = sizes[np.isfinite(sizes)]
+    usual = np.median(finite) if len(finite) else 0.0
+    return np.maximum(np.nan_to_num(sizes, nan=np.inf), max(float(sizes[0]), float(usual)))
+
+
+@lru_cache(maxsize=32)  # runs of one system have the same relations
+def _function(inputs: tuple[Any, ...], exprs: tuple[Any, ...]) -> Any:
+    return se.Lambdify(list(inputs), list(exprs))
+
+
+def proved(equations: VoronecEquations, integral: Any) -> bool:
+    """Whether a claimed integral is proved to be one, and no motion can change over to another of
+    its branches; where that exceeds the budget, it is not."""
+    function = right_of(integral)
+    try:
+        field = Motions.of(equations).deciding([function])
+        read = field.read_named(function)
+        rate = field.derivative(read)
+        return not is_many_valued(read) and bool(all_vanish([rate], field.relations))
+    except VoronecError:
+        return False
+
+
+def program_rates(program: Program, at: Callable[[np.ndarray], list[Any]]) -> Rates:
+    """The right-hand side that was integrated, ``at`` giving its parameters at times (k,)."""
+    rhs = compiled(program)[0]
+
+    def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        with np.errstate(all="ignore"):
+            found = rhs(t, list(states.T), at(t))
+        return np.stack([np.broadcast_to(np.asarray(r, float), t.shape) for r in found], axis=-1)
+
+    return rates
+
+
+def original_rates(
+    equations: VoronecEquations, constants: Mapping[str, Any], changing: Signals | None
+) -> Rates | None:
+    """The equations on the coordinates as they were derived first, evaluated by symengine, the
+    mass matrix inverted in numbers.
+
+    None where they are too long, or hold a function that symengine does not know; what symengine
+    makes of them stays with the equations.
+    """
+    form = equations.raw.form
+    if _KEPT not in equations.__dict__:
+        equations.__dict__[_KEPT] = _evaluator(form)
+    evaluate = equations.__dict__[_KEPT]
+    if evaluate is None:
+        return None
+    width, n = len(form.rates), len(form.velocities)
+    names = [str(p) for p in form.parameters]
+    still = {name: float(constants.get(name, np.nan)) for name in names}
+
+    def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        given = still if changing is None else still | changing.along(t)
+        wide = [np.broadcast_to(np.asarray(given[name], float), t.shape) for name in names]
+        rows = np.asarray(evaluate(np.column_stack([t, states, *wide])), dtype=float)
+        rows = rows.reshape(len(t), -1)
+        result = np.full(states.shape, np.nan)
+        result[:, :width] = rows[:, :width]
+        sound = np.isfinite(rows).all(axis=1)
+        if n:
+            mass = rows[:, width : width + n * n].reshape(-1, n, n)
+            sizes = np.abs(np.linalg.eigvalsh(mass[sound]))
+            sound[sound] = sizes.max(axis=1) / REGULAR < sizes.min(axis=1)
+            force = rows[sound, width + n * n :, None]
+            result[sound, width:] = np.linalg.solve(mass[sound], force)[:, :, 0]
+        result[~sound] = np.nan
+        return result
+
+    return rates
+
+
+def _evaluator(form: Any) -> Any:
+    """Rates, mass matrix and force of a form as a function of arrays; None where there is none."""
+    flat = [*form.rates, *(e for row in form.mass for e in row), *form.force]
+    if form.stages or not flat or se.count_ops(*flat) > LONG:
+        return None  # the form of a large system is the one that was integrated
+    inputs = [form.time, *form.coordinates, *form.velocities, *form.parameters]
+    try:
+        return se.Lambdify(inputs, [elementary(e) for e in cardinal_all(flat)], cse=True)
+    except (RuntimeError, TypeError, ValueError, NotImplementedError):
+        return None
+
+
+@dataclass(frozen=True)
+class JudgeOfMany:
+    """The same of motions of one program, each with values of its own.
+
+    ``integrals`` maps names of integrals to those of extra quantities of the program.
+    """
+
+    equations: VoronecEquations
+    program: Program
+    tol: float
+    integrals: Mapping[str, str]
+    _proofs: dict[str, bool] = field(default_factory=dict)
+
+    def breaches(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
+    ) -> dict[int, Breach]:
+        """What went wrong with which motion: states (m, k, n) at ``t`` (k,), parameters (m, p);
+        each took so many steps."""
+        found = self._disobedient(t, states, values)
+        for i, breach in self.lost(np.broadcast_to(t, states.shape[:2]), states, values, steps):
+            if i not in found or breach.row < found[i].row:
+                found[i] = breach
+        return found
+
+    def lost(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
+    ) -> Iterator[tuple[int, Breach]]:
+        """The motions that lost an integral, with times (m, k) of their own."""
+        each = np.broadcast_to(values[:, None, :], (*t.shape, values.shape[-1]))
+        series = _at(self.program, t, states, each)
+        for name, key in self.integrals.items():
+            change, size = np.abs(series[key] - series[key][:, :1]), np.abs(series[key][:, :1])
+            allowed = LOOSE * max(self.tol, UNIT) * FREE * size
+            for i in np.flatnonzero((change > allowed).any(axis=1)):
+                whole = np.isfinite(states[i]).all(axis=1)
+                breach = self._judged(name, key, t[i][whole], states[i][whole], values[i], steps)
+                if breach is not None:
+                    yield int(i), breach
+
+    def _judged(
+        self,
+        name: str,
+        key: str,
+        t: np.ndarray,
+        states: np.ndarray,
+        values: np.ndarray,
+        steps: float,
+    ) -> Breach | None:
+        def extras(times: np.ndarray, rows: np.ndarray) -> Mapping[str, np.ndarray]:
+            return _at(self.program, times, rows, np.broadcast_to(values, (len(rows), len(values))))
+
+        lost = Conserved({name: (key, key)}, extras).lost(t, states, self.tol, int(steps))
+        if name not in lost or not self._is_proved(name):
+            return None
+        row, change, allowed = lost[name]
+        amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
+        return Breach(f"the integral '{name}' drifts {amount}", row - 1)
+
+    def _is_proved(self, name: str) -> bool:
+        if name not in self._proofs:
+            own = self.equations
+            self._proofs[name] = proved(own, own.system.integrals[name])
+        return self._proofs[name]
+
+    def _disobedient(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray
+    ) -> dict[int, Breach]:
+        """Motions whose states do not obey the equations, in a few windows of each; to the windows
+        they are one long motion, and the parameters variables at rest."""
+        count, size, n = states.shape
+        single = Windows.spread(size, EACH).rows
+        windows = Windows((size * np.arange(count)[:, None, None] + single).reshape(-1, WIDTH))
+        each = np.broadcast_to(values[:, None, :], (count, size, values.shape[-1]))
+        joined = np.concatenate([states, each], axis=-1).reshape(count * size, -1)
+        rhs = compiled(self.program)[0]
+
+        def rates(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
+            with np.errstate(all="ignore"):
+                slopes = rhs(times, list(rows.T[:n]), list(rows.T[n:]))
+            result = np.zeros(rows.shape)
+            for j, slope in enumerate(slopes):
+                result[:, j] = slope
+            return result
+
+        times, found = np.tile(t, count), {}
+        looks = dict.fromkeys(range(count), WORST)
+        for w in windows.doubtful(times, joined, rates):
+            rows = windows.rows[w]
+            i = int(rows[0] // size)
+            looks[i] -= 1
+            if i in found or looks[i] < 0:
+                continue
+            off = again(rates, times[rows], joined[rows], self.tol)
+            if off is not None and off.max() > 1:
+                found[i] = Breach(DISOBEDIENT, int(rows[0] % size))
+        return found
+
+
+def _at(
+    program: Program, t: np.ndarray, states: np.ndarray, values: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Extra quantities at times (...), states (..., n) and parameters (..., p)."""
+    with np.errstate(all="ignore"):
+        found = compiled(program)[1](
+            t, list(np.moveaxis(states, -1, 0)), list(np.moveaxis(values, -1, 0))
+        )
+    return {
+        name: np.broadcast_to(np.asarray(x, dtype=float), t.shape)
+        for name, x in zip(program.names, found, strict=True)
+    }

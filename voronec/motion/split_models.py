@@ -1,0 +1,566 @@
+"""The splits of a system in numbers: ready to be integrated in, and how good each is at a state.
+
+All of them share the wide state: the coordinates and all their velocities.
+
+At a point where the constraints A w + a = 0 are independent, some of the velocities w determine the
+others.  Which do so best is told by the metric
+
+    g = d2L/dw2 + s A^T A
+
+in which units and coordinates play no part: of the covectors dw, at unit length, those whose
+restrictions to the admissible velocities are farthest from being dependent.  For each choice the
+equations are derived anew, exactly, with pivots that are well conditioned at that point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import mpmath
+import numpy as np
+import scipy.linalg
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.text import sympified
+from voronec.declaration.charts import Chart, bare
+from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.system import System
+from voronec.equations.definition import Definition, read
+from voronec.equations.derivation import Derivation, FirstOrderForm
+from voronec.equations.program import Program, compiled
+from voronec.equations.program.digits import compiled_digits
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import VoronecError
+from voronec.motion.divisors import Divisor, around, bases, crossed, divisors, without_factors
+from voronec.motion.observables import Watch
+from voronec.motion.reactions import Multipliers
+from voronec.motion.state_probe import quantities
+
+__all__ = [
+    "CLEAR",
+    "NEAR",
+    "Geometry",
+    "SplitGround",
+    "SplitModel",
+    "candidates",
+    "equations_near",
+    "geometry_entries",
+    "metric_of",
+    "split_system",
+    "wide_form",
+]
+
+
+SHARE = 0.1
+"""A pivot is no smaller than this part of its row, at the point for which it is chosen."""
+DEPENDENT = 1e-9
+"""Constraints whose least singular value is below this part of the largest are dependent."""
+
+
+def wide_form(d: Definition) -> FirstOrderForm:
+    """The coordinates and all their velocities (of a group, those of its frame) as a state: what
+    the splits of a system share.  It says nothing of how the velocities change."""
+    n = len(d.dots)
+    one, zero = se.Integer(1), se.Integer(0)
+    return FirstOrderForm(
+        coordinates=d.coordinates,
+        velocities=tuple(d.dots),
+        parameters=d.parameters,
+        time=d.time,
+        rates=tuple(d.dots if d.group is None else d.group.moved(d.dots)),
+        mass=tuple(tuple(one if i == j else zero for j in range(n)) for i in range(n)),
+        force=(zero,) * n,
+        velocity_symbols=() if d.group is None else d.coordinate_velocities,
+    )
+
+
+def geometry_entries(d: Definition) -> dict[str, Any]:
+    """What ``Geometry.of`` takes, by name, as functions of the wide state: rows of the constraints
+    and the relations, rows of the frame, each with its offset, and d2L/dw2."""
+    forms: list[tuple[Sequence[Any], Any]] = []
+    forms += zip(d.constraints.matrix, d.constraints.offset, strict=True)
+    forms += zip(d.differentiated.matrix, d.differentiated.offset, strict=True)
+    n = len(d.velocities)
+    own: list[tuple[Sequence[Any], Any]] = []
+    if d.frame is not None:
+        own += zip(d.frame.matrix, d.frame.offset, strict=True)
+    else:
+        unit = [[se.Integer(int(i == a)) for a in range(len(d.dots))] for i in range(n)]
+        own += [(row, se.Integer(0)) for row in unit]
+    entries: dict[str, Any] = {}
+    for kind, rows in (("condition", forms), ("frame", own)):
+        for i, (row, offset) in enumerate(rows):
+            entries |= {f"{kind} {i},{a}": se.sympify(e) for a, e in enumerate((*row, offset))}
+    for a, w in enumerate(d.dots):
+        slope = d.lagrangian.diff(w)
+        entries |= {f"mass {a},{b}": slope.diff(u) for b, u in enumerate(d.dots[: a + 1])}
+    return entries
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Frame and metric at one point.
+
+    ``frame`` (n, N) are the rows of the velocities v; ``admissible`` (N, k) is a basis of the
+    admissible velocities that is orthonormal in the metric, ``lengths`` are those of the covectors
+    dw; k = n where the constraints are independent.
+    """
+
+    frame: np.ndarray
+    metric: np.ndarray
+    admissible: np.ndarray
+    lengths: np.ndarray
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any], conditions: np.ndarray, frame: np.ndarray) -> Geometry:
+        """The geometry from the values of ``geometry_entries`` at one point, and their rows
+        without offsets."""
+        metric = metric_of(values, conditions)
+        root = np.linalg.cholesky(metric)
+        inverse = np.linalg.inv(root).T  # columns are orthonormal in the metric
+        left = conditions @ inverse
+        left = left / np.maximum(np.linalg.norm(left, axis=1, keepdims=True), 1e-300)
+        _, sizes, vt = np.linalg.svd(left)
+        rank = int((sizes > DEPENDENT * sizes.max(initial=0.0)).sum())
+        return cls(frame, metric, inverse @ vt[rank:].T, np.linalg.norm(inverse, axis=1))
+
+    @property
+    def quality(self) -> float:
+        """How far the velocities v are from being dependent: 1 at best, 0 where they are none."""
+        rows = self.frame
+        lengths = np.linalg.norm(np.linalg.solve(np.linalg.cholesky(self.metric), rows.T), axis=0)
+        if not lengths.all():
+            return 0.0
+        sizes = np.linalg.svd((rows @ self.admissible) / lengths[:, None], compute_uv=False)
+        return float(sizes.min(initial=1.0))
+
+    @property
+    def best(self) -> tuple[int, ...]:
+        """Positions of the velocities w that are the best frame."""
+        rows = self.admissible / self.lengths[:, None]
+        _, _, order = scipy.linalg.qr(rows.T, mode="economic", pivoting=True)
+        return tuple(sorted(int(a) for a in order[: len(self.frame)]))
+
+
+def metric_of(values: Mapping[str, Any], rows: np.ndarray) -> np.ndarray:
+    """g = d2L/dw2 + s A^T A with s such that both parts are of one size, at one point."""
+    width = rows.shape[1]
+    mass = np.empty((width, width))
+    for a in range(width):
+        for b in range(a + 1):
+            mass[a, b] = mass[b, a] = values[f"mass {a},{b}"]
+    square = rows.T @ rows
+    scale = np.trace(mass) / np.trace(square) if square.any() else 0.0
+    found: np.ndarray = mass + (scale or 1.0) * square
+    return found
+
+
+# -- other systems for the same motion ------------------------------------------------------
+
+
+def split_system(system: System, chosen: Sequence[int]) -> System:
+    """The system with those velocities as its independent ones: positions among the velocities of
+    the coordinates, or of a group's frame.  Claims and scenes are left out."""
+    frame = system.frame
+    own = [system.directions[a] for a in chosen]
+    rest = tuple(x for x in system.directions if x not in own)
+    title = f"{system.name}, {', '.join(map(plain_name, own))}"
+    if frame is not None and frame.is_group:
+        group = Frame.group(own, frame.brackets or {}, frame.rates, rest)
+        return bare(system, title, frame=group)
+    if system.fibration.relations:
+        taken = {plain_name(s) for s in system.known_symbols()}
+        dots = {_fresh(f"d{plain_name(q)}", taken): velocity(q) for q in own}
+        return bare(system, title, **_spelled(system, frame), frame=Frame.quasi(dots))
+    return bare(
+        system,
+        title,
+        **_spelled(system, frame),
+        frame=None,
+        fibration=Fibration(tuple(own), rest),
+        charts={name: _split_chart(system, chart) for name, chart in system.charts.items()},
+    )
+
+
+def _fresh(name: str, taken: set[str]) -> sp.Symbol:
+    while name in taken:
+        name += "_"
+    return sp.Symbol(name)
+
+
+def _spelled(
+    system: System, frame: Frame | None, changes: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Lagrangian, constraints and forces, with changes, without the quasi-velocities of a frame."""
+    meaning = {} if frame is None else dict(zip(frame.velocities, frame.expressions, strict=True))
+    names = ("lagrangian", "constraints", "forces")
+    own = {name: getattr(system, name) for name in names} | dict(changes or {})
+
+    def on(expr: Any) -> Any:
+        return sympified(expr).xreplace(meaning)
+
+    return {
+        "lagrangian": on(own["lagrangian"]),
+        "constraints": tuple(map(on, own["constraints"])),
+        "forces": {q: on(e) for q, e in own["forces"].items()},
+    }
+
+
+def _split_chart(system: System, chart: Chart) -> Chart:
+    """A chart of the system as one of its split: the velocities follow the coordinates."""
+    frame = chart.changes.get("frame", system.frame)
+    quasi = set() if frame is None else {plain_name(v) for v in frame.velocities}
+    changes = {name: e for name, e in chart.changes.items() if name != "frame"}
+    return replace(
+        chart,
+        state={name: e for name, e in chart.state.items() if name not in quasi},
+        back={name: e for name, e in chart.back.items() if name not in quasi},
+        changes=_spelled(system, frame, changes),
+    )
+
+
+def equations_near(system: System, near: Mapping[str, Any]) -> VoronecEquations:
+    """The equations with pivots that are well conditioned at a point, numbers by name."""
+    definition = read(system, near, SHARE)
+    return VoronecEquations(
+        system, definition, Derivation(definition, False), Derivation(definition, True)
+    )
+
+
+NEAR, CLEAR = 0.05, 0.15
+"""Below the one, in units of its usual size, a divisor makes its split be left; above the other a
+split is good enough.  What is lost in digits is the square of such a number at most."""
+AT_POLE = 1e-6
+"""Coordinates are singular where a chart's ``singular`` is below it, as in ``blind``."""
+ON_RELATIONS, NEWTON = 1e-9, 12
+"""Places are on the relations where these leave less; so many steps lead there, or none do."""
+_KEPT = "_divisors"
+
+
+def numbers(program: Program, time: Any, state: Sequence[Any], values: Sequence[Any]) -> list[Any]:
+    """The extra quantities of a program at a state of doubles, arrays or mpmath's numbers."""
+    digits = any(isinstance(x, mpmath.mpf) for x in state)
+    _, extras = (compiled_digits if digits else compiled)(program)
+    with np.errstate(all="ignore"):
+        return list(extras(time, list(state), list(values)))
+
+
+@dataclass(frozen=True)
+class SplitGround:
+    """What the splits of one motion share: the system, its parameters by name, and the time.
+
+    ``home`` are the equations as they are declared.
+    """
+
+    home: VoronecEquations
+    constants: Mapping[str, float]
+    time: float
+
+    def values(self, program: Program, constants: Mapping[str, Any] | None = None) -> list[Any]:
+        """The parameters of a program, those that have no value not a number."""
+        given = self.constants if constants is None else constants
+        return [given.get(str(p), np.nan) for p in program.parameters]
+
+    @cached_property
+    def wide(self) -> FirstOrderForm:
+        """The form of the wide state."""
+        return wide_form(self.home.definition)
+
+    @cached_property
+    def _geometry(self) -> Program:
+        return quantities(self.wide, geometry_entries(self.home.definition))
+
+    def _entries(self, time: Any, wide: Any, constants: Any = None) -> dict[str, Any]:
+        """The entries of constraints, frame and mass at a wide state, by name."""
+        program = self._geometry
+        flat = numbers(program, time, list(wide), self.values(program, constants))
+        return dict(zip(program.names, flat, strict=True))
+
+    def _rows_of(self, entries: Mapping[str, Any], kind: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of the conditions and of the frame, with their offsets, as numbers of a kind."""
+        d = self.home.definition
+        width = len(d.dots) + 1
+
+        def rows(name: str, count: int) -> np.ndarray:
+            flat = [entries[f"{name} {i},{a}"] for i in range(count) for a in range(width)]
+            return np.array(flat, dtype=kind).reshape(count, width)
+
+        conditions = len(d.constraints.matrix) + len(d.differentiated.matrix)
+        return rows("condition", conditions), rows("frame", len(d.velocities))
+
+    def geometry(self, time: float, wide: np.ndarray) -> Geometry:
+        """Frame and metric at a wide state; ``LinAlgError`` where coordinates fail."""
+        entries = self._entries(time, wide.astype(float).tolist())
+        conditions, frame = self._rows_of(entries, float)
+        return Geometry.of(entries, conditions[:, :-1], frame[:, :-1])
+
+    def strength(self, time: float, wide: np.ndarray) -> float:
+        """How independent the constraints are at a wide state: the volume of their rows, in units
+        of the usual one around it."""
+
+        def volume(state: np.ndarray) -> float:
+            rows = self.rows(time, state)[0][:, :-1]
+            return float(np.sqrt(np.abs(np.linalg.det(rows @ rows.T)))) if len(rows) else 1.0
+
+        count = len(self.home.definition.coordinates)
+        places = self._on_relations(around(wide[:count]))
+        rest = np.zeros(len(wide) - count)
+        usual = np.array([volume(np.concatenate([q, rest])) for q in places.T])
+        finite = usual[np.isfinite(usual)]
+        return volume(wide) / float(np.median(finite)) if len(finite) else 1.0
+
+    def rows(self, time: Any, wide: np.ndarray, constants: Any = None) -> tuple[np.ndarray, ...]:
+        """Rows of the conditions and of the frame, with their offsets, as numbers of the kind that
+        the wide state has."""
+        return self._rows_of(self._entries(time, wide.tolist(), constants), wide.dtype)
+
+    def soundness(self, places: np.ndarray) -> np.ndarray:
+        """The determinant of the metric (k,) at states (n, k) of the coordinates, at rest."""
+        d, count = self.home.definition, places.shape[1]
+        wide = np.vstack([places[: len(d.coordinates)], np.zeros((len(d.dots), count))])
+        entries = self._entries(self.time, wide)
+        rows = {name: np.broadcast_to(x, (count,)) for name, x in entries.items()}
+        found = np.zeros(count)
+        for k in range(count):
+            at = {name: row[k] for name, row in rows.items()}
+            if np.isfinite([*at.values()]).all():
+                conditions = self._rows_of(at, float)[0][:, :-1]
+                found[k] = np.abs(np.linalg.det(metric_of(at, conditions)))
+        return found
+
+    def watched(self, form: FirstOrderForm, below: Program, start: np.ndarray) -> list[Divisor]:
+        """What a form divides by and what vanishes though the motion goes on.
+
+        ``below`` gives the form's states, called ``start x``, and what it takes for constant,
+        called ``frozen p``, on the coordinates and velocities ``start`` (n,).  What was found is
+        kept with the system.
+        """
+        key = (form.coordinates, tuple(sorted(self.constants.items())))
+        kept = self.home.system.__dict__.setdefault(_KEPT, {})
+        left = (without_factors(f, self._poles) for f in divisors(form) if f not in self._others)
+        found = [f for f in dict.fromkeys(left) if f not in self._others and not f.is_Number]
+        fresh = [f for f in found if (f, key) not in kept]
+        risky = self._crossed(fresh, form, below, start) if fresh else []
+        kept |= {(f, key): None for f in fresh} | {(d.function, key): d for d in risky}
+        return [d for f in found if (d := kept[f, key]) is not None]
+
+    @cached_property
+    def _others(self) -> set[Any]:
+        """Divisors that are none of a split: those of forces, and poles of charts."""
+        d = self.home.definition
+        return {*self._poles, *bases((d.lagrangian, *d.forces))}
+
+    @cached_property
+    def _poles(self) -> tuple[Any, ...]:
+        """The factors of what vanishes where declared charts begin, each once."""
+        found: dict[Any, None] = {}
+        for chart in self.home.system.charts.values():
+            inside = self.home.definition.door.inward(chart.singular)
+            found |= dict.fromkeys(inside.args if isinstance(inside, se.Mul) else (inside,))
+        return tuple(found)
+
+    def _crossed(
+        self, found: list[Any], form: FirstOrderForm, below: Program, start: np.ndarray
+    ) -> list[Divisor]:
+        program = quantities(form, {str(i): f for i, f in enumerate(found)})
+        names, own = below.names, self.values(below)
+
+        def values(places: np.ndarray) -> np.ndarray:
+            count = places.shape[1]
+            known = dict(zip(names, numbers(below, self.time, list(places), own), strict=True))
+            state = [known[f"start {x}"] for x in program.state]
+            given = {**self.constants} | {n.removeprefix("frozen "): x for n, x in known.items()}
+            flat = numbers(program, self.time, state, self.values(program, given))
+            return np.array([np.broadcast_to(x, (count,)) for x in flat], dtype=float)
+
+        places = around(start)
+        moved = self._on_relations(places)
+        places = moved if moved.shape[1] else places
+        return crossed(found, places, values, self.soundness, self._on_relations)
+
+    def _on_relations(self, places: np.ndarray) -> np.ndarray:
+        """States (n, k) moved onto the relations between redundant coordinates, those for which
+        Newton's method gets there."""
+        form = self.home.raw.form
+        if not form.relations:
+            return places
+        m, n, count = len(form.relations), len(form.coordinates), places.shape[1]
+        slopes = [r.diff(q) for r in form.relations for q in form.coordinates]
+        program = quantities(form, {str(i): e for i, e in enumerate((*form.relations, *slopes))})
+        moved, values = places.copy(), self.values(program)
+        for _ in range(NEWTON):
+            flat = numbers(program, self.time, list(moved), values)
+            rows = np.array([np.broadcast_to(x, (count,)) for x in flat], dtype=float).T
+            off, steep = rows[:, :m, None], rows[:, m:].reshape(count, m, n)
+            good = np.isfinite(rows).all(axis=1)
+            steep = np.where(good[:, None, None], steep, 0.0)
+            moved[:n] -= (np.linalg.pinv(steep) @ np.where(good[:, None, None], off, 0.0))[..., 0].T
+        there = good & (np.abs(rows[:, :m]).max(axis=1) < ON_RELATIONS)
+        return moved[:, there]
+
+    def smallest(
+        self, form: FirstOrderForm, guards: Sequence[Divisor], state: Any, values: Sequence[Any]
+    ) -> float:
+        """The least of some divisors at a state of a form, in units of their usual sizes."""
+        if not guards:
+            return np.inf
+        program = quantities(form, {str(i): g.function for i, g in enumerate(guards)})
+        sizes = numbers(program, self.time, list(state), values)
+        parts = [abs(x) / g.scale for x, g in zip(sizes, guards, strict=True)]
+        return float(min(x if np.isfinite(x) else 0.0 for x in parts))
+
+
+@dataclass(frozen=True, eq=False)
+class SplitModel:
+    """One split, ready to be integrated in; ``guards`` are the divisors that it watches."""
+
+    ground: SplitGround
+    equations: VoronecEquations
+    form: FirstOrderForm
+    watch: Watch
+    functions: Mapping[str, Any]
+    guards: tuple[Divisor, ...] = field(default=())
+
+    @classmethod
+    def of(
+        cls,
+        ground: SplitGround,
+        equations: VoronecEquations,
+        form: FirstOrderForm,
+        watch: Watch,
+        functions: Mapping[str, Any],
+        wide: np.ndarray,
+    ) -> SplitModel:
+        """A split with what is watched and the functions of events, given for the home split."""
+        home = ground.home
+        meaning = dict(home.raw.form.dependent)
+        own = tuple(home.definition.velocities)
+        quasi = dict(zip(own, home.raw.form.definitions, strict=True))
+        if tuple(form.velocities) == own:  # those of coordinates need not exist, at poles
+            quasi = {}
+
+        def moved(expr: Any) -> Any:
+            return se.sympify(expr).xreplace(meaning).xreplace(quasi)
+
+        expressions = {name: moved(e) for name, e in watch.expressions.items()}
+        multipliers = watch.multipliers
+        if multipliers is not None:
+            expressions = {n: e for n, e in expressions.items() if n not in multipliers.entries}
+            multipliers = Multipliers.of(equations.definition)
+            expressions |= multipliers.entries
+        inside = (*home.definition.coordinates, *home.definition.velocities)
+        names = (*home.system.coordinates, *home.system.velocities)
+        for x, symbol in zip(names, inside, strict=True):
+            expressions[f"home {plain_name(x)}"] = moved(symbol)
+        model = cls(
+            ground,
+            equations,
+            form,
+            replace(watch, expressions=expressions, multipliers=multipliers),
+            {name: moved(e) for name, e in functions.items()},
+        )
+        state = model.narrow(ground.time, wide)
+        found = replace(ground, home=equations).watched(form, model._own, state)
+        return replace(model, guards=tuple(found))
+
+    @cached_property
+    def program(self) -> Program:
+        """The right-hand side, with everything watched."""
+        return Program.of(self.form, self.watch.expressions)
+
+    @cached_property
+    def _own(self) -> Program:
+        return quantities(self.form, {f"start {x}": x for x in self._states})
+
+    @property
+    def _states(self) -> tuple[Any, ...]:
+        return (*self.form.coordinates, *self.form.velocities)
+
+    @cached_property
+    def _widening(self) -> Program:
+        d = self.ground.home.definition
+        return quantities(self.form, {str(x): x for x in (*d.coordinates, *d.dots)})
+
+    @cached_property
+    def _narrowing(self) -> Program:
+        form = self.form
+        velocities = dict(zip(form.velocities, self.equations.raw.form.definitions, strict=True))
+        entries = {str(q): q for q in form.coordinates} | {str(v): e for v, e in velocities.items()}
+        return quantities(self.ground.wide, entries)
+
+    def widened(self, time: Any, state: Any, constants: Any = None) -> np.ndarray:
+        """The wide state of a state of the split, of numbers of the same kind."""
+        return self._mapped(self._widening, time, state, constants)
+
+    def narrow(self, time: Any, wide: Any, constants: Any = None) -> np.ndarray:
+        """The state of the split at a wide state."""
+        return self._mapped(self._narrowing, time, wide, constants)
+
+    def _mapped(self, program: Program, time: Any, state: Any, constants: Any) -> np.ndarray:
+        digits = np.asarray(state).dtype == object
+        found = numbers(program, time, list(state), self.ground.values(program, constants))
+        if digits:
+            return np.array([mpmath.mpf(x) for x in found], dtype=object)
+        return np.array(found, dtype=float)
+
+    def lowered(self, time: float, wide: np.ndarray, factor: float) -> SplitModel:
+        """The same with the guards that are small at a wide state lowered by a factor, or, for
+        zero, left out."""
+        state, values = self.narrow(time, wide.astype(float)), self.ground.values(self.program)
+        guards = []
+        for guard in self.guards:
+            if self.ground.smallest(self.form, [guard], state, values) > CLEAR:
+                guards.append(guard)
+            elif factor:
+                guards.append(replace(guard, scale=factor * guard.scale))
+        return replace(self, guards=tuple(guards))
+
+    def quality(self, time: Any, wide: np.ndarray) -> float:
+        """How far the divisors are from zero at a wide state, in units of their usual sizes; 0
+        where the equations have no value there, and no chart leads on."""
+        wide = wide.astype(float)
+        state, program = self.narrow(float(time), wide), self.program
+        values = self.ground.values(program)
+        with np.errstate(all="ignore"):
+            rates = compiled(program)[0](np.float64(time), [np.float64(x) for x in state], values)
+        defined = np.isfinite(np.array(rates, dtype=float)).all()
+        if not (defined or (np.isfinite(state).all() and self._at_pole(state))):
+            return 0.0
+        return self.ground.smallest(self.form, self.guards, state, values)
+
+    def _at_pole(self, state: np.ndarray) -> bool:
+        """Whether a state is where the coordinates are singular and charts of the split begin."""
+        d = self.equations.definition
+        charts = self.equations.system.charts.values()
+        singular = [d.door.inward(chart.singular) for chart in charts]
+        program = quantities(self.form, {str(i): e for i, e in enumerate(singular)})
+        there = numbers(program, self.ground.time, state.tolist(), self.ground.values(program))
+        return any(abs(x) < AT_POLE for x in there)
+
+
+def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:
+    """Equations to try at a wide state, with their forms, one after the other."""
+    home, point = ground.home, _point(ground, time, wide)
+    yield home, home.form
+    geometry = ground.geometry(time, wide)
+    systems = [home.system] if geometry.quality > CLEAR else []
+    systems.append(split_system(home.system, geometry.best))
+    for system in systems:
+        try:
+            equations = equations_near(system, point)
+            yield equations, equations.form
+            yield equations, equations.raw.form
+        except VoronecError:
+            continue
+
+
+def _point(ground: SplitGround, time: float, wide: np.ndarray) -> dict[str, Any]:
+    """Numbers of coordinates, parameters and the time by name, exact as doubles."""
+    d = ground.home.definition
+    named = dict(zip(map(str, d.coordinates), wide.tolist(), strict=False))
+    return {**ground.constants, **named, str(d.time): time}

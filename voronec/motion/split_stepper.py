@@ -1,0 +1,370 @@
+"""A run that changes its split of the velocities where a divisor comes near zero.
+
+Stretch after stretch is integrated, each in one split, on the coordinates and through the charts of
+the system; at a change all velocities are carried over by exact linear formulas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from math import log2
+from time import perf_counter, process_time
+from types import MappingProxyType
+from typing import Any
+
+import mpmath
+import numpy as np
+import symengine as se
+
+from voronec.algebra.symbols import plain_name
+from voronec.errors import IntegrationError
+from voronec.motion.all_velocities import WideStart
+from voronec.motion.chart_stepper import through_charts
+from voronec.motion.divisors import Divisor
+from voronec.motion.events import Crossings, Event
+from voronec.motion.observables import Watch, assembled, followed
+from voronec.motion.soundness import Judge
+from voronec.motion.split_models import CLEAR, NEAR, SplitGround, SplitModel, candidates
+from voronec.motion.state_probe import Probe, quantities
+from voronec.motion.steppers import Halt, Problem, Run
+from voronec.motion.steppers.choice import is_exact
+from voronec.motion.steppers.run import part_at
+from voronec.motion.trajectory import Cost, Trajectory
+from voronec.motion.vocabulary import Vocabulary
+
+__all__ = ["NearDivisor", "SplitRun", "guarding", "unguarded"]
+
+DEPENDENT = "the constraints become dependent"
+LEAST = 1e-6
+"""Constraints that are less independent than this, in units of what they usually are, are taken
+for dependent: they lose more digits than they leave."""
+GAIN = 4.0
+"""A split is left for another only where that is so many times better."""
+
+
+def guarding(guards: Sequence[Divisor]) -> tuple[tuple[Event, ...], dict[str, Any]]:
+    """Events that end a run where a divisor comes near zero, and their functions by name."""
+    names = [f"divisor {i}" for i in range(len(guards))]
+    functions = {
+        name: g.function**2 - se.Integer(2) ** (2 * round(log2(NEAR * g.scale)))
+        for name, g in zip(names, guards, strict=True)
+    }
+    return tuple(Event(name, name, stop=True) for name in names), functions
+
+
+class NearDivisor(Exception):
+    """A model divides by what comes near zero: the splits of its system, that of ``vocabulary``,
+    have to be used."""
+
+    def __init__(self, vocabulary: Vocabulary) -> None:
+        super().__init__("a divisor comes near zero")
+        self.vocabulary = vocabulary
+
+
+def unguarded(run: Run, guards: Sequence[Divisor], vocabulary: Vocabulary) -> Run:
+    """A run as if nobody had watched; raises ``NearDivisor`` where a divisor came near zero."""
+    names = {event.name for event in guarding(guards)[0]}
+    if run.stopped in names:
+        raise NearDivisor(vocabulary)
+    return run.without(names)
+
+
+@dataclass(frozen=True, eq=False)
+class _Stretch:
+    """A part of a run in one split; ``rows`` (k, n) are those on the grid."""
+
+    split: SplitModel
+    times: np.ndarray
+    rows: np.ndarray
+    run: Run
+
+
+@dataclass(eq=False)
+class SplitRun:
+    """One run through the splits of a system.
+
+    ``watch`` and ``functions`` are what is wanted, for the home split; ``began`` and ``busy`` when
+    the whole began, in seconds of the clock.
+    """
+
+    vocabulary: Vocabulary
+    ground: SplitGround
+    watch: Watch
+    functions: Mapping[str, Any]
+    start: WideStart
+    grid: np.ndarray
+    method: str
+    tol: float
+    events: tuple[Event, ...]
+    dense: bool
+    progress: Callable[[float], Any] | None
+    notes: tuple[str, ...]
+    bits: int
+    began: float
+    splits: list[SplitModel] = field(default_factory=list)
+    stretches: list[_Stretch] = field(default_factory=list)
+    chosen: dict[str, Any] = field(default_factory=dict)
+    prepared: float = 0.0
+    told: list[str] = field(default_factory=list)
+
+    def trajectory(self) -> Trajectory:
+        """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
+        busy = process_time()
+        time, wide, done = self.grid[0], self.start.wide, 1
+        split = self.best_split(time, wide, None)
+        while True:
+            part = self.judged(split, self.stretch(split, time, wide, self.grid[done:]))
+            done += self.take(split, part, done)
+            ended = part.stopped not in ("", *self._guards(split))
+            if part.interrupted or ended or (part.halt is None and done >= len(self.grid)):
+                return self.result(part, busy)
+            time, state = (
+                (part.t[-1], part.states[-1]) if part.halt is None
+                else (part.halt.time, part.halt.state)
+            )  # fmt: skip
+            wide = self.widened(split, time, state)
+            best = self.best_split(time, wide, split)
+            if part.halt is not None and best is split:
+                raise self.failure(split, part.halt, busy)
+            if best is split:
+                best = self.alone(split, time, state, wide, busy)
+            split = best
+
+    # -- splits -----------------------------------------------------------------------------
+
+    def best_split(self, time: Any, wide: np.ndarray, last: SplitModel | None) -> SplitModel:
+        """The split to go on in: one that is ready and good enough, else the first of those that
+        can be made that is, else the best; not the last one, unless no other is much better."""
+        plain = wide.astype(float)
+        sizes = {p: p.quality(time, plain) for p in self.splits}
+        ready = max(self.splits, key=lambda p: sizes[p], default=None)
+        if ready is not None and ready is not last and sizes[ready] > CLEAR:
+            return ready
+        began = perf_counter()
+        with suppress(np.linalg.LinAlgError):
+            for equations, form in candidates(self.ground, float(time), plain):
+                if any(p.form is form for p in self.splits):
+                    continue
+                made = SplitModel.of(
+                    replace(self.ground, time=float(time)), equations, form, self.watch,
+                    self.functions, plain,
+                )  # fmt: skip
+                self.splits.append(made)
+                sizes[made] = made.quality(time, plain)
+                if sizes[made] > CLEAR:
+                    break
+        self.prepared += perf_counter() - began
+        best = max(self.splits, key=lambda p: sizes[p], default=None)
+        if best is None or (last is None and not sizes[best] > 0):
+            raise IntegrationError(
+                f"system '{self.ground.home.system.name}': no velocities determine the motion at "
+                f"the initial point ({self._shown(plain)}): the constraints are dependent or the "
+                "coordinates singular; start elsewhere",
+                time,
+                plain,
+            )
+        if last is not None and sizes[best] < GAIN * sizes[last]:
+            return last
+        return best
+
+    def alone(
+        self, split: SplitModel, time: Any, state: np.ndarray, wide: np.ndarray, busy: float
+    ) -> SplitModel:
+        """The same split with other guards, where no other is better.
+
+        What is small then belongs to the motion itself, and is not watched any more; or the
+        constraints come near to being dependent.
+        """
+        strength = self.ground.strength(float(time), wide.astype(float))
+        if not strength > LEAST:
+            raise self.failure(split, Halt(DEPENDENT, time, state), busy)
+        self.splits.remove(split)
+        self.splits.append(split.lowered(float(time), wide, NEAR if strength < NEAR else 0.0))
+        return self.splits[-1]
+
+    def _shown(self, wide: np.ndarray) -> str:
+        pairs = zip(self.ground.home.definition.coordinates, wide, strict=False)
+        return ", ".join(f"{name} = {float(x):.6g}" for name, x in pairs)
+
+    def _guards(self, split: SplitModel) -> tuple[str, ...]:
+        return tuple(event.name for event in guarding(split.guards)[0])
+
+    # -- stretches --------------------------------------------------------------------------
+
+    def stretch(self, split: SplitModel, time: Any, wide: np.ndarray, ahead: np.ndarray) -> Run:
+        """Go on in a split until a divisor is small, or the grid ends."""
+        began = perf_counter()
+        guards, levels = guarding(split.guards)
+        functions = {**split.functions, **levels}
+        state = split.narrow(float(time), wide.astype(float))
+        values = self.ground.values(split.program)
+        probe = Probe(self.ground.home.system.name, split.form, split.program, values, float(time))
+        if not split.equations.system.charts:
+            probe.check(state)
+        problem = Problem(
+            split.program, state, values, self.tol, (*self.events, *guards),
+            quantities(split.form, functions) if functions else None, self.dense,
+            probe.suspect(state), None, self._exact(split, time, wide), None, frozenset(levels),
+        )  # fmt: skip
+        if wide.dtype == object or self.exact:
+            times = np.array([mpmath.mpf(time), *map(mpmath.mpf, ahead)], dtype=object)
+        else:
+            times = np.concatenate([[float(time)], ahead])
+        stepper, chosen = through_charts(
+            self.method, problem, times, split.equations, functions, split.form
+        )
+        self.chosen = self.chosen or chosen
+        self.prepared += perf_counter() - began
+        return stepper(times)
+
+    def judged(self, split: SplitModel, part: Run) -> Run:
+        """A stretch up to where it went wrong, if it did; what is to be said is noted."""
+        watch = split.watch
+        followed = {name: (key, watch.sizes[name]) for name, key in watch.integrals.items()}
+        judge = Judge(
+            self.ground.home, split.program, [float(x) for x in self.ground.values(split.program)],
+            self.chosen["tolerance"], part.steps, followed, watch.relations,
+        )  # fmt: skip
+        breach, notes = judge.breach(part.t.astype(float), part.states.astype(float))
+        self.told += [note for note in notes if note not in self.told]
+        return part if breach is None else part.until(breach.row, breach.what)
+
+    def _exact(self, split: SplitModel, time: Any, wide: np.ndarray) -> Callable[[int], Any]:
+        def exact(bits: int) -> tuple[np.ndarray, list[Any]]:
+            with mpmath.workprec(bits):
+                first, constants = self.start.exact(bits)
+                given = wide if wide.dtype == object else first
+                state = split.narrow(mpmath.mpf(time), given, constants)
+                return state, self.ground.values(split.program, constants)
+
+        return exact
+
+    @property
+    def exact(self) -> bool:
+        """Whether the run is in high precision."""
+        return is_exact(self.method, self.tol)
+
+    def widened(self, split: SplitModel, time: Any, state: np.ndarray) -> np.ndarray:
+        """The wide state of a state of a split."""
+        with mpmath.workprec(self.bits):
+            return split.widened(time, state, self._constants(state))
+
+    def _constants(self, states: np.ndarray) -> Mapping[str, Any]:
+        if states.dtype != object:
+            return self.ground.constants
+        return self.start.exact(self.bits)[1]
+
+    def take(self, split: SplitModel, part: Run, done: int) -> int:
+        """Enter a stretch; how many points of the grid it has passed."""
+        order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
+        ahead, times = order * self.grid[done:], order * part.t.astype(float)
+        count = int(np.searchsorted(ahead, times[-1], side="right"))
+        rows = part.states[np.searchsorted(times, ahead[:count])]
+        kept = self.grid[done : done + count]
+        if not self.stretches:  # the first point of the grid is the start
+            rows, kept = np.vstack([part.states[:1], rows]), np.append(self.grid[0], kept)
+        last = part.stopped and part.stopped not in self._guards(split)
+        if last and (not count or times[-1] != ahead[count - 1]):
+            rows, kept = np.vstack([rows, part.states[-1:]]), np.append(kept, part.t[-1])
+        self.stretches.append(_Stretch(split, kept, rows, part))
+        if self.progress is not None:
+            self.progress(float(abs(times[-1] - order * self.grid[0]) / np.ptp(self.grid)))
+        return count
+
+    # -- what is seen -----------------------------------------------------------------------
+
+    def result(self, last: Run, busy: float) -> Trajectory:
+        """The trajectory of all stretches."""
+        runs = [s.run for s in self.stretches]
+        changes = sum(
+            a.split is not b.split for a, b in zip(self.stretches, self.stretches[1:], strict=False)
+        )
+        whole = perf_counter() - self.began
+        cost = Cost(
+            **self.chosen, setup=self.prepared, run=max(whole - self.prepared, 0.0),
+            cpu=process_time() - busy, steps=sum(r.steps for r in runs),
+            evaluations=sum(r.evaluations for r in runs),
+            switches=changes + sum(r.switches for r in runs),
+        )  # fmt: skip
+        seen = self._assembled([(s.split, s.times, s.rows) for s in self.stretches], cost)
+        own = {e.name for e in self.events}
+        return replace(
+            seen,
+            events=MappingProxyType({name: self._crossings(name) for name in own}),
+            stopped=last.stopped if last.stopped in own else "",
+            halted=last.halt.reason if last.halt is not None else "",
+            interrupted=last.interrupted,
+            within=(lambda times: self._inside(times, cost)) if self.dense else None,
+            notes=(*self.notes, *self.told),
+        )
+
+    def failure(self, split: SplitModel, halt: Halt, busy: float) -> IntegrationError:
+        """The error for a run that cannot go on in any split."""
+        last = replace(self.stretches[-1].run, halt=halt)
+        values = self.ground.values(split.program)
+        probe = Probe(
+            self.ground.home.system.name, split.form, split.program, values, float(self.grid[0])
+        )
+        start = self.stretches[-1].run.states[0]
+        return probe.failure(start, halt, self.result(last, busy))
+
+    def _series(
+        self, parts: list[tuple[SplitModel, np.ndarray, np.ndarray]]
+    ) -> dict[str, np.ndarray]:
+        """Everything watched at states of several splits, one after the other."""
+        found = []
+        for split, times, rows in parts:
+            if len(times):
+                values = self.ground.values(split.program, self._constants(rows))
+                with mpmath.workprec(self.bits):
+                    found.append(followed(split.watch, split.program, times, rows, values))
+        names = found[0] if found else {}
+        return {
+            name: np.concatenate([np.asarray(s[name]) for s in found])
+            for name in names
+            if all(name in s for s in found)
+        }
+
+    def _assembled(
+        self, parts: list[tuple[SplitModel, np.ndarray, np.ndarray]], cost: Cost,
+        order: np.ndarray | None = None,
+    ) -> Trajectory:  # fmt: skip
+        times, series = np.concatenate([t for _, t, _ in parts]), self._series(parts)
+        if order is not None:
+            times, series = times[order], {n: x[order] for n, x in series.items()}
+        names, constants = self._names, self._constants(parts[0][2])
+        states = np.stack([series[f"home {n}"] for n in names], axis=-1)
+        with mpmath.workprec(self.bits):
+            return assembled(
+                self.vocabulary, self.watch, times, names, states, series, constants, cost
+            )
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        system = self.ground.home.system
+        return tuple(map(plain_name, (*system.coordinates, *system.velocities)))
+
+    def _crossings(self, name: str) -> Crossings:
+        parts = [(s.split, *s.run.crossings[name]) for s in self.stretches]
+        series = self._series(parts)
+        times = np.concatenate([t for _, t, _ in parts])
+        none = np.empty(0)
+        states = np.stack([series.get(f"home {n}", none) for n in self._names], axis=-1)
+        shown = {n: series.get(n, none) for n in self.watch.outputs}
+        for array in (times, states, *shown.values()):
+            array.flags.writeable = False
+        return Crossings(times, states, self._names, MappingProxyType(shown))
+
+    def _inside(self, times: np.ndarray, cost: Cost) -> Trajectory:
+        """The motion at any times reached."""
+        order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
+        which = part_at([s.run.t[-1] for s in self.stretches], order, times)
+        parts, positions = [], []
+        for i in np.unique(which):
+            here, stretch = np.flatnonzero(which == i), self.stretches[i]
+            assert stretch.run.inside is not None
+            parts.append((stretch.split, times[here], stretch.run.inside(times[here])))
+            positions.append(here)
+        return self._assembled(parts, cost, np.argsort(np.concatenate(positions)))

@@ -1,0 +1,198 @@
+"""Looking at the equations at single states: rates, the start, mass matrices, why a run failed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import symengine as se
+
+from voronec.equations.program import Program, compiled, hoisted
+from voronec.errors import DefinitionError, IntegrationError
+from voronec.motion.steppers.run import Halt, Suspect
+from voronec.motion.steppers.signals import Signals, values_along
+
+__all__ = ["Probe", "quantities", "quiet", "rates_along"]
+
+SINGULAR = 1e-13
+"""A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
+NEARLY = 1e-6
+"""The same in units of the start's diagonal, for naming the cause where a run broke down."""
+
+Right = Callable[[float, Any], Any]
+"""The right-hand side at a time and a state, whose entries may be arrays."""
+
+
+def quiet(rhs: Callable[..., Any], values: Sequence[float]) -> Right:
+    """A compiled right-hand side at given parameters, undefined where it is so without a word."""
+    given = [np.float64(x) for x in values]
+
+    def right(time: float, columns: Any) -> Any:
+        with np.errstate(all="ignore"):
+            return rhs(np.float64(time), columns, given)
+
+    return right
+
+
+def rates_along(right: Right, time: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Velocities of all coordinates (n, k) at one q (n,) and several v (m, k)."""
+    width = v.shape[1]
+    columns = [*np.repeat(q[:, None], width, axis=1), *v]
+    rates = right(time, columns)
+    return np.array([np.broadcast_to(r, (width,)) for r in rates[: len(q)]], dtype=float)
+
+
+def quantities(form: Any, extras: Any) -> Program:
+    """A program for extra quantities alone, on the state and the parameters of a form."""
+    zero, one = se.Integer(0), se.Integer(1)
+    n = len(form.velocities)
+    mass = tuple(tuple(one if i == j else zero for j in range(n)) for i in range(n))
+    return Program.of(replace(form, mass=mass, force=(zero,) * n), extras)
+
+
+@dataclass(frozen=True)
+class Probe:
+    """The program of a first-order form at given parameters and starting time.
+
+    ``name`` is the system's, for messages.
+    """
+
+    name: str
+    form: Any
+    program: Program
+    values: Sequence[float]
+    time: float
+    changing: Signals | None = None
+
+    def rates(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Velocities of all coordinates (n, k) at one q (n,) and several v (m, k)."""
+        return rates_along(self._rhs, self.time, q, v)
+
+    def check(self, start: np.ndarray) -> None:
+        """Raise where no motion starts: the equations are singular or undefined."""
+        mass = self.masses(np.array([self.time]), start[None, :])[0]
+        if _smallest(mass, mass) < SINGULAR:
+            raise self._nowhere("the mass matrix is singular", start)
+        slope = self._rhs(self.time, list(start))
+        meaningless = self._meaningless()
+        if meaningless:
+            raise DefinitionError(
+                f"system '{self.name}': the equations are not defined for {meaningless}; change "
+                "these parameters"
+            )
+        if not np.isfinite(np.array(slope, dtype=float)).all():
+            raise self._nowhere("the equations are not defined", start)
+
+    def suspect(self, start: np.ndarray) -> Suspect | None:
+        """Finds states with a singular mass matrix, or beyond one; None where it is constant, and
+        where it is not defined at the start, from which ``check`` lets nothing begin.
+
+        Beyond one the number of negative eigenvalues is not that of the start.
+        """
+        moving = {*self.program.state, self.program.time}
+        if not self._mass_program.extras.symbols & moving:
+            return None
+        base = self.masses(np.array([self.time]), start[None, :])[0]
+        if not np.isfinite(base).all():
+            return None
+        units = np.sqrt(np.abs(np.diag(base)))
+        scale = np.outer(units, units) if units.all() else np.ones_like(base)
+        negative = int((np.linalg.eigvalsh(base / scale) < 0).sum())
+
+        def first(t: np.ndarray, states: np.ndarray) -> int | None:
+            masses = self.masses(t, states) / scale
+            masses[~np.isfinite(masses).all(axis=(1, 2))] = base / scale
+            sizes = np.linalg.eigvalsh(masses)
+            small = np.abs(sizes).min(axis=1) < SINGULAR * np.abs(sizes).max(axis=1)
+            bad = np.flatnonzero(((sizes < 0).sum(axis=1) != negative) | small)
+            return int(bad[0]) if len(bad) else None
+
+        return first
+
+    def failure(self, start: np.ndarray, halt: Halt, trajectory: Any) -> IntegrationError:
+        """The error for a run that stopped short, with what can be said about the cause."""
+        state = np.array(halt.state, dtype=float)
+        times = np.array([self.time, float(halt.time)])
+        masses = self.masses(times, np.array([np.array(start, dtype=float), state]))
+        singular = halt.singular or _smallest(*masses) < NEARLY
+        cause = "; the mass matrix is singular there" if singular else ""
+        return IntegrationError(
+            f"system '{self.name}': {halt.reason} after t = {float(halt.time):.12g} "
+            f"({self._shown(state)}){cause}; end the run before that, or use another chart",
+            halt.time,
+            halt.state,
+            trajectory,
+            singular,
+        )
+
+    @cached_property
+    def _rhs(self) -> Right:
+        return quiet(compiled(self.program)[0], self.values)
+
+    @cached_property
+    def _mass_program(self) -> Program:
+        n = len(self.form.velocities)
+        entries = {f"{i},{j}": self.form.mass[i][j] for i in range(n) for j in range(i + 1)}
+        return quantities(self.form, entries)
+
+    @cached_property
+    def _mass_entries(self) -> Any:
+        return compiled(self._mass_program)[1]
+
+    def masses(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Mass matrices (k, n, n) at times (k,) and states (k, m)."""
+        n = len(self.form.velocities)
+        with np.errstate(all="ignore"):
+            flat = self._mass_entries(t, list(states.T), self._values(t))
+        result, pairs = np.empty((len(t), n, n)), ((i, j) for i in range(n) for j in range(i + 1))
+        for (i, j), column in zip(pairs, flat, strict=True):
+            result[:, i, j] = result[:, j, i] = column
+        return result
+
+    def _values(self, t: np.ndarray) -> list[Any]:
+        """The parameters at times (k,)."""
+        return values_along(self.changing, map(str, self.program.parameters), self.values, t)
+
+    def _meaningless(self) -> str:
+        """The parameters, with their values, of which the equations hold an expression without a
+        value, such as the inverse of a sum that vanishes."""
+        raised = hoisted(self.program)
+        given = list(map(float, self.values))
+        values = raised.values(given)[len(given) :]
+        known = dict(zip(map(str, self.program.parameters), given, strict=True))
+        meaning: dict[Any, Any] = {}
+        for (symbol, expr), value in zip(raised.definitions, values, strict=True):
+            meaning[symbol] = expr.xreplace(meaning)
+            names = sorted(map(str, meaning[symbol].free_symbols))
+            if names and not np.isfinite(value):
+                return ", ".join(f"{name} = {known[name]:.6g}" for name in names)
+        return ""
+
+    def _nowhere(self, what: str, start: np.ndarray) -> IntegrationError:
+        return IntegrationError(
+            f"system '{self.name}': {what} at the initial point ({self._shown(start)}); start "
+            "elsewhere or use another chart",
+            self.time,
+            start,
+        )
+
+    def _shown(self, state: np.ndarray) -> str:
+        pairs = zip(self.program.state, state, strict=True)
+        return ", ".join(f"{name} = {value:.6g}" for name, value in pairs)
+
+
+def _smallest(scale: np.ndarray, mass: np.ndarray) -> float:
+    """The least eigenvalue of a mass matrix, in units of the diagonal of another, over the largest.
+
+    Zero where the other has a zero on its diagonal; infinite where a matrix is undefined.
+    """
+    if not (len(mass) and np.isfinite(mass).all() and np.isfinite(scale).all()):
+        return np.inf
+    units = np.sqrt(np.abs(np.diag(scale)))
+    if not units.all():
+        return 0.0
+    sizes = np.abs(np.linalg.eigvalsh(mass / np.outer(units, units)))
+    return float(sizes.min() / max(1.0, sizes.max()))

@@ -1,0 +1,459 @@
+"""heyoka's Taylor integrator: long steps whose dense output is as accurate as their ends.
+
+A step of Taylor's method is as long as the largest state allows: one angle of 1e5 radians loosens
+the tolerance of all the others by 1e5.  But where the right-hand side does not hold a state at all
+(a quadrature), or holds it under sines and cosines only (an angle), what has grown can be taken
+out of it between steps and added to the results: the motion of the others is the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import symengine as se
+
+from voronec.equations.program import Program, hoisted, taylor_extras, taylor_system
+from voronec.motion.events import Event
+from voronec.motion.steppers.angle_states import angles_among
+from voronec.motion.steppers.first_step import GROWING, STRIDE, opening
+from voronec.motion.steppers.run import (
+    COLLAPSE,
+    DISTANT,
+    INFINITE,
+    Halt,
+    Log,
+    Problem,
+    Run,
+    Stepper,
+    Ticker,
+    in_parts,
+)
+from voronec.motion.steppers.units import natural_units
+
+__all__ = ["Winding", "taylor"]
+
+
+TURN = 2 * np.pi
+COARSE = float(np.ldexp(np.round(np.ldexp(TURN, 30)), -30))
+"""A turn in 33 bits, whose small multiples are exact; FINE is the rest of it."""
+FINE = 2 * (float(np.float64(np.pi) - COARSE / 2)) + 2.4492935982947064e-16
+
+
+@dataclass
+class Winding:
+    """What was taken out of the states: turns of ``angles``, all of ``quadratures`` (positions).
+
+    The states that are kept small are in ``units`` of their own; those of angles are 1.
+    A quadrature is kept as the sum of two doubles, so nothing is lost when small steps are added
+    to a large sum.
+    """
+
+    quadratures: np.ndarray
+    angles: np.ndarray
+    width: int
+    units: np.ndarray
+    high: np.ndarray = field(init=False)
+    low: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.reset()
+
+    @classmethod
+    def of(cls, problem: Problem) -> Winding:
+        """The states of a problem that may be kept small."""
+        program, levels = problem.program, problem.levels
+        blocks = [program.derivative, *([levels.extras] if levels is not None else [])]
+        held = set().union(*(b.symbols for b in blocks))
+        angles = angles_among(program.state, blocks)
+        return cls(
+            np.array([i for i, s in enumerate(program.state) if s not in held], dtype=int),
+            np.array(angles, dtype=int),
+            len(program.state),
+            natural_units(problem),
+        )
+
+    @property
+    def needed(self) -> bool:
+        """Whether there is a state that may be kept small."""
+        return bool(len(self.quadratures) or len(self.angles))
+
+    def reset(self) -> None:
+        """Nothing is taken out."""
+        self.high, self.low = np.zeros(self.width), np.zeros(self.width)
+
+    def take(self, state: np.ndarray) -> None:
+        """Take what has grown out of a state (n,), in place."""
+        at = self.angles
+        turns = np.rint(state[at] / TURN)
+        state[at] = (state[at] - turns * COARSE) - turns * FINE
+        self.high[at] += turns  # whole numbers: exact
+        at = self.quadratures
+        total, more = self.high[at], state[at] + self.low[at]
+        self.high[at] = total + more
+        back = self.high[at] - total
+        self.low[at] = (total - (self.high[at] - back)) + (more - back)
+        state[at] = 0.0
+
+    def whole(self, states: np.ndarray) -> np.ndarray:
+        """States (..., n) as they are, from those kept small."""
+        result = np.array(states, dtype=float)
+        at = self.angles
+        result[..., at] = (result[..., at] + self.high[at] * FINE) + self.high[at] * COARSE
+        at = self.quadratures
+        result[..., at] = (result[..., at] + self.low[at]) + self.high[at]
+        return result * self.units
+
+    def now(self) -> Winding:
+        """What is taken out at present, for states that are looked at later."""
+        result = Winding(self.quadratures, self.angles, self.width, self.units)
+        result.high, result.low = self.high.copy(), self.low.copy()
+        return result
+
+    def grown(self, state: np.ndarray) -> float:
+        """The largest state that may be kept small, in units of the largest other (at least 1)."""
+        mine = np.zeros(self.width, dtype=bool)
+        mine[self.quadratures] = mine[self.angles] = True
+        others = np.abs(state[~mine]).max(initial=1.0)
+        return float(np.abs(state[mine]).max(initial=0.0) / others)
+
+
+CHUNK = 20_000
+"""Steps between two looks at the keyboard."""
+SHORT, LEAST, LARGE = 64, 32, 8.0
+"""So many steps are taken at first where states wind; fewer, down to the least, where in these they
+grow to more than so many times the others, and more, up to CHUNK, where they hardly grow."""
+AHEAD = 100_000
+"""Points of the grid that are handed over at a time, at most."""
+FEW = 1_000
+"""Points that are handed over where chunks are short."""
+CRAWL = 1e-9
+"""A chunk of steps that covers less than this part of the span leads nowhere."""
+SPECK = 1e-300
+"""What functions of events are raised by: where one is zero at the start of a step, heyoka takes
+that for its zero in the step, and sees no other."""
+GRAIN = 1e-26
+"""The same of walls: a motion may leave one with a rate that is zero to rounding, and fall first,
+by less than the square of that."""
+COMPACT = 60.0
+"""Above this weight heyoka compiles in its compact mode: seconds sooner, then half as fast."""
+
+
+def taylor(problem: Problem) -> Stepper:
+    """The integrator, compiled; ``EngineLimit`` for a function that heyoka does not know."""
+    import heyoka as hy
+
+    log = Log(0.0, 0.0, len(problem.start), walls=problem.walls)
+    winding = Winding.of(problem)
+    integrator, constants = _integrator(problem, log, winding, hy)
+
+    def run(grid: np.ndarray) -> Run:
+        # a stepper may run again, from what start and parameters of its problem are then
+        integrator.time, integrator.state[:] = float(grid[0]), problem.start / winding.units
+        integrator.pars[:] = constants()
+        if integrator.with_events:
+            integrator.reset_cooldowns()
+        winding.reset()
+        log.rows, log.stopped = {}, ""
+        log.start, log.span = float(grid[0]), float(np.ptp(grid))
+        ticker = Ticker(problem.progress, float(grid[0]), float(grid[-1]))
+        return _Drive(hy, integrator, problem, log, winding, grid, ticker).run()
+
+    return run
+
+
+def _integrator(
+    problem: Problem, log: Log, winding: Winding, hy: Any
+) -> tuple[Any, Callable[[], list[float]]]:
+    """heyoka's integrator, and what gives the constants in it."""
+    raised, levels = hoisted(problem.program), problem.levels
+    program = raised.program
+    units = winding.units.tolist()
+    functions = taylor_extras(levels, units) if levels is not None else {}
+    moving = _moving(levels) if levels is not None else set()
+    watched: list[Any] = []
+    kinds: dict[str, list[Any]] = {"nt_events": [], "t_events": []}
+    for event in problem.events:
+        if event.name not in moving:
+            continue  # a constant passes through nothing, and heyoka takes none
+        expr = functions[event.name] + (GRAIN if event.name in problem.walls else SPECK)
+        watched.append(expr)
+        if event.stop:
+            kinds["t_events"].append(_terminal(event, expr, log, winding, hy))
+        else:
+            kinds["nt_events"].append(_passing(event, expr, log, winding, hy))
+    system = taylor_system(program, units)
+    # heyoka wants no more parameters than the expressions contain
+    held = hy.get_params([e for _, e in system] + watched)
+    count = max((int(str(p)[1:]) for p in held), default=-1) + 1
+
+    def constants() -> list[float]:
+        return raised.values(list(map(float, problem.parameters)))[:count]
+
+    integrator = hy.taylor_adaptive(
+        system,
+        (problem.start / winding.units).tolist(),
+        pars=constants(),
+        tol=problem.tol,
+        compact_mode=program.weight > COMPACT,
+        **{kind: found for kind, found in kinds.items() if found},
+    )
+    return integrator, constants
+
+
+def _moving(levels: Program) -> set[str]:
+    """Which of the extra quantities of a program move."""
+    moving = {*levels.state, levels.time}
+    for name, expr in levels.extras.assignments:
+        if expr.free_symbols & moving:
+            moving.add(name)
+    pairs = zip(levels.names, levels.extras.results, strict=True)
+    return {name for name, expr in pairs if se.sympify(expr).free_symbols & moving}
+
+
+def _direction(event: Event, hy: Any) -> Any:
+    kinds = hy.event_direction
+    return {1: kinds.positive, -1: kinds.negative, 0: kinds.any}[event.direction]
+
+
+def _passing(event: Event, expr: Any, log: Log, winding: Winding, hy: Any) -> Any:
+    def seen(integrator: Any, time: float, _sign: int) -> None:
+        integrator.update_d_output(time)
+        log.enter(event, time, winding.whole(integrator.d_output))
+
+    return hy.nt_event(expr, callback=seen, direction=_direction(event, hy))
+
+
+def _terminal(event: Event, expr: Any, log: Log, winding: Winding, hy: Any) -> Any:
+    def seen(integrator: Any, _sign: int) -> bool:
+        return not log.enter(event, float(integrator.time), winding.whole(integrator.state))
+
+    return hy.t_event(expr, callback=seen, direction=_direction(event, hy))
+
+
+@dataclass
+class _Drive:
+    """One run, chunk by chunk."""
+
+    hy: Any
+    integrator: Any
+    problem: Problem
+    log: Log
+    winding: Winding
+    grid: np.ndarray
+    ticker: Ticker
+    rows: list[np.ndarray] = field(default_factory=list)
+    stretches: list[Any] = field(default_factory=list)
+    ends: list[float] = field(default_factory=list)
+    done: int = 1
+    steps: int = 0
+    idle: int = 0
+    size: int = field(init=False)
+    ahead: int = field(init=False)
+    longest: float = 0.0
+    standing: tuple[float, np.ndarray] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.standing = float(self.grid[0]), self.problem.start.copy()
+        self.size, self.ahead = CHUNK, AHEAD
+        self.opening = self.first_step()
+        self.stride = STRIDE if self.opening == np.inf else 1.0
+        if self.winding.needed:
+            self.size, self.ahead = min(SHORT, CHUNK), FEW
+
+    def first_step(self) -> float:
+        """The length of the first step where heyoka's own would be too long, else infinite."""
+        ta, self.log.silent = self.integrator, True
+        time, state = ta.time, ta.state.copy()
+        span = float(self.grid[-1] - self.grid[0])
+        taken = ta.step(max_delta_t=span, write_tc=True)[1] if span else 0.0
+        length = opening(ta.tc, taken, self.problem.tol)
+        ta.time, ta.state[:], self.log.silent = time, state, False
+        if ta.with_events:
+            ta.reset_cooldowns()
+        return length
+
+    def run(self) -> Run:
+        self.rows.append(self.problem.start[None, :])
+        try:
+            while self.done < len(self.grid) and not self.log.stopped:
+                halt = self.chunk()
+                if halt is not None:
+                    return self.result(halt)
+                self.ticker(self.integrator.time)
+        except KeyboardInterrupt:
+            return self.result(interrupted=True)
+        return self.result()
+
+    def chunk(self) -> Halt | None:
+        self.winding.take(self.integrator.state)
+        before, state = self.integrator.time, self.integrator.state.copy()
+        moment = self.integrator.dtime
+        size = self.size if self.opening == np.inf else 1
+        kept = {name: len(rows) for name, rows in self.log.rows.items()}
+        ends, stretches = len(self.ends), len(self.stretches)
+        outcome, taken, new = self.advance(size)
+        self.opening = np.inf
+        overlong = self.overlong(moment, state, taken)
+        if overlong is not None:
+            good, length = overlong
+            self.log.stopped = ""
+            del self.ends[ends:], self.stretches[stretches:]
+            for name, rows in self.log.rows.items():
+                del rows[kept.get(name, 0) :]
+            self.opening = np.inf if good else length
+            outcome, taken, new = self.advance(good or 1)
+            self.opening = length if good else np.inf
+        self.steps += taken
+        self.idle = 0 if len(new) else self.idle + taken
+        self.rows.append(self.winding.whole(new))
+        self.paced(taken, len(new))
+        self.done += len(new)
+        moved = abs(self.integrator.time - before)
+        # heyoka does not count steps of length zero among those that it took
+        limited = outcome == self.hy.taylor_outcome.step_limit
+        if limited and moved <= CRAWL * size / CHUNK * np.ptp(self.grid):
+            return self.halt(COLLAPSE)
+        if outcome == self.hy.taylor_outcome.err_nf_state:
+            return self.last_good(before, state, taken)
+        self.standing = float(self.integrator.time), self.winding.whole(self.integrator.state)
+        return None
+
+    def overlong(
+        self, moment: tuple[float, float], state: np.ndarray, taken: int
+    ) -> tuple[int, float] | None:
+        """Of the chunk from a moment on, how many steps go before one that was made too long, and
+        how long that may be; the integrator is taken back to the moment.  None where there is no
+        such step."""
+        ta, span = self.integrator, abs(self.integrator.time - sum(moment))
+        longest = max(self.longest, abs(ta.last_h))
+        others = (span - longest) / max(taken - 1, 1)
+        if taken < 2 or not longest > self.stride * others:
+            return None
+        end, there, before = ta.dtime, ta.state.copy(), np.inf
+        ta.dtime, ta.state[:], self.log.silent = moment, state, True
+        found = None
+        for k in range(taken):
+            length = ta.step(max_delta_t=float(self.grid[-1] - ta.time), write_tc=True)[1]
+            if abs(length) > GROWING * before:
+                allowed = opening(ta.tc, length, self.problem.tol)
+                if allowed < np.inf:
+                    found = k, allowed
+                    break
+            before = abs(length)
+        self.log.silent = False
+        ta.dtime, ta.state[:] = (moment, state) if found else (end, there)
+        if found and ta.with_events:
+            ta.reset_cooldowns()
+        return found
+
+    def paced(self, taken: int, points: int) -> None:
+        """How many steps, and points of the grid, the next chunk takes."""
+        if not self.winding.needed or taken < self.size // 2:
+            self.ahead = min(4 * self.ahead, AHEAD)
+            return
+        grown = self.winding.grown(self.integrator.state)
+        if grown > LARGE:
+            self.size = max(self.size // 2, min(LEAST, CHUNK))
+        elif grown < LARGE / 4:
+            self.size = min(2 * self.size, CHUNK)
+        # points cost when they are handed over, and again when they are passed
+        self.ahead = min(max(4 * points, FEW), AHEAD)
+
+    def halt(self, reason: str) -> Halt:
+        """Where the integrator stands, as the end of the run."""
+        return Halt(reason, self.integrator.time, self.winding.whole(self.integrator.state))
+
+    def advance(self, size: int) -> tuple[Any, int, np.ndarray]:
+        """One chunk of steps towards, or along, the rest of the grid; new rows of it."""
+        limits = {"max_steps": size, "max_delta_t": self.opening} | self.callback
+        standing, done = self.integrator.time, self.done
+        if self.problem.dense:
+            outcome, _, self.longest, steps, stretch, _ = self.integrator.propagate_until(
+                self.grid[-1], c_output=True, **limits
+            )
+            return outcome, steps, self.sampled(stretch)
+        # the integrator wants its grid to begin where it stands
+        first = done - 1 if standing == self.grid[done - 1] else done
+        if standing != self.grid[first]:
+            outcome, _, self.longest, steps, *_ = self.integrator.propagate_until(
+                self.grid[first], **limits
+            )
+            return outcome, steps, np.empty((0, len(self.problem.start)))
+        outcome, _, self.longest, steps, _, rows = self.integrator.propagate_grid(
+            self.grid[first : done + self.ahead], **limits
+        )
+        return outcome, steps, rows[done - first :]
+
+    @cached_property
+    def callback(self) -> dict[str, Any]:
+        """What heyoka calls after each step: nothing, unless ends of steps are asked for."""
+
+        def ended(integrator: Any) -> bool:
+            self.ends.append(integrator.time)
+            return True
+
+        return {"callback": ended} if self.problem.marked else {}
+
+    def sampled(self, stretch: Any) -> np.ndarray:
+        """Rows of the grid that a stretch of dense output covers."""
+        if stretch is None:
+            return np.empty((0, len(self.problem.start)))
+        self.stretches.append(_Stretch(stretch, self.winding.now()))
+        order = np.sign(self.grid[-1] - self.grid[0])
+        end = np.searchsorted(order * self.grid, order * stretch.bounds[1], side="right")
+        rows = np.array(stretch(self.grid[self.done : end])).reshape(-1, len(self.problem.start))
+        whole = np.isfinite(rows).all(axis=1)
+        return rows if whole.all() else rows[: int(np.argmin(whole))]
+
+    def last_good(self, time: float, state: np.ndarray, taken: int) -> Halt:
+        """The last step before the state broke, found by going over the last chunk again."""
+        ta, self.log.silent = self.integrator, True
+        ta.time, ta.state[:] = time, state
+        step = ta.step if self.grid[-1] >= self.grid[0] else ta.step_backward
+        halt = self.halt(INFINITE)
+        for _ in range(taken + 1):
+            step()
+            if not (np.isfinite(ta.state).all() and np.isfinite(ta.time)):
+                break
+            halt = self.halt(INFINITE)
+        return halt
+
+    def result(self, halt: Halt | None = None, interrupted: bool = False) -> Run:
+        t, states = self.grid[: self.done], np.vstack(self.rows)[: self.done]
+        time, state = self.log.last if self.log.stopped else self.standing
+        order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
+        kept = self.log.stopped or (interrupted and self.idle >= DISTANT)
+        if kept and order * time > order * t[-1]:
+            t, states = np.append(t, time), np.vstack([states, state])
+        return Run(
+            t.copy(), states, self.steps, self.steps,
+            self.log.arrays(self.problem.events, float), halt, interrupted, self.log.stopped,
+            _joined(self.stretches, states) if self.problem.dense else None, ends=tuple(self.ends),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """Dense output of a chunk, and what was taken out of its states."""
+
+    inside: Any
+    winding: Winding
+
+    @property
+    def bounds(self) -> Any:
+        """From when to when it goes."""
+        return self.inside.bounds
+
+    def __call__(self, times: np.ndarray) -> np.ndarray:
+        return self.winding.whole(self.inside(times))
+
+
+def _joined(stretches: list[Any], states: np.ndarray) -> Any:
+    """States at any times, from the stretches of dense output in turn."""
+    ends = [s.bounds[1] for s in stretches]
+    order = 1.0 if not ends or ends[-1] >= stretches[0].bounds[0] else -1.0
+    return lambda times: in_parts(ends, order, stretches, times, states)

@@ -1,0 +1,196 @@
+"""Taylor's method in any precision, on integers: slow, portable, and an independent reference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import ceil, inf, log, log2
+from typing import Any
+
+import flint
+import mpmath
+import numpy as np
+
+from voronec.algebra.tape import as_ball
+from voronec.equations.program import Program
+from voronec.equations.program.digits import compiled_digits
+from voronec.equations.program.recurrences import Recurrences, fixed, recurrences
+from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
+from voronec.motion.steppers.step_loop import Halted, Levels, Stride, march
+from voronec.motion.steppers.units import SMALL, natural_units
+
+__all__ = ["digits"]
+
+GUARD = 64
+"""Bits beyond those of the tolerance."""
+NARROW = 24
+"""A divisor that costs more bits than this asks for as many more."""
+WIDEST = 4096
+"""More guard bits than these are not asked for."""
+ORDER = 0.6
+"""The order of the method, in units of log(1/tol)."""
+SPARSE = 1.0
+"""A step longer than the other coefficients allow, by so many powers of two, is not trusted."""
+SMALLEST = 1e-13
+"""A step below this part of the span leads nowhere."""
+
+
+def digits(problem: Problem) -> Stepper:
+    """The integrator; ``EngineLimit`` for a function that it has no recurrence for.
+
+    The order and the step come from the last two coefficients [JorbaZou2005, section 3]: with the
+    order N = 0.6 log(1/tol) a step is as long as they leave the tolerance room.
+    """
+    rules = recurrences(problem.program)
+    bits = ceil(-log2(problem.tol)) + GUARD
+    if problem.exact is not None:
+        start, parameters = problem.exact(bits)
+        problem = replace(problem, start=start, parameters=parameters)
+    levels = _levels(problem.levels, problem.parameters)
+
+    def run(grid: np.ndarray) -> Run:
+        walker = _Walker(rules, problem, grid, bits)
+        with mpmath.workprec(bits):
+            found = march(problem, grid, walker, levels)
+            return replace(found, t=np.array([mpmath.mpf(t) for t in found.t], dtype=object))
+
+    return run
+
+
+def _levels(levels: Program | None, parameters: Sequence[Any]) -> Levels:
+    if levels is None:
+        return lambda t, _states: np.empty((len(t), 0))
+    _, extras = compiled_digits(levels)
+
+    def function(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        results = extras(t, list(states.T), list(parameters))
+        return np.stack([np.broadcast_to(r, t.shape) for r in results], axis=1)
+
+    return function
+
+
+def _units(number: Any, bits: int) -> int:
+    """A number in units of 2^-bits."""
+    with flint.ctx.workprec(bits + 128):
+        return fixed(as_ball(number), bits)
+
+
+def _number(units: int, bits: int, kept: int) -> Any:
+    return mpmath.mp.make_mpf(mpmath.libmp.from_man_exp(units, -bits, kept, "n"))
+
+
+@dataclass(frozen=True)
+class _Polynomial:
+    """Rows of coefficients of ((t - start)/step)^k, all in units of 2^-bits."""
+
+    rows: list[list[int]]
+    start: int
+    step: int
+    bits: int
+    kept: int
+
+    def state(self, place: int) -> list[int]:
+        """The variables where (t - start)/step is ``place``."""
+        result = []
+        for row in self.rows:
+            value = 0
+            for coefficient in reversed(row):
+                value = (value * place >> self.bits) + coefficient
+            result.append(value)
+        return result
+
+    def at(self, times: np.ndarray) -> np.ndarray:
+        """States (k, n) at times (k,), as mpmath's numbers."""
+        states = np.empty((len(times), len(self.rows)), dtype=object)
+        for i, time in enumerate(times):
+            place = ((_units(time, self.bits) - self.start) << self.bits) // self.step
+            states[i] = [_number(x, self.bits, self.kept) for x in self.state(place)]
+        return states
+
+
+@dataclass
+class _Walker:
+    """The integrator under way; all its numbers are integers in units of 2^-bits."""
+
+    rules: Recurrences
+    problem: Problem
+    grid: np.ndarray
+    bits: int
+    evaluations: int = 0
+    wider: int = 0
+
+    def __post_init__(self) -> None:
+        self.kept = self.bits - GUARD // 2
+        self.order = ceil(ORDER * -log(self.problem.tol)) + 3
+        self.units = natural_units(self.problem)
+        self.bits += self._below_one()
+        self.expand = self.rules.expansion(self.problem.parameters, self.bits)
+        self.state = [_units(x, self.bits) for x in self.problem.start]
+        self.time, self.end = (_units(t, self.bits) for t in self.grid[[0, -1]])
+        self.least = SMALLEST * float(np.ptp(self.grid))
+        self.guess = min(abs(self.end - self.time), 1 << self.bits)
+
+    def _below_one(self) -> int:
+        """Bits before the first of what is smallest: fixed points have no digits of it without."""
+        values = [abs(float(x)) for x in self.problem.parameters]
+        least = min([x for x in (*self.units.tolist(), *values) if x > 0], default=1.0)
+        return max(0, ceil(-log2(least))) if least < SMALL else 0
+
+    def advance(self) -> Stride:
+        """The next step, as long as the guess or, where that is too long, shorter."""
+        left = self.end - self.time
+        step = min(self.guess, abs(left)) * (1 if left > 0 else -1)
+        before = self.bits
+        rows = self.expanded(step)
+        bits, start, step = self.bits, self.time, step << self.bits - before
+        room = self.room(rows)
+        part = min(1 << bits, int(min(room, 1.0) * 2**53) << bits - 53)
+        polynomial = _Polynomial(rows, start, step, bits, self.kept)
+        self.guess = abs(step) * int(min(room, 2.0) * 2**20) >> 20
+        self.time = self.time + (step * part >> bits)
+        if abs(self.time - start) < _units(self.least, bits):
+            raise Halted(COLLAPSE)
+        self.state = polynomial.state(part)
+        return Stride(
+            _number(start, bits, 2 * bits), _number(self.time, bits, 2 * bits),
+            np.array([_number(x, bits, self.kept) for x in self.state], dtype=object),
+            polynomial.at,
+        )  # fmt: skip
+
+    def expanded(self, step: int) -> list[list[int]]:
+        """The coefficients; with more bits, where a small divisor has eaten them."""
+        try:
+            rows, least = self.expand(self.state, self.time, step, self.order)
+        except (ValueError, ZeroDivisionError, OverflowError):
+            raise Halted(INFINITE) from None
+        self.evaluations += 1
+        eaten = 2 * (self.bits - least.bit_length())
+        if eaten <= NARROW + self.wider or self.wider >= WIDEST:
+            return rows
+        more = eaten - self.wider
+        self.wider, self.bits = self.wider + more, self.bits + more
+        self.expand = self.rules.expansion(self.problem.parameters, self.bits)
+        self.state = [x << more for x in self.state]
+        self.time, self.end, self.guess = (x << more for x in (self.time, self.end, self.guess))
+        return self.expanded(step << more)
+
+    def room(self, rows: list[list[int]]) -> float:
+        """The longest step that the tolerance leaves, in units of this one."""
+        units = [_units(u, self.bits) for u in self.units.tolist()]
+        sizes = [max(u, abs(row[0])) for u, row in zip(units, rows, strict=True)]
+        radii = {}
+        for k in range(self.order // 2, self.order + 1):
+            pairs = zip(rows, sizes, strict=True)
+            worst = max((_log(abs(row[k])) - _log(size) for row, size in pairs), default=-inf)
+            if worst > -inf:
+                radii[k] = -worst / k
+        depth = log2(self.problem.tol)
+        last = [radii[k] + depth / k for k in (self.order - 1, self.order) if k in radii]
+        # where the last coefficients vanish at once, others tell
+        others = min(radii.values(), default=inf) + depth / self.order
+        found = min(last, default=inf)
+        return float(2.0 ** min(found if found <= others + SPARSE else others, 1023.0))
+
+
+def _log(number: int) -> float:
+    return log2(number) if number else -inf

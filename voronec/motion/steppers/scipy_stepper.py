@@ -1,0 +1,147 @@
+"""scipy's integrators, one step at a time, on the compiled right-hand side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from voronec.equations.program import compiled
+from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
+from voronec.motion.steppers.step_loop import Halted, Levels, Stride, march
+from voronec.motion.steppers.units import natural_units
+
+__all__ = ["FINEST", "dop853", "estimated_steps", "lsoda"]
+
+FINEST = 2.3e-14
+"""scipy refuses finer relative tolerances."""
+PATIENCE = 300
+"""So many evaluations in turn without a value lead nowhere; scipy would go on for ever."""
+TRIAL = 12
+"""Steps after which the rest is estimated; the first ones are shorter than those that follow."""
+
+
+def dop853(problem: Problem) -> Stepper:
+    """The Runge-Kutta method of order eight of Dormand and Prince."""
+    from scipy.integrate import DOP853
+
+    return _stepper(problem, DOP853)
+
+
+def lsoda(problem: Problem) -> Stepper:
+    """Adams' and Gear's methods by turns, as stiffness asks for."""
+    from scipy.integrate import LSODA
+
+    return _stepper(problem, LSODA)
+
+
+def estimated_steps(problem: Problem, grid: np.ndarray, limit: int) -> int | None:
+    """How many steps of DOP853 a run will take, or None where they are more than a limit.
+
+    A few steps are taken, and the rest is counted with the last of them.
+    """
+    from scipy.integrate import DOP853
+
+    if len(grid) == 1:
+        return 0
+    with np.errstate(all="ignore"):
+        try:
+            solver = _solver(problem, DOP853, grid)
+            for count in range(min(TRIAL, limit)):
+                solver.step()
+                if solver.status == "finished":
+                    return count + 1
+                if solver.status == "failed" or not np.isfinite(solver.y).all():
+                    return None
+        except Halted:
+            return None
+    if limit <= TRIAL:
+        return None
+    rest = abs(float(grid[-1]) - solver.t)
+    return (
+        TRIAL + int(rest / solver.step_size) if rest <= (limit - TRIAL) * solver.step_size else None
+    )
+
+
+def _solver(problem: Problem, method: Callable[..., Any], grid: np.ndarray) -> Any:
+    rhs, _ = compiled(problem.program, scalar=True)
+    at = problem.parameters_at()
+    finest = max(problem.tol, FINEST)
+    without = 0
+
+    def derivative(t: float, y: np.ndarray) -> Any:
+        nonlocal without
+        try:
+            rates = rhs(t, y.tolist(), at(t))
+        except (ZeroDivisionError, ValueError, OverflowError):
+            # a trial step left the domain: the method then tries a shorter one
+            rates = [np.nan] * len(y)
+        without = without + 1 if any(x != x for x in rates) else 0
+        if without > PATIENCE:
+            raise Halted(INFINITE)
+        return np.array(rates)
+
+    units = natural_units(problem)
+    least = finest if (units == 1).all() else finest * units
+    # the dense output of the first step keeps its start, which a later run overwrites
+    begin = problem.start.copy()
+    return method(derivative, grid[0], begin, grid[-1], rtol=finest, atol=least)
+
+
+def _stepper(problem: Problem, method: Callable[..., Any]) -> Stepper:
+    def run(grid: np.ndarray) -> Run:
+        with np.errstate(all="ignore"):
+            solver = _Solver(_solver(problem, method, grid), problem.dense)
+            levels = level_function(problem)
+            return march(problem, grid, solver, levels)
+
+    return run
+
+
+def level_function(problem: Problem) -> Levels:
+    """The events' functions at times (k,) and states (k, n), as an array (k, m)."""
+    if problem.levels is None:
+        return lambda t, _states: np.empty((len(t), 0))
+    _, extras = compiled(problem.levels)
+    asked = problem.changing is not None and problem.changing.called is not None
+    at = problem.parameters_at()
+
+    def function(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        given = np.array([at(x) for x in t]).T if asked else problem.parameters
+        results = extras(t, list(states.T), list(given))
+        return np.stack([np.broadcast_to(r, t.shape) for r in results], axis=1)
+
+    return function
+
+
+@dataclass(frozen=True)
+class _Solver:
+    """One of scipy's solvers under way."""
+
+    solver: Any
+    dense: bool
+
+    def advance(self) -> Stride:
+        solver = self.solver
+        start, begin, slope = solver.t, solver.y, getattr(solver, "f", None)
+        solver.step()
+        if solver.status == "failed":
+            raise Halted(COLLAPSE)
+        if not np.isfinite(solver.y).all():
+            raise Halted(INFINITE)
+        kept = [solver.dense_output()] if self.dense else []
+
+        def at(times: np.ndarray) -> np.ndarray:
+            # dense output costs evaluations, and exists until the next step
+            if not kept:
+                kept.append(solver.dense_output())
+            return np.asarray(kept[0](times).T)
+
+        slopes = None if slope is None else ((begin, slope), (solver.y, solver.f))
+        return Stride(start, solver.t, solver.y.copy(), at, slopes)
+
+    @property
+    def evaluations(self) -> int:
+        return int(self.solver.nfev)

@@ -1,0 +1,316 @@
+"""One loop for every integrator that goes step by step: grid, events, dense output, guards."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any, Protocol
+
+import numpy as np
+
+from voronec.motion.events import Event
+from voronec.motion.steppers.run import (
+    COLLAPSE,
+    DISTANT,
+    SINGULAR,
+    Halt,
+    Log,
+    Problem,
+    Run,
+    Ticker,
+    until,
+)
+
+__all__ = ["Halted", "Stride", "Walker", "crossings", "march", "root"]
+
+
+LOOKS = 8
+"""Parts of a step at whose ends the functions are looked at."""
+TOUCH = 0.1
+"""Where a parabola predicts a least value below this part of what is seen, the least value between
+two looks is computed: there may be two zeros there."""
+TRIES = 200
+NARROWINGS = 40
+GOLDEN = 0.381966
+
+
+def crossings(
+    events: Mapping[int, Event], levels: Callable[..., np.ndarray], stride: Stride
+) -> list[tuple[Any, Event]]:
+    """Times at which events happen within a step, in the order of the motion.
+
+    ``events`` are given by the columns of their ``levels``.
+    """
+    start, end = stride.start, stride.end
+    times = np.array([start + (end - start) * i / LOOKS for i in range(LOOKS)] + [end])
+    values = levels(times, stride.at(times))
+    found = []
+    for column, event in events.items():
+
+        def level(time: Any, column: int = column) -> Any:
+            moment = np.array([time], dtype=times.dtype)
+            return levels(moment, stride.at(moment))[0, column]
+
+        for i in range(LOOKS):
+            bracket = [(times[i], values[i, column]), (times[i + 1], values[i + 1, column])]
+            if _may_touch(values[:, column], i) and (turn := _turn(level, *bracket)):
+                bracket.insert(1, turn)
+            for (a, before), (b, after) in pairwise(bracket):
+                if _crosses(before, after, event.direction if end > start else -event.direction):
+                    found.append((root(level, a, before, b, after), event))
+    return sorted(found, key=lambda pair: abs(pair[0] - start))
+
+
+def _crosses(before: Any, after: Any, direction: int) -> bool:
+    """A zero counts for the part of a step that it ends."""
+    upwards = before < 0 <= after and direction >= 0
+    downwards = before > 0 >= after and direction <= 0
+    return bool(upwards or downwards)
+
+
+def _may_touch(values: np.ndarray, i: int) -> bool:
+    """Whether a function of one sign may reach zero between looks i and i + 1: the parabola through
+    three looks has its least value there, close to zero or beyond."""
+    left, right = values[i], values[i + 1]
+    if left == 0 or right == 0 or (left > 0) != (right > 0):
+        return False
+    sign = 1 if left > 0 else -1
+    for k in (max(i - 1, 0), min(i, len(values) - 3)):
+        a, b, c = (float(sign * v) for v in values[k : k + 3])
+        bend, slope = (a - 2 * b + c) / 2, (c - a) / 2
+        place = k + 1 - slope / (2 * bend) if bend > 0 else np.inf
+        if i - TOUCH <= place <= i + 1 + TOUCH:
+            return b - slope**2 / (4 * bend) < TOUCH * max(a, b, c)
+    return False
+
+
+def _turn(function: Callable[[Any], Any], start: Any, end: Any) -> Any:
+    """A point between two where the function has the other sign, or None where it keeps its own."""
+    (a, value), (b, _) = start, end
+    sign = 1 if value > 0 else -1
+    c, d = a + (b - a) * GOLDEN, b - (b - a) * GOLDEN
+    low, high = function(c), function(d)
+    for _ in range(NARROWINGS):
+        for place, level in ((c, low), (d, high)):
+            if sign * level <= 0:
+                return place, level
+        if sign * low < sign * high:
+            b, d, high = d, c, low
+            c = a + (b - a) * GOLDEN
+            low = function(c)
+        else:
+            a, c, low = c, d, high
+            d = b - (b - a) * GOLDEN
+            high = function(d)
+    return None
+
+
+def root(function: Callable[[Any], Any], a: Any, left: Any, b: Any, right: Any) -> Any:
+    """A zero between a and b, where the function has values of different signs, to the last digits
+    of the numbers in use: secants that give way to bisection."""
+    best = b
+    for count in range(TRIES):
+        if right == 0 or a == b:
+            return b
+        middle = b - right * (b - a) / (right - left) if count % 3 < 2 else a + (b - a) / 2
+        if not min(a, b) < middle < max(a, b):
+            middle = a + (b - a) / 2
+        if middle in (a, b) or middle == best:
+            return middle
+        best, value = middle, function(middle)
+        if value == 0:
+            return middle
+        if (value > 0) == (right > 0):
+            b, right, left = middle, value, left / 2
+        else:
+            a, left, right = middle, value, right / 2
+    return best
+
+
+TINY = 1e-6
+"""The part of a step over which slopes of functions are taken."""
+WINDOW, CRAWL = 1000, 1e-7
+"""So many steps that cover less than this part of the span lead nowhere."""
+SUSPECTS = 64
+"""States whose mass matrices are looked at together."""
+
+
+class Halted(Exception):
+    """An integrator cannot go on, for a reason in words."""
+
+
+@dataclass(frozen=True)
+class Stride:
+    """One accepted step, with its dense output: times (k,) to states (k, n).
+
+    ``slopes`` are the states and rates at both ends, where they are known at no cost.
+    """
+
+    start: Any
+    end: Any
+    state: np.ndarray
+    at: Callable[[np.ndarray], np.ndarray]
+    slopes: tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None
+
+
+class Walker(Protocol):
+    """An integrator under way."""
+
+    def advance(self) -> Stride:
+        """The next step; raises ``Halted``."""
+
+    @property
+    def evaluations(self) -> int:
+        """How often the right-hand side was evaluated so far."""
+
+
+Levels = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Times (k,) and states (k, n) to the events' functions (k, m)."""
+
+
+def march(problem: Problem, grid: np.ndarray, walker: Walker, levels: Levels) -> Run:
+    """The run over a grid."""
+    return _March(problem, grid, walker, levels).run()
+
+
+@dataclass
+class _March:
+    problem: Problem
+    grid: np.ndarray
+    walker: Walker
+    levels: Levels
+    log: Log = field(init=False)
+    states: np.ndarray = field(init=False)
+    strides: list[Stride] = field(default_factory=list)
+    ends: list[float] = field(default_factory=list)
+    recent: list[tuple[Any, np.ndarray]] = field(default_factory=list)
+    done: int = 1
+    steps: int = 0
+    idle: int = 0
+    last: Halt = field(init=False)
+
+    def __post_init__(self) -> None:
+        grid, start = self.grid, self.problem.start
+        self.log = Log(grid[0], float(np.ptp(grid)), len(start), walls=self.problem.walls)
+        self.states = np.empty((len(grid), len(start)), dtype=start.dtype)
+        self.states[0] = start
+        self.order = 1 if grid[-1] >= grid[0] else -1
+        self.forward = self.order * grid
+        self.last = Halt(COLLAPSE, grid[0], start)
+        if self.problem.suspect is not None:
+            self.recent.append((grid[0], start))
+
+    def run(self) -> Run:
+        ticker = Ticker(self.problem.progress, float(self.grid[0]), float(self.grid[-1]))
+        mark = self.grid[0]
+        try:
+            while self.done < len(self.grid) and not self.log.stopped:
+                try:
+                    stride = self.walker.advance()
+                except Halted as halted:
+                    good = self.last
+                    return self.result(Halt(str(halted), good.time, good.state))
+                self.steps += 1
+                self.take(stride)
+                ticker(self.last.time)
+                if len(self.recent) >= SUSPECTS and (halt := self.singular()):
+                    return self.result(halt)
+                if self.steps % WINDOW == 0:
+                    if abs(self.last.time - mark) <= CRAWL * self.log.span:
+                        return self.result(self.last)
+                    mark = self.last.time
+        except KeyboardInterrupt:
+            return self.result(interrupted=True)
+        return self.result(self.singular())
+
+    def take(self, stride: Stride) -> None:
+        """Enter a step: crossings in it, then points of the grid up to the one that stops."""
+        end = stride.end
+        fine = {
+            i: event
+            for i, event in enumerate(self.problem.events)
+            if event.name not in self.problem.coarse or self.near(stride, i)
+        }
+        if fine:
+            for time, event in crossings(fine, self.levels, stride):
+                state = stride.at(np.array([time], dtype=self.states.dtype))[0]
+                if self.log.enter(event, time, state):
+                    end = time
+                    break
+        reached = int(np.searchsorted(self.forward, float(self.order * end), side="right"))
+        self.idle += 1
+        if reached > self.done:
+            self.idle = 0
+            new = slice(self.done, reached)
+            self.states[new] = stride.at(self.grid[new])
+            if self.problem.suspect is not None:
+                self.recent += zip(self.grid[new], self.states[new], strict=True)
+            self.done = reached
+        if self.problem.dense:
+            self.strides.append(stride)
+        if self.problem.marked:
+            self.ends.append(float(stride.end))
+        self.last = Halt(COLLAPSE, stride.end, stride.state)
+        if self.problem.suspect is not None:
+            self.recent.append((stride.end, stride.state))
+
+    def near(self, stride: Stride, column: int) -> bool:
+        """Whether a coarse event may happen in a step, by its function and the slopes at the ends.
+
+        Between ends with values g0, g1 > 0 it is at least (g0 + g1 - V h)/2, V the fastest fall.
+        """
+        if stride.slopes is None:
+            return True
+        times = np.array([stride.start, stride.start, stride.end, stride.end])
+        shift = TINY * (stride.end - stride.start)
+        (first, before), (last, after) = stride.slopes
+        states = np.stack([first, first + shift * before, last, last + shift * after])
+        g = self.levels(times, states)[:, column]
+        if not (g[0] > 0 and g[2] > 0):
+            return True
+        slopes = np.abs([g[1] - g[0], g[3] - g[2]]) / TINY
+        bend = abs((g[3] - g[2]) - (g[1] - g[0])) / TINY
+        return bool(g[0] + g[2] <= slopes.max() + bend)
+
+    def singular(self) -> Halt | None:
+        """The last state before one with a singular mass matrix, if there is one."""
+        if not self.recent or self.problem.suspect is None:
+            return None
+        times = np.array([float(t) for t, _ in self.recent])
+        states = np.array([s for _, s in self.recent], dtype=float)
+        found = self.problem.suspect(times, states)
+        previous, self.recent = self.recent, self.recent[-1:]
+        if found is None:
+            return None
+        time, state = previous[max(found - 1, 0)]
+        reached = int(np.searchsorted(self.forward, float(self.order * time), side="right"))
+        self.done = min(self.done, max(reached, 1))
+        return Halt(SINGULAR, time, state, singular=True)
+
+    def result(self, halt: Halt | None = None, interrupted: bool = False) -> Run:
+        t, states = self.grid[: self.done].copy(), self.states[: self.done].copy()
+        end = self.log.last if self.log.stopped else (self.last.time, self.last.state)
+        kept = self.log.stopped or (interrupted and self.idle >= DISTANT)
+        if kept and self.order * end[0] > self.order * t[-1]:
+            t = np.append(t.astype(states.dtype), np.array([end[0]], states.dtype))
+            states = np.vstack([states, end[1]])
+        found = self.log.arrays(self.problem.events, states.dtype)
+        if halt is not None:
+            found = until(found, t[0], halt.time)
+        return Run(
+            t, states, self.steps, self.walker.evaluations, found, halt, interrupted,
+            self.log.stopped, self.inside if self.problem.dense else None, ends=tuple(self.ends),
+        )  # fmt: skip
+
+    def inside(self, times: np.ndarray) -> np.ndarray:
+        """States at any times reached."""
+        if not self.strides:
+            return np.repeat(self.states[:1], len(times), axis=0)
+        ends = np.array([float(self.order * s.end) for s in self.strides])
+        which = np.searchsorted(ends, (self.order * times).astype(float), side="left")
+        which = np.minimum(which, len(ends) - 1)
+        rows = np.empty((len(times), self.states.shape[1]), dtype=self.states.dtype)
+        for i in np.unique(which):
+            rows[which == i] = self.strides[i].at(times[which == i])
+        return rows

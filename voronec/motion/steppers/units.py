@@ -1,0 +1,111 @@
+"""The natural sizes of states: integrators control their steps by them, not by 1.
+
+A step of Taylor's method is as long as the largest state allows, and small states count as if they
+were of size 1.  So in other units of length the same motion had other errors.  States far from
+ordinary size are measured in units of their own, powers of two: what is of ordinary size is
+computed with the same bits as ever.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from voronec.equations.program import Program, compiled
+from voronec.motion.steppers.angle_states import angles_among
+from voronec.motion.steppers.run import Problem
+
+__all__ = ["SMALL", "natural_units", "units_of_many"]
+
+SMALL, LARGE = 2.0**-24, 2.0**10
+"""Sizes between these are ordinary: their unit is 1."""
+STILL = 2.0**-40
+"""A rate below this part of the largest is mostly rounding, and tells no time."""
+
+Slopes = Callable[[np.ndarray], np.ndarray]
+"""Rates (s, n) of states (s, n)."""
+NUDGE = 2.0**-48
+"""The part of its size by which a state is moved to see what depends on it, and what of a rate is
+rounding: little more than rounding itself, so that terms which cancel for every state show too."""
+
+
+def natural_units(problem: Problem) -> np.ndarray:
+    """The units of the states of a problem (n,)."""
+    start, values = (np.array([x], dtype=float) for x in (problem.start, problem.parameters))
+    return units_of_many(problem.program, start, values)[0]
+
+
+def units_of_many(program: Program, states: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The units of starts (s, n) with parameters (s, p): 1, or the power of two next to the size.
+
+    The size is |x|, or |x'| over the time in which states change by as much as they are, in the
+    median; rates that are rounding do not count, and what is small only because terms cancel has
+    the size of these.  Angles matter up to turns only: they have the
+    unit 1, and tell a time, that of a radian, only where nothing else does.
+    """
+    if not states.shape[1]:
+        return np.ones(states.shape)
+    found = _units_beside(program, states, values, [])
+    if (found == 1).all():
+        return found
+    return _units_beside(program, states, values, angles_among(program.state, [program.derivative]))
+
+
+def _units_beside(
+    program: Program, states: np.ndarray, values: np.ndarray, angles: list[int]
+) -> np.ndarray:
+    """The same where it is known which states are ``angles``."""
+    rhs = compiled(program)[0]
+
+    def slopes(at: np.ndarray) -> np.ndarray:
+        rates = [np.asarray(r, dtype=float) for r in rhs(np.float64(0.0), [*at.T], [*values.T])]
+        return np.stack([np.broadcast_to(r, len(at)) for r in rates], axis=-1)
+
+    with np.errstate(all="ignore"):
+        slope = np.abs(slopes(states))
+        # nothing depends on a quadrature, so that its value has no size; its rate has
+        held = [s in program.derivative.symbols for s in program.state]
+        x = np.where(held, np.abs(states), 0.0)
+        own, turning = x.copy(), np.zeros(x.shape, dtype=bool)
+        own[:, angles], turning[:, angles] = 1.0, True
+        moving = _moving(own, slope, ~turning)
+        moving |= _moving(own, slope, turning) & ~moving.any(axis=1, keepdims=True)
+        times = np.sort(np.where(moving, own / slope, np.inf), axis=1)
+        count, rows = moving.sum(axis=1), np.arange(len(x))
+        # of two in the middle the shorter: a size that is too small costs steps, a large one digits
+        middle = times[rows, (count - 1) // 2]
+        span = np.where(count > 0, middle, 0.0)[:, None]
+        size = np.maximum(x, np.where(_sound(slope), slope, 0.0) * span)
+        small = (size > 0) & (size < SMALL)
+        if small.any():
+            balance = span * _balance(slopes, states, own)
+            size = np.where(small, np.maximum(size, np.minimum(balance, SMALL)), size)
+        far = (size > 0) & ~((size >= SMALL) & (size <= LARGE)) & np.isfinite(size)
+    far &= np.isfinite(slope).all(axis=1)[:, None]
+    far[:, angles] = False
+    powers = np.minimum(np.frexp(np.where(far, size, 1.0))[1], np.finfo(float).maxexp - 1)
+    return np.asarray(np.where(far, np.ldexp(1.0, powers), 1.0))
+
+
+def _balance(slopes: Slopes, states: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """How much rates (s, n) depend on the states: what is small only because large terms cancel."""
+    now, found = slopes(states), np.zeros(states.shape)
+    for j in np.flatnonzero(sizes.any(axis=0)):
+        beside = states.copy()
+        beside[:, j] += NUDGE * sizes[:, j]
+        found = np.fmax(found, np.abs(slopes(beside) - now) / NUDGE)
+    return found
+
+
+def _moving(x: np.ndarray, slope: np.ndarray, among: np.ndarray) -> np.ndarray:
+    """Which of some states tell a time: those that are not zero, and whose rates are no rounding.
+
+    Rates of angles near a pole say nothing of the others; where these stand still, they must do.
+    """
+    return (x > 0) & _sound(np.where(among, slope, 0.0))
+
+
+def _sound(rates: np.ndarray) -> np.ndarray:
+    """Which of rates (s, n) are no rounding beside the largest."""
+    return np.asarray(rates > STILL * rates.max(axis=1, initial=0.0)[:, None])

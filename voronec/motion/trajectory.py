@@ -1,0 +1,175 @@
+"""What an integration returns."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from voronec.algebra.arguments import PATH, require
+from voronec.declaration.reading import instants
+from voronec.declaration.system import System
+from voronec.declaration.whole_files import draft
+from voronec.errors import DefinitionError
+from voronec.motion.events import Crossings
+from voronec.motion.vocabulary import held_name
+
+__all__ = ["Cost", "Trajectory"]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a trajectory cost.
+
+    ``method`` was chosen for ``reason``; ``tolerance`` is the one in force.  ``setup`` (deriving
+    and compiling) and ``run`` are seconds.  ``evaluations`` counts those of the right-hand side;
+    a Taylor method expands it once a step, and then both numbers agree.  ``switches`` counts
+    changes of chart, or of the side of a wall; ``level`` says in which variables the equations
+    stood; ``cpu`` are the seconds of the processor that the run took.
+    """
+
+    method: str
+    reason: str
+    tolerance: float
+    setup: float
+    run: float
+    steps: int
+    evaluations: int
+    switches: int = 0
+    level: str = "coordinates"
+    cpu: float = 0.0
+
+    @property
+    def seconds(self) -> float:
+        """All of it."""
+        return self.setup + self.run
+
+    def __str__(self) -> str:
+        return (
+            f"{self.method} ({self.reason}), in {self.level}, tol {self.tolerance:.1e}: "
+            f"set-up {self.setup:.2f} s, "
+            f"run {self.run:.3g} s, {self.steps} steps, {self.evaluations} evaluations"
+            + (f", {self.switches} changes of chart or of side" if self.switches else "")
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """A motion on a grid of times; its arrays are read-only.
+
+    ``t`` has shape (k,), ``state`` (k, number of coordinates and velocities) with columns
+    ``names``.  ``outputs`` are the names asked for: ``traj["u"]`` is an array of shape (k,), by
+    name, symbol or expression; integrals, coordinates and velocities are there as far as the model
+    knows them.
+
+    ``drift`` maps each integral I of the system to max |I(t) - I(t0)| / |I(t0)|.  Let S be the
+    largest value along the motion of I with all its terms taken positive.  Where I starts at zero
+    (below a millionth of S), the change is relative to S instead; where S is rounding, below a
+    thousandth of what it is with no state below 1e-12, relative to that.  ``residuals`` maps each
+    relation between redundant coordinates to its largest value.
+
+    ``events`` maps each event to its ``Crossings``; ``stopped`` names the one that ended the run,
+    and then the last instant is that crossing.  ``interrupted`` says that the run was stopped by
+    hand, ``halted`` why it could not go on (of the part that an ``IntegrationError`` keeps); the
+    grid then ends where it came to.  ``notes`` say what was done to the initial data on request.
+    Of the method ``flint`` all numbers are mpmath's, in arrays of objects.
+    """
+
+    system: System
+    t: np.ndarray
+    state: np.ndarray
+    names: tuple[str, ...]
+    outputs: tuple[str, ...]
+    series: Mapping[str, np.ndarray]
+    integrals: Mapping[str, np.ndarray]
+    parameters: Mapping[str, float]
+    drift: Mapping[str, float]
+    residuals: Mapping[str, float]
+    cost: Cost
+    interrupted: bool = False
+    events: Mapping[str, Crossings] = field(default_factory=dict)
+    stopped: str = ""
+    halted: str = ""
+    notes: tuple[str, ...] = ()
+    within: Callable[[np.ndarray], Trajectory] | None = None
+
+    def at(self, times: Any) -> Trajectory:
+        """The motion at any times between the first and the last, in any order; a run with
+        ``dense=True`` knows them as accurately as its grid."""
+        if self.within is None:
+            raise DefinitionError("the trajectory knows its own instants only; integrate with "
+                                  "dense=True")  # fmt: skip
+        ends = sorted((self.t[0], self.t[-1]))
+        wanted = np.atleast_1d(instants(times, "times", wide=self.t.dtype == object))
+        sound = wanted.ndim == 1 and all(ends[0] <= time <= ends[1] for time in wanted)
+        if not sound or not len(wanted):
+            raise DefinitionError(
+                f"the trajectory reaches from t = {float(ends[0]):.12g} to {float(ends[1]):.12g}; "
+                "give times within"
+            )
+        return self.within(wanted)
+
+    def __getitem__(self, key: Any) -> np.ndarray:
+        held = (*self.series, *self.names, *self.integrals)
+        name = held_name(key, held, "the trajectory holds")
+        if name in self.series:
+            return self.series[name]
+        if name in self.names:
+            return self.state[:, self.names.index(name)]
+        return self.integrals[name]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the times and outputs to ``path``: ``.csv``, or ``.npz`` with all that is known.
+
+        The CSV has a header line and full precision; the NPZ also holds ``state``, ``names`` and
+        the parameters.  The file appears whole or not at all.
+        """
+        require("save", "path", path, PATH)
+        target = Path(path)
+        writers = {".csv": self._write_csv, ".npz": self._write_npz}
+        if target.suffix not in writers:
+            raise DefinitionError(f"'{target.name}' must end in .csv or .npz")
+        if not target.parent.is_dir():
+            raise DefinitionError(f"there is no folder '{target.parent}' to write into")
+        with draft(target) as new:
+            writers[target.suffix](new)
+        return target
+
+    def _write_csv(self, path: Path) -> None:
+        columns = [self.t, *(self[name] for name in self.outputs)]
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(["t", *self.outputs])
+            writer.writerows(zip(*map(_written, columns), strict=True))
+
+    def _write_npz(self, path: Path) -> None:
+        arrays: dict[str, Any] = {"t": self.t, "state": self.state, "names": np.array(self.names)}
+        arrays |= {f"parameter {name}": value for name, value in self.parameters.items()}
+        arrays = {name: self[name] for name in self.outputs} | arrays
+        np.savez(path, **{name: _plain(array) for name, array in arrays.items()})
+
+
+def _written(column: np.ndarray) -> list[Any]:
+    """Numbers with all their digits: doubles as they are, mpmath's as text."""
+    if column.dtype != object:
+        return list(column.tolist())
+    digits = max((int(x._mpf_[3] * 0.302) + 2 for x in column), default=17)
+    return [mpmath.nstr(x, max(digits, 17)) for x in column]
+
+
+def _plain(array: Any) -> Any:
+    """An array that is stored without pickling: mpmath's numbers as text."""
+    if isinstance(array, mpmath.mpf):
+        return np.array(_written(np.array([array], dtype=object))[0])
+    if isinstance(array, np.ndarray) and array.dtype == object:
+        return np.array(_written(array.ravel())).reshape(array.shape)
+    return array

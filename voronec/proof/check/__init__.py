@@ -1,0 +1,19 @@
+"""Everything that systems declare, checked: claims, relations, squares, and what is broken."""
+
+from voronec.proof.check.inventory import Inventory, Trouble, graph
+from voronec.proof.check.record import Finding, Report, Result, told
+from voronec.proof.check.run import check_catalogue, check_relation, known_results, user_store
+
+__all__ = [
+    "Finding",
+    "Inventory",
+    "Report",
+    "Result",
+    "Trouble",
+    "check_catalogue",
+    "check_relation",
+    "graph",
+    "known_results",
+    "told",
+    "user_store",
+]

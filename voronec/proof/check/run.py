@@ -1,0 +1,246 @@
+"""A check from beginning to end: what is known is reused, the rest shared by processes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from functools import cache
+from multiprocessing import connection, get_context, resource_tracker
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from voronec.declaration.catalogue import load
+from voronec.declaration.reading import several
+from voronec.declaration.relation import Relation
+from voronec.declaration.system import System, require_system
+from voronec.equations.vector_field import Motions
+from voronec.errors import DefinitionError, shown
+from voronec.proof.check.inventory import Inventory, Trouble
+from voronec.proof.check.record import Finding, Report, Result, marked
+from voronec.proof.check.unit import Unit, units_of
+from voronec.proof.check.work import Bench, examine
+from voronec.proof.verdict_store import Store
+
+if TYPE_CHECKING:
+    from voronec.proof.relations.decision import CheckedRelation
+
+__all__ = [
+    "broken",
+    "check_catalogue",
+    "check_relation",
+    "known_results",
+    "results_of",
+    "user_store",
+]
+
+
+def check_relation(relation: Relation, systems: Iterable[System] = ()) -> CheckedRelation:
+    """Prove or refute a relation, DPhi f = nu g(Phi) [Theory, eq. (15)].
+
+    Source and target are looked for among ``systems``, then in the catalogue.  The answer has
+    ``verdict``, the ``kinds`` of the relation, the ``levels`` on which it stands, and ``carried``:
+    the claims of the target as they stand for the source.  Raises ``DefinitionError`` where the
+    relation maps too little or too much.
+    """
+    from voronec.proof.relations.decision import check_relation as decide
+
+    if not isinstance(relation, Relation):
+        raise DefinitionError(f"'{shown(relation)}' is not a voronec.Relation; give one")
+    own = {s.name: s for s in map(require_system, several(systems, "systems", "system", System))}
+
+    @cache
+    def motions(name: str) -> Motions:
+        return Motions.of(own[name] if name in own else load(name))
+
+    return decide(relation, motions)
+
+
+Progress = Callable[[str], None]
+
+
+def results_of(
+    units: Sequence[Unit], jobs: int, started: Progress
+) -> Generator[Result, None, None]:
+    """The results of all units, as they come; ``started`` hears what is being worked on.
+
+    With one unit or one job everything stays in this process.  When the iterator is closed, the
+    other processes are ended.
+    """
+    jobs = min(jobs, len(units))
+    if jobs <= 1:
+        bench = Bench()
+        for unit in units:
+            started(unit.name)
+            yield examine(unit, bench)
+        return
+    waiting = list(reversed(units))
+    workers = [_Worker.start() for _ in range(jobs)]
+    try:
+        while waiting or any(w.unit for w in workers):
+            for worker in workers:
+                if worker.unit is None and waiting:
+                    worker.give(waiting.pop())
+            started(", ".join(w.unit.name for w in workers if w.unit))
+            for ready in connection.wait([w.pipe for w in workers if w.unit]):
+                position = next(i for i, w in enumerate(workers) if w.pipe is ready)
+                result = workers[position].take()
+                if not workers[position].process.is_alive() and waiting:
+                    workers[position] = _Worker.start()
+                yield result
+    finally:
+        for worker in workers:
+            worker.end()
+
+
+@dataclass
+class _Worker:
+    """A process, the pipe to it, and the unit that it is at."""
+
+    process: Any
+    pipe: Any
+    unit: Unit | None = None
+
+    @classmethod
+    def start(cls) -> _Worker:
+        # Spawned, not forked: the same on every platform, and no thread of a library is lost.
+        context = get_context("spawn")
+        ours, theirs = context.Pipe()
+        process = context.Process(target=_serve, args=(theirs,), daemon=True)
+        with _interrupt_blocked():
+            process.start()
+        theirs.close()
+        return cls(process, ours)
+
+    def give(self, unit: Unit) -> None:
+        self.unit = unit
+        self.pipe.send(unit)
+
+    def take(self) -> Result:
+        """The result of the unit at hand; that the process died is one."""
+        unit, self.unit = self.unit, None
+        assert unit is not None
+        try:
+            result: Result = self.pipe.recv()
+        except (EOFError, OSError):
+            self.process.join()
+            how = f"the process that checked it ended with status {self.process.exitcode}"
+            return Result(
+                unit.kind, unit.name, unit.entry.place,
+                (Finding(unit.kind, unit.name, "broken", how),),
+            )  # fmt: skip
+        return result
+
+    def end(self) -> None:
+        self.process.terminate()
+        self.process.join()
+        self.pipe.close()
+
+
+@contextmanager
+def _interrupt_blocked() -> Iterator[None]:
+    """Ctrl-C waits; a process that starts inside never hears of it, not even while it imports."""
+    if sys.platform == "win32":
+        yield
+        return
+    resource_tracker.ensure_running()  # else the first start would start it, and unblock
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _serve(pipe: Any) -> None:
+    """Examine the units that come through the pipe until it is closed."""
+    # Ctrl-C goes to every process of the terminal; the first one decides what happens.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    bench = Bench()
+    while True:
+        try:
+            unit = pipe.recv()
+        except EOFError:
+            return
+        pipe.send(examine(unit, bench))
+
+
+KEPT = 3000
+"""How many results, in whatever state of their sources, are kept."""
+
+
+def user_store() -> Store:
+    """Where results are kept between checks."""
+    return Store.of_user("check", KEPT)
+
+
+def known_results(stock: Inventory, names: Iterable[str] = ()) -> list[Result]:
+    """What earlier checks found of units that have not changed since; nothing is decided."""
+    store, files = user_store(), dict[str, tuple[Path, ...]]()
+    return [*_known(store, {u: u.key(files) for u in units_of(stock, [*names])}).values()]
+
+
+def check_catalogue(
+    names: Sequence[str] = (),
+    stock: Inventory | None = None,
+    jobs: int | None = None,
+    store: Store | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Report:
+    """Prove or refute everything that the systems declare, or what has to do with some of them.
+
+    names
+        of systems: these, their claims, and the relations and squares in which they stand.
+    jobs
+        processes; as many as there are processors unless told.
+    store
+        where results are kept; those whose sources and engine are unchanged are taken from there.
+
+    Ctrl-C ends the check: the report then holds what is done and is marked ``stopped``.
+    """
+    begun = perf_counter()
+    stock = Inventory.of() if stock is None else stock
+    units = units_of(stock, names)
+    files: dict[str, tuple[Path, ...]] = {}
+    keys = {} if store is None else {unit: unit.key(files) for unit in units}
+    found = _known(store, keys)
+    pending = [unit for unit in units if unit not in found]
+    stopped = False
+    tell = progress or (lambda _: None)
+    by_name = {(unit.kind, unit.name): unit for unit in pending}
+    running = results_of(
+        pending,
+        jobs or os.cpu_count() or 1,
+        lambda at: tell(f"{len(found)} of {len(units)} done; at {at}"),
+    )
+    try:
+        with closing(running):
+            for result in running:
+                unit = by_name[result.kind, result.name]
+                found[unit] = result
+                if store is not None and unit.key({}) == keys[unit]:  # else edited meanwhile
+                    store.save(keys[unit], "result", result.as_dict())
+    except KeyboardInterrupt:
+        stopped = True
+    wrong = [broken(t) for t in stock.all_troubles if not names or {t.name, t.owner} & {*names}]
+    results = (*wrong, *(found[unit] for unit in units if unit in found))
+    return Report(tuple(results), perf_counter() - begun, stopped)
+
+
+def _known(store: Store | None, keys: dict[Unit, str]) -> dict[Unit, Result]:
+    """Results of earlier checks.  What failed is tried again: the cause may lie outside."""
+    found = {}
+    for unit, key in keys.items():
+        result = Result.from_dict(store.load(key, "result")) if store is not None else None
+        if result is not None and result.status != "broken":
+            found[unit] = marked(result)
+    return found
+
+
+def broken(trouble: Trouble) -> Result:
+    """What is wrong at sight, as a result."""
+    finding = Finding(trouble.kind, trouble.name, "broken", trouble.why)
+    return Result(trouble.kind, trouble.name, trouble.place, (finding,), systems=(trouble.owner,))

@@ -1,0 +1,133 @@
+"""The work on one unit: declarations in, a result out, whatever the declarations do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+
+from voronec.algebra.verdicts import Verdict
+from voronec.declaration.catalogue import Entry
+from voronec.declaration.plugin_files import failure
+from voronec.equations.vector_field import Motions
+from voronec.errors import DefinitionError, EngineLimit, VoronecError
+from voronec.proof.check.record import Finding, Result
+from voronec.proof.check.unit import Unit
+from voronec.proof.claims import Claim, check_claims
+from voronec.proof.verdict_store import engine_folder
+
+__all__ = ["Bench", "examine"]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What a process has derived so far, by the name of the system."""
+
+    known: dict[str, tuple[Entry, Motions]] = field(default_factory=dict)
+
+    def motions(self, entry: Entry) -> Motions:
+        """The motions of a system, derived when they are first asked for."""
+        if entry.name not in self.known or self.known[entry.name][0] != entry:
+            self.known[entry.name] = (entry, Motions.of(entry.load()))
+        return self.known[entry.name][1]
+
+
+def examine(unit: Unit, bench: Bench) -> Result:
+    """The result of one unit; an error is a finding, too."""
+    start = perf_counter()
+    work = {"system": _system, "relation": _relation, "square": _square}[unit.kind]
+    notes: tuple[str, ...] = ()
+    try:
+        findings, notes = work(unit, bench)
+    except Exception as error:
+        findings = [_failed(unit.kind, unit.name, error)]
+    result = Result(
+        unit.kind, unit.name, unit.entry.place, tuple(findings), notes=notes,
+        systems=tuple(e.name for e in unit.involved),
+    )  # fmt: skip
+    return replace(result, seconds=perf_counter() - start)
+
+
+def _failed(kind: str, name: str, error: Exception) -> Finding:
+    """What an error tells of a unit, or of a part of it."""
+    if isinstance(error, EngineLimit):
+        return Finding(kind, name, "undecided", str(error))
+    if isinstance(error, VoronecError):
+        return Finding(kind, name, "broken", str(error))
+    return Finding(kind, name, "broken", failure(error, str(engine_folder())))
+
+
+Work = tuple[list[Finding], tuple[str, ...]]
+
+
+def _system(unit: Unit, bench: Bench) -> Work:
+    from voronec.proof.quadratures import check_motion
+    from voronec.proof.relations.charts import check_charts
+
+    motions = bench.motions(unit.entry)
+    findings = [_claim(c, c.reason) for c in check_claims(motions)]
+    for kind, check in (("chart", check_charts), ("motion", check_motion)):
+        try:
+            findings += [_claim(c, c.reason) for c in check(motions)]
+        except Exception as error:  # what was found of the rest stands all the same
+            findings.append(_failed(kind, unit.name, error))
+    return findings, ()
+
+
+def _relation(unit: Unit, bench: Bench) -> Work:
+    from voronec.proof.relations.decision import check_relation
+
+    relation = unit.entry.load_relations()[0][unit.position]
+    entries = {e.name: e for e in unit.involved}
+    found = check_relation(relation, lambda name: bench.motions(entries[name]))
+    reasons = _admitted(unit)
+    own = _finding("relation", unit.name, found.verdict, reasons.get(unit.name, ""))
+    carried = [_claim(c, reasons.get(c.name, ""), "carried ") for c in found.pulled]
+    return [own, *carried], tuple(found.kinds)
+
+
+def _square(unit: Unit, bench: Bench) -> Work:
+    from voronec.proof.relations.chains import check_square
+
+    assert unit.square is not None
+    relations = [entry.load_relations()[0][position] for entry, position in unit.through]
+    entries = {e.name: e for e in unit.involved}
+    found = check_square(
+        unit.square, {r.label: r for r in relations}, lambda name: bench.motions(entries[name])
+    )
+    reason = _admitted(unit).get(unit.name, "")
+    notes = tuple(", then ".join(limits) for limits in found.limits if limits)
+    return [_finding("square", unit.name, found.verdict, reason)], notes
+
+
+def _admitted(unit: Unit) -> dict[str, str]:
+    """What the systems of a unit, and the one beside it, list as undecided, with the reasons."""
+    found: dict[str, str] = {}
+    for entry in (*unit.involved, unit.entry):
+        try:
+            found |= entry.load().undecided
+        except DefinitionError:
+            continue
+    return found
+
+
+def _claim(claim: Claim, reason: str, carried: str = "") -> Finding:
+    """A claim; one that a relation carries may be admitted where it is decided, for others."""
+    found = _finding(f"{carried}{claim.kind}", claim.name, claim.verdict, reason)
+    if carried and found.stale:
+        found = replace(found, admitted="")
+    if claim.broken:
+        return replace(found, status="broken", admitted="")
+    if claim.printed is None or not claim.printed.refuted:
+        return found
+    remark = "; ".join(filter(None, (found.remark, f"refuted as printed in {claim.source}")))
+    return replace(found, remark=remark)
+
+
+def _finding(kind: str, name: str, verdict: Verdict, reason: str) -> Finding:
+    """A verdict as a finding; numbers that agree are told apart from no answer at all."""
+    status, how = verdict.status, verdict.method
+    if status == "undecided" and "agree to" in how:
+        status = "numeric"
+    if verdict.witness is not None:
+        how = f"{verdict.witness}" + ("" if how == "ball arithmetic" else f"; {how}")
+    return Finding(kind, name, status, how, reason, verdict.limits)

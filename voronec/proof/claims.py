@@ -1,0 +1,306 @@
+"""Claims of a system, each proved, refuted or left undecided.
+
+A field of dimension n with an invariant measure and n - 2 independent first integrals, neither
+depending on the time, is integrated by quadratures.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.rank import generic_rank
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.tape import is_atom
+from voronec.algebra.verdicts import Verdict
+from voronec.declaration.claims import Case, Corrected, Equation, Measure, expressions_of, right_of
+from voronec.declaration.system import System
+from voronec.equations.vector_field import Motions, VectorField
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, EngineLimit
+from voronec.proof.brackets import decide_poisson
+from voronec.proof.cases import case_of, specialised
+from voronec.proof.closure import decide_essential
+from voronec.proof.decision import Decision, all_zero
+from voronec.proof.measures import binding, chosen_variables, decide_measure, measured_field
+from voronec.proof.multiplier import decide_multiplier
+from voronec.proof.walls import across_walls
+
+__all__ = ["Claim", "check_claims", "decide_equation", "decide_integrable", "decide_integral"]
+
+
+def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
+    """dF/dt = 0 along the motion."""
+    field = motions.deciding([function])
+    named = field.read_named(function)
+    inner = _innermost(named, frozenset(field.parameters))
+    found = all_zero([("", field.derivative(inner))], field.hypotheses)
+    if not found.proved and inner != named:
+        found = all_zero([("", field.derivative(named))], field.hypotheses)
+    inside = [("", field.read_branches(function))]
+    return Decision(across_walls(found, field, inside, constant=True), field.level)
+
+
+def decide_equation(motions: Motions, equation: Equation) -> Decision:
+    """dF/dt = G along the motion, entry by entry; the first entry that fails is named."""
+    field = motions.deciding([*expressions_of(equation)])
+    functions = [field.read_named(f) for f in equation.function]
+    found = field.derivatives(functions)
+    claimed = [field.read(g) for g in equation.rate]
+    residuals = [a - b for a, b in zip(found, claimed, strict=True)]
+    verdict = all_zero(_numbered(residuals), field.hypotheses)
+    inside = _numbered([field.read_branches(f) for f in equation.function])
+    return Decision(across_walls(verdict, field, inside), field.level)
+
+
+def _innermost(function: Any, still: frozenset[Any]) -> Any:
+    """G where a function is f(G): with G it is an integral, off the walls of f."""
+    while True:
+        moving = [a for a in function.args if not a.free_symbols <= still]
+        if len(moving) != 1 or is_atom(function):
+            return function
+        (function,) = moving
+
+
+def _numbered(residuals: list[Any]) -> list[tuple[str, Any]]:
+    if len(residuals) == 1:
+        return [("", residuals[0])]
+    return [(f"entry {i + 1}", r) for i, r in enumerate(residuals)]
+
+
+def decide_integrable(
+    motions: Motions, measure: Measure, measured: Verdict, integrals: Sequence[sp.Expr]
+) -> Decision:
+    """Whether proved integrals and a measure, of that verdict, suffice for Euler and Jacobi."""
+    if not measured.proved:
+        return Decision(Verdict(measured.status, f"the measure is {measured.status}"))
+    field = measured_field(motions, measure)
+    chosen = chosen_variables(field, measure)
+    low = field.level == "coordinates"
+    inside = [field.read(e) for e in integrals if low or not motions.holds_coordinate([e])]
+    functions = [e for e in inside if not e.free_symbols & _outside(motions, field, chosen)]
+    return Decision(_counted(field, chosen, functions, field.read(measure.density)), field.level)
+
+
+def _outside(motions: Motions, field: VectorField, chosen: Sequence[Any]) -> set[Any]:
+    """The state variables of either level that are not among the chosen ones."""
+    own = motions.equations.definition
+    state = {*own.coordinates, *own.coordinate_velocities, *own.velocities, *field.variables}
+    return state - {*chosen}
+
+
+def _counted(
+    field: VectorField, chosen: Sequence[Any], functions: Sequence[Any], density: Any
+) -> Verdict:
+    relations = binding(field, chosen)
+    rates = dict(zip(field.variables, field.components, strict=True))
+    if any(field.time in e.free_symbols for e in (density, *(rates[x] for x in chosen))):
+        return Verdict("refuted", "the time occurs; the theorem is one of autonomous fields")
+    functions = [f for f in functions if field.time not in f.free_symbols]
+    dimension = len(chosen) - len(relations)
+    if len(functions) < dimension - 2:
+        count = f"{len(functions)} integrals in {dimension} dimensions"
+        return Verdict("refuted", f"{count}; the theorem asks for {dimension - 2}")
+    slopes = [[f.diff(x) for x in chosen] for f in (*relations, *functions)]
+    rank = generic_rank(slopes, field.hypotheses) if slopes else 0
+    independent = rank - len(relations)
+    if independent >= dimension - 2:
+        why = f"a measure and {independent} independent integrals in {dimension} dimensions"
+        return Verdict("proved", f"Euler and Jacobi: {why}")
+    return Verdict("undecided", f"at the points tried {independent} integrals are independent")
+
+
+Decide = Callable[[Motions, Any], Decision]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One claim with its verdict.
+
+    kind
+        ``integral``, ``equation``, ``measure``, ``multiplier``, ``poisson``, ``essential``,
+        ``integrable`` or ``descent``.
+    name
+        as declared, with the name of the case before it where it belongs to one.
+    level
+        ``coordinates`` or ``invariants``: the equations on which it was decided.
+    seconds
+        what the decision took.
+    printed, source
+        where a claim stands corrected: the verdict on the printed one, and who printed it.
+    reason
+        why the engine cannot decide it, as declared under ``undecided``.
+    broken
+        whether the engine failed on it by a mistake of its own, which the verdict tells.
+    """
+
+    kind: str
+    name: str
+    verdict: Verdict
+    level: str = ""
+    seconds: float = 0.0
+    printed: Verdict | None = None
+    source: str = ""
+    reason: str = ""
+    broken: bool = False
+
+    @property
+    def admitted(self) -> bool:
+        """Whether it is undecided, and declared to be so."""
+        return bool(self.reason) and self.verdict.undecided
+
+    @property
+    def stale(self) -> bool:
+        """Whether it is declared undecided, but has been decided."""
+        return bool(self.reason) and not self.verdict.undecided
+
+    @property
+    def standing(self) -> str:
+        """The verdict in words for a table."""
+        words = " ".join(filter(None, (self.verdict.status, self.verdict.limits)))
+        if self.printed is not None and self.verdict.proved:
+            words += f"; refuted as printed in {self.source}"
+        if self.admitted:
+            words += f": {self.reason}"
+        if self.stale:
+            words += "; declared undecided, which is out of date"
+        return words
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What a theorem may rest on: integrals that are proved, a measure and the verdict on it."""
+
+    integrals: tuple[Any, ...] = ()
+    measure: Any = None
+    measured: Verdict | None = None
+
+    def with_claims(self, system: System, claims: list[Claim]) -> _Known:
+        """With what has been decided of a system and is still declared."""
+        proved = {c.name for c in claims if c.kind == "integral" and c.verdict.proved}
+        found = tuple(right_of(e) for name, e in system.integrals.items() if name in proved)
+        integrals = self.integrals + found
+        for claim in claims:
+            if claim.kind == "measure" and system.measure is not None:
+                return _Known(integrals, right_of(system.measure), claim.verdict)
+        return replace(self, integrals=integrals)
+
+
+def check_claims(system: System | VoronecEquations | Motions) -> list[Claim]:
+    """Prove or refute every claim that a system declares, those of its cases included."""
+    motions = system if isinstance(system, Motions) else Motions.of(system)
+    own = motions.system
+    claims = _claims_of(motions, _Known())
+    known = [*claims]
+    for name, case in own.cases.items():
+        claims += _claims_of_case(own, name, case, known)
+    return [_admitted(claim, own) for claim in claims]
+
+
+def _claims_of_case(system: System, name: str, case: Case, known: list[Claim]) -> list[Claim]:
+    """The claims of one case; that it makes no sense, or is too much, is found of it alone."""
+    try:
+        general = _Known().with_claims(specialised(system, case.parameters), known)
+        found = _claims_of(Motions.of(case_of(system, case)), general)
+    except DefinitionError as error:
+        return [Claim("case", name, Verdict("refuted", str(error)))]
+    except EngineLimit as limit:
+        return [Claim("case", name, Verdict("undecided", str(limit)))]
+    except Exception as error:  # a mistake of the engine
+        how = " ".join(f"{type(error).__name__}: {error}".split())
+        return [Claim("case", name, Verdict("undecided", how), broken=True)]
+    return [replace(c, name=f"{name}: {c.name}") for c in found if c.kind != "descent"]
+
+
+def _claims_of(motions: Motions, general: _Known) -> list[Claim]:
+    """The claims of one system; ``general`` is what is known already."""
+    own = motions.system
+    _ = motions.on_coordinates  # the derivation belongs to no claim
+    descent = _decided("descent", ", ".join(own.invariants), _descends, motions, None)
+    claims = [*_rates(motions)]
+    if own.measure is not None:
+        claims.append(_decided("measure", "density", decide_measure, motions, own.measure))
+    if own.multiplier is not None:
+        name = "reducing multiplier"
+        claims.append(_decided("multiplier", name, decide_multiplier, motions, own.multiplier))
+    if own.poisson is not None:
+        names = ", ".join(map(plain_name, own.poisson.variables))
+        claims.append(_decided("poisson", names, decide_poisson, motions, own.poisson))
+    if own.essential:
+        names = ", ".join(map(plain_name, own.essential))
+        claims.append(_decided("essential", names, decide_essential, motions, own.essential))
+    if own.integrable:
+        known = general.with_claims(own, claims)
+        claims.append(_decided("integrable", own.integrable, _integrable, motions, known))
+    if own.invariants:
+        claims.append(descent)
+    return claims
+
+
+def _rates(motions: Motions) -> Iterator[Claim]:
+    for name, integral in motions.system.integrals.items():
+        yield _decided("integral", name, decide_integral, motions, integral)
+    for name, equation in motions.system.equations.items():
+        yield _decided("equation", name, decide_equation, motions, equation)
+
+
+def _integrable(motions: Motions, known: _Known) -> Decision:
+    """The theorem of Euler and Jacobi."""
+    if known.measured is None:
+        return Decision(Verdict("refuted", "no measure is declared"))
+    return decide_integrable(motions, known.measure, known.measured, known.integrals)
+
+
+def _descends(motions: Motions, _: Any) -> Decision:
+    if not motions.system.invariants:
+        return Decision(Verdict("undecided", "no invariants are declared"))
+    try:
+        _ = motions.reduction
+    except DefinitionError as refusal:
+        return Decision(Verdict("refuted", str(refusal)))
+    found = Verdict("proved", "equations closed in the invariants, by elimination")
+    field = motions.on_coordinates
+    inside = [(f"'{name}'", field.read(g)) for name, g in motions.system.invariants.items()]
+    return Decision(across_walls(found, field, inside))
+
+
+def _decided(kind: str, name: str, decide: Decide, motions: Motions, claim: Any) -> Claim:
+    """A claim, timed; a corrected one is two."""
+    begin = clock.perf_counter()
+    found = _limited(decide, motions, right_of(claim))
+    printed, source, verdict = None, "", found.verdict
+    if isinstance(claim, Corrected):
+        printed, source = _limited(decide, motions, claim.printed).verdict, claim.source
+        verdict = _corrected(found.verdict, printed)
+    seconds = clock.perf_counter() - begin
+    return Claim(kind, name, verdict, found.level, seconds, printed, source)
+
+
+def _limited(decide: Decide, motions: Motions, claim: Any) -> Decision:
+    try:
+        return decide(motions, claim)
+    except EngineLimit as limit:
+        return Decision(Verdict("undecided", str(limit)))
+    except DefinitionError as error:  # this claim makes no sense; the others stand all the same
+        return Decision(Verdict("refuted", str(error)))
+
+
+def _corrected(right: Verdict, printed: Verdict) -> Verdict:
+    """A correction is proved where the right form is proved and the printed one refuted."""
+    if not right.proved or printed.refuted:
+        return right
+    if printed.proved:
+        return Verdict("refuted", "the printed form is proved too; there is nothing to correct")
+    return Verdict("undecided", f"the printed form is not refuted: {printed.method}")
+
+
+def _admitted(claim: Claim, system: System) -> Claim:
+    """The claim with the reason why it is declared undecided, if it is."""
+    case, _, _ = claim.name.rpartition(": ")
+    kind = f"{case}: {claim.kind}" if case in system.cases else claim.kind
+    reason = system.undecided.get(claim.name) or system.undecided.get(kind)
+    return replace(claim, reason=reason) if reason else claim

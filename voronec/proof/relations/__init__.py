@@ -1,0 +1,1 @@
+"""How systems validate one another: relations of their motions, proved, and the diagram of them."""

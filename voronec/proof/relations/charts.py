@@ -1,0 +1,120 @@
+"""Charts proved: the same motion, in coordinates that go over into one another.
+
+A chart is a relation of a system to itself in other coordinates, DPhi f = g(Phi), together with an
+inverse: Psi(Phi(x)) = x where the factors of ``singular`` are positive.  Its twins T give the same
+state as x: Phi(T(x)) = Phi(x).
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.angles import Angles
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.verdicts import Verdict
+from voronec.declaration.charts import Chart, system_in
+from voronec.declaration.relation import Relation
+from voronec.declaration.system import System
+from voronec.equations.vector_field import Motions
+from voronec.errors import DefinitionError, EngineLimit
+from voronec.proof.claims import Claim
+from voronec.proof.decision import all_zero
+from voronec.proof.relations.decision import decided_at_limit
+from voronec.proof.relations.statemap import StateMap
+
+__all__ = ["check_charts"]
+
+
+def check_charts(motions: Motions) -> Iterator[Claim]:
+    """A claim of kind ``chart`` for every chart of a system."""
+    own = motions.system
+    for name in own.charts:
+        begin = clock.perf_counter()
+        try:
+            verdict = _decided(motions, name)
+        except EngineLimit as limit:
+            verdict = Verdict("undecided", str(limit))
+        except DefinitionError as error:  # it makes no sense; the others stand all the same
+            verdict = Verdict("refuted", str(error))
+        yield Claim(
+            kind="chart",
+            name=name,
+            verdict=verdict,
+            level="coordinates",
+            seconds=clock.perf_counter() - begin,
+            reason=own.undecided.get(name, ""),
+        )
+
+
+def _decided(motions: Motions, name: str) -> Verdict:
+    chart, there = motions.system.charts[name], system_in(motions.system, name)
+    inverse = _inverse(motions, chart)
+    if not inverse.proved:
+        return replace(inverse, method=f"there and back: {inverse.method}")
+    for twin in chart.twin_values(motions.system):
+        same = _same_state(motions, chart, twin)
+        if not same.proved:
+            return replace(same, method=f"twins: {same.method}")
+    home = replace(motions.equations, system=_bare(motions.system))
+    known = {home.system.name: Motions(home), there.name: Motions.of(there)}
+    relation = Relation(
+        home.system.name,
+        there.name,
+        state=chart.values(motions.system),
+        parameters={p.symbol: p.symbol for p in motions.system.parameters},
+    )
+    return decided_at_limit(StateMap.of(relation, known.__getitem__))[1]
+
+
+def _bare(system: System) -> System:
+    """A system without its invariants: charts are maps of coordinates."""
+    return replace(
+        system, invariants={}, integrals={}, equations={}, measure=None, poisson=None, essential=(),
+        integrable="", cases={}, undecided={}, scenes={}, charts={}, multiplier=None,
+    )  # fmt: skip
+
+
+def _inverse(motions: Motions, chart: Chart) -> Verdict:
+    """Whether the way there and back ends where it began; angles up to whole turns."""
+    field, system = motions.on_coordinates, motions.system
+    read = {x: field.door.inward(x) for x in (*system.coordinates, *system.velocities)}
+    there = {read[x]: field.read(e) for x, e in chart.values(system).items()}
+    positive = _factors(field.read(chart.singular))
+    angles = Angles(field.relations, positive)
+    back = chart.values(system, "back").items()
+    pairs = [(plain_name(x), field.read(e).xreplace(there) - read[x]) for x, e in back]
+    known = (*field.hypotheses, *(f > 0 for f in positive if f.free_symbols))
+    return all_zero(_up_to_turns(pairs, angles), known)
+
+
+def _same_state(motions: Motions, chart: Chart, twin: Mapping[Any, Any]) -> Verdict:
+    """Whether a twin has the same image as what it is a twin of; angles up to whole turns."""
+    field, system = motions.on_coordinates, motions.system
+    other = {field.door.inward(x): field.read(e) for x, e in twin.items()}
+    images = [(plain_name(x), field.read(e)) for x, e in chart.values(system).items()]
+    pairs = [(label, se.expand(e.xreplace(other) - e)) for label, e in images]
+    return all_zero(_up_to_turns(pairs, Angles(field.relations)), field.hypotheses)
+
+
+def _up_to_turns(pairs: Iterable[tuple[str, Any]], angles: Angles) -> list[tuple[str, Any]]:
+    """What must vanish where differences do, those of angles up to whole turns."""
+    residuals = []
+    for label, difference in pairs:
+        off = angles.resolved(difference)
+        if off.atoms(se.atan2):
+            residuals += [
+                (f"sin({label})", angles.resolved(se.sin(off))),
+                (f"cos({label})", angles.resolved(se.cos(off)) - 1),
+            ]
+        else:
+            residuals.append((label, off))
+    return residuals
+
+
+def _factors(product: Any) -> tuple[Any, ...]:
+    return product.args if isinstance(product, se.Mul) else (product,)

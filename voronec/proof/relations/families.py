@@ -1,0 +1,136 @@
+"""Limits at the end of a chain, carried back to its start.
+
+A limit moves parameters of its source: p = s(h, parameters).  In a chain these are functions Q of
+the parameters of the start.  A family of those belongs to it where Q_p = s_p and every other Q is
+what it was; where none does, the chain has no meaning, as one that fixes p.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.text import sympified
+from voronec.algebra.verdicts import prove_equal
+from voronec.declaration.relation import Limit, Relation
+from voronec.proof.relations.parameters import by_name
+
+__all__ = ["Course", "carried_back"]
+
+Values = Mapping[str, sp.Expr]
+
+
+@dataclass(frozen=True)
+class Course:
+    """What a chain does to parameters: those of its end, in terms of those of its start.
+
+    ``values`` are missing at the start; ``moved`` are the parameters of the start that the limits
+    move, each with where it goes.
+    """
+
+    values: Values | None = None
+    moved: Mapping[str, sp.Expr] = field(default_factory=dict)
+
+    def through(self, relation: Relation) -> Course | None:
+        """With one more relation; ``None`` where its limit moves what the chain has fixed."""
+        known = {} if self.values is None else self.values
+        given = {n: _plain(v) for n, v in by_name(relation.parameters).items()}
+        here = {sp.Symbol(n): v for n, v in known.items()}
+        limit, moved = relation.limit, dict(self.moved)
+        if limit is None:
+            return Course({n: v.xreplace(here) for n, v in given.items()}, moved)
+        small = sp.Symbol(f"small {limit.small}")
+        named = {sp.Symbol(str(limit.small)): small}
+        scaled = {n: v.xreplace(named) for n, v in _scaled(limit).items()}
+        family: Values | None = scaled
+        if self.values is not None:
+            family = carried_back(known, scaled, small)
+        if family is None:
+            return None
+        moved |= {n: _at_zero(v, small) for n, v in family.items()}
+        moving = {sp.Symbol(n): v for n, v in scaled.items()}
+        values = {n: v.xreplace({**moving, **named}).xreplace(here) for n, v in given.items()}
+        return Course({n: _at_zero(v, small) for n, v in values.items()}, moved)
+
+    def is_compatible(self, other: Course) -> bool:
+        """Whether the limits of both move no parameter to different values."""
+        return all(other.moved.get(n, v) == v for n, v in self.moved.items())
+
+    @classmethod
+    def of(cls, relations: Iterable[Relation]) -> Course | None:
+        """That of a whole chain."""
+        course: Course | None = cls()
+        for relation in relations:
+            if course is not None:
+                course = course.through(relation)
+        return course
+
+
+def _scaled(limit: Limit) -> dict[str, sp.Expr]:
+    return {n: _plain(sympified(v)) for n, v in by_name(limit.parameters).items()}
+
+
+def _plain(expr: sp.Expr) -> sp.Expr:
+    """The same in symbols that are told by their names alone."""
+    return expr.xreplace({s: sp.Symbol(str(s)) for s in expr.free_symbols})
+
+
+def carried_back(values: Values, scaled: Values, small: sp.Symbol) -> Values | None:
+    """Parameters of the start, as functions of the small one, for which those of the end follow a
+    limit; of several families, the first by name.
+
+    Where the end has a parameter at its limit already, nothing has to move.
+    """
+    here = {sp.Symbol(n): v for n, v in values.items()}
+    wanted = dict(values)
+    for name, scale in scaled.items():
+        target = scale.xreplace(here)
+        if name not in values:
+            return None
+        if not _equal(values[name], _at_zero(target, small)):
+            wanted[name] = target
+    first = [*(n for n in values if n in scaled), *(n for n in values if n not in scaled)]
+    return _moved([(values[n], wanted[n]) for n in first], {})
+
+
+def _moved(pairs: list[tuple[sp.Expr, sp.Expr]], found: dict[str, sp.Expr]) -> Values | None:
+    """Values of symbols that make all pairs equal."""
+    moving = {sp.Symbol(n): v for n, v in found.items()}
+    for value, wanted in pairs:
+        if _equal(value.xreplace(moving), wanted):
+            continue
+        unknown = sp.Dummy()
+        for name in sorted({s.name for s in value.free_symbols} - {*found}):
+            root = _root(value.xreplace({**moving, sp.Symbol(name): unknown}), wanted, unknown)
+            solution = None if root is None else _moved(pairs, {**found, name: root})
+            if solution is not None:
+                return solution
+        return None
+    return found
+
+
+def _root(value: sp.Expr, wanted: sp.Expr, unknown: sp.Dummy) -> sp.Expr | None:
+    """Where a quotient of two linear functions of the unknown takes a value, else ``None``."""
+    above, below = sp.fraction(sp.together(value))
+    equation = sp.expand(above - wanted * below)
+    slope = equation.diff(unknown)
+    if slope.has(unknown) or _equal(slope, sp.Integer(0)):
+        return None
+    return sp.cancel(-equation.xreplace({unknown: sp.Integer(0)}) / slope)
+
+
+def _equal(left: sp.Expr, right: sp.Expr) -> bool:
+    if left.has(sp.zoo, sp.nan) or right.has(sp.zoo, sp.nan):
+        return bool(left == right)
+    return prove_equal(left, right).proved
+
+
+def _at_zero(expr: sp.Expr, small: sp.Symbol) -> Any:
+    """The value where the small parameter vanishes; ``zoo`` where it is infinite."""
+    if small not in expr.free_symbols:
+        return expr
+    above, below = (e.subs(small, 0) for e in sp.fraction(sp.cancel(expr)))
+    return sp.zoo if below == 0 else sp.cancel(above / below)

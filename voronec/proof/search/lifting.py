@@ -1,0 +1,334 @@
+"""From an integral modulo a prime to one over Q and the parameters.
+
+Each coefficient is a rational function of the parameters, one coefficient being 1; its values at
+other parameters and primes come from the same monomials.  Scalings of the system (units of mass
+and length, say) make some parameters 1.
+
+Degrees are found along lines, then numerator and denominator by linear algebra over all monomials
+within these degrees, then the coefficients from several primes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from itertools import product
+from math import gcd, lcm
+from typing import Any, Self
+
+import flint
+import numpy as np
+import symengine as se
+
+from voronec.algebra.normal import shortest
+from voronec.equations.vector_field import VectorField
+from voronec.errors import EngineLimit
+from voronec.proof.search.gradings import Gradings
+from voronec.proof.search.kernels import Candidate
+from voronec.proof.search.probe import Probe
+from voronec.proof.search.residues import PRIMES, Array, fraction_of, kernel
+
+__all__ = ["Normalization", "Quotient", "coefficients", "rational_functions"]
+
+
+LINE = 26
+"""Values along a line: the degrees of numerator and denominator may add up to less than this."""
+UNKNOWN_LIMIT = 900
+"""How many coefficients numerator and denominator may have together."""
+
+Monomial = tuple[int, ...]
+Sampler = Callable[[Array, int], Array]
+"""Points (point, variable) and a prime -> the values of several functions, (function, point)."""
+
+
+@dataclass(frozen=True)
+class Quotient:
+    """numerator/denominator, as {exponents: coefficient}."""
+
+    numerator: dict[Monomial, Any]
+    denominator: dict[Monomial, Any]
+
+
+def rational_functions(
+    sample: Sampler, variables: int, rng: Any, primes: Sequence[int] = PRIMES
+) -> list[Quotient]:
+    """The functions behind the values; ``EngineLimit`` where they are too large."""
+    p = primes[0]
+    base, direction = rng.integers(1, p, (2, variables), dtype=np.int64)
+    bounds = [_degrees_along(sample, base, direction, p)]
+    for i in range(variables):
+        along = np.zeros(variables, dtype=np.int64)
+        along[i] = 1
+        bounds.append(_degrees_along(sample, base, along, p))
+    shapes = []
+    for functions in zip(*bounds, strict=True):
+        total, single = functions[0], functions[1:]
+        shapes.append(tuple(_monomials([s[part] for s in single], total[part]) for part in (0, 1)))
+    largest = max(len(above) + len(below) for above, below in shapes)
+    if largest > UNKNOWN_LIMIT:
+        raise EngineLimit(
+            f"the coefficients of an integral have up to {largest} terms; give parameters values"
+        )
+    return _from_primes(sample, variables, shapes, rng, primes)
+
+
+def _degrees_along(sample: Sampler, base: Array, along: Array, p: int) -> list[tuple[int, int]]:
+    """Degrees of numerator and denominator of each function on a line."""
+    places = np.arange(1, LINE + 1, dtype=np.int64)
+    points = (base[None, :] + places[:, None] * along[None, :]) % p
+    return [_degrees(places.tolist(), row.tolist(), p) for row in sample(points, p)]
+
+
+def _degrees(places: Sequence[int], values: Sequence[int], p: int) -> tuple[int, int]:
+    """Of the rational function through the values, by the Euclidean algorithm."""
+    x = flint.nmod_poly([0, 1], p)
+    modulus, through = flint.nmod_poly([1], p), flint.nmod_poly([0], p)
+    for a, y in zip(places, values, strict=True):
+        missing = (y - int(through(a))) * pow(int(modulus(a)), -1, p) % p
+        through, modulus = through + modulus * missing, modulus * (x - a)
+    before, now = modulus, through
+    s, t = flint.nmod_poly([0], p), flint.nmod_poly([1], p)
+    best = (now.degree() + t.degree(), now.degree(), t.degree())
+    while now.degree() >= 0:
+        best = min(best, (now.degree() + t.degree(), now.degree(), t.degree()))
+        quotient, rest = divmod(before, now)
+        before, now, s, t = now, rest, t, s - quotient * t
+    if best[1] < 0:
+        return 0, 0
+    if best[0] > LINE - 3:
+        raise EngineLimit("the coefficients of an integral have a high degree in the parameters")
+    return best[1], best[2]
+
+
+def _monomials(single: Sequence[int], total: int) -> list[Monomial]:
+    """Exponents within a bound for each variable and one for their sum."""
+    size = 1
+    for bound in single:
+        size *= bound + 1
+    if size > 100 * UNKNOWN_LIMIT:
+        raise EngineLimit("the coefficients of an integral have too many terms")
+    return [m for m in product(*(range(b + 1) for b in single)) if sum(m) <= total]
+
+
+def _from_primes(
+    sample: Sampler, variables: int, shapes: Sequence[Any], rng: Any, primes: Sequence[int]
+) -> list[Quotient]:
+    """Coefficients modulo more and more primes, until they are those of one fraction each."""
+    residues: list[list[int]] = []
+    modulus = 1
+    for p in primes[:-1]:
+        vectors, shapes = _modulo(sample, variables, shapes, p, rng)
+        if modulus == 1:
+            residues = vectors
+        else:
+            step = pow(modulus, -1, p)
+            residues = [
+                [a + modulus * ((b - a) * step % p) for a, b in zip(old, new, strict=True)]
+                for old, new in zip(residues, vectors, strict=True)
+            ]
+        modulus *= p
+        found = _fractions(residues, shapes, modulus)
+        if found is not None and _agree(found, sample, variables, rng, primes[-1]):
+            return found
+    raise EngineLimit("the numbers in an integral are too large to be recovered")
+
+
+def _modulo(
+    sample: Sampler, variables: int, shapes: Sequence[Any], p: int, rng: Any
+) -> tuple[list[list[int]], list[Any]]:
+    """Coefficients modulo one prime, and the monomials that occur."""
+    count = max(len(above) + len(below) for above, below in shapes) + 4
+    points = rng.integers(1, p, (count, variables), dtype=np.int64)
+    vectors, left = [], []
+    for (above, below), values in zip(shapes, sample(points, p), strict=True):
+        table = np.concatenate(
+            [_powers(points, above, p), -_powers(points, below, p) * values[:, None] % p], axis=1
+        )
+        basis, _ = kernel(table % p, p)
+        if len(basis) != 1:
+            raise EngineLimit("the coefficients of an integral could not be recovered")
+        vector = basis[0]  # its free coefficient, 1, is the last that occurs, for every prime
+        kept = np.flatnonzero(vector)
+        vectors.append(vector[kept].tolist())
+        left.append(
+            (
+                [above[i] for i in kept if i < len(above)],
+                [below[i - len(above)] for i in kept if i >= len(above)],
+            )
+        )
+    return vectors, left
+
+
+def _powers(points: Array, monomials: Sequence[Monomial], p: int) -> Array:
+    columns = []
+    for m in monomials:
+        value = np.ones(len(points), dtype=np.int64)
+        for i, e in enumerate(m):
+            for _ in range(e):
+                value = value * points[:, i] % p
+        columns.append(value)
+    return np.array(columns, dtype=np.int64).reshape(len(monomials), len(points)).T
+
+
+def _fractions(
+    residues: Sequence[Sequence[int]], shapes: Sequence[Any], modulus: int
+) -> list[Quotient] | None:
+    found = []
+    for vector, (above, below) in zip(residues, shapes, strict=True):
+        numbers = [fraction_of(int(r), modulus) for r in vector]
+        if any(n is None for n in numbers):
+            return None
+        exact = [flint.fmpq(*n) for n in numbers if n is not None]
+        found.append(
+            Quotient(
+                dict(zip(above, exact[: len(above)], strict=True)),
+                dict(zip(below, exact[len(above) :], strict=True)),
+            )
+        )
+    return found
+
+
+def _agree(found: Sequence[Quotient], sample: Sampler, variables: int, rng: Any, p: int) -> bool:
+    """Whether the fractions take the right values at points modulo another prime."""
+    points = rng.integers(1, p, (3, variables), dtype=np.int64)
+    for q, values in zip(found, sample(points, p), strict=True):
+        above, below = (_value(part, points, p) for part in (q.numerator, q.denominator))
+        if ((above - below * values) % p).any():
+            return False
+    return True
+
+
+def _value(terms: dict[Monomial, Any], points: Array, p: int) -> Array:
+    weights = [int(c.p) * pow(int(c.q), -1, p) % p for c in terms.values()]
+    columns = _powers(points, list(terms), p) * np.array(weights, dtype=np.int64) % p
+    return np.asarray(columns.sum(axis=1) % p)
+
+
+BATCH = 128
+SPARE = 6
+"""Points beyond the number of unknown coefficients."""
+
+
+@dataclass(frozen=True)
+class Normalization:
+    """Scalings that make the parameters at ``places`` 1: each multiplies one of them alone, with
+    weights of all ``parameters`` and of the ``letters``, (scaling, weight)."""
+
+    places: tuple[int, ...]
+    parameters: Array
+    letters: Array
+
+    @classmethod
+    def of(cls, field: VectorField, letters: Sequence[Any], constants: Sequence[Any]) -> Self:
+        """That of a field with an ansatz."""
+        gradings = Gradings(field, letters, [s for s in constants if s.is_Symbol])
+        places, parameters, weights = gradings.normalization(constants)
+        return cls(tuple(places), parameters, weights)
+
+    def left(self, count: int) -> list[int]:
+        """The places of the other parameters."""
+        return [i for i in range(count) if i not in self.places]
+
+    def undone(self, quotient: Quotient, shift: Array, count: int) -> Quotient:
+        """A function of the other parameters as one of all, homogeneous of weight ``shift``."""
+        left = self.left(count)
+        parts = []
+        for terms in (quotient.numerator, quotient.denominator):
+            moved: dict[Monomial, Any] = {}
+            for monomial, c in terms.items():
+                whole = np.zeros(count, dtype=np.int64)
+                whole[left] = monomial
+                whole[list(self.places)] = -self.parameters @ whole
+                moved[tuple(map(int, whole))] = c
+            parts.append(moved)
+        above, below = parts
+        above = {_raised(m, self.places, shift): c for m, c in above.items()}
+        lowest = np.min([*above, *below], axis=0) if above or below else np.zeros(count)
+        lift = [-int(min(e, 0)) for e in lowest]
+        every = range(count)
+        return Quotient(
+            {_raised(m, every, lift): c for m, c in above.items()},
+            {_raised(m, every, lift): c for m, c in below.items()},
+        )
+
+
+def _raised(monomial: Monomial, places: Iterable[int], by: Iterable[Any]) -> Monomial:
+    found = list(monomial)
+    for i, e in zip(places, by, strict=True):
+        found[i] += int(e)
+    return tuple(found)
+
+
+def coefficients(
+    candidate: Candidate, probe: Probe, normalization: Normalization, rng: Any
+) -> list[Any]:
+    """The coefficients of an integral, without common factors, inside the door."""
+    count = len(probe.constants)
+    left = normalization.left(count)
+
+    def sample(points: Array, p: int) -> Array:
+        whole = np.ones((len(points), count), dtype=np.int64)
+        whole[:, left] = points
+        return _sampled(candidate, probe, whole, p, rng)
+
+    found = rational_functions(sample, len(left), rng, probe.primes)
+    weights = candidate.exponents @ normalization.letters.T
+    shifts = weights[candidate.free][None, :] - weights
+    whole = [normalization.undone(q, shift, count) for q, shift in zip(found, shifts, strict=True)]
+    return _polynomial(whole, probe.constants)
+
+
+def _sampled(candidate: Candidate, probe: Probe, points: Array, p: int, rng: Any) -> Array:
+    """The coefficients at given parameters, (coefficient, setting)."""
+    columns: list[Array] = []
+    for start in range(0, len(points), BATCH):
+        batch = points[start : start + BATCH]
+        for values in probe.at(batch, len(candidate.exponents) + SPARE, p, rng):
+            if values is None:
+                raise EngineLimit("an integral has no value at some parameters; give them values")
+            rates = values.rates(candidate.exponents, values.monomials(candidate.exponents))
+            columns.append(_normalized(rates, candidate.free, p))
+    return np.array(columns, dtype=np.int64).T
+
+
+def _normalized(rates: Array, free: int, p: int) -> Array:
+    """The only vector that ``rates`` takes to zero, 1 at the place ``free``."""
+    others = [j for j in range(rates.shape[1]) if j != free]
+    vectors, last = kernel(rates[:, [*others, free]], p)
+    if last != [len(others)]:
+        raise EngineLimit("an integral modulo a prime is none for all parameters")
+    found = np.zeros(rates.shape[1], dtype=np.int64)
+    found[[*others, free]] = vectors[0]
+    return found
+
+
+def _polynomial(quotients: list[Quotient], constants: list[Any]) -> list[Any]:
+    """Coefficients multiplied by what makes them polynomials without a common factor."""
+    context = flint.fmpq_mpoly_ctx.get([f"a{i}" for i in range(len(constants))] or ["a"], "lex")
+    parts = [(_poly(q.numerator, context), _poly(q.denominator, context)) for q in quotients]
+    below = reduce(lambda a, b: a * b / a.gcd(b), [d for _, d in parts])
+    cleared = [n * (below / d) for n, d in parts]
+    common = reduce(lambda a, b: a.gcd(b), cleared)
+    cleared = [c / common for c in cleared]
+    numbers = [x for c in cleared for x in c.coeffs()]
+    scale = flint.fmpq(lcm(*(int(x.q) for x in numbers)), 1)
+    scale /= gcd(*(int((x * scale).p) for x in numbers))
+    if numbers[0] < 0:
+        scale = -scale
+    return shortest([_expression(c * scale, constants) for c in cleared])
+
+
+def _poly(terms: dict[Monomial, Any], context: Any) -> Any:
+    width = len(context.names())
+    padded = {(*m, *([0] * (width - len(m)))): c for m, c in terms.items()}
+    return context.from_dict(padded)
+
+
+def _expression(poly: Any, constants: list[Any]) -> Any:
+    terms = []
+    for monomial, c in poly.to_dict().items():
+        number = se.Integer(int(c.p)) / se.Integer(int(c.q))
+        powers = [x ** int(e) for x, e in zip(constants, monomial, strict=False) if e]
+        terms.append(se.Mul(number, *powers))
+    return se.Add(*terms)

@@ -1,0 +1,375 @@
+"""Walls that motions cross: where a function that is constant off them jumps.
+
+A derivative that vanishes where it exists proves nothing across a wall h = 0 of the function
+[Theory, eqs. (13a) to (13c)].  A wall is harmless where no state lies on it, or where the field is
+singular or jumps itself; where motions keep it, h' = 0 on h = 0; where the function is the same
+on both sides, F+ = F- on h = 0; and where it is real on one side alone.  A jump by a constant
+is one by a period, unless the function is constant but for its jumps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, reduce
+from itertools import islice
+from math import gcd
+from typing import Any
+
+import flint
+import symengine as se
+
+from voronec.algebra.branches import Branches, Wall, bounds_of, has_branches, is_plain, product_of
+from voronec.algebra.conditions import domain_of, moved_hypotheses, parted
+from voronec.algebra.normal import canonical
+from voronec.algebra.points import consistent, sample_point
+from voronec.algebra.ring import Ring
+from voronec.algebra.signs import known_sign
+from voronec.algebra.tape import Tape
+from voronec.algebra.verdicts import Verdict, witness_at
+from voronec.equations.vector_field import VectorField
+from voronec.errors import DefinitionError, EngineLimit, shown
+
+__all__ = ["across_walls"]
+
+BITS = 160
+_SEEDS = 24
+"""How many states are looked for on a wall."""
+_TRIES = 4
+"""How many points are looked for at which an expression may not vanish."""
+_ENOUGH = 8
+"""At how many states a radicand is looked at."""
+
+
+def across_walls(
+    verdict: Verdict,
+    field: VectorField,
+    functions: Sequence[tuple[str, Any]],
+    periods: bool = True,
+    constant: bool = False,
+) -> Verdict:
+    """A proof off the walls of some functions, as what it is with them.
+
+    functions
+        with what a message calls each, inside the door, in the variables of the field.
+    periods
+        whether a jump by a constant leaves a claim standing, up to multiples of it.
+    constant
+        whether the functions are proved to be constant along motions off their walls.
+    """
+    if not verdict.proved:
+        return verdict
+    moving = frozenset({*field.variables, field.time})
+    ground = _Ground(field, moving, periods, constant)
+    found = []
+    for label, function in functions:
+        if has_branches([function], moving) or not constant:
+            try:
+                one = ground.verdict_on(function, verdict)
+            except EngineLimit as limit:
+                one = Verdict("undecided", f"its walls: {limit}")
+            found.append(replace(one, method=f"{label}: {one.method}") if label else one)
+    for status in ("refuted", "undecided"):
+        for one in found:
+            if one.status == status:
+                return one
+    return _joined(verdict, found)
+
+
+def _joined(verdict: Verdict, found: Sequence[Verdict]) -> Verdict:
+    """A proof with the periods and the domain of several."""
+    both = (verdict, *found)
+    modulo = ", ".join(dict.fromkeys(v.modulo for v in both if v.modulo))
+    domain = ", ".join(dict.fromkeys(v.domain for v in both if v.domain))
+    return replace(verdict, modulo=modulo, domain=domain)
+
+
+@dataclass(frozen=True)
+class _Ground:
+    """The field across whose motions walls lie."""
+
+    field: VectorField
+    moving: frozenset[Any]
+    periods: bool
+    constant: bool
+
+    @property
+    def relations(self) -> tuple[Any, ...]:
+        return tuple(self.field.relations)
+
+    @cached_property
+    def hypotheses(self) -> tuple[Any, ...]:
+        """What holds on all states: the field's hypotheses, and that the inertia is positive."""
+        named = self.field.determinant
+        return (*self.field.hypotheses, *(() if named is None else (named > 0,)))
+
+    def verdict_on(self, function: Any, proof: Verdict) -> Verdict:
+        """The verdict on one function with a proof off its walls."""
+        if is_plain(function, self.moving, essential=not self.constant):
+            return self._bounded(proof, function)
+        branches = Branches(function, self.moving, self.relations, not self.constant)
+        open_walls = [h for h in branches.unclear if not self._has_sign(h, strict=True)]
+        open_walls = [h for h in open_walls if not self._is_kept(h)]
+        met = [j for wall in branches.walls() if (j := self._jump(wall)) is not None]
+        jumps = [j for j in met if not j.domain]
+        domains = dict.fromkeys(j.domain for j in met if j.domain)
+        proof = replace(proof, domain=", ".join(domains))
+        seen = [j for j in met if j.witness is not None]
+        false = [j for j in jumps if j.witness is not None and j.period is None]
+        if seen and self._is_constant(function):
+            words = f"it is constant but for jumps: {seen[0].words}"
+            return Verdict("refuted", words, seen[0].witness)
+        if false:
+            return Verdict("refuted", false[0].words, false[0].witness)
+        if any(j.witness is None for j in jumps):
+            return Verdict("undecided", next(j.words for j in jumps if j.witness is None))
+        if open_walls:
+            return Verdict("undecided", f"whether it jumps where {_shown(open_walls[0])} = 0")
+        if jumps:
+            found = _smallest([j.period for j in jumps])
+            proof = replace(proof, modulo=" and ".join(map(self._written, found)))
+        return self._bounded(proof, function)
+
+    def _bounded(self, proof: Verdict, function: Any) -> Verdict:
+        """The proof with the domain on which the function is real, where that is less than all."""
+        bounds = [
+            f"{self._written(b)} > 0"
+            for b in bounds_of(function, self.moving)
+            if self._is_crossed(b)
+        ]
+        return replace(proof, domain=", ".join(filter(None, (proof.domain, *bounds))))
+
+    def _is_crossed(self, bound: Any) -> bool:
+        """Whether a function is negative at some state at which the inertia is positive."""
+        found = islice(self._states([bound], self.hypotheses), _ENOUGH)
+        return any(v < 0 and _is_positive(mass) for _, (v,), mass in found)
+
+    # -- one wall -------------------------------------------------------------------------------
+
+    def _jump(self, wall: Wall) -> _Jump | None:
+        """The jump on a piece of a wall; None where there is none that a motion would meet."""
+        h = wall.function
+        if wall.above == wall.below or wall.edge or self._has_sign(h):
+            return None
+        there = (*self.hypotheses, h)
+        if any(known_sign(e, there) < 0 for e in wall.positive):
+            return None
+        jump = wall.above - wall.below
+        if self._vanishes(jump, there):
+            return None
+        for found in self._crossings(wall, there):
+            words = f"it jumps where {self._place(wall)}, which motions cross"
+            domain = f"{self._written(h)} != 0" if self._is_jump_of_field(h) else ""
+            is_turn = self._vanishes(wall.turned - wall.above, there)
+            period = self._period(jump) if is_turn else None
+            return _Jump(words, period, witness_at(*found), domain)
+        if self._is_kept(h):
+            return _Jump("", None, None, f"{self._written(h)} != 0")
+        if self._is_pole(wall, there) or self._is_singular(there):
+            return None
+        return _Jump(f"whether it jumps where {self._place(wall)} is open", None, None)
+
+    def _has_sign(self, h: Any, strict: bool = False) -> bool:
+        """Whether h does not change its sign; ``strict``: nor is it zero."""
+        return bool(known_sign(h, self.hypotheses, strict))
+
+    def _is_kept(self, h: Any) -> bool:
+        """Whether motions keep h = 0, and none crosses it."""
+        return self._vanishes(self.field.derivative(h), (*self.hypotheses, h))
+
+    def _is_jump_of_field(self, h: Any) -> bool:
+        """Whether the field itself jumps where h = 0, as with friction."""
+        own = self._field_jumps
+        return any((h - k).expand() == 0 or (h + k).expand() == 0 for k in own)
+
+    @cached_property
+    def _field_jumps(self) -> list[Any]:
+        field = self.field
+        exprs = [*field.rates, *field.force, *(e for row in field.mass for e in row)]
+        return [
+            wall.function
+            for e in exprs
+            if has_branches([e], self.moving)
+            for wall in Branches(e, self.moving, self.relations, False).walls()
+            if not self._vanishes(wall.above - wall.below, (*self.hypotheses, wall.function))
+        ]
+
+    def _is_singular(self, there: tuple[Any, ...]) -> bool:
+        """Whether the field is singular all over a wall: a rate has a pole, or inertia is none."""
+        return any(self._is_pole_of(e, there) for e in self.field.components)
+
+    def _is_pole(self, wall: Wall, there: tuple[Any, ...]) -> bool:
+        """Whether both sides tend to infinity."""
+        return self._is_pole_of(wall.above, there) and self._is_pole_of(wall.below, there)
+
+    def _is_pole_of(self, expr: Any, there: tuple[Any, ...]) -> bool:
+        if not expr.free_symbols & self.moving or expr == 0:
+            return False
+        return self._vanishes(1 / expr, there)
+
+    def _period(self, jump: Any) -> Any:
+        """The jump, where it is a constant and the claim may be one up to periods."""
+        if not self.periods:
+            return None
+        try:
+            short = canonical([jump], self.hypotheses)[0]
+        except EngineLimit:
+            return None
+        if short.free_symbols & self.moving:
+            return None
+        return -short if _is_negative(short) else short
+
+    def _crossings(
+        self, wall: Wall, there: tuple[Any, ...]
+    ) -> Iterator[tuple[dict[Any, Any], Any, Any]]:
+        """States on a wall, at which motions cross it, with different values on its sides.
+
+        Where these are 0/0 there, common factors are cancelled.
+        """
+        speed = self.field.derivative(wall.function)
+        sides = [wall.above, wall.below]
+        for _ in range(2):
+            met, exprs = False, [*sides, speed, *wall.positive]
+            for point, values, _ in self._states(exprs, there, wall.whole):
+                met = True
+                above, below, rate, *rest = values
+                if not (rate.contains(0) or above.overlaps(below)) and all(e > 0 for e in rest):
+                    yield point, above, below
+            if met:
+                return
+            sides = [product_of(e, self.relations, self.moving).expression for e in sides]
+
+    def _states(
+        self, exprs: Sequence[Any], hypotheses: Sequence[Any], whole: Any = None
+    ) -> Iterator[tuple[dict[Any, Any], list[Any], Any]]:
+        """Admissible states where hypotheses hold, with the values of expressions and the mass,
+        where the field is regular: the mass has an inverse and everything is finite."""
+        field, count = self.field, len(exprs)
+        size = len(field.mass)
+        entries = [e for row in field.mass for e in row]
+        at = {} if whole is None else {whole: se.Integer(0)}
+        needed = [e.xreplace(at) for e in (*exprs, *entries, *field.rates, *field.force)]
+        bound = [h.xreplace(at) for h in hypotheses]
+        try:
+            tape = Tape(needed)
+        except EngineLimit:
+            return
+        for seed in range(1, 2 * _SEEDS, 2):
+            try:
+                point = self._point(tape, bound, seed)
+                values = tape.arb(point, BITS)
+            except EngineLimit:
+                continue
+            if not all(v.is_finite() for v in values):
+                continue
+            mass = flint.arb_mat(size, size, values[count : count + size * size])
+            if not size or not mass.det().contains(0):
+                yield point, values[:count], mass
+
+    def _values(self, expr: Any, hypotheses: Sequence[Any]) -> Iterator[Any]:
+        """Values of an expression where hypotheses hold, on states that may be singular."""
+        tape = Tape([expr])
+        for seed in range(1, 2 * _TRIES, 2):
+            try:
+                point = self._point(tape, hypotheses, seed)
+            except EngineLimit:
+                continue
+            (value,) = tape.arb(point, BITS)
+            if value.is_finite() and consistent(tape.atoms, point, BITS):
+                yield value
+
+    def _point(self, tape: Tape, hypotheses: Sequence[Any], seed: int) -> dict[Any, Any]:
+        """A state where hypotheses hold, with parameters that are positive unless they may not be;
+        a relation that is a variable itself makes it vanish exactly."""
+        equations, conditions = parted(hypotheses)
+        zero = {e: flint.fmpq(0) for e in equations if e in self.moving}
+        atoms = dict.fromkeys([*tape.atoms, *Tape(equations).atoms])
+        still = [a for a in atoms if isinstance(a, se.Symbol) and a not in self.moving]
+        on_still = [c for c in conditions if self.moving.isdisjoint(c.free_symbols)]
+        known = sample_point(still, on_still, seed - 1) | zero
+        at = {a: se.Integer(int(v.p)) / se.Integer(int(v.q)) for a, v in known.items()}
+        rest = [h for h in moved_hypotheses(hypotheses, at) if h != 0]
+        free = [a for a in tape.atoms if a not in at]
+        point = {**sample_point(free, rest, seed, BITS), **known}
+        if not domain_of(tuple(conditions)).admits(point, BITS):
+            raise EngineLimit("conditions do not hold where these variables vanish")
+        return point
+
+    # -- decisions ------------------------------------------------------------------------------
+
+    def _vanishes(self, expr: Any, hypotheses: Sequence[Any]) -> bool:
+        """Whether it is proved that an expression vanishes; where nothing satisfies the relations
+        everything does."""
+        equations, conditions = parted(hypotheses)
+        try:
+            if any(not value.contains(0) for value in self._values(expr, hypotheses)):
+                return False
+            return any(  # most proofs need no signs, which cost more than they do
+                Ring([expr], known).fraction(expr).num == 0
+                for known in ((equations, hypotheses) if conditions else (equations,))
+            )
+        except DefinitionError:
+            return True
+        except (EngineLimit, ZeroDivisionError):
+            return False
+
+    def _is_constant(self, function: Any) -> bool:
+        """Whether a function is constant off its walls."""
+        return all(self._vanishes(function.diff(x), self.hypotheses) for x in self.moving)
+
+    def _place(self, wall: Wall) -> str:
+        """Where a wall is, in words."""
+        if wall.whole is not None:
+            return f"{self._written(wall.function + wall.whole)} is a whole number"
+        return f"{self._written(wall.function)} = 0"
+
+    def _written(self, expr: Any) -> str:
+        return _shown(self.field.door.outward(expr))
+
+
+@dataclass(frozen=True)
+class _Jump:
+    """A jump with its witness; without one it is open whether there is any.  With a ``domain`` the
+    verdict is one for each side of the wall: motions keep it, or the field jumps there, too."""
+
+    words: str
+    period: Any
+    witness: Any
+    domain: str = ""
+
+
+def _is_positive(mass: Any) -> bool:
+    """Whether a matrix is positive definite: its leading minors are positive."""
+    rows = mass.tolist()
+    sizes = range(1, len(rows) + 1)
+    minors = (flint.arb_mat([row[:n] for row in rows[:n]]).det() for n in sizes)
+    return all(minor > 0 for minor in minors)
+
+
+def _is_negative(expr: Any) -> bool:
+    factors = expr.args if isinstance(expr, se.Mul) else (expr,)
+    return any(f.is_Number and f < 0 for f in factors)
+
+
+def _smallest(periods: Sequence[Any]) -> list[Any]:
+    """Periods of which all others are multiples."""
+    groups: dict[Any, list[Any]] = {}
+    for period in periods:
+        for first in groups:
+            ratio = (period / first).expand()
+            if isinstance(ratio, se.Rational):
+                groups[first].append(ratio)
+                break
+        else:
+            groups[period] = [se.Integer(1)]
+    return [first * reduce(_common, ratios) for first, ratios in groups.items()]
+
+
+def _common(a: Any, b: Any) -> Any:
+    """The largest rational of which two are whole multiples."""
+    below = int(a.q) * int(b.q)
+    return se.Integer(gcd(int(a.p) * int(b.q), int(b.p) * int(a.q))) / se.Integer(below)
+
+
+def _shown(expr: Any) -> str:
+    return str(shown(expr))
