@@ -14,8 +14,8 @@ from voronec.audit.correction.changes import Change, Spare, applied
 from voronec.audit.correction.edits import single_changes
 from voronec.audit.correction.mending import Search
 from voronec.audit.correction.missing import repairs
+from voronec.audit.formula import Formula
 from voronec.audit.latex.reader import read
-from voronec.audit.transcript import Formula
 from voronec.audit.verify import verify
 
 x, y, w, m, c, M = sp.symbols("x y w m c M")

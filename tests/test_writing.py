@@ -17,7 +17,7 @@ from voronec.errors import DefinitionError
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from voronec.writing import workshop
+from voronec.declaration.whole_files import workshop
 with workshop(Path(sys.argv[1])) as made:
     (made / "big").write_bytes(bytes(1000))
     os.kill(os.getpid(), signal.SIGKILL)

@@ -23,7 +23,7 @@ from time import process_time
 import heyoka as hy
 hy.llvm_state.set_diskcache_path(sys.argv[1])
 import voronec as vo
-from voronec.bench.setup_time import _import_everything
+from voronec.accuracy.bench.setup_time import _import_everything
 _import_everything()
 ball = vo.load("chaplygin-ball")
 times = []

@@ -23,14 +23,13 @@ from typing import Any
 WORKER = """
 import json, sys, time
 import voronec as vo
-from voronec.catalogue import names
 
 known = {}
 for line in sys.stdin:
     system, scene, method = json.loads(line)
     try:
         if not system:
-            found = {name: list(vo.load(name).scenes) for name in names()}
+            found = {name: list(vo.load(name).scenes) for name in vo.names()}
         else:
             if system not in known:
                 known.clear()

@@ -15,6 +15,7 @@ from voronec.algebra.verdicts import prove_equal
 from voronec.audit import Display, Section, Study, Transcript
 from voronec.audit.comparisons import value_of
 from voronec.audit.consistency import Examined
+from voronec.audit.formula import Formula
 from voronec.audit.latex.nodes import Chain, Integral, Node
 from voronec.audit.latex.reader import read
 from voronec.audit.meaning import SENSELESS, evaluate
@@ -22,7 +23,7 @@ from voronec.audit.record import VERDICTS
 from voronec.audit.run import Item, Work, items
 from voronec.audit.slots import Labels
 from voronec.audit.structure import holds_always, integrand, new_names
-from voronec.audit.transcript import Formula, assignments
+from voronec.audit.transcript import assignments
 from voronec.errors import VoronecError
 
 __all__ = ["NOTICED", "Page", "Trial", "same_claim"]

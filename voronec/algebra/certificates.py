@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import flint
 import symengine as se
@@ -18,11 +18,9 @@ import sympy as sp
 from voronec.algebra.conditions import comparisons, parted
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import Fraction
-from voronec.algebra.tape import nodes
+from voronec.algebra.graphs import nodes
+from voronec.algebra.ring import Ring
 from voronec.errors import EngineLimit
-
-if TYPE_CHECKING:
-    from voronec.algebra.ring import Ring
 
 __all__ = ["Sign", "Signs"]
 

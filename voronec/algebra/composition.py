@@ -20,10 +20,11 @@ from voronec.algebra.certificates import Sign, Signs
 from voronec.algebra.conditions import parted
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factors
+from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.normal import canonical
 from voronec.algebra.ring import Ring
-from voronec.algebra.roots import defined_where
-from voronec.algebra.tape import Tape, is_atom, nodes
+from voronec.algebra.roots import defined_where, ring_over
+from voronec.algebra.tape import Tape
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["angles_of", "are_equal", "folded"]
@@ -66,7 +67,7 @@ def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces:
         return False
     left, right = folded([left, right])
     known += () if in_pieces else _real_where([left, right], whole)
-    ring = Ring([left, right], known, work_limit)
+    ring = ring_over([left, right], known, work_limit)
     if ring.fraction(left - right).num == 0:
         return True
     return _same_squares(ring, left, right, known)
@@ -264,7 +265,7 @@ class Composition:
     def _is_positive(self, expr: Any) -> bool:
         """Whether it is known that an expression is positive."""
         try:
-            ring = Ring([expr], self._hypotheses, INNER_WORK)
+            ring = ring_over([expr], self._hypotheses, INNER_WORK)
             sign = Signs.of(ring, self._conditions, bounded=True).of_fraction(ring.fraction(expr))
         except (EngineLimit, DefinitionError):
             return False
@@ -282,7 +283,7 @@ class Composition:
         """The sum of the logarithms of the sizes of factors; a single factor of either sign stays
         as it is, so that nothing is said of log(x) where x is negative."""
         try:
-            ring = Ring([argument], self._hypotheses, INNER_WORK)
+            ring = ring_over([argument], self._hypotheses, INNER_WORK)
             fraction = ring.fraction(argument)
             unit, factors = irreducible_factors(fraction.num)
             signs = Signs.of(ring, self._conditions, bounded=True)
@@ -329,7 +330,7 @@ class Composition:
         reciprocal."""
         argument = self._normal(argument)
         try:
-            ring = Ring([argument], self._hypotheses, INNER_WORK)
+            ring = ring_over([argument], self._hypotheses, INNER_WORK)
             fraction = ring.fraction(argument)
             if fraction.num == 0:
                 return se.Integer(0)

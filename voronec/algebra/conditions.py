@@ -25,7 +25,6 @@ __all__ = [
     "comparisons",
     "condition",
     "domain_of",
-    "known_of",
     "moved_hypotheses",
     "parted",
     "substituted_conditions",
@@ -39,28 +38,6 @@ def parted(hypotheses: Iterable[Any]) -> tuple[list[Any], list[Any]]:
     for entry in hypotheses:
         (conditions if isinstance(entry, Boolean) else equations).append(entry)
     return equations, conditions
-
-
-def known_of(thing: sp.Expr, inside: Any) -> Iterator[Any]:
-    """What SymPy knows of a symbol or a function, as hypotheses on what it is inside."""
-    if thing.is_zero:
-        yield inside
-    elif thing.is_positive:
-        yield inside > 0
-    elif thing.is_negative:
-        yield inside < 0
-    else:
-        if thing.is_nonnegative:
-            yield inside >= 0
-        if thing.is_nonpositive:
-            yield inside <= 0
-        if thing.is_nonzero:
-            yield se.Ne(inside, 0)
-    if thing.is_integer:
-        shift = 1 if thing.is_odd else 0
-        step = 2 if thing.is_odd or thing.is_even else 1
-        whole = (inside + shift) / step
-        yield se.Eq(se.floor(whole), whole)
 
 
 def condition(given: Any, inward: Any) -> Any:

@@ -8,7 +8,7 @@ Decimal numbers are read as the decimals they were written as: ``9.81`` is ``981
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import isfinite
 from typing import Any
 
@@ -17,10 +17,9 @@ import sympy as sp
 from symengine.lib.symengine_wrapper import BooleanAtom
 from sympy.core.function import AppliedUndef
 
-from voronec.algebra.conditions import known_of
+from voronec.algebra.graphs import nodes
 from voronec.algebra.piecewise import written_with_signs
 from voronec.algebra.symbols import plain_name, time, velocity
-from voronec.algebra.tape import nodes
 from voronec.algebra.text import shown, sympified
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -205,7 +204,7 @@ class Door:
                     raise DefinitionError(
                         f"'{thing}' is not real; equalities are between real numbers"
                     )
-                found += known_of(thing, inside)
+                found += _known_of(thing, inside)
         return found
 
     def outward(self, expr: Any) -> sp.Expr:
@@ -307,3 +306,25 @@ def _real_where(node: Any, enter: Callable[[Any], Any]) -> Any:
         base = enter(node.base)
         return base > 0 if node.exp < 0 else base >= 0
     return 1 - enter(node.args[0]) ** 2 >= 0 if isinstance(node, sp.asin | sp.acos) else None
+
+
+def _known_of(thing: sp.Expr, inside: Any) -> Iterator[Any]:
+    """What SymPy knows of a symbol or a function, as hypotheses on what it is inside."""
+    if thing.is_zero:
+        yield inside
+    elif thing.is_positive:
+        yield inside > 0
+    elif thing.is_negative:
+        yield inside < 0
+    else:
+        if thing.is_nonnegative:
+            yield inside >= 0
+        if thing.is_nonpositive:
+            yield inside <= 0
+        if thing.is_nonzero:
+            yield se.Ne(inside, 0)
+    if thing.is_integer:
+        shift = 1 if thing.is_odd else 0
+        step = 2 if thing.is_odd or thing.is_even else 1
+        whole = (inside + shift) / step
+        yield se.Eq(se.floor(whole), whole)

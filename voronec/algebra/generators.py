@@ -15,7 +15,7 @@ from typing import Any
 import flint
 import symengine as se
 
-from voronec.algebra.tape import is_atom, is_flat
+from voronec.algebra.graphs import is_atom, is_flat
 from voronec.errors import EngineLimit
 
 __all__ = ["Generators", "holds_far_multiples", "linear_terms", "prime_factors"]

@@ -11,7 +11,7 @@ import sympy as sp
 from voronec.algebra.door import Door
 from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.generators import TRIGONOMETRIC, holds_far_multiples
-from voronec.algebra.ring import Ring
+from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expanded, expression
 
 __all__ = ["canonical", "canonical_for_numbers", "quotient", "shorten", "shortest"]
@@ -28,7 +28,7 @@ def shortest(
     ``relations`` vanish; ``group`` are symbols by which numerators may be collected.  Raises
     ``EngineLimit`` where the normal form is beyond the work limit.
     """
-    ring = Ring([*exprs, *group], relations, work_limit)
+    ring = ring_over([*exprs, *group], relations, work_limit)
     return [expression(ring, ring.field.absorbed(ring.fraction(e)), group) for e in exprs]
 
 
@@ -36,7 +36,7 @@ def canonical(
     exprs: Sequence[Any], relations: Sequence[Any] = (), work_limit: int = WORK_LIMIT
 ) -> list[Any]:
     """Each symengine expression as an expanded fraction: what ``shortest`` starts from."""
-    ring = Ring(exprs, relations, work_limit)
+    ring = ring_over(exprs, relations, work_limit)
     return [expanded(ring, ring.field.absorbed(ring.fraction(e))) for e in exprs]
 
 
@@ -54,7 +54,7 @@ def canonical_for_numbers(exprs: Sequence[Any], relations: Sequence[Any] = ()) -
 
 def quotient(expr: Any, relations: Sequence[Any] = ()) -> tuple[Any, Any]:
     """Numerator and denominator of a symengine expression, without common factors."""
-    ring = Ring([expr], relations)
+    ring = ring_over([expr], relations)
     element = ring.field.absorbed(ring.fraction(expr))
     return ring.polynomial(element.num), ring.polynomial(ring.field.denominator(element.den))
 

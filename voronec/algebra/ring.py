@@ -7,7 +7,7 @@ expression is zero only if the expression vanishes wherever it is defined: that 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from math import gcd, lcm
 from typing import Any
 
@@ -15,7 +15,6 @@ import flint
 import symengine as se
 from flint.utils.flint_exceptions import DomainError
 
-from voronec.algebra.conditions import parted
 from voronec.algebra.field import WORK_LIMIT, Field, Fraction
 from voronec.algebra.generators import (
     HYPERBOLIC,
@@ -25,9 +24,8 @@ from voronec.algebra.generators import (
     pi_multiple,
     prime_factors,
 )
+from voronec.algebra.graphs import is_flat
 from voronec.algebra.groebner import groebner_basis
-from voronec.algebra.roots import Roots
-from voronec.algebra.tape import is_flat
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Monomial", "Ring", "sparse_terms"]
@@ -50,18 +48,20 @@ def sparse_terms(poly: Any) -> dict[Monomial, Any]:
 class Ring:
     """The field of fractions of Q[generators]/relations that holds ``exprs``.
 
-    ``relations`` are expressions that vanish, and conditions: with these the roots of products are
-    products of roots.  ``field`` does the arithmetic; ``meaning[i]`` is the expression that
-    generator i stands for.
+    ``relations`` are expressions that vanish.  ``apart`` rewrites expressions before they are read:
+    ``voronec.algebra.roots.ring_over`` takes the roots of products apart so.  ``field`` does the
+    arithmetic; ``meaning[i]`` is the expression that generator i stands for.
     """
 
     def __init__(
-        self, exprs: Iterable[Any], relations: Sequence[Any] = (), work_limit: int = WORK_LIMIT
+        self,
+        exprs: Iterable[Any],
+        relations: Iterable[Any] = (),
+        work_limit: int = WORK_LIMIT,
+        apart: Callable[[Any], Any] | None = None,
     ) -> None:
-        exprs = [*exprs]
-        equations, conditions = parted(relations)
-        self._split = Roots.of([*exprs, *equations], conditions) if conditions else None
-        exprs, equations = [self._apart(e) for e in exprs], [self._apart(e) for e in equations]
+        self._apart = apart
+        exprs, equations = [self._read(e) for e in exprs], [self._read(e) for e in relations]
         self.found = Generators()
         self.found.scan(exprs)
         self.found.scan(equations)
@@ -74,9 +74,8 @@ class Ring:
             self.field.add_rule(self._index[s], 2, 1 - self._gen(c) ** 2)
         self._declare(equations)
 
-    def _apart(self, expr: Any) -> Any:
-        """An expression with its roots apart, where conditions allow it."""
-        return expr if self._split is None else self._split.apart(expr)
+    def _read(self, expr: Any) -> Any:
+        return expr if self._apart is None else self._apart(expr)
 
     def _named(self, bound: bool) -> Any:
         """The context, radicals (outermost first) before sines before everything else.
@@ -143,7 +142,7 @@ class Ring:
 
     def fraction(self, expr: Any) -> Fraction:
         """The element that a symengine expression stands for."""
-        return self._element(self._apart(expr))
+        return self._element(self._read(expr))
 
     def _element(self, expr: Any) -> Fraction:
         known = self._memo.get(expr)

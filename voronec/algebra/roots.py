@@ -8,22 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import symengine as se
 
 from voronec.algebra.certificates import Signs
-from voronec.algebra.conditions import comparisons
+from voronec.algebra.conditions import comparisons, parted
 from voronec.algebra.factors import irreducible_factors
-from voronec.algebra.field import Fraction
+from voronec.algebra.field import WORK_LIMIT, Fraction
 from voronec.algebra.generators import TRIGONOMETRIC, prime_factors
-from voronec.algebra.tape import is_atom, nodes
+from voronec.algebra.graphs import is_atom, nodes
+from voronec.algebra.ring import Ring
 from voronec.errors import EngineLimit
 
-if TYPE_CHECKING:
-    from voronec.algebra.ring import Ring
-
-__all__ = ["Roots", "defined_where"]
+__all__ = ["Roots", "defined_where", "ring_over"]
 
 TERMS = 60
 """The sign of a factor with more terms is not asked for."""
@@ -66,8 +64,6 @@ class Roots:
     @classmethod
     def of(cls, exprs: Sequence[Any], conditions: Sequence[Any]) -> Roots | None:
         """For given expressions; None where there is nothing to be taken apart."""
-        from voronec.algebra.ring import Ring
-
         inner = [*dict.fromkeys(_arguments(exprs))]
         if not any(a.args for a in inner):
             return None
@@ -233,3 +229,14 @@ def _primes(number: Any) -> list[tuple[Any, int]]:
     """The prime factors of a positive rational number, with their exponents."""
     above, below = (prime_factors(int(n)) for n in (number.p, number.q))
     return [(se.Integer(p), e) for p, e in (*above.items(), *((p, -e) for p, e in below.items()))]
+
+
+def ring_over(
+    exprs: Iterable[Any], relations: Sequence[Any] = (), work_limit: int = WORK_LIMIT
+) -> Ring:
+    """The ring that holds ``exprs`` where ``relations`` hold: expressions that vanish, and
+    conditions, with which the roots of products are products of roots."""
+    exprs = [*exprs]
+    equations, conditions = parted(relations)
+    roots = Roots.of([*exprs, *equations], conditions) if conditions else None
+    return Ring(exprs, equations, work_limit, None if roots is None else roots.apart)

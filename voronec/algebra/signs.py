@@ -21,6 +21,7 @@ from voronec.algebra.arguments import SEVERAL, TEXT, accepts
 from voronec.algebra.certificates import Signs
 from voronec.algebra.door import Door
 from voronec.algebra.ring import Ring
+from voronec.algebra.roots import ring_over
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import sympified
@@ -237,7 +238,7 @@ def known_sign(expr: Any, hypotheses: Sequence[Any] = (), strict: bool = False) 
     ``hypotheses`` vanish, or are conditions that hold; ``strict``: nor is it zero.
     """
     try:
-        ring = Ring([expr], hypotheses)
+        ring = ring_over([expr], hypotheses)
         found = Signs.of(ring, hypotheses, bounded=True).of_fraction(ring.fraction(expr))
     except EngineLimit:
         return 0

@@ -22,9 +22,10 @@ from typing import Any
 import flint
 import symengine as se
 
+from voronec.algebra.graphs import is_atom
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.ring import Ring
-from voronec.algebra.tape import Tape, is_atom
+from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
 __all__ = [

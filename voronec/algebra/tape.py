@@ -6,7 +6,7 @@ what comes out encloses the exact value: a ball that excludes zero is a proof.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.graphs import is_atom, is_flat
 from voronec.algebra.numeric_functions import (
     EXPM1,
     EXPREL,
@@ -29,7 +30,7 @@ from voronec.algebra.numeric_functions import (
 from voronec.algebra.text import exact_number
 from voronec.errors import DefinitionError, EngineLimit, shown
 
-__all__ = ["Tape", "as_ball", "is_atom", "is_flat", "nodes"]
+__all__ = ["Tape", "as_ball"]
 
 _UNARY: dict[type, Callable[[Any], Any]] = {
     se.sin: lambda a: a.sin(),
@@ -66,30 +67,6 @@ _CONSTANTS: dict[Any, Callable[[], Any]] = {
     se.pi: flint.arb.pi,
     se.E: flint.arb.const_e,
 }
-
-
-def is_flat(expr: Any) -> bool:
-    """Whether an expression is a derivative of a sign or a floor, zero where it exists."""
-    if isinstance(expr, se.Subs):
-        return is_flat(expr.expr)
-    return isinstance(expr, se.Derivative) and isinstance(expr.args[0], (se.sign, se.floor))
-
-
-def is_atom(expr: Any) -> bool:
-    """Whether a symengine expression is a symbol, an unknown function or a derivative of one."""
-    kinds = (se.Symbol, se.FunctionSymbol, se.Derivative, se.Subs)
-    return isinstance(expr, kinds) and not is_flat(expr) and numeric_name(expr) is None
-
-
-def nodes(exprs: Iterable[Any]) -> Iterator[Any]:
-    """Every node of expression graphs once; unknown functions as they stand."""
-    seen, waiting = set[Any](), list(exprs)
-    while waiting:
-        node = waiting.pop()
-        if node not in seen:
-            seen.add(node)
-            yield node
-            waiting += () if is_atom(node) else node.args
 
 
 def as_ball(number: Any) -> Any:

@@ -18,8 +18,7 @@ from voronec.algebra.door import Door
 from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.generators import linear_terms
 from voronec.algebra.points import sample_evaluable
-from voronec.algebra.ring import Ring
-from voronec.algebra.roots import defined_where
+from voronec.algebra.roots import defined_where, ring_over
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import shown, sympified
@@ -188,7 +187,7 @@ def decide_equal(
         given = (equations, [*equations, *known]) if known else (equations,)
         for left, right in _forms(a, b):
             for hypotheses in given:
-                if Ring([left, right], hypotheses, work_limit).fraction(left - right).num == 0:
+                if ring_over([left, right], hypotheses, work_limit).fraction(left - right).num == 0:
                     return Verdict("proved", "zero in exact normal form")
     except EngineLimit as limit:
         reason = str(limit)

@@ -19,9 +19,10 @@ import symengine as se
 
 from voronec.algebra.conditions import domain_of, parted
 from voronec.algebra.factors import irreducible_factors
+from voronec.algebra.graphs import nodes
 from voronec.algebra.points import consistent, lifted
 from voronec.algebra.ring import Ring
-from voronec.algebra.tape import Tape, nodes
+from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
 __all__ = ["Search", "walls_of"]

@@ -5,10 +5,12 @@ from __future__ import annotations
 from voronec.algebra.normal import shorten
 from voronec.algebra.verdicts import Verdict
 from voronec.audit.cache import Cache
+from voronec.audit.display import Check, Convention, Display
 from voronec.audit.meaning import direction
-from voronec.audit.paper import Check, Convention, Display, Paper, Section, Sentence
+from voronec.audit.paper import Paper, Section
 from voronec.audit.record import Audit, FormulaRecord, Record
 from voronec.audit.run import audit_paper
+from voronec.audit.sentence import Sentence
 from voronec.audit.slots import Interval, Quoted, Reference, one_of, tight
 from voronec.audit.study import Motion, Range, Study
 from voronec.audit.transcript import Transcript

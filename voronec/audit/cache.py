@@ -15,8 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from voronec.audit.consistency import Examined
-from voronec.audit.paper import Check, Display, Section, Sentence
+from voronec.audit.display import Check, Display
+from voronec.audit.paper import Section
 from voronec.audit.record import FormulaRecord
+from voronec.audit.sentence import Sentence
 from voronec.proof.verdict_store import Store, closure, digest
 
 __all__ = ["Basis", "Cache"]

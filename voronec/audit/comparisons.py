@@ -10,11 +10,11 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import time
+from voronec.audit.display import Check
 from voronec.audit.hooks import asked
 from voronec.audit.latex.nodes import Chain, Integral
 from voronec.audit.latex.tokens import Misprint
 from voronec.audit.meaning import evaluate, rate
-from voronec.audit.paper import Check
 from voronec.audit.structure import integrand, names_constant, new_names, whole_name
 from voronec.audit.study import Study
 from voronec.audit.transcript import assignments

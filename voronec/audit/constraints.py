@@ -16,11 +16,12 @@ from voronec.algebra.normal import shorten
 from voronec.algebra.signs import prove_inequality
 from voronec.algebra.verdicts import Verdict
 from voronec.audit.comparisons import accelerations
+from voronec.audit.display import Check
+from voronec.audit.formula import Formula
 from voronec.audit.latex.nodes import Chain
 from voronec.audit.meaning import evaluate
-from voronec.audit.paper import Check
 from voronec.audit.study import Study
-from voronec.audit.transcript import Formula, Transcript, assignments
+from voronec.audit.transcript import Transcript, assignments
 
 __all__ = ["independent_conditions"]
 

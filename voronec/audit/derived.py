@@ -12,10 +12,10 @@ from sympy.core.function import AppliedUndef
 from voronec.algebra.normal import shorten
 from voronec.algebra.text import sympified
 from voronec.audit.comparisons import accelerations
+from voronec.audit.display import Check
 from voronec.audit.hooks import HookError, asked
 from voronec.audit.latex.nodes import Call, Chain, Dot, Name, Node, walk
 from voronec.audit.meaning import SENSELESS, evaluate
-from voronec.audit.paper import Check
 from voronec.audit.structure import mentions, names_constant, whole_name
 from voronec.audit.study import Study, key_of
 from voronec.audit.transcript import assignments, instance, text_of

@@ -13,18 +13,20 @@ from voronec.algebra.verdicts import Verdict
 from voronec.audit.constraints import independent_conditions
 from voronec.audit.correction import Correction, Spare, closed, correct
 from voronec.audit.derived import derived_latex
+from voronec.audit.display import Check, Decision
+from voronec.audit.formula import Formula
 from voronec.audit.hooks import HookError, asked
 from voronec.audit.latex.displays import Piece
 from voronec.audit.latex.nodes import Chain
 from voronec.audit.latex.reader import read, read_tokens
 from voronec.audit.latex.tokens import ELLIPSES, Misprint, Token
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
-from voronec.audit.paper import Check, Decision, Sentence
 from voronec.audit.record import FormulaRecord
+from voronec.audit.sentence import Sentence
 from voronec.audit.slots import Labels, tight
 from voronec.audit.structure import free_indices, marks, mentions, new_names
 from voronec.audit.study import Range, Study, UnknownRate
-from voronec.audit.transcript import Formula, Transcript
+from voronec.audit.transcript import Transcript
 from voronec.audit.verify import Finding, by_range, verify
 from voronec.audit.wording import loose_index, method_of, ranges_of, readable, with_note, witness_of
 from voronec.errors import DefinitionError, did_you_mean

@@ -9,14 +9,16 @@ from typing import Any
 
 from voronec.audit.cache import Basis, Cache
 from voronec.audit.consistency import Examined, defined, families, with_uses
+from voronec.audit.formula import Formula
 from voronec.audit.hooks import asked
 from voronec.audit.judge import Bench, judge_formula, judge_sentence
-from voronec.audit.paper import Paper, Section, Sentence
+from voronec.audit.paper import Paper, Section
 from voronec.audit.record import Audit, Record, called, worst
+from voronec.audit.sentence import Sentence
 from voronec.audit.slots import Labels
 from voronec.audit.structure import definitions_in, mentions
 from voronec.audit.study import Study
-from voronec.audit.transcript import Formula, Transcript, formulas_by_label
+from voronec.audit.transcript import Transcript, formulas_by_label
 from voronec.errors import DefinitionError, did_you_mean
 
 __all__ = ["Item", "Work", "audit_paper", "audit_section", "items"]

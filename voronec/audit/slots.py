@@ -17,8 +17,8 @@ from voronec.audit.latex.reader import read_tokens
 from voronec.errors import DefinitionError, did_you_mean
 
 if TYPE_CHECKING:
+    from voronec.audit.formula import Formula
     from voronec.audit.study import Study
-    from voronec.audit.transcript import Formula
 
 __all__ = ["KINDS", "Interval", "Labels", "Quoted", "Reference", "Slot", "one_of", "tight"]
 

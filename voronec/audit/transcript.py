@@ -7,36 +7,15 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 
-from voronec.audit.latex.displays import Piece, Unit, script_ranges
+from voronec.audit.formula import Formula
+from voronec.audit.latex.displays import script_ranges
 from voronec.audit.latex.nodes import Chain, Node
-from voronec.audit.latex.reader import read_tokens
-from voronec.audit.latex.vocabulary import Vocabulary
-from voronec.audit.paper import Display, Section
+from voronec.audit.paper import Section
 from voronec.audit.structure import free_indices
 from voronec.audit.study import Study
 from voronec.errors import DefinitionError
 
 __all__ = ["Formula", "Transcript", "assignments", "formulas_by_label", "instance", "text_of"]
-
-
-@dataclass(frozen=True)
-class Formula:
-    """One formula with its place: unit, piece, position in the display."""
-
-    display: Display
-    unit: Unit
-    piece: Piece
-    position: int
-    kind: str = "display"
-
-    @property
-    def printed(self) -> str:
-        """The formula as it stands in the source, without alignment marks and labels."""
-        return source_of(self.piece, self.unit.display)
-
-    def tree(self, vocabulary: Vocabulary) -> Chain:
-        """The formula, parsed."""
-        return read_tokens(self.piece.tokens, self.unit.display, vocabulary)
 
 
 @dataclass(frozen=True)
@@ -89,26 +68,6 @@ def assignments(chain: Chain, study: Study) -> list[dict[str, int]]:
     letters = free_indices(chain, study)
     ranges = [range(1, study.indices[x] + 1) for x in letters]
     return [dict(zip(letters, values, strict=True)) for values in product(*ranges)]
-
-
-def source_of(piece: Piece, display: str) -> str:
-    """The source text of a formula: its words with the spacing between them as printed."""
-    parts = []
-    last = None
-    for token in piece.tokens:
-        if last is not None:
-            gap = display[last : token.start]
-            parts.append(_gap(gap))
-        parts.append(display[token.start : token.end])
-        last = token.end
-    return "".join(parts)
-
-
-def _gap(gap: str) -> str:
-    """What stands between two words, without alignment, line ends, labels and environments."""
-    gap = re.sub(r"\\label\s*\{[^}]*\}|\\nonumber|\\(?:begin|end)\{\w+\*?\}", "", gap)
-    gap = re.sub(r"&|\\\\", "", gap)
-    return re.sub(r"\s+", " ", gap)
 
 
 def text_of(part: Node, source: str) -> str:

@@ -15,9 +15,9 @@ from voronec.algebra.signs import prove_inequality
 from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import Verdict, prove_equal
 from voronec.audit.comparisons import Comparison, accelerations, comparisons, value_of
+from voronec.audit.display import Check, Decision
 from voronec.audit.hooks import HookError, asked
 from voronec.audit.latex.nodes import Chain, Integral, Name, Number, walk
-from voronec.audit.paper import Check, Decision
 from voronec.audit.structure import integrand, says_nothing
 from voronec.audit.study import Range, Study, key_of
 from voronec.errors import EngineLimit

@@ -8,12 +8,12 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.verdicts import Witness
+from voronec.audit.display import Check
+from voronec.audit.formula import Formula
 from voronec.audit.latex.nodes import Chain
-from voronec.audit.paper import Check
 from voronec.audit.record import FormulaRecord
 from voronec.audit.structure import free_indices, names_constant
 from voronec.audit.study import Range, Study
-from voronec.audit.transcript import Formula
 from voronec.audit.verify import Finding
 
 __all__ = ["loose_index", "method_of", "ranges_of", "readable", "with_note", "witness_of"]

@@ -128,7 +128,7 @@ def _run(commands: Any) -> None:
 
 def _check(commands: Any) -> None:
     summary = "prove or refute all claims, relations and squares"
-    parser = _command(commands, "check", "checking", summary)
+    parser = _command(commands, "check", "check", summary)
     parser.add_argument(
         "names",
         metavar="NAME|FILE",

@@ -6,8 +6,8 @@ Declarations only; ``voronec check`` proves them, and a run changes to them near
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import Any, Protocol
 
 import sympy as sp
 
@@ -15,13 +15,20 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.declaration.reading import expression, mapping, several, shown
 from voronec.errors import DefinitionError
 
-if TYPE_CHECKING:
-    from voronec.declaration.system import System
-
-__all__ = ["CHANGING", "Chart", "bare", "system_in"]
+__all__ = ["CHANGING", "Chart"]
 
 CHANGING = ("lagrangian", "constraints", "forces", "frame")
 """What may read differently in another chart."""
+
+
+class Variables(Protocol):
+    """Whatever has coordinates and velocities, as systems do."""
+
+    @property
+    def coordinates(self) -> tuple[sp.Expr, ...]: ...
+
+    @property
+    def velocities(self) -> tuple[sp.Expr, ...]: ...
 
 
 @dataclass(frozen=True)
@@ -83,17 +90,17 @@ class Chart:
                     f"a chart changes '{shown(name)}'; it may change {', '.join(CHANGING)}"
                 )
 
-    def values(self, system: System, part: str = "state") -> dict[sp.Expr, sp.Expr]:
+    def values(self, system: Variables, part: str = "state") -> dict[sp.Expr, sp.Expr]:
         """Every variable of the chart as a function of the system's; with ``back`` the other way
         round."""
         return self._values(system, getattr(self, part))
 
-    def twin_values(self, system: System) -> list[dict[sp.Expr, sp.Expr]]:
+    def twin_values(self, system: Variables) -> list[dict[sp.Expr, sp.Expr]]:
         """Every variable of the system as a function of its variables, for each of ``twins``."""
         return [self._values(system, twin) for twin in self.twins]
 
     @staticmethod
-    def _values(system: System, given: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
+    def _values(system: Variables, given: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
         dots = {velocity(q): q for q in system.coordinates}
         found = {}
         for x in (*system.coordinates, *system.velocities):
@@ -111,21 +118,3 @@ def _named_values(values: Any, part: str) -> Mapping[str, sp.Expr]:
     given = mapping(values, f"{part} of a chart", "variable: expression")
     read = {plain_name(k): expression(e, f"'{shown(k)}'") for k, e in given.items()}
     return mapping(read, part, "variable: expression")
-
-
-def system_in(system: System, name: str) -> System:
-    """A system in one of its charts, without its claims and scenes."""
-    return bare(system, f"{system.name}, {name}", **system.charts[name].changes)
-
-
-def bare(system: System, name: str, **changes: Any) -> System:
-    """A system by another name, with changes, without its claims, charts and scenes."""
-    empty: dict[str, Any] = {
-        **{x: {} for x in ("integrals", "equations", "invariants", "cases", "undecided")},
-        "scenes": {},
-        "charts": {},
-        **dict.fromkeys(("measure", "multiplier", "poisson", "drawing", "motion"), None),
-        "essential": (),
-        "integrable": "",
-    }
-    return replace(system, name=name, **{**empty, **changes})

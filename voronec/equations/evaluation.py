@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import flint
 import mpmath as mp
@@ -20,9 +20,6 @@ from voronec.declaration.system import System
 from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
 from voronec.errors import DefinitionError, EngineLimit
-
-if TYPE_CHECKING:
-    from voronec.equations.voronec_equations import VoronecEquations
 
 __all__ = ["acceleration", "check_added", "check_inertia", "named_point"]
 
@@ -113,10 +110,9 @@ def _checked(system: System, name: str, value: Any) -> Any:
 
 
 def acceleration(
-    eqs: VoronecEquations, point: Mapping[Any, Any], digits: int
+    system: System, raw: Derivation, point: Mapping[Any, Any], digits: int
 ) -> dict[sp.Expr, sp.Float]:
     """See ``VoronecEquations.acceleration``."""
-    system = eqs.system
     if not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= MOST_DIGITS:
         raise DefinitionError(
             f"system '{system.name}': digits = {shown(digits)}; give a whole number from 1 to "
@@ -124,7 +120,7 @@ def acceleration(
         )
     values = named_point(system, point)
     values |= {str(f): values[name] for name, f in jets(system).items() if name in values}
-    result = _accelerations(eqs.raw, values, digits)
+    result = _accelerations(raw, values, digits)
     if result is None:  # a pivot may vanish just here: solve the constraints for this point
         result = _accelerations(Derivation(read(system, values), False), values, digits)
     if result is None:

@@ -20,6 +20,7 @@ from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.rank import proved_rank
 from voronec.algebra.ring import Ring
+from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expression
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import sympified
@@ -95,7 +96,7 @@ def descend(
     targets += [derivation.connection.flow_derivative(g, derivation.rates) for g in inside]
     targets = canonical(targets, eqs.definition.relations)  # cancel before tags come in
     ideal = [*eqs.definition.relations, *(g - t for g, t in zip(inside, tags, strict=True))]
-    ring = Ring([*targets, *inside, *tags, *eqs.definition.velocities], ideal)
+    ring = ring_over([*targets, *inside, *tags, *eqs.definition.velocities], ideal)
     group = [v for v in eqs.definition.velocities if ring.has(v)]
     moving = _coordinate_generators(ring, eqs.definition.coordinates)
     found = []
@@ -126,7 +127,7 @@ def in_invariants(
     tags = [se.Symbol(name) for name in chosen]
     plain = canonical(exprs, eqs.definition.relations)
     ideal = [*eqs.definition.relations, *(g - t for g, t in zip(inside, tags, strict=True))]
-    ring = Ring([*plain, *inside, *tags, *eqs.definition.velocities], ideal)
+    ring = ring_over([*plain, *inside, *tags, *eqs.definition.velocities], ideal)
     group = [v for v in eqs.definition.velocities if ring.has(v)]
     free = [q for q in eqs.definition.coordinates if q not in kept]
     moving = _coordinate_generators(ring, free)

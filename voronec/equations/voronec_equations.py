@@ -354,7 +354,7 @@ class VoronecEquations:
 
         ``point`` gives coordinates, velocities v, parameters (defaults stand in) and ``time``.
         """
-        return acceleration(self, point, digits)
+        return acceleration(self.system, self.raw, point, digits)
 
     def latex(self) -> str:
         """The equations as a LaTeX ``aligned`` block."""

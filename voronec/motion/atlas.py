@@ -13,8 +13,8 @@ import symengine as se
 
 from voronec.algebra.angles import Angles, holds_angles
 from voronec.algebra.symbols import velocity
-from voronec.declaration.charts import system_in
 from voronec.declaration.scene import Scene
+from voronec.declaration.system import system_in
 from voronec.equations.program import Program, compiled
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.motion.events import Event

@@ -13,9 +13,8 @@ from voronec.algebra.symbols import plain_name
 from voronec.closed import ClosedForm, Problem, prepared
 from voronec.closed.arithmetic import exact
 from voronec.closed.compiled_motion import motion_of
-from voronec.declaration.checks import require_possible
 from voronec.declaration.scene import Scene
-from voronec.declaration.system import System, require_system
+from voronec.declaration.system import System, require_possible, require_system
 from voronec.errors import DefinitionError
 from voronec.motion.request import Given, Values, scene_of
 from voronec.motion.vocabulary import Vocabulary, number

@@ -21,7 +21,7 @@ import numpy as np
 import symengine as se
 
 from voronec.algebra.cardinal import cardinal_all
-from voronec.algebra.tape import is_atom
+from voronec.algebra.graphs import is_atom
 
 __all__ = ["Divisor", "Field", "around", "bases", "crossed", "divisors", "without_factors"]
 

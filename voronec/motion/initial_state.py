@@ -14,8 +14,8 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import names_in, plain_name
-from voronec.declaration.checks import require_possible
 from voronec.declaration.reading import mapping, shown, texts_read
+from voronec.declaration.system import require_possible
 from voronec.equations.program import Program, compiled
 from voronec.errors import DefinitionError
 from voronec.motion.velocity_conditions import CONSISTENT, Rates, changes, met

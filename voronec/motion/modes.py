@@ -19,15 +19,14 @@ from voronec.algebra.normal import canonical, canonical_for_numbers
 from voronec.algebra.signs import prove_inequality
 from voronec.equations.program import Block, Program
 from voronec.equations.program.digits import compiled_digits
+from voronec.equations.program.straight import opened, with_plain_roots
 from voronec.equations.program.walls import (
     SATURATED,
     Sides,
     Wall,
     has_walls,
-    opened,
     plain_roots,
     radicands,
-    with_plain_roots,
 )
 from voronec.errors import EngineLimit
 from voronec.motion.state_probe import quantities

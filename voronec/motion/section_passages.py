@@ -20,9 +20,8 @@ from voronec.motion.vocabulary import number
 
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
-    from voronec.motion.sections import Watch
 
-__all__ = ["Passages", "Paths", "Zeros", "pass_lanes", "pass_scipy", "zeros"]
+__all__ = ["Passages", "Paths", "Watch", "Zeros", "pass_lanes", "pass_scipy", "zeros"]
 
 
 SAMPLES = 4
@@ -35,6 +34,15 @@ GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 Quantity = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """``(t, states (m, n), lane (m,))`` to values (m,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Watch:
+    """The plane's quantity: ``function(t, states (m, n), values (m, p))``, and which entries of
+    the state it holds."""
+
+    function: Callable[[Any, np.ndarray, np.ndarray], np.ndarray]
+    needed: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)

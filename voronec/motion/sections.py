@@ -24,7 +24,7 @@ from voronec.motion.ensembles import ensemble
 from voronec.motion.inputs import drive
 from voronec.motion.motion_pool import Many, at_each, drifts, many
 from voronec.motion.request import Values, outputs_of, quantity, scene_of, spread_starts
-from voronec.motion.section_passages import Passages, pass_lanes, pass_scipy
+from voronec.motion.section_passages import Passages, Watch, pass_lanes, pass_scipy
 from voronec.motion.separate_motions import Apart
 from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.steppers.scipy_stepper import FINEST
@@ -376,15 +376,6 @@ def _starts(
         starts = None
     single, columns = spread_starts(starts, parameters or {})
     return [{**own, **row} for row in single], columns
-
-
-@dataclass(frozen=True, eq=False)
-class Watch:
-    """The plane's quantity: ``function(t, states (m, n), values (m, p))``, and which entries of
-    the state it holds."""
-
-    function: Callable[[Any, np.ndarray, np.ndarray], np.ndarray]
-    needed: np.ndarray
 
 
 def _watch(motions: Many, name: str, value: float) -> Watch:

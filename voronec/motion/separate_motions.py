@@ -22,8 +22,7 @@ from voronec.motion.steppers import Problem, Run
 
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
-    from voronec.motion.section_passages import Passages
-    from voronec.motion.sections import Watch
+    from voronec.motion.section_passages import Passages, Watch
 
 __all__ = ["Apart"]
 

@@ -27,9 +27,9 @@ import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import sympified
-from voronec.declaration.charts import Chart, bare
+from voronec.declaration.charts import Chart
 from voronec.declaration.geometry import Fibration, Frame
-from voronec.declaration.system import System
+from voronec.declaration.system import System, bare
 from voronec.equations.definition import Definition, read
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.program import Program, compiled

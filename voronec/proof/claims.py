@@ -13,9 +13,9 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.graphs import is_atom
 from voronec.algebra.rank import generic_rank
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.tape import is_atom
 from voronec.algebra.verdicts import Verdict
 from voronec.declaration.claims import Case, Corrected, Equation, Measure, expressions_of, right_of
 from voronec.declaration.system import System

@@ -23,7 +23,7 @@ from voronec.algebra.branches import Branches, Wall, bounds_of, has_branches, is
 from voronec.algebra.conditions import domain_of, moved_hypotheses, parted
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import consistent, sample_point
-from voronec.algebra.ring import Ring
+from voronec.algebra.roots import ring_over
 from voronec.algebra.signs import known_sign
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, witness_at
@@ -305,7 +305,7 @@ class _Ground:
             if any(not value.contains(0) for value in self._values(expr, hypotheses)):
                 return False
             return any(  # most proofs need no signs, which cost more than they do
-                Ring([expr], known).fraction(expr).num == 0
+                ring_over([expr], known).fraction(expr).num == 0
                 for known in ((equations, hypotheses) if conditions else (equations,))
             )
         except DefinitionError:

@@ -10,9 +10,9 @@ import numpy as np
 from voronec.audit.comparisons import accelerations
 from voronec.audit.correction.sampling import Sampler, close
 from voronec.audit.correction.slots import Slot, plant
+from voronec.audit.display import Check
 from voronec.audit.hooks import asked
 from voronec.audit.latex.nodes import Chain, Node
-from voronec.audit.paper import Check
 from voronec.audit.structure import names_constant, new_names, whole_name
 from voronec.audit.study import Study
 

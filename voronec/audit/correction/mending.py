@@ -25,6 +25,8 @@ from voronec.audit.correction.goals import Where, along, holds, slots_of
 from voronec.audit.correction.missing import repairs
 from voronec.audit.correction.sampling import TOLERANCE, Sampler, close
 from voronec.audit.correction.slots import Slot
+from voronec.audit.display import Check
+from voronec.audit.formula import Formula
 from voronec.audit.latex.nodes import (
     Chain,
     Derivative,
@@ -41,7 +43,6 @@ from voronec.audit.latex.nodes import (
 from voronec.audit.latex.reader import read
 from voronec.audit.latex.tokens import Token, tokenize
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
-from voronec.audit.paper import Check
 from voronec.audit.structure import (
     free_indices,
     free_names,
@@ -52,7 +53,7 @@ from voronec.audit.structure import (
     whole_name,
 )
 from voronec.audit.study import Study, key_of
-from voronec.audit.transcript import Formula, assignments
+from voronec.audit.transcript import assignments
 from voronec.audit.verify import verify
 from voronec.errors import DefinitionError, VoronecError
 

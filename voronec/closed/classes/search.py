@@ -29,9 +29,8 @@ from voronec.closed.compiled_motion import prepared
 from voronec.closed.problem import Problem
 from voronec.closed.request import named
 from voronec.closed.space import turned_upright
-from voronec.declaration.checks import require_possible
 from voronec.declaration.scene import Scene
-from voronec.declaration.system import System
+from voronec.declaration.system import System, require_possible
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = [

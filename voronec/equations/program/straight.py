@@ -14,19 +14,19 @@ from typing import TYPE_CHECKING, Any
 
 import symengine as se
 
+from voronec.algebra.graphs import is_atom
 from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed
-from voronec.algebra.tape import is_atom
 from voronec.equations.program.low_rank import Elimination, eliminations
 from voronec.equations.program.triangular import coupled_rows
-from voronec.equations.program.walls import is_rough, plain_roots, with_plain_roots
+from voronec.equations.program.walls import is_rough, plain_roots
 from voronec.equations.program.weight import evaluation_weight, taylor_weight
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
 
-__all__ = ["Block", "Program", "nested"]
+__all__ = ["Block", "Program", "nested", "opened", "with_plain_roots"]
 
 
 def nested(expr: Any, constants: Iterable[Any]) -> Any:
@@ -373,3 +373,36 @@ def _check(place: str, exprs: Iterable[Any], known: Iterable[Any]) -> None:
                 "before evaluating numerically"
             )
         stack.extend(node.args)
+
+
+def opened(form: FirstOrderForm, exprs: Mapping[str, Any]) -> tuple[FirstOrderForm, dict[str, Any]]:
+    """A form, and expressions on it, without stages."""
+    known: dict[Any, Any] = {}
+    for name, expr in form.stages:
+        known[name] = expr.xreplace(known)
+
+    def change(expr: Any) -> Any:
+        return se.sympify(expr).xreplace(known)
+
+    return _changed(replace(form, stages=()), change), {n: change(e) for n, e in exprs.items()}
+
+
+def with_plain_roots(form: FirstOrderForm) -> FirstOrderForm:
+    """A form without roots of squares and derivatives of signs; the same one where it has none."""
+    exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]
+    exprs += [e for _, e in form.stages]
+    known: dict[Any, Any] = {}
+    still = frozenset(form.parameters)
+    if all(plain_roots(e, still, known) == e for e in map(se.sympify, exprs)):
+        return form
+    return _changed(form, lambda e: plain_roots(se.sympify(e), still, known))
+
+
+def _changed(form: FirstOrderForm, change: Callable[[Any], Any]) -> FirstOrderForm:
+    return replace(
+        form,
+        rates=tuple(map(change, form.rates)),
+        force=tuple(map(change, form.force)),
+        mass=tuple(tuple(map(change, row)) for row in form.mass),
+        stages=tuple((name, change(e)) for name, e in form.stages),
+    )

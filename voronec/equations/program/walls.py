@@ -8,20 +8,17 @@ found, and replaced by what it is on one side.  Roots of squares are absolute va
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import symengine as se
 
 from voronec.algebra.factors import irreducible_factors
+from voronec.algebra.graphs import is_flat
 from voronec.algebra.numeric_functions import formula
 from voronec.algebra.ring import Ring
-from voronec.algebra.tape import is_flat
 from voronec.errors import EngineLimit
-
-if TYPE_CHECKING:
-    from voronec.equations.derivation import FirstOrderForm
 
 __all__ = [
     "SATURATED",
@@ -29,10 +26,8 @@ __all__ = [
     "Wall",
     "has_walls",
     "is_rough",
-    "opened",
     "plain_roots",
     "radicands",
-    "with_plain_roots",
 ]
 
 SATURATED = se.Integer(17)
@@ -217,39 +212,6 @@ def _inside(expr: Any, meaning: Mapping[Any, Any]) -> Any:
             break
         expr = longer
     return expr
-
-
-def opened(form: FirstOrderForm, exprs: Mapping[str, Any]) -> tuple[FirstOrderForm, dict[str, Any]]:
-    """A form, and expressions on it, without stages."""
-    known: dict[Any, Any] = {}
-    for name, expr in form.stages:
-        known[name] = expr.xreplace(known)
-
-    def change(expr: Any) -> Any:
-        return se.sympify(expr).xreplace(known)
-
-    return _changed(replace(form, stages=()), change), {n: change(e) for n, e in exprs.items()}
-
-
-def with_plain_roots(form: FirstOrderForm) -> FirstOrderForm:
-    """A form without roots of squares and derivatives of signs; the same one where it has none."""
-    exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]
-    exprs += [e for _, e in form.stages]
-    known: dict[Any, Any] = {}
-    still = frozenset(form.parameters)
-    if all(plain_roots(e, still, known) == e for e in map(se.sympify, exprs)):
-        return form
-    return _changed(form, lambda e: plain_roots(se.sympify(e), still, known))
-
-
-def _changed(form: FirstOrderForm, change: Callable[[Any], Any]) -> FirstOrderForm:
-    return replace(
-        form,
-        rates=tuple(map(change, form.rates)),
-        force=tuple(map(change, form.force)),
-        mass=tuple(tuple(map(change, row)) for row in form.mass),
-        stages=tuple((name, change(e)) for name, e in form.stages),
-    )
 
 
 def plain_roots(

@@ -21,7 +21,8 @@ import flint
 import symengine as se
 
 from voronec.algebra.normal import canonical
-from voronec.algebra.ring import Ring, sparse_terms
+from voronec.algebra.ring import sparse_terms
+from voronec.algebra.roots import ring_over
 from voronec.equations.program import solved
 from voronec.errors import EngineLimit
 from voronec.motion.model.level import Level
@@ -109,7 +110,7 @@ def _split(
     pairs = [(j, k) for j in range(len(v)) for k in range(len(v))]
     products = [momenta[j] * v[k] for j, k in pairs]
     plain = canonical([*changes, *products], level.relations)
-    ring = Ring(plain, level.relations)
+    ring = ring_over(plain, level.relations)
     elements = [ring.fraction(e) for e in plain]
     if any(e.den for e in elements[len(changes) :]):
         return None

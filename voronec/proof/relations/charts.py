@@ -17,9 +17,9 @@ import symengine as se
 from voronec.algebra.angles import Angles
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.verdicts import Verdict
-from voronec.declaration.charts import Chart, system_in
+from voronec.declaration.charts import Chart
 from voronec.declaration.relation import Relation
-from voronec.declaration.system import System
+from voronec.declaration.system import System, system_in
 from voronec.equations.vector_field import Motions
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.claims import Claim

@@ -17,7 +17,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.generators import Generators
-from voronec.algebra.tape import is_atom
+from voronec.algebra.graphs import is_atom
 from voronec.algebra.verdicts import decide_zero
 from voronec.errors import EngineLimit
 

@@ -12,7 +12,7 @@ import sympy as sp
 
 from voronec.algebra.conditions import substituted_conditions
 from voronec.algebra.normal import canonical, shortest
-from voronec.algebra.ring import Ring
+from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expression
 from voronec.algebra.text import sympified
 from voronec.declaration.claims import Corrected
@@ -174,7 +174,7 @@ def _descended(motions: Motions, functions: Mapping[str, Any]) -> dict[str, Any]
     for name, function in functions.items():
         try:
             (target,) = canonical([function], definition.relations)
-            ring = Ring([target, *inside, *tags, *definition.velocities], ideal)
+            ring = ring_over([target, *inside, *tags, *definition.velocities], ideal)
             element = ring.fraction(target)
         except EngineLimit:
             continue
@@ -309,7 +309,7 @@ class _Reader:
         """The numerator of the determinant of the mass."""
         size, relations = len(self.field.mass), self.field.relations
         matrix = se.DenseMatrix(size, size, [e for row in self.field.mass for e in row])
-        ring = Ring([matrix.det()], relations)
+        ring = ring_over([matrix.det()], relations)
         above = ring.field.absorbed(ring.fraction(matrix.det())).num
         return shortest([ring.polynomial(above)], relations)[0]
 
