@@ -549,7 +549,7 @@ def test_bad_input_is_refused_in_one_line_that_says_what(case):
         assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("digits", [0, -3, 2.5, "30"])
-def test_digits_must_be_a_positive_whole_number(digits):
-    with pytest.raises(DefinitionError, match="positive whole number"):
+@pytest.mark.parametrize("digits", [0, -3, 2.5, "30", True, 10**5, 10**120])
+def test_digits_must_be_a_whole_number_within_bounds(digits):
+    with pytest.raises(DefinitionError, match="a whole number from 1 to 10000"):
         multiplier_acceleration(sleigh(), SLEIGH_POINT, digits)

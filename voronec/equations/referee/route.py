@@ -22,7 +22,7 @@ from voronec.declaration.system import System, require_system
 from voronec.equations.referee.linear import Elimination, Vector, eliminate, negligible
 from voronec.equations.referee.plan import Plan, make_plan
 from voronec.equations.referee.point import Exact, at_precision, read_point
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, shown
 
 __all__ = ["Reactions", "Solution", "multiplier_acceleration", "reaction_forces", "solve"]
 
@@ -231,6 +231,8 @@ def _split(flat: Vector, *lengths: int) -> list[Vector]:
 
 GUARD = 25
 """Decimal digits computed beyond those asked for."""
+MOST_DIGITS = 10_000
+"""More is work without end."""
 
 DOUBLINGS = 5
 """How often the precision is doubled before an answer is given up."""
@@ -311,8 +313,11 @@ def _labelled(things: tuple[sp.Expr, ...], numbers: Vector, digits: int) -> dict
 
 def _confirmed(system: System, point: Mapping[Any, Any], digits: int) -> Solution:
     """A solution of which two precisions agree to the digits asked for."""
-    if not isinstance(digits, int) or digits < 1:
-        raise DefinitionError(f"digits = {digits!r} is not a positive whole number")
+    if not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= MOST_DIGITS:
+        raise DefinitionError(
+            f"system '{system.name}': digits = {shown(digits)}; give a whole number from 1 to "
+            f"{MOST_DIGITS}"
+        )
     try:
         plan = _plan(system)
     except DefinitionError as error:
