@@ -553,3 +553,9 @@ def test_bad_input_is_refused_in_one_line_that_says_what(case):
 def test_digits_must_be_a_whole_number_within_bounds(digits):
     with pytest.raises(DefinitionError, match="a whole number from 1 to 10000"):
         multiplier_acceleration(sleigh(), SLEIGH_POINT, digits)
+
+
+@pytest.mark.parametrize("tower", [sp.exp(sp.exp(sp.Integer(7 * 10**8))), sp.cosh(sp.exp(30))])
+def test_a_number_beyond_all_sizes_is_refused_at_once(tower):
+    with pytest.raises(DefinitionError, match=r"'v' is .* no real number that can be written"):
+        multiplier_acceleration(sleigh(), {**SLEIGH_POINT, v: tower})

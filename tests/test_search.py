@@ -366,6 +366,7 @@ def test_the_outcome_goes_into_json() -> None:
     ("options", "words"),
     [
         ({"degree": -1}, "degree is -1; give a number"),
+        ({"positions": True}, "positions is True; give a number"),
         ({"at": {"I4": 1}}, "no parameter 'I4'; did you mean"),
         ({"at": {"I1": inertia[1], "I2": 1}}, "holds a parameter that has a value itself"),
         ({"functions": {"f": sp.Symbol("gama1")}}, "no symbol 'gama1'; did you mean 'gamma1'"),

@@ -22,6 +22,8 @@ __all__ = ["at_precision", "read_point"]
 
 Exact: TypeAlias = Fraction | mp.mpf | sp.Expr
 """A number without error: a fraction, a binary number of any length, or an exact expression."""
+LARGEST = 1e6
+"""Logarithm of the largest power that a number may hold: towers of exponentials have no end."""
 
 
 def read_point(system: System, point: Mapping[Any, Any], held: Set[str]) -> dict[str, Exact]:
@@ -90,7 +92,9 @@ def _exact(name: str, number: Any) -> Exact:
     except (DefinitionError, TypeError, ValueError, OverflowError, AttributeError):
         value = None
     if value is None:
-        raise DefinitionError(f"the value of '{name}' is '{number}', which is not a real number")
+        raise DefinitionError(
+            f"the value of '{name}' is '{number}', which is no real number that can be written"
+        )
     return value
 
 
@@ -113,8 +117,24 @@ def _read(number: Any) -> Exact | None:
         return Fraction(int(value.p), int(value.q))
     if isinstance(value, sp.Float):
         return _read(value)
-    real = isinstance(value, sp.Expr) and value.is_number and value.is_real and value.is_finite
-    return value if real else None
+    if not isinstance(value, sp.Expr) or not value.is_number or _is_too_large(value):
+        return None
+    return value if value.is_real and value.is_finite else None
+
+
+def _is_too_large(value: sp.Expr) -> bool:
+    """Whether a power in it is beyond all sizes; what stands inside is looked at first."""
+    for node in sp.postorder_traversal(value):
+        if isinstance(node, sp.Pow | sp.exp):
+            base, exponent = node.as_base_exp()
+            size = abs(sp.log(sp.N(base, 5)) * sp.N(exponent, 5)) if base != 0 else 0
+        elif isinstance(node, sp.sinh | sp.cosh):
+            size = abs(sp.N(node.args[0], 5))
+        else:
+            continue
+        if not size < LARGEST:
+            return True
+    return False
 
 
 def _rounded(value: Exact) -> Any:

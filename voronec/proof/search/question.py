@@ -212,7 +212,7 @@ class Question:
     ) -> Question:
         """Read what the user handed in."""
         for name, number in (("degree", degree), ("positions", positions), ("power", power)):
-            if not isinstance(number, int) or number < 0:
+            if not isinstance(number, int) or isinstance(number, bool) or number < 0:
                 raise DefinitionError(f"{name} is {shown(number)}; give a number from 0 upward")
         motions = Motions.of(system)
         given = _functions(motions.system, functions)
