@@ -93,7 +93,7 @@ def _exact(name: str, number: Any) -> Exact:
         value = None
     if value is None:
         raise DefinitionError(
-            f"the value of '{name}' is '{number}', which is no real number that can be written"
+            f"the value of '{name}' is '{number}', which is not a real number of a size that can be written"
         )
     return value
 
