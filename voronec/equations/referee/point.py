@@ -93,7 +93,8 @@ def _exact(name: str, number: Any) -> Exact:
         value = None
     if value is None:
         raise DefinitionError(
-            f"the value of '{name}' is '{number}', which is not a real number of a size that can be written"
+            f"the value of '{name}' is '{number}', which is not a real number "
+            "of a size that can be written"
         )
     return value
 
