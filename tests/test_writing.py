@@ -83,6 +83,15 @@ def test_a_folder_that_cannot_be_is_refused_before_the_work(name):
         wanted_folder(name)
 
 
+@pytest.mark.parametrize("write", [replace_file, create])
+def test_a_name_that_no_file_can_have_is_one_line(tmp_path, write):
+    with pytest.raises(DefinitionError, match=r"cannot be written: .*; choose another place"):
+        write(tmp_path / "\ud800", "x")
+    with pytest.raises(DefinitionError):
+        wanted_folder("\ud800")
+    assert not any(tmp_path.iterdir())
+
+
 def _shell(line, **env):
     return subprocess.run(
         ["bash", "-c", line.replace("voronec", f"{sys.executable} -m voronec")],

@@ -33,7 +33,7 @@ def delivery(folder: Path, products: Iterable[str] = ()) -> Iterator[Path]:
                 os.replace(file, folder / file.name)
             for name in {*products} - {file.name for file in made}:
                 (folder / name).unlink(missing_ok=True)
-    except OSError as error:
+    except (OSError, UnicodeEncodeError) as error:
         raise unwritable(folder, error) from None
 
 
@@ -49,6 +49,7 @@ def wanted_folder(name: str) -> Path:
         raise DefinitionError(f"--out {name!a} is no name of a folder; write: --out FOLDER")
     folder = Path(name)
     try:
+        os.fsencode(folder)
         refuse_file(folder)
         above = folder.absolute()
         while not above.exists() and above != above.parent:
@@ -59,7 +60,7 @@ def wanted_folder(name: str) -> Path:
             raise DefinitionError(f"'{folder}' cannot be written: '{above}' allows no new files")
         with tempfile.TemporaryFile(dir=above):
             return folder
-    except OSError as error:
+    except (OSError, UnicodeEncodeError) as error:
         raise unwritable(folder, error) from None
 
 
@@ -79,5 +80,5 @@ def create(path: Path, text: str) -> None:
             os.rename(drafts / path.name, path)
     except FileExistsError:
         raise DefinitionError(f"'{path}' exists; remove it, or choose another name") from None
-    except OSError as error:
+    except (OSError, UnicodeEncodeError) as error:
         raise unwritable(path, error) from None

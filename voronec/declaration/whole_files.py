@@ -26,11 +26,10 @@ FORGOTTEN = 60.0
 """Seconds after which a workshop that nobody has locked is a leftover: locking takes none."""
 
 
-def unwritable(place: Path, error: OSError) -> DefinitionError:
-    """The error of a place that cannot be written."""
-    return DefinitionError(
-        f"'{place}' cannot be written: {error.strerror or error}; choose another place"
-    )
+def unwritable(place: Path, error: OSError | UnicodeEncodeError) -> DefinitionError:
+    """The error of a place that cannot be written, or whose name no file can have."""
+    what = getattr(error, "strerror", None) or error
+    return DefinitionError(f"'{place}' cannot be written: {what}; choose another place")
 
 
 @contextmanager
@@ -60,7 +59,7 @@ def draft(path: Path) -> Iterator[Path]:
         with workshop(path.parent) as made:
             yield made / path.name
             os.replace(made / path.name, path)
-    except OSError as error:
+    except (OSError, UnicodeEncodeError) as error:
         raise unwritable(path, error) from None
 
 
