@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from sympy.physics.mechanics import dynamicsymbols
 
 import voronec as vo
@@ -217,8 +218,40 @@ def test_ensembles_and_sections_take_numbers_and_expressions():
     assert np.abs(found["x"][0] - by_duhamel(lambda t: math.sin(2 * t))).max() < 1e-11
     points = vo.section(SPRING, "x", starts={x: 2}, value=1, crossings=3, inputs={tau: 1})
     assert points.t == pytest.approx(np.pi * np.array([3, 7, 11]) / 2)  # x = 1 + cos t
-    with pytest.raises(DefinitionError, match="an ensemble takes numbers and expressions"):
-        vo.ensemble(SPRING, starts={x: [1, 2]}, times=TIMES, inputs={tau: ([0, 3], [0, 1])})
+    with pytest.raises(DefinitionError, match="a section takes numbers and expressions"):
+        vo.section(SPRING, "x", starts={x: 2}, inputs={tau: ([0, 3], [0, 1])})
+
+
+@pytest.mark.parametrize("case", [*VALUES.values(), (math.sin, math.sin, ())])
+def test_an_ensemble_takes_every_kind_of_input(case: Any) -> None:
+    value, force, knots = case
+    found = vo.ensemble(SPRING, {x: [1, 1], DX: [0, 2]}, times=TIMES, inputs={tau: value})
+    assert found.finished.all() and found.system is SPRING and not found.parameters
+    truth = by_duhamel(force, knots)
+    assert np.abs(found["x"][0] - truth).max() < 2e-12
+    assert np.abs(found["x"][1] - truth - 2 * np.sin(TIMES)).max() < 2e-12
+
+
+def test_motions_of_an_ensemble_with_a_function_fail_one_by_one() -> None:
+    """A function that raises after t = 1 ends each motion there; what is no method is refused."""
+
+    def force(t: float) -> float:
+        if t > 1:
+            raise ValueError("no value")
+        return 0.0
+
+    pushed = {"starts": {x: [1, 2]}, "times": TIMES}
+    with pytest.raises(DefinitionError, match="ValueError: no value"):
+        vo.ensemble(SPRING, inputs={tau: force}, **pushed)
+    with pytest.raises(DefinitionError, match="from t = 0 to 1, the motion from 0 to 2.3"):
+        vo.ensemble(SPRING, inputs={tau: ([0, 1], [0, 1])}, **pushed)
+    with pytest.raises(DefinitionError, match="no method 'flint' for many"):
+        vo.ensemble(SPRING, inputs={tau: math.sin}, method="flint", **pushed)
+    with pytest.raises(DefinitionError, match="method='scipy'"):
+        vo.ensemble(SPRING, inputs={tau: math.sin}, method="heyoka", **pushed)
+    pole = vo.ensemble(SPRING, inputs={tau: lambda t: 1 / (t - 2)}, **pushed)
+    assert {*pole.errors} == {0, 1} and not pole.finished.any()
+    assert np.isfinite(pole["x"][:, :2]).all() and np.isnan(pole["x"][:, 2]).all()
 
 
 def test_an_integral_that_holds_only_without_the_input_is_not_built_on():
@@ -346,9 +379,46 @@ def test_a_push_on_a_block_with_dry_friction(method, push):
     assert run["xdot"][-1] == 0
 
 
-def test_a_function_of_pythons_and_switches_are_refused():
-    with pytest.raises(DefinitionError, match="not smooth"):
-        vo.integrate(BLOCK, times=[0, 1], initial={DX: 1}, inputs={tau: math.sin})
+def test_a_function_of_pythons_pushes_a_block_with_dry_friction():
+    """Pushed with 2 sin t against friction 1 it sticks until sin t = 1/2, slides until its speed is
+    spent, and then at once the other way; so do those of an ensemble."""
+
+    def slid(begin: float, way: int) -> tuple[float, float]:
+        """The way slid from a start at rest, and when it ends."""
+
+        def speed(t: float) -> float:
+            return 2 * (math.cos(begin) - math.cos(t)) - way * (t - begin)
+
+        end = brentq(speed, begin + 0.5, begin + 4)
+        gone = 2 * (math.cos(begin) * (end - begin) - math.sin(end) + math.sin(begin))
+        return gone - way * (end - begin) ** 2 / 2, end
+
+    there, first = slid(math.pi / 6, 1)
+    back, second = slid(first, -1)
+    assert math.sin(first) < -0.5 and math.sin(second) > 0.5  # it slides back at once, and then on
+    push, times = {tau: lambda t: 2 * math.sin(t)}, [0, 0.4, first, second]
+    run = vo.integrate(BLOCK, times=times, initial={x: 0}, inputs=push)
+    assert run.cost.method == "scipy" and run["xdot"][1] == 0
+    assert run["x"] == pytest.approx([0, 0, there, there + back], abs=1e-11)
+    both = vo.ensemble(BLOCK, {x: [0, 1]}, times=times, inputs=push)
+    assert both["x"][1] - 1 == pytest.approx(run["x"], abs=1e-11)
+
+
+def test_a_belt_whose_speed_is_a_function_of_pythons():
+    """Dry friction against a belt of speed cos t takes a block along as long as it can: then its
+    speed is that of the belt, which takes the belt's rate to see."""
+    belt = System(
+        name="belt", fibration=Fibration(x), lagrangian=DX**2 / 2,
+        forces={x: -2 * sp.sign(DX - tau)}, inputs=(tau,),
+    )  # fmt: skip
+    run = {"times": [0, 0.2, 1, 2, 5], "initial": {x: 0, DX: 0}}
+    moved = vo.integrate(belt, inputs={tau: math.cos, "taudot": lambda t: -math.sin(t)}, **run)
+    caught = brentq(lambda t: 2 * t - math.cos(t), 0, 1)
+    begin = caught**2 - math.sin(caught)
+    assert moved["x"][1:] == pytest.approx([0.04, *(begin + np.sin([1, 2, 5]))], abs=1e-11)
+    assert moved["xdot"][2:] == pytest.approx(np.cos([1, 2, 5]), abs=1e-11)
+    with pytest.raises(DefinitionError, match=r"nothing tells how the input 'tau'.*'taudot'"):
+        vo.integrate(belt, inputs={tau: math.cos}, **run)
 
 
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "flint"])

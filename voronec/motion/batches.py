@@ -30,6 +30,7 @@ __all__ = [
     "along_scipy",
     "chosen",
     "note_step",
+    "require_method",
     "strides",
 ]
 
@@ -365,14 +366,19 @@ def note_step(sizes: StepSizes, method: Any) -> None:
         sizes.note(0, length, length)
 
 
-def chosen(
-    method: str, program: Program, tol: float, states: np.ndarray, values: np.ndarray
-) -> tuple[Lanes | None, str]:
-    """heyoka's lanes, or None for scipy; and why."""
+def require_method(method: str) -> None:
+    """Refuse what does not integrate many motions."""
     if method not in ("auto", "heyoka", "scipy"):
         raise DefinitionError(
             f"there is no method '{method}' for many motions; methods are auto, heyoka, scipy"
         )
+
+
+def chosen(
+    method: str, program: Program, tol: float, states: np.ndarray, values: np.ndarray
+) -> tuple[Lanes | None, str]:
+    """heyoka's lanes, or None for scipy; and why."""
+    require_method(method)
     if not 0 < tol < 1:
         raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
     if method == "scipy":

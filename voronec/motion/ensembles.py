@@ -17,9 +17,9 @@ from voronec.algebra.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALU
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import IntegrationError, VoronecError
-from voronec.motion.batches import Lanes, Stopped, along, along_scipy, chosen
-from voronec.motion.inputs import drive
+from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.motion.batches import Lanes, Stopped, along, along_scipy, chosen, require_method
+from voronec.motion.inputs import Drive, drive
 from voronec.motion.motion_pool import Many, at_each, drifts, many
 from voronec.motion.request import (  # fmt: skip
     Values,
@@ -116,7 +116,8 @@ def ensemble(
     progress
         is called with the finished fraction.
     inputs
-        values of the system's inputs, numbers or expressions, as for ``integrate``.
+        values of the system's inputs, as for ``integrate``; with a table or a function of Python's
+        the motions are integrated one by one.
 
     Motions that start at poles of coordinates, or pass near one or near a singular split of the
     velocities, are integrated again alone, as by ``integrate``.
@@ -130,38 +131,52 @@ def ensemble(
     chosen_scene = scene_of(declared, scene, starts is None, "starts")
     single, columns = spread_starts(starts, parameters or {})
     grid = grid_of(declared, chosen_scene, times)
-    driven = drive(system, inputs, chosen_scene, steady="an ensemble")
-    equations, columns = driven.equations, {**columns, **driven.constants}
+    driven = drive(system, inputs, chosen_scene)
+    begin, end = float(grid[0]), float(grid[-1])
+    driven.require_span(begin, end)
+    equations, columns = driven.equations, {**columns, **driven.parameters(begin, end)}
     vocabulary = Vocabulary.of(equations, driven.meaning)
     keys, own = outputs_of(chosen_scene, outputs), equations.system
     wanted = dict(quantity(vocabulary, k) for k in keys or (*own.coordinates, *own.velocities))
     try:
-        motions = many(equations, chosen_scene, single, columns, wanted, float(grid[0]))
-        apart = Apart.of(motions, method, tol, grid)
-        lanes, reason = (
-            chosen(method, motions.program, tol, *motions.going)
-            if apart is None and motions.sound
-            else (None, "each start alone" if apart is None else apart.reason)
-        )
+        motions = many(equations, chosen_scene, single, columns, wanted, begin)
+        apart, lanes, reason = _carriers(driven, motions, method, tol, grid)
     except KeyboardInterrupt:
         return _nothing_done(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
     ready = perf_counter()
     finest = tol if lanes else max(tol, FINEST)
     filled = _Filled.empty(motions, tuple(wanted), grid, apart, finest)
-    interrupted = _run(filled, lanes, tol, jobs, progress)
+    alone = _Alone(driven, inputs, single, chosen_scene, keys, method, tol, progress)
+    interrupted = driven.changing is None and _run(filled, lanes, tol, jobs, progress)
     if not interrupted:
-        filled.go_on_alone(single, chosen_scene, keys, method, tol)
+        interrupted = filled.go_on_alone(alone)
     if not motions.sound and not filled.alone:
         raise motions.wrong[0]
     steps = sum(filled.steps) + sum(cost.steps for cost in filled.alone)
-    used = filled.alone[0].method if not motions.sound else "scipy" if lanes is None else "heyoka"
+    none_else = filled.alone and (driven.changing or not motions.sound)
+    used = filled.alone[0].method if none_else else "scipy" if lanes is None else "heyoka"
     cost = Cost(
         method=apart.method if apart else used, reason=reason,
         tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
         run=perf_counter() - ready, steps=steps, evaluations=steps,
         switches=sum(cost.switches for cost in filled.alone),
     )  # fmt: skip
-    return filled.ensemble(cost, interrupted)
+    return filled.ensemble(cost, interrupted, driven)
+
+
+def _carriers(
+    driven: Drive, motions: Many, method: str, tol: float, grid: np.ndarray
+) -> tuple[Apart | None, Lanes | None, str]:
+    """What integrates the motions - nothing where that is ``integrate`` or scipy - and why."""
+    if driven.changing is not None:
+        require_method(method)
+        return None, None, "an input changes in time, so one by one"
+    apart = Apart.of(motions, method, tol, grid)
+    if apart is not None:
+        return apart, None, apart.reason
+    if not motions.sound:
+        return None, None, "each start alone"
+    return None, *chosen(method, motions.program, tol, *motions.going)
 
 
 def _nothing_done(
@@ -176,6 +191,40 @@ def _nothing_done(
     return Ensemble(
         system, grid, outputs, MappingProxyType(series), {}, finished, {}, {}, "", cost, True
     )
+
+
+@dataclass(frozen=True)
+class _Alone:
+    """What ``integrate`` is asked for, where a motion goes alone; ``starts`` are as they were
+    given."""
+
+    driven: Drive
+    inputs: Mapping[Any, Any] | None
+    starts: Sequence[Values]
+    scene: Scene | None
+    keys: Sequence[Any]
+    method: str
+    tol: float
+    progress: Callable[[float], Any] | None
+
+    def moved(self, motions: Many, grid: np.ndarray, i: int) -> Trajectory:
+        """The motion of start i."""
+        from voronec.motion.integration import integrate
+
+        equations, sound = motions.vocabulary.equations, i not in motions.wrong
+        system: System | VoronecEquations = equations
+        scene = Scene({}, (0.0, 1.0)) if sound or self.scene is None else self.scene
+        known, inputs = {*motions.parameters}, self.inputs
+        if self.driven.changing is not None:
+            system, known = self.driven.original, {p.name for p in self.driven.original.parameters}
+            inputs = {**getattr(self.scene, "inputs", {}), **(inputs or {})}
+        given = {name: float(x[i]) for name, x in motions.parameters.items() if name in known}
+        own = [*equations.system.coordinates, *equations.system.velocities]
+        start = dict(zip(own, motions.full[i].tolist(), strict=True)) if sound else self.starts[i]
+        return integrate(
+            system, scene, grid, self.keys, given, start, self.method, self.tol,
+            inputs=None if system is equations else inputs,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,40 +290,42 @@ class _Filled:
         self.errors.update({int(where[i]): error for i, error in failed.items()})
         self.finished[[int(i) for i in where if int(i) not in self.errors]] = True
 
-    def go_on_alone(
-        self, starts: Sequence[Values], scene: Scene | None, keys: Sequence[Any], method: str,
-        tol: float,
-    ) -> None:  # fmt: skip
+    def go_on_alone(self, alone: _Alone) -> bool:
         """Motions that went wrong, did not start, or came near a place where the equations are
-        singular, once more, each alone: ``integrate`` goes on in other charts and splits.
+        singular, once more, each alone: ``integrate`` goes on in other charts and splits.  Where
+        inputs change in time, that is all of them.
 
-        ``starts`` are as they were given.
+        Whether it was stopped by hand.
         """
-        from voronec.motion.integration import integrate
-
-        motions, equations = self.motions, self.motions.vocabulary.equations
-        own = [*equations.system.coordinates, *equations.system.velocities]
-        for i in sorted({*self.errors, *self.collapsed}):
-            sound = i not in motions.wrong
-            if sound and i in self.errors and not motions.may_go_on:
-                continue
-            given = {name: float(x[i]) for name, x in motions.parameters.items()}
-            start: Values = dict(zip(own, motions.full[i].tolist(), strict=True))
-            at = Scene({}, (0.0, 1.0)) if sound or scene is None else scene
-            try:
-                run = integrate(
-                    equations, at, self.grid, keys, given, start if sound else starts[i], method,
-                    tol,
-                )  # fmt: skip
-            except VoronecError as error:
-                self.fails(i, error)
-            else:
-                self.replaces(i, run)
+        motions, changing = self.motions, alone.driven.changing is not None
+        which = range(len(motions)) if changing else sorted({*self.errors, *self.collapsed})
+        try:
+            for count, i in enumerate(which):
+                if i in self.errors and i not in motions.wrong and not motions.may_go_on:
+                    continue
+                try:
+                    run = alone.moved(motions, self.grid, i)
+                except VoronecError as error:
+                    if changing and isinstance(error, DefinitionError) and i not in motions.wrong:
+                        raise  # what is asked for makes no sense, whatever the start
+                    self.fails(i, error)
+                else:
+                    self.replaces(i, run)
+                    if run.interrupted:
+                        return True
+                if changing and alone.progress is not None:
+                    alone.progress((count + 1) / len(which))
+        except KeyboardInterrupt:
+            return True
+        return False
 
     def fails(self, i: int, error: VoronecError) -> None:
         """A motion that fails alone too: its first error stays, if it had one."""
         if i in self.errors:
             return
+        run = getattr(error, "trajectory", None)
+        if run is not None and len(run) <= len(self.grid):
+            self.fill(i, run)
         time = getattr(error, "time", None)
         late = np.abs(self.grid - self.grid[0]) > abs(float(time or self.grid[0]) - self.grid[0])
         for array in self.series.values():
@@ -282,12 +333,16 @@ class _Filled:
         self.errors[i] = error
         self.finished[i] = False
 
+    def fill(self, i: int, run: Trajectory) -> None:
+        """The rows of a motion, as far as it came."""
+        for name, array in self.series.items():
+            array[i, : len(run)] = run[name]
+
     def replaces(self, i: int, run: Trajectory) -> None:
         """The motion of a start, integrated alone."""
         if len(run) != len(self.grid):
             return
-        for name, array in self.series.items():
-            array[i] = run[name]
+        self.fill(i, run)
         for name in self.changes.keys() & run.integrals.keys():
             values = run.integrals[name]
             self.first[name][i] = values[0]
@@ -296,16 +351,19 @@ class _Filled:
         self.finished[i] = True
         self.errors.pop(i, None)
 
-    def ensemble(self, cost: Cost, interrupted: bool) -> Ensemble:
+    def ensemble(self, cost: Cost, interrupted: bool, driven: Drive) -> Ensemble:
+        own = {p.name for p in driven.original.parameters}
         drift = {name: drifts(x, self.first[name]) for name, x in self.changes.items()}
         for array in (self.grid, self.finished, *self.series.values()):
             array.flags.writeable = False
         return Ensemble(
-            system=self.motions.vocabulary.equations.system,
+            system=driven.original,
             t=self.grid,
             outputs=tuple(self.series),
             series=MappingProxyType(self.series),
-            parameters=MappingProxyType(dict(self.motions.parameters)),
+            parameters=MappingProxyType(
+                {name: x for name, x in self.motions.parameters.items() if name in own}
+            ),
             finished=self.finished,
             errors=MappingProxyType(dict(sorted(self.errors.items()))),
             drift=MappingProxyType(drift),

@@ -17,7 +17,7 @@ import symengine as se
 
 from voronec.equations.program.digits import compiled_digits
 from voronec.equations.program.walls import SATURATED
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.errors import EngineLimit
 from voronec.motion.events import Event
 from voronec.motion.mode_transitions import DOUBLE, GUARD, PAST, Crossroads, Mode
 from voronec.motion.modes import Corner, Modes, Surface
@@ -61,7 +61,7 @@ class Switched:
         if isinstance(first, str):
             words = {"method": roads.method, "reason": "nothing moves", "tolerance": problem.tol}
             return cls(lambda times: _refused(problem, times, first), words, None, (), roads)
-        values = [float(x) for x in roads.values(first.corner.program, first.sides)]
+        values = [float(x) for x in roads.values(first.corner.program, first.sides, grid[0])]
 
         def run(times: np.ndarray) -> Run:
             return _Passage(roads, times, first).run()
@@ -83,17 +83,14 @@ def through_walls(
     """The integrator of a problem that is not smooth; None where it is smooth.
 
     ``form`` are the equations of the problem's program, ``functions`` those of its events by name,
-    inside the door.  Where parameters change, each piece has its own modes.
+    inside the door.  Where parameters change at knots, each piece goes its own way; functions of
+    Python's are asked for their values wherever the motion is looked at.
     """
     changing = problem.changing
-    first = _through_walls(method, replace(problem, changing=None), grid, form, functions)
+    functional = None if changing is None else changing.functional
+    first = _through_walls(method, replace(problem, changing=functional), grid, form, functions)
     if changing is None or first is None:
         return first
-    if changing.called is not None:
-        raise DefinitionError(
-            f"the input '{changing.called.name}' is a function of Python's, and the equations are "
-            "not smooth: where they switch cannot be told; give an expression or a table"
-        )
 
     def make(piece: Problem) -> Stepper:
         def run(times: np.ndarray) -> Run:
@@ -220,7 +217,7 @@ class _Passage:
             whole = self.grid[-1] - self.grid[0]
             roads.progress.done = float((self.time - self.grid[0]) / whole)
             roads.progress.part = float((times[-1] - self.time) / whole)
-        values = roads.values(mode.program, mode.sides)
+        values = roads.values(mode.program, mode.sides, self.time)
         if not self.exact:
             values = list(map(float, values))
         self.held = self.held or bool(mode.along)
@@ -307,7 +304,7 @@ class _Passage:
         roads = self.roads
         time, state = roads.moment(mode, self.time, self.state, way)
         extras = compiled_digits(mode.levels)[1]
-        values = roads.values(mode.program, mode.sides)
+        values = roads.values(mode.program, mode.sides, time)
         found = extras(time, list(state), values)
         return dict(zip(mode.levels.names, found, strict=True))[event.name]
 

@@ -21,6 +21,7 @@ from voronec.algebra.stable import stable_all
 from voronec.equations.program import Block, Program
 from voronec.equations.program.digits import compiled_digits
 from voronec.equations.program.walls import Wall
+from voronec.errors import DefinitionError
 from voronec.motion.atlas import Progress
 from voronec.motion.events import Event
 from voronec.motion.modes import Corner, Modes, Surface, held
@@ -214,16 +215,19 @@ class Crossroads:
     def _measured(
         self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
     ) -> list[Any]:
-        return self.modes.gauge(wall)(time, state, self._named(values))
+        return self.modes.gauge(wall)(time, state, self._named(values, time))
 
-    def _named(self, values: Mapping[Wall, int]) -> dict[str, Any]:
-        """Parameters by name, floors among them."""
+    def _named(self, values: Mapping[Wall, int], time: Any) -> dict[str, Any]:
+        """Parameters by name at a time, floors among them."""
         floors = {str(self.modes.floor(w)): mpmath.mpf(n) for w, n in values.items() if w.whole}
-        return self.known | floors
+        if self.problem.changing is None:
+            return self.known | floors
+        called = self.problem.changing.called_at(float(time))
+        return self.known | floors | {name: mpmath.mpf(x) for name, x in called.items()}
 
-    def values(self, program: Program, sides: Mapping[Wall, int]) -> list[Any]:
-        """The parameters of a mode's program."""
-        named = self._named(sides)
+    def values(self, program: Program, sides: Mapping[Wall, int], time: Any) -> list[Any]:
+        """The parameters of a mode's program at a time."""
+        named = self._named(sides, time)
         return [named[str(p)] for p in program.parameters]
 
     def _moved(
@@ -254,10 +258,11 @@ class Crossroads:
         self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int], way: int
     ) -> tuple[Any, np.ndarray]:
         """Time and state a moment later (``way`` 1) or before."""
-        right, values = compiled_digits(program)[0], self.values(program, sides)
+        right = compiled_digits(program)[0]
 
         def rates(t: Any, x: np.ndarray) -> np.ndarray:
-            return np.array([mpmath.mpf(r) for r in right(t, list(x), values)], dtype=object)
+            found = right(t, list(x), self.values(program, sides, t))
+            return np.array([mpmath.mpf(r) for r in found], dtype=object)
 
         pairs = zip(rates(time, state), state, strict=True)
         pace = max((abs(f) / max(1, abs(x)) for f, x in pairs), default=0)
@@ -293,6 +298,7 @@ class Crossroads:
         corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
     ) -> Mode | None:  # fmt: skip
         """The motion along some of the surfaces that meet, if there is one."""
+        self._require_rates(along)
         free = [s for s in met if s not in along]
         for rest in product((1, -1), repeat=len(free)):
             other = dict(zip(free, rest, strict=True))
@@ -330,7 +336,7 @@ class Crossroads:
             ):
                 return None
             found = compiled_digits(corner.program)[0](
-                time, list(state), self.values(corner.program, sides)
+                time, list(state), self.values(corner.program, sides, time)
             )
             rows.append([float(x) for x in found])
         from scipy.optimize import nnls
@@ -363,9 +369,10 @@ class Crossroads:
         self, time: Any, state: np.ndarray, surface: Surface, sides: Mapping[Wall, int]
     ) -> tuple[Any, Any]:
         """How fast a wall's function grows on given sides, and the size of the terms of that."""
+        self._require_rates((surface,))
         corner, values = self._corner(time, state, sides)
         found = compiled_digits(corner.program)[0](
-            time, list(state), self.values(corner.program, values)
+            time, list(state), self.values(corner.program, values, time)
         )
         _, slope, *slopes = self._measured(surface.wall, time, state, sides)
         terms = [slope, *(a * b for a, b in zip(slopes, found, strict=True))]
@@ -374,12 +381,25 @@ class Crossroads:
         ]
         return sum(terms), sum(speeds) + abs(slope)
 
+    def _require_rates(self, surfaces: Sequence[Surface]) -> None:
+        """Refuse to follow a wall that holds a function of Python's whose rate is not known."""
+        changing = self.problem.changing
+        for surface in surfaces if changing is not None else ():
+            assert changing is not None
+            lacking = changing.without_rates(map(str, surface.wall.function.free_symbols))
+            if lacking is not None:
+                raise DefinitionError(
+                    f"the equations switch where {surface}, and nothing tells how the input "
+                    f"'{lacking.name}', a function of Python's, changes there; give "
+                    f"{lacking.mend(f'{lacking.name}dot')}, or a table"
+                )
+
     def _weights(self, mode: Mode, time: Any, state: np.ndarray) -> list[Any] | None:
         """The weights of the sides along surfaces; None where the motion is not held there."""
         count = len(mode.along)
         extras = compiled_digits(mode.levels)[1]
         try:
-            found = extras(time, list(state), self.values(mode.program, mode.sides))
+            found = extras(time, list(state), self.values(mode.program, mode.sides, time))
         except (ZeroDivisionError, ValueError):
             return None
         named = dict(zip(mode.levels.names, found, strict=True))
@@ -402,7 +422,7 @@ class Crossroads:
         for above, (corner, sides) in corners.items():
             if all(above[met.index(s)] == side for s, side in other.items()):
                 key = tuple(above[met.index(s)] for s in mode.along)
-                values = self.values(corner.program, sides)
+                values = self.values(corner.program, sides, time)
                 found = compiled_digits(corner.program)[0](time, list(state), values)
                 rows[key] = np.array(found, dtype=object)
         top = (1,) * len(weights)
@@ -470,8 +490,9 @@ class Crossroads:
         power = 2 if numeric_name(root) == HYPOT else 1
         measure = root if power == 2 else base
         program = quantities(corner.form, {"size": measure})
-        values = self.values(program, sides)
-        size = compiled_digits(program)[1](self.grid[0], list(self.start), values)[0]
+        begin = self.grid[0]
+        values = self.values(program, sides, begin)
+        size = compiled_digits(program)[1](begin, list(self.start), values)[0]
         small = float(RIM ** (1 / power) * abs(size))
         return measure - se.Rational(*small.as_integer_ratio())
 
@@ -502,9 +523,10 @@ class Crossroads:
         events = [Event(name, name, -self.order, stop=True) for name in ends]
         events += [Event(name, name, -self.order) for name in turns]
         watching = levels if not along else _of_events(levels, [*given.events], ends)
+        numbers = [*map(float, self.values(program, sides, self.grid[0]))]
         problem = replace(
             given, program=program, start=given.start.copy(), levels=watching,
-            events=(*given.events, *events), parameters=[*map(float, self.values(program, sides))],
+            events=(*given.events, *events), parameters=numbers,
             exact=None, walls=frozenset(ends), suspect=None if along else given.suspect,
             progress=self.progress,
         )  # fmt: skip

@@ -14,7 +14,7 @@ import symengine as se
 
 from voronec.equations.program import compiled
 from voronec.errors import DefinitionError, IntegrationError
-from voronec.motion.batches import Stopped
+from voronec.motion.batches import Stopped, require_method
 from voronec.motion.events import Event
 from voronec.motion.mode_stepper import Switched, through_walls
 from voronec.motion.state_probe import quantities
@@ -55,10 +55,7 @@ class Apart:
         switched = _switched(motions, motions.sound[0], method, tol, grid)
         if switched is None:
             return None
-        if method not in ("auto", "heyoka", "scipy"):
-            raise DefinitionError(
-                f"there is no method '{method}' for many motions; methods are auto, heyoka, scipy"
-            )
+        require_method(method)
         reason = f"{switched.chosen['reason']}; not smooth, so one by one"
         return cls(motions, str(switched.chosen["method"]), tol, reason, switched)
 

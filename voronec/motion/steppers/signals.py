@@ -121,6 +121,12 @@ class Signals:
         """The first one that Python has to be asked for."""
         return next((s for s in self.signals if s.functions), None)
 
+    @property
+    def functional(self) -> Signals | None:
+        """Those alone that Python has to be asked for; None where there are none."""
+        found = tuple(s for s in self.signals if s.functions)
+        return Signals(found) if found else None
+
     def knots(self, start: float, end: float) -> list[float]:
         """The instants of change strictly between two others, in the order of a run."""
         found = {float(t) for s in self.signals for t in s.instants}
@@ -139,6 +145,14 @@ class Signals:
         """The values that Python gives at an instant."""
         signals = (s for s in self.signals if s.functions)
         return {name: x for s in signals for name, x in s.at(instant).items()}
+
+    def without_rates(self, names: Iterable[str]) -> Signal | None:
+        """The first function of Python's among parameters that is given without its rate."""
+        own = {*names}
+        return next(
+            (s for s in self.signals if s.functions and not s.degree and own & {*s.parameters}),
+            None,
+        )
 
     def along(self, times: np.ndarray) -> dict[str, np.ndarray]:
         """The values at instants (k,), an array (k,) for each parameter, exact where they are."""
