@@ -17,87 +17,28 @@ around a sphere of half its radius, with an integral linear in G [BorisovFedorov
 
 from __future__ import annotations
 
-from typing import Any
-
 import sympy as sp
 
-from voronec import (
-    Case,
-    Equation,
-    Fibration,
-    Frame,
-    Limit,
-    Measure,
-    Parameter,
-    Relation,
-    System,
-    kinematics,
-)
+from voronec import Case, Limit, Relation, kinematics
 
-omega = sp.symbols("omega1:4")
-gamma = sp.symbols("gamma1:4")
-R1, R2, m = sp.symbols("R1 R2 m")
+R1, R2, m, h = sp.symbols("R1 R2 m h")
 inertia = sp.symbols("I1:4")
 
-ball = kinematics.RollingBall.on_sphere(R1, R2, m, inertia)
-u, v, _ = ball.base
+ball = kinematics.BalancedBall.on_sphere(R1, R2, m, inertia)
 
-
-def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
-    """What depends on the ball's axes."""
-    return {
-        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-        "lagrangian": ball.energy,
-    }
-
-
-D = m * R2**2
-epsilon = R1 / (R1 + R2)
-spin, normal = sp.Matrix(omega), sp.Matrix(gamma)
-momentum = kinematics.contact_momentum(inertia, D, omega, gamma)
-share = sum(D * g**2 / (i + D) for g, i in zip(gamma, inertia, strict=True))
-moments = sp.Matrix(inertia)
-weights = [sum(moments) - 2 * i + D for i in inertia]
-fourth = sum(b * p * g for b, p, g in zip(weights, momentum, gamma, strict=True))
-
-SYSTEM = System(
+SYSTEM = ball.system(
     name="ball-on-sphere",
     title="Chaplygin ball on a sphere",
     description="A balanced, dynamically non-symmetric ball rolls without slipping over a fixed "
     "sphere: outside, inside, or around it as a shell.",
-    fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    **declared(ball),
-    charts=ball.charts(declared),
-    constraints=ball.no_slip,
-    parameters=(
-        Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),
-        Parameter(R2, 1, positive=True, meaning="radius of the ball"),
-        Parameter(m, 1, positive=True, meaning="mass"),
-        *(
-            Parameter(i, sp.Rational(tenths, 10), positive=True, meaning="principal moment")
-            for i, tenths in zip(inertia, (4, 5, 7), strict=True)
-        ),
-    ),
-    invariants=dict(zip(map(str, gamma), ball.normal, strict=True)),
-    equations={
-        "momentum": Equation(tuple(momentum), tuple(momentum.cross(spin))),
-        "normal": Equation(gamma, tuple((epsilon * normal).cross(spin))),
-    },
-    integrals={
-        "energy": momentum.dot(spin) / 2,
-        "momentum squared": momentum.dot(momentum),
-    },
-    measure=Measure(sp.sqrt(1 - share), (*gamma, *omega)),
-    essential=(u, v, *omega),
+    values={R1: 2, R2: 1, m: 1, inertia: ("0.4", "0.5", "0.7")},
     cases={
         "epsilon = -1": Case(
             parameters={R1: -R2 / 2},
-            integrals={"Borisov-Fedorov": fourth},
+            integrals={"Borisov-Fedorov": ball.motion.linear_integral},
             integrable="Euler-Jacobi",
         ),
     },
-    scenes=ball.scenes_on_sphere(R1, omega),
-    drawing={"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")},
     references=(
         "Chaplygin1903",
         "Yaroshchuk1992",
@@ -106,12 +47,11 @@ SYSTEM = System(
     ),
 )
 
-h = sp.Symbol("h")
 RELATIONS = (
-    Relation(
-        "ball-on-sphere",
+    Relation.of(
+        SYSTEM,
         "chaplygin-ball",
-        parameters={"R": R2, m: m, **{i: i for i in inertia}},
+        {"R": R2},
         limit=Limit(h, {R1: 1 / h}),
         note="the sphere becomes a plane",
     ),

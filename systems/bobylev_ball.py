@@ -16,55 +16,17 @@ Zhukovsky's ball.
 
 from __future__ import annotations
 
-from typing import Any
-
 import sympy as sp
 
-from voronec import (
-    Equation,
-    Fibration,
-    Frame,
-    Limit,
-    Measure,
-    Parameter,
-    Plane,
-    Quadratures,
-    Relation,
-    Scene,
-    Square,
-    System,
-    Trace,
-    kinematics,
-    velocity,
-)
+from voronec import Limit, Plane, Quadratures, Relation, Square, Trace, kinematics, velocity
 
-omega = sp.symbols("omega1:4")
-gamma = sp.symbols("gamma1:4")
-m, R = sp.symbols("m R")
-A, C = sp.symbols("A C")
-inertia = (A, A, C)
-k = sp.Symbol("k")
+m, R, A, C, k, h = sp.symbols("m R A C k h")
 
-ball = kinematics.RollingBall.on_plane(R, m, inertia)
+rolling = kinematics.BalancedBall.on_plane(R, m, (A, A, C), (0, 0, k))
+ball, D, whole = rolling.ball, rolling.motion.carried, rolling.motion.whole
+omega, normal = rolling.motion.spin, rolling.motion.normal
 u, v, theta = ball.base
 x, y = ball.fibre
-
-D = m * R**2
-spin, normal = sp.Matrix(omega), sp.Matrix(gamma)
-momentum = kinematics.contact_momentum(inertia, D, omega, gamma)
-whole = momentum + sp.Matrix([0, 0, k])
-share = sum(D * g**2 / (i + D) for g, i in zip(gamma, inertia, strict=True))
-slope = (C - A) * D / (C + D)
-start = dict(zip(omega, (sp.Rational(1, 2), 1, 1), strict=True))
-
-
-def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
-    """What depends on the ball's axes."""
-    return {
-        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-        "lagrangian": ball.energy + kinematics.axial_rotor(k, (0, 0, 1), ball.spin),
-    }
-
 
 # Motion by quadratures.  Along (e_u, e_v, n) the spin is (s, tau, n) and the momentum
 # (P s - K sin(u), P tau, A n + K cos(u)), K = (C - A) omega_3 + k.  By the axial integral
@@ -83,11 +45,11 @@ whole_axial = k + excess * L
 N = C5 * F - whole_axial * z
 T = L * E - 2 * k * part * z**2
 body = ball.contact.body.frame
-s, tau, n = body.T * spin
+s, tau, n = body.T * omega
 upward = sp.cos(u)
 axial = k + excess * omega[2]  # K
 rho = sp.sqrt(1 + 4 * beta * upward**2)
-horizontal = (ball.contact.attitude * whole.subs(dict(zip(gamma, ball.normal, strict=True))))[:2]
+horizontal = (ball.contact.attitude * whole.subs(dict(zip(normal, ball.normal, strict=True))))[:2]
 quartic = (
     (h2 - C5**2 / A - Q * L**2) / P
     + 2 * C5 * (Q * L + k) / (A * P) * z
@@ -135,70 +97,36 @@ MOTION = Quadratures(
 )
 
 
-SYSTEM = System(
+SYSTEM = rolling.system(
     name="bobylev-ball",
     title="Bobylev's gyroscopic ball on a plane",
     description="A dynamically symmetric ball with a gyroscope along its axis rolls without "
     "slipping on a plane.",
-    fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    **declared(ball),
-    charts=ball.charts(declared),
-    constraints=ball.no_slip,
-    parameters=(
-        Parameter(R, 1, positive=True, meaning="radius of the ball"),
-        Parameter(m, 1, positive=True, meaning="mass of ball and rotor"),
-        Parameter(A, sp.Rational(2, 5), positive=True, meaning="equatorial moment of inertia"),
-        Parameter(C, sp.Rational(3, 5), positive=True, meaning="axial moment of inertia"),
-        Parameter(k, sp.Rational(1, 2), meaning="axial momentum of the gyroscope"),
-    ),
-    invariants=dict(zip(map(str, gamma), ball.normal, strict=True)),
-    equations={
-        "momentum": Equation(tuple(momentum), tuple(whole.cross(spin))),
-        "normal": Equation(gamma, tuple(normal.cross(spin))),
-    },
-    integrals={
-        "energy": momentum.dot(spin) / 2,
-        "momentum squared": whole.dot(whole),
-        "vertical momentum": whole.dot(normal),
-        "axial": sp.sqrt(A + slope * gamma[2] ** 2) * ((C - A) * omega[2] + k),
-    },
-    measure=Measure(sp.sqrt(1 - share), (*gamma, *omega)),
-    essential=(u, v, *omega),
+    values={R: 1, m: 1, A: "0.4", C: "0.6", k: "0.5"},
+    integrals={"axial": sp.sqrt(A + excess * D / Q * normal[2] ** 2) * axial},
     integrable="Euler-Jacobi",
-    scenes={
-        "default": Scene(
-            initial={u: 2, **start},
-            times=(0.0, 40.0),
-            outputs=(x, y, *omega),
-            caption="The gyroscope bends the path of the ball.",
-        ),
-    },
+    scenes={"default": rolling.scene("The gyroscope bends the path of the ball.")},
     motion=MOTION,
     references=("Bobylev1892", "Zhukovsky1893", "Markeev1985", "DragovicGajicJovanovic2020"),
 )
 
-h = sp.Symbol("h")
+moments = {"I1": A, "I2": A, "I3": C}
 RELATIONS = (
-    Relation(
-        "bobylev-ball",
-        "gyroscopic-ball-on-plane",
-        parameters={m: m, R: R, "I1": A, "I2": A, "I3": C, "kappa1": 0, "kappa2": 0, "kappa3": k},
+    Relation.of(
+        SYSTEM, "gyroscopic-ball-on-plane", {**moments, "kappa1": 0, "kappa2": 0, "kappa3": k}
     ),
-    Relation(
-        "bobylev-ball",
+    Relation.of(
+        SYSTEM,
         "chaplygin-ball",
-        parameters={m: m, R: R, "I1": A, "I2": A, "I3": C},
+        moments,
         limit=Limit(h, {k: h}),
         note="the gyroscope is taken away",
     ),
 )
 SQUARES = (
-    Square(
-        first=(
-            "bobylev-ball -> gyroscopic-ball-on-plane",
-            "gyroscopic-ball-on-plane -> chaplygin-ball",
-        ),
-        second=("bobylev-ball -> chaplygin-ball",),
+    Square.through(
+        ("bobylev-ball", "gyroscopic-ball-on-plane", "chaplygin-ball"),
+        ("bobylev-ball", "chaplygin-ball"),
         name="Bobylev's ball without its gyroscope",
     ),
 )

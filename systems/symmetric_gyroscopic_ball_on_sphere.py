@@ -24,117 +24,30 @@ linear in the velocities are the constants of this solution; the cases below giv
 
 from __future__ import annotations
 
-from typing import Any
-
 import sympy as sp
 
-from voronec import (
-    Case,
-    Equation,
-    Fibration,
-    Frame,
-    Limit,
-    Measure,
-    Parameter,
-    Relation,
-    Square,
-    System,
-    kinematics,
-)
+from voronec import Case, Limit, Relation, Square, kinematics
 
-omega = sp.symbols("omega1:4")
-gamma = sp.symbols("gamma1:4")
-R1, R2, m = sp.symbols("R1 R2 m")
-A, C = sp.symbols("A C")
-inertia = (A, A, C)
-k = sp.Symbol("k")
+R1, R2, m, A, C, k, h = sp.symbols("R1 R2 m A C k h")
 
-ball = kinematics.RollingBall.on_sphere(R1, R2, m, inertia)
-u, v, _ = ball.base
+ball = kinematics.BalancedBall.on_sphere(R1, R2, m, (A, A, C), (0, 0, k))
+solution = kinematics.SymmetricBallMotion(ball.motion)
+D, omega = ball.motion.carried, ball.motion.spin
 
-D = m * R2**2
-epsilon = R1 / (R1 + R2)
-spin, normal = sp.Matrix(omega), sp.Matrix(gamma)
-momentum = kinematics.contact_momentum(inertia, D, omega, gamma)
-whole = momentum + sp.Matrix([0, 0, k])
-share = sum(D * g**2 / (i + D) for g, i in zip(gamma, inertia, strict=True))
-
-# sigma as a function of x = gamma3, with its first and second derivative.
-mu = 1 / epsilon
-x, sigma, w = gamma[2], spin.dot(normal), (C - A) * omega[2] + k
-b = D * (C - A) / (C + D)
-first = -(mu * w + b * (1 - mu) * x * sigma) / (A + b * x**2)
-second = -(3 * b * x * first + b * (1 - mu**2) * sigma) / (A + b * x**2)
-rate = epsilon * (gamma[0] * omega[1] - gamma[1] * omega[0])  # of x
-
-# With y^2 = 1 + b x^2/A: y d/dx (y sigma) = (mu/A) partner and d/dx partner = mu b sigma, so that
-# the pair (A c y sigma, partner) turns, hyperbolically or not, through mu times the angle of x.
-partner = b * x * sigma - w
-oblate, prolate = sp.sqrt(b / A), sp.sqrt(-b / A)
-spread, swing = (A * c * sp.sqrt(1 + b * x**2 / A) * sigma for c in (oblate, prolate))
-growth = sp.exp(mu * sp.asinh(oblate * x))
-angle = mu * sp.asin(prolate * x)
-axial = A * sigma + mu * k * x  # constant where C = A
+# Zhukovsky's condition, C = A.
+x, mu = solution.x, solution.mu
+axial = A * solution.sigma + mu * k * x
 half = mu * k * x / 2
 
-
-def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
-    """What depends on the ball's axes."""
-    return {
-        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-        "lagrangian": ball.energy + kinematics.axial_rotor(k, (0, 0, 1), ball.spin),
-    }
-
-
-SYSTEM = System(
+SYSTEM = ball.system(
     name="symmetric-gyroscopic-ball-on-sphere",
     title="Symmetric gyroscopic ball on a sphere",
     description="A dynamically symmetric ball with a gyroscope along its axis rolls without "
     "slipping over a fixed sphere: outside, inside, or around it as a shell.",
-    fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    **declared(ball),
-    charts=ball.charts(declared),
-    constraints=ball.no_slip,
-    parameters=(
-        Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),
-        Parameter(R2, 1, positive=True, meaning="radius of the ball"),
-        Parameter(m, 1, positive=True, meaning="mass of ball and rotor"),
-        Parameter(A, sp.Rational(2, 5), positive=True, meaning="equatorial moment of inertia"),
-        Parameter(C, sp.Rational(3, 5), positive=True, meaning="axial moment of inertia"),
-        Parameter(k, sp.Rational(1, 2), meaning="axial momentum of the gyroscope"),
-    ),
-    invariants=dict(zip(map(str, gamma), ball.normal, strict=True)),
-    equations={
-        "momentum": Equation(tuple(momentum), tuple(whole.cross(spin))),
-        "normal": Equation(gamma, tuple((epsilon * normal).cross(spin))),
-        "normal spin": Equation(sigma, first * rate),
-        "normal spin, derived": Equation(first, second * rate),
-    },
-    integrals={
-        "energy": momentum.dot(spin) / 2,
-        "momentum squared": whole.dot(whole),
-    },
-    measure=Measure(sp.sqrt(1 - share), (*gamma, *omega)),
-    essential=(u, v, *omega),
+    values={R1: 2, R2: 1, m: 1, A: "0.4", C: "0.6", k: "0.5"},
+    equations=solution.equations,
     cases={
-        "oblate": Case(
-            parameters={},
-            integrals={
-                "growing": (spread - partner) * growth,
-                "falling": (spread + partner) / growth,
-            },
-            integrable="Euler-Jacobi",
-            note="C > A",
-        ),
-        "prolate": Case(
-            parameters={},
-            integrals={
-                "cosine": swing * sp.cos(angle) - partner * sp.sin(angle),
-                "sine": swing * sp.sin(angle) + partner * sp.cos(angle),
-            },
-            integrable="Euler-Jacobi",
-            note="C < A",
-        ),
+        **solution.cases,
         "Zhukovsky": Case(
             parameters={C: A},
             integrals={
@@ -145,73 +58,46 @@ SYSTEM = System(
             note="Demchenko's ball",
         ),
     },
-    scenes=ball.scenes_on_sphere(R1, omega),
-    drawing={"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")},
     references=("BorisovMamaev2002", "Demchenko1924", "DragovicGajicJovanovic2020"),
 )
 
-h = sp.Symbol("h")
+moments = {"I1": A, "I2": A, "I3": C}
 RELATIONS = (
-    Relation(
-        "symmetric-gyroscopic-ball-on-sphere",
-        "gyroscopic-ball-on-sphere",
-        parameters={
-            **{p: p for p in (R1, R2, m)},
-            "I1": A,
-            "I2": A,
-            "I3": C,
-            "kappa1": 0,
-            "kappa2": 0,
-            "kappa3": k,
-        },
+    Relation.of(
+        SYSTEM, "gyroscopic-ball-on-sphere", {**moments, "kappa1": 0, "kappa2": 0, "kappa3": k}
     ),
-    Relation(
-        "symmetric-gyroscopic-ball-on-sphere",
+    Relation.of(
+        SYSTEM,
         "symmetric-ball-on-sphere",
-        parameters={p: p for p in (R1, R2, m, A, C)},
         limit=Limit(h, {k: h}),
         note="the gyroscope is taken away",
     ),
-    Relation(
-        "symmetric-gyroscopic-ball-on-sphere",
+    Relation.of(
+        SYSTEM,
         "bobylev-ball",
-        parameters={"R": R2, **{p: p for p in (m, A, C, k)}},
+        {"R": R2},
         limit=Limit(h, {R1: 1 / h}),
         note="the sphere becomes a plane",
     ),
 )
 SQUARES = (
-    Square(
-        first=(
-            "symmetric-gyroscopic-ball-on-sphere -> symmetric-ball-on-sphere",
-            "symmetric-ball-on-sphere -> chaplygin-ball",
-        ),
-        second=(
-            "symmetric-gyroscopic-ball-on-sphere -> bobylev-ball",
-            "bobylev-ball -> chaplygin-ball",
-        ),
+    Square.through(
+        ("symmetric-gyroscopic-ball-on-sphere", "symmetric-ball-on-sphere", "chaplygin-ball"),
+        ("symmetric-gyroscopic-ball-on-sphere", "bobylev-ball", "chaplygin-ball"),
         name="gyroscope of a symmetric ball and curvature of the sphere vanish in either order",
     ),
-    Square(
-        first=(
-            "symmetric-gyroscopic-ball-on-sphere -> symmetric-ball-on-sphere",
-            "symmetric-ball-on-sphere -> ball-on-sphere",
-        ),
-        second=(
-            "symmetric-gyroscopic-ball-on-sphere -> gyroscopic-ball-on-sphere",
-            "gyroscopic-ball-on-sphere -> ball-on-sphere",
-        ),
+    Square.through(
+        ("symmetric-gyroscopic-ball-on-sphere", "symmetric-ball-on-sphere", "ball-on-sphere"),
+        ("symmetric-gyroscopic-ball-on-sphere", "gyroscopic-ball-on-sphere", "ball-on-sphere"),
         name="a symmetric ball on a sphere without its gyroscope",
     ),
-    Square(
-        first=(
-            "symmetric-gyroscopic-ball-on-sphere -> gyroscopic-ball-on-sphere",
-            "gyroscopic-ball-on-sphere -> gyroscopic-ball-on-plane",
+    Square.through(
+        (
+            "symmetric-gyroscopic-ball-on-sphere",
+            "gyroscopic-ball-on-sphere",
+            "gyroscopic-ball-on-plane",
         ),
-        second=(
-            "symmetric-gyroscopic-ball-on-sphere -> bobylev-ball",
-            "bobylev-ball -> gyroscopic-ball-on-plane",
-        ),
+        ("symmetric-gyroscopic-ball-on-sphere", "bobylev-ball", "gyroscopic-ball-on-plane"),
         name="a symmetric gyroscopic ball on a sphere that becomes a plane",
     ),
 )

@@ -12,53 +12,17 @@ A (omega, gamma) + k gamma_3 and A (A + D) omega_3 + D k gamma_3^2 / 2 are const
 
 from __future__ import annotations
 
-from typing import Any
-
 import sympy as sp
 
-from voronec import (
-    Equation,
-    Fibration,
-    Frame,
-    Limit,
-    Measure,
-    Parameter,
-    Plane,
-    Quadratures,
-    Relation,
-    Scene,
-    Square,
-    System,
-    Trace,
-    kinematics,
-    velocity,
-)
+from voronec import Limit, Plane, Quadratures, Relation, Square, Trace, kinematics, velocity
 
-omega = sp.symbols("omega1:4")
-gamma = sp.symbols("gamma1:4")
-m, R = sp.symbols("m R")
-A = sp.Symbol("A")
-inertia = (A, A, A)
-k = sp.Symbol("k")
+m, R, A, k, h = sp.symbols("m R A k h")
 
-ball = kinematics.RollingBall.on_plane(R, m, inertia)
+rolling = kinematics.BalancedBall.on_plane(R, m, (A, A, A), (0, 0, k))
+ball, D, whole = rolling.ball, rolling.motion.carried, rolling.motion.whole
+omega, normal = rolling.motion.spin, rolling.motion.normal
 u, v, theta = ball.base
 x, y = ball.fibre
-
-D = m * R**2
-spin, normal = sp.Matrix(omega), sp.Matrix(gamma)
-momentum = kinematics.contact_momentum(inertia, D, omega, gamma)
-whole = momentum + sp.Matrix([0, 0, k])
-start = dict(zip(omega, (sp.Rational(1, 2), 1, 1), strict=True))
-
-
-def declared(ball: kinematics.RollingBall) -> dict[str, Any]:
-    """What depends on the ball's axes."""
-    return {
-        "frame": Frame.quasi(dict(zip(omega, ball.spin, strict=True))),
-        "lagrangian": ball.energy + kinematics.axial_rotor(k, (0, 0, 1), ball.spin),
-    }
-
 
 # Motion by quadratures in z = cos(u).  Along (e_u, e_v, n) the spin is (s, tau, n), and the
 # momentum (P s - k sin(u), P tau, A n + k cos(u)); on a level of the integrals A n = N,
@@ -68,12 +32,12 @@ z = sp.Symbol("z")
 C5, S0, h2, H = sp.symbols("C5 S0 h2 H")
 P = A + D
 body = ball.contact.body.frame
-s, tau, n = body.T * spin
+s, tau, n = body.T * omega
 S1, S2 = P * C5 / A, -k * (2 * A + D) / (2 * A)
 S = S0 + S1 * z + S2 * z**2
 N = C5 - k * z
 W = h2 - N**2 / A
-horizontal = (ball.contact.attitude * whole.subs(dict(zip(gamma, ball.normal, strict=True))))[:2]
+horizontal = (ball.contact.attitude * whole.subs(dict(zip(normal, ball.normal, strict=True))))[:2]
 rolled = sp.Matrix([sp.sin(u) * velocity(v), -velocity(u), N / A])  # (s, tau, n) again
 vertical = A * n + k * sp.cos(u)
 MOTION = Quadratures(
@@ -99,62 +63,31 @@ MOTION = Quadratures(
 )
 
 
-SYSTEM = System(
+SYSTEM = rolling.system(
     name="zhukovsky-ball",
     title="Zhukovsky's gyroscopic ball on a plane",
     description="A ball with a gyroscope, spherical in its inertia by Zhukovsky's condition, "
     "rolls without slipping on a plane.",
-    fibration=Fibration(base=ball.base, fibre=ball.fibre),
-    **declared(ball),
-    charts=ball.charts(declared),
-    constraints=ball.no_slip,
-    parameters=(
-        Parameter(R, 1, positive=True, meaning="radius of the ball"),
-        Parameter(m, 1, positive=True, meaning="mass of ball and rotor"),
-        Parameter(A, sp.Rational(2, 5), positive=True, meaning="moment of inertia"),
-        Parameter(k, sp.Rational(1, 2), meaning="axial momentum of the gyroscope"),
-    ),
-    invariants=dict(zip(map(str, gamma), ball.normal, strict=True)),
-    equations={
-        "momentum": Equation(tuple(momentum), tuple(whole.cross(spin))),
-        "normal": Equation(gamma, tuple(normal.cross(spin))),
-    },
+    values={R: 1, m: 1, A: "0.4", k: "0.5"},
     integrals={
-        "energy": momentum.dot(spin) / 2,
-        "momentum squared": whole.dot(whole),
-        "vertical momentum": whole.dot(normal),
-        "axial": A * (A + D) * omega[2] + D * k * gamma[2] ** 2 / 2,
+        "axial": A * (A + D) * omega[2] + D * k * normal[2] ** 2 / 2,
     },
-    measure=Measure(1, (*gamma, *omega)),
-    essential=(u, v, *omega),
     integrable="Euler-Jacobi",
-    scenes={
-        "default": Scene(
-            initial={u: 2, **start},
-            times=(0.0, 40.0),
-            outputs=(x, y, *omega),
-            caption="The gyroscope bends the path of the ball.",
-        ),
-    },
+    scenes={"default": rolling.scene("The gyroscope bends the path of the ball.")},
     motion=MOTION,
     references=("Zhukovsky1893", "Bobylev1892", "DragovicGajicJovanovic2020"),
 )
 
-h = sp.Symbol("h")
 RELATIONS = (
-    Relation("zhukovsky-ball", "bobylev-ball", parameters={m: m, R: R, "A": A, "C": A, k: k}),
-    Relation(
-        "zhukovsky-ball",
-        "homogeneous-ball",
-        parameters={m: m, R: R, A: A},
-        limit=Limit(h, {k: h}),
-        note="the gyroscope is taken away",
+    Relation.of(SYSTEM, "bobylev-ball", {"A": A, "C": A}),
+    Relation.of(
+        SYSTEM, "homogeneous-ball", limit=Limit(h, {k: h}), note="the gyroscope is taken away"
     ),
 )
 SQUARES = (
-    Square(
-        first=("zhukovsky-ball -> bobylev-ball", "bobylev-ball -> chaplygin-ball"),
-        second=("zhukovsky-ball -> homogeneous-ball", "homogeneous-ball -> chaplygin-ball"),
+    Square.through(
+        ("zhukovsky-ball", "bobylev-ball", "chaplygin-ball"),
+        ("zhukovsky-ball", "homogeneous-ball", "chaplygin-ball"),
         name="Zhukovsky's ball without its gyroscope",
     ),
 )

@@ -82,7 +82,7 @@ def test_the_integral_of_borisov_and_fedorov_needs_its_weights_and_its_epsilon()
     name = "borisov-fedorov-ball"
     integral = vo.load(name).integrals["Borisov-Fedorov"]
     assert verdict_on(name, integrals={"F4": integral}).proved
-    plain = sum(p * g for p, g in zip(module(name).momentum, gamma, strict=True))
+    plain = sum(p * g for p, g in zip(module(name).ball.motion.momentum, gamma, strict=True))
     assert verdict_on(name, integrals={"F4": plain}).refuted
     lighter = integral - m * R2**2 * plain
     assert verdict_on(name, integrals={"F4": lighter}).refuted
@@ -92,10 +92,11 @@ def test_the_integral_of_borisov_and_fedorov_needs_its_weights_and_its_epsilon()
 def test_a_gyroscope_spoils_the_integral_of_borisov_and_fedorov():
     """Nor does the same sum with the whole momentum do."""
     system = vo.load("gyroscopic-ball-on-sphere")
-    mine = module("ball-on-sphere")
-    whole = module("gyroscopic-ball-on-sphere").whole
-    other = sum(b * p * g for b, p, g in zip(mine.weights, whole, gamma, strict=True))
-    for integral in (mine.fourth, other):
+    mine = module("ball-on-sphere").ball.motion
+    whole = module("gyroscopic-ball-on-sphere").ball.motion.whole
+    weights = [sum(mine.inertia) - 2 * i + mine.carried for i in mine.inertia]
+    other = sum(b * p * g for b, p, g in zip(weights, whole, gamma, strict=True))
+    for integral in (mine.linear_integral, other):
         case = vo.Case(parameters={R1: -R2 / 2}, integrals={"F4": integral})
         (verdict,) = [
             c.verdict for c in check_claims(replace(system, cases={"shell": case}))
@@ -115,13 +116,15 @@ def test_the_density_needs_its_root(name):
 @pytest.mark.parametrize("name", SYMMETRIC)
 def test_the_linear_integrals_need_the_ratio_of_the_radii(name):
     """With mu = 2 + R2/R1 in the place of 1 + R2/R1 they are none."""
-    ball = module(name)
-    growth = sp.exp((1 + ball.mu) * sp.asinh(ball.oblate * ball.x))
-    angle = (1 + ball.mu) * sp.asin(ball.prolate * ball.x)
+    ball = module(name).solution
+    growth = sp.exp((1 + ball.mu) * sp.asinh(ball.slope(True) * ball.x))
+    angle = (1 + ball.mu) * sp.asin(ball.slope(False) * ball.x)
+    spread, swing = ball.pair(True), ball.pair(False)
+    right = sp.exp(ball.mu * sp.asinh(ball.slope(True) * ball.x))
     for wrong in (
-        (ball.spread - ball.partner) * growth,
-        (ball.spread + ball.partner) * ball.growth,
-        ball.swing * sp.cos(angle) - ball.partner * sp.sin(angle),
+        (spread - ball.partner) * growth,
+        (spread + ball.partner) * right,
+        swing * sp.cos(angle) - ball.partner * sp.sin(angle),
     ):
         assert verdict_on(name, integrals={"wrong": wrong}).refuted
 

@@ -12,43 +12,17 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import (
-    Case,
-    Equation,
-    Fibration,
-    Frame,
-    Measure,
-    Parameter,
-    Poisson,
-    Scene,
-    System,
-    kinematics,
-    velocity,
-)
+from voronec import Case, Fibration, Frame, Parameter, Scene, System, kinematics, velocity
 
 x, y, phi, theta, psi = sp.symbols("x y phi theta psi")
-omega = sp.symbols("omega1 omega2 omega3")
 m, R = sp.symbols("m R")
 inertia = sp.symbols("I1 I2 I3")
 
 rotation = kinematics.Rotation.euler("zxz", phi, theta, psi)
 rates = rotation.space_rates
 vertical = rotation.matrix.row(2)  # gamma = R^T e_z
-
-D = m * R**2
-gamma = sp.symbols("gamma1:4")
-spin, normal = sp.Matrix(omega), sp.Matrix(gamma)
-momentum = kinematics.contact_momentum(inertia, D, omega, gamma)
-share = sum(D * g**2 / (i + D) for g, i in zip(gamma, inertia, strict=True))
-root = sp.sqrt(1 - share)
-in_angles = share.xreplace(dict(zip(gamma, vertical, strict=True)))
-
-# In the time dtau = dt / root the ball is Hamiltonian on (G, gamma) [BorisovMamaev2001].
-M = sp.symbols("M1:4")
-bracket = {}
-for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-    bracket[M[i], M[j]] = -root * (M[k] - D * spin.dot(normal) * gamma[k])
-    bracket[M[i], gamma[j]], bracket[M[i], gamma[k]] = -root * gamma[k], root * gamma[j]
+motion = kinematics.BallMotion(inertia, m * R**2)
+omega, gamma = motion.spin, motion.normal
 
 SYSTEM = System(
     name="chaplygin-ball",
@@ -64,35 +38,21 @@ SYSTEM = System(
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),
-        *(
-            Parameter(i, sp.Rational(tenths, 10), positive=True, meaning="principal moment")
-            for i, tenths in zip(inertia, (4, 5, 7), strict=True)
-        ),
+        *Parameter.each(inertia, ("0.4", "0.5", "0.7"), positive=True, meaning="principal moment"),
     ),
     invariants=dict(zip(map(str, gamma), vertical, strict=True)),
-    equations={
-        "momentum": Equation(tuple(momentum), tuple(momentum.cross(spin))),
-        "normal": Equation(gamma, tuple(normal.cross(spin))),
-    },
-    integrals={
-        "energy": momentum.dot(spin) / 2,
-        "momentum squared": momentum.dot(momentum),
-        "vertical momentum": momentum.dot(normal),
-    },
-    measure=Measure(root, (*gamma, *omega)),
-    poisson=Poisson(
-        variables={**dict(zip(M, momentum, strict=True)), **{g: g for g in gamma}},
-        bracket=bracket,
-        hamiltonian=momentum.dot(spin) / 2,
-        clock=1 / root,
-    ),
+    equations=motion.equations,
+    integrals=motion.integrals,
+    measure=motion.measure,
+    poisson=motion.poisson,
     integrable="Euler-Jacobi",
     essential=(theta, psi, *omega),
     cases={
         # The factor sin(theta) is the volume of the rotation group.
         "in Euler angles": Case(
             parameters={},
-            measure=sp.sqrt(1 - in_angles) * sp.sin(theta),
+            measure=motion.density.xreplace(dict(zip(gamma, vertical, strict=True)))
+            * sp.sin(theta),
             note="the same measure, with the coordinates of the contact",
         ),
     },

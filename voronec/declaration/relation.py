@@ -10,7 +10,8 @@ parameter.  What kind it is, follows from the maps.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import itertools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -87,6 +88,24 @@ class Relation:
                 read = {k: expression(v, f"{place}: '{shown(k)}'") for k, v in values.items()}
                 object.__setattr__(self, part, mapping(read, part, entry))
 
+    @classmethod
+    def of(
+        cls, system: Any, target: str, changed: Mapping[Any, Any] | None = None, **more: Any
+    ) -> Relation:
+        """A relation from a ``System``; its parameters keep their names, but for those ``changed``.
+
+        ``changed`` gives parameters of the target; a parameter of the system that occurs in one of
+        these, or that moves in the ``limit``, does not go over by its own name.
+        """
+        given = {shown(name): value for name, value in (changed or {}).items()}
+        values = [expression(v, f"a parameter of '{target}'") for v in given.values()]
+        used = set().union(*(value.free_symbols for value in values))
+        limit = more.get("limit")
+        moved = set(map(str, limit.parameters)) if limit is not None else set()
+        own = [p for p in system.parameters if p.symbol not in used and p.name not in moved]
+        kept = {p.name: p.symbol for p in own if p.name not in given}
+        return cls(system.name, target, parameters={**kept, **(changed or {})}, **more)
+
     @property
     def label(self) -> str:
         """What the relation is called in tables and in squares."""
@@ -113,6 +132,16 @@ class Square:
             object.__setattr__(self, part, several(getattr(self, part), part, "'label'"))
         for label in (self.name, self.up_to, *self.first, *self.second):
             require("a square", "a label", label, TEXT)
+
+    @classmethod
+    def through(
+        cls, first: Sequence[str], second: Sequence[str], name: str = "", up_to: str = ""
+    ) -> Square:
+        """Two chains by the systems that they pass, each from one to the next."""
+        chains = [
+            tuple(f"{a} -> {b}" for a, b in itertools.pairwise(chain)) for chain in (first, second)
+        ]
+        return cls(chains[0], chains[1], up_to, name)
 
     @property
     def label(self) -> str:

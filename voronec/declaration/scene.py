@@ -59,6 +59,19 @@ class Parameter:
         if self.value is not None:
             self.check(self.value)
 
+    @classmethod
+    def each(
+        cls, symbols: Iterable[sp.Expr], values: Iterable[Any], **said: Any
+    ) -> tuple[Parameter, ...]:
+        """One parameter for each symbol, with its value, of which the same is ``said``."""
+        named, given = tuple(symbols), tuple(values)
+        if len(named) != len(given):
+            raise DefinitionError(
+                f"{len(given)} values are given for {len(named)} parameters, beginning with "
+                f"'{shown(named[:1])}'; give one for each"
+            )
+        return tuple(cls(s, value, **said) for s, value in zip(named, given, strict=True))
+
     @property
     def name(self) -> str:
         """The parameter's name."""

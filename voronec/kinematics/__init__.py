@@ -3,6 +3,7 @@
 SymPy expressions in and out; nothing here knows about equations of motion.
 """
 
+from voronec.kinematics.balanced import BalancedBall, BallMotion, SymmetricBallMotion
 from voronec.kinematics.balls import RollingBall, contact_momentum
 from voronec.kinematics.bodies import (
     axial_rotor,
@@ -28,6 +29,8 @@ from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.surfaces import Surface
 
 __all__ = [
+    "BalancedBall",
+    "BallMotion",
     "BodyVelocity",
     "CarriedContact",
     "ConvexBody",
@@ -37,6 +40,7 @@ __all__ = [
     "Rotation",
     "Surface",
     "SurfaceForms",
+    "SymmetricBallMotion",
     "axial_rotor",
     "contact_momentum",
     "kinetic_energy",

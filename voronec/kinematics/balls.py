@@ -10,6 +10,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.declaration.charts import Chart
+from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import expression
 from voronec.declaration.scene import Scene
 from voronec.kinematics.bodies import kinetic_energy, point_velocity
@@ -21,6 +22,8 @@ from voronec.kinematics.vectors import Vector, cross, dot, three
 __all__ = ["RollingBall", "contact_momentum"]
 
 _U, _V, _THETA = sp.symbols("u v theta")
+OMEGA, GAMMA = sp.symbols("omega1:4"), sp.symbols("gamma1:4")
+"""The names of omega and gamma along the axes of a body, in its equations."""
 
 
 @dataclass(frozen=True)
@@ -142,6 +145,38 @@ class RollingBall:
             "default": Scene(start, (0.0, 40.0), {}, outputs, outside),
             "inner": Scene(start, (0.0, 60.0), {fixed: -3}, outputs, inside),
             "shell": Scene(start, (0.0, 60.0), {fixed: -sp.Rational(1, 3)}, outputs, around),
+        }
+
+    def declared(
+        self, *, rotor: Sequence[Any] = (0, 0, 0), potential: Any = 0, twists: bool = True
+    ) -> dict[str, Any]:
+        """What a ``System`` of this ball declares of its chart, in its velocities omega.
+
+        The Lagrangian is the energy with kappa . omega of a ``rotor``, less a ``potential`` in
+        gamma1, gamma2, gamma3, the invariants.  A ball that does not twist, ``twists=False``,
+        has the velocities omega1 and omega2, and theta in the fibre.
+        """
+        momentum, height = three(rotor, "the momentum of a rotor"), sp.sympify(potential)
+        names = OMEGA if twists else OMEGA[:2]
+
+        def of_axes(ball: RollingBall) -> dict[str, Any]:
+            normal = dict(zip(GAMMA, ball.normal, strict=True))
+            own = ball.energy + sp.Matrix(momentum).dot(sp.Matrix(ball.spin))
+            return {
+                "frame": Frame.quasi(dict(zip(names, ball.spin, strict=False))),
+                "lagrangian": own - height.xreplace(normal),
+            }
+
+        u, v, theta = self.base
+        return {
+            "fibration": Fibration(self.base, self.fibre)
+            if twists
+            else Fibration((u, v), (*self.fibre, theta)),
+            **of_axes(self),
+            "charts": self.charts(of_axes),
+            "constraints": self.no_slip if twists else (*self.no_slip, self.no_twist),
+            "invariants": dict(zip(map(str, GAMMA), self.normal, strict=True)),
+            "essential": (u, v, *names),
         }
 
     def _along_axes(self, vector: Vector) -> Vector:

@@ -1,0 +1,85 @@
+"""Families of systems: what their constructors declare of a body that is not in the catalogue."""
+
+from __future__ import annotations
+
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec import DefinitionError, Limit, Parameter, Relation, Square
+from voronec.kinematics import BalancedBall, BallMotion
+
+r, b, M, A, C, k = sp.symbols("r b M A C k")
+moments = sp.symbols("P1:4")
+TABLE = {r: 3, b: 1, M: 2, moments: ("0.5", "0.6", "0.8"), k: "0.25"}
+
+
+def ball(**more):
+    own = BalancedBall.on_sphere(r, b, M, moments, (0, 0, k))
+    return own.system(name="own-ball", values={**TABLE, **more.pop("values", {})}, **more)
+
+
+def test_a_ball_of_ones_own_has_the_claims_of_its_family():
+    """With its own letters; the claims are proved from its Lagrangian."""
+    verdicts = {c.name: c.verdict for c in vo.check_claims(ball())}
+    assert {"momentum", "normal", "energy", "momentum squared"} <= {*verdicts}
+    assert all(verdict.proved for verdict in verdicts.values())
+
+
+def test_constants_come_in_the_order_of_the_table_with_their_words():
+    rows = [(p.name, p.value, p.positive, p.meaning) for p in ball().parameters]
+    assert rows[:3] == [
+        ("r", 3, False, "radius of the fixed sphere, signed"),
+        ("b", 1, True, "radius of the ball"),
+        ("M", 2, True, "mass of ball and rotor"),
+    ]
+    assert rows[3] == ("P1", sp.Rational(1, 2), True, "principal moment")
+    assert rows[-1] == ("k", sp.Rational(1, 4), False, "axial momentum of the gyroscope")
+
+
+def test_what_is_declared_beside_joins_what_the_ball_has():
+    """Entries are added, those of the same name replaced; a further constant says its words."""
+    c = sp.Symbol("c")
+    own = ball(
+        integrals={"energy": sp.Integer(1), "more": c},
+        values={c: Parameter(c, 5, meaning="of mine")},
+        drawing=None,
+    )
+    assert list(own.integrals) == ["energy", "momentum squared", "more"]
+    assert own.integrals["energy"] == 1
+    assert own.parameters[-1].meaning == "of mine"
+    assert own.drawing is None
+
+
+def test_a_constant_that_the_body_does_not_have_is_refused():
+    with pytest.raises(DefinitionError, match="'A' is no constant of this body; it has r, b, M"):
+        ball(values={A: 1})
+    with pytest.raises(DefinitionError, match=r"P1, P2, P3.* 2 values"):
+        ball(values={moments: (1, 2)})
+
+
+def test_the_density_of_a_spherical_ball_is_constant_and_of_no_other():
+    assert BallMotion((A, A, A), M * b**2).density == 1
+    assert BallMotion((A, A, C), M * b**2).density != 1
+
+
+def test_one_parameter_for_each_symbol():
+    x, y = Parameter.each((A, C), ("0.5", 2), positive=True, meaning="moment")
+    assert x == Parameter(A, sp.Rational(1, 2), positive=True, meaning="moment")
+    assert (y.symbol, y.value) == (C, 2)
+    with pytest.raises(DefinitionError, match="3 values are given for 2 parameters"):
+        Parameter.each((A, C), (1, 2, 3))
+
+
+def test_parameters_keep_their_names_but_for_those_changed():
+    """Neither one that occurs in a changed one goes over by its name, nor one that moves."""
+    h, source = sp.Symbol("h"), ball()
+    own = Relation.of(source, "wide", {"R": b, "J": k + 1}, limit=Limit(h, {r: 1 / h}))
+    assert own.parameters == {"R": b, "J": k + 1, "M": M, **{str(p): p for p in moments}}
+    assert (own.source, own.target) == ("own-ball", "wide")
+    assert Relation.of(source, "same").parameters == {p.name: p.symbol for p in source.parameters}
+
+
+def test_squares_through_systems_pass_the_relations_between_neighbours():
+    own = Square.through(("a", "b", "d"), ("a", "c", "d"), name="both ways")
+    assert own == Square(("a -> b", "b -> d"), ("a -> c", "c -> d"), name="both ways")

@@ -1,0 +1,312 @@
+"""Balanced balls that roll on a plane or a sphere, declared whole, by spin omega and normal gamma.
+
+omega and gamma are along the ball's principal axes; gamma is the normal of the fixed surface at the
+contact, towards the centre of the ball.  R1 is the signed radius of a fixed sphere, R2 that of the
+ball, D = m R2^2 and epsilon = R1/(R1 + R2), which is 1 on a plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from voronec.declaration.claims import Case, Equation, Measure, Poisson
+from voronec.declaration.scene import Scene
+from voronec.declaration.system import System
+from voronec.kinematics.balls import GAMMA, OMEGA, RollingBall, contact_momentum
+from voronec.kinematics.families import Words, constants, joined, moment_words, rotor_words
+from voronec.kinematics.vectors import Vector, three
+
+__all__ = ["BalancedBall", "BallMotion", "SymmetricBallMotion"]
+
+ZERO = (sp.Integer(0), sp.Integer(0), sp.Integer(0))
+CYCLES = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+TRACES = {"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")}
+
+
+@dataclass(frozen=True)
+class BallMotion:
+    """The motion of a balanced ball that rolls without slipping, reduced to omega and gamma.
+
+        dG/dt = (G + kappa) x omega,    dgamma/dt = epsilon gamma x omega,
+        G = I omega + D (omega - (omega, gamma) gamma)
+
+    on a plane [Chaplygin1903] and on a sphere, with the constant momentum kappa of a gyroscope
+    [Markeev1985; DragovicGajicJovanovic2020, eqs. (Chap), (Chap*)].
+
+    inertia, carried, rotor, epsilon
+        the principal moments, D, kappa, epsilon.
+    """
+
+    inertia: Vector
+    carried: Any
+    rotor: Vector = ZERO
+    epsilon: Any = sp.Integer(1)
+
+    @property
+    def spin(self) -> sp.Matrix:
+        """omega, as symbols."""
+        return sp.Matrix(OMEGA)
+
+    @property
+    def normal(self) -> sp.Matrix:
+        """gamma, as symbols."""
+        return sp.Matrix(GAMMA)
+
+    @cached_property
+    def momentum(self) -> sp.ImmutableMatrix:
+        """G, the angular momentum about the contact, without the gyroscope."""
+        return contact_momentum(self.inertia, self.carried, OMEGA, GAMMA)
+
+    @cached_property
+    def whole(self) -> sp.ImmutableMatrix:
+        """G + kappa, which is constant in space."""
+        return self.momentum + sp.ImmutableMatrix(self.rotor)
+
+    @cached_property
+    def density(self) -> sp.Expr:
+        """sqrt(1 - D ((I + D)^-1 gamma, gamma)), that of an invariant measure [Yaroshchuk1992].
+
+        It is constant, 1 here, where the three moments are the same.
+        """
+        if len({*self.inertia}) == 1:
+            return sp.Integer(1)
+        own = self.carried
+        terms = (own * g**2 / (i + own) for g, i in zip(GAMMA, self.inertia, strict=True))
+        return sp.sqrt(1 - sp.Add(*terms))
+
+    @cached_property
+    def equations(self) -> dict[str, Equation]:
+        """The equations of G and of gamma."""
+        return {
+            "momentum": Equation(tuple(self.momentum), tuple(self.whole.cross(self.spin))),
+            "normal": Equation(GAMMA, tuple((self.epsilon * self.normal).cross(self.spin))),
+        }
+
+    @cached_property
+    def integrals(self) -> dict[str, sp.Expr]:
+        """The energy, the square of G + kappa, and on a plane its vertical component."""
+        found = {
+            "energy": self.momentum.dot(self.spin) / 2,
+            "momentum squared": self.whole.dot(self.whole),
+        }
+        if self.epsilon == 1:
+            found["vertical momentum"] = self.whole.dot(self.normal)
+        return found
+
+    @cached_property
+    def linear_integral(self) -> sp.Expr:
+        """sum of (I_1 + I_2 + I_3 - 2 I_i + D) G_i gamma_i [BorisovFedorov1995].
+
+        It is constant where epsilon = -1, for a shell around a sphere of half its radius, without
+        a gyroscope.
+        """
+        rows = zip(self.inertia, self.momentum, GAMMA, strict=True)
+        trace = sp.Add(*self.inertia) + self.carried
+        return sp.Add(*[(trace - 2 * i) * p * g for i, p, g in rows])
+
+    @property
+    def measure(self) -> Measure:
+        """The invariant measure of gamma and omega."""
+        return Measure(self.density, (*GAMMA, *OMEGA))
+
+    @cached_property
+    def poisson(self) -> Poisson:
+        """On a plane the ball is Hamiltonian on (M, gamma), M = G + kappa [BorisovMamaev2001].
+
+        The time is dtau = dt/root with the density ``root`` of the measure, and the bracket that of
+        the ball without a gyroscope: {M_i, M_j} = -root (M_k - D (omega, gamma) gamma_k),
+        {M_i, gamma_j} = -root gamma_k.
+        """
+        root, along = self.density, self.spin.dot(self.normal)
+        momenta, bracket = sp.symbols("M1:4"), {}
+        for i, j, k in CYCLES:
+            bracket[momenta[i], momenta[j]] = -root * (momenta[k] - self.carried * along * GAMMA[k])
+            bracket[momenta[i], GAMMA[j]] = -root * GAMMA[k]
+            bracket[momenta[i], GAMMA[k]] = root * GAMMA[j]
+        return Poisson(
+            variables={**dict(zip(momenta, self.whole, strict=True)), **{g: g for g in GAMMA}},
+            bracket=bracket,
+            hamiltonian=self.momentum.dot(self.spin) / 2,
+            clock=1 / root,
+        )
+
+
+@dataclass(frozen=True)
+class BalancedBall:
+    """A balanced ball, with a gyroscope or without, that rolls without slipping on plane or sphere.
+
+    ball
+        the ball in Neumann's coordinates: contact, mass, moments.
+    radius, fixed
+        R2 and R1, the signed radius of a fixed sphere; nothing for a plane.
+    rotor
+        kappa, the momentum of the gyroscope.
+
+    ``system`` declares it, with what is special beside.
+    """
+
+    ball: RollingBall
+    radius: Any
+    fixed: Any = None
+    rotor: Vector = ZERO
+
+    @classmethod
+    def on_sphere(
+        cls, fixed: Any, radius: Any, mass: Any, inertia: Sequence[Any], rotor: Sequence[Any] = ZERO
+    ) -> BalancedBall:
+        """On a sphere of signed radius ``fixed``: negative inside, and for a shell around it."""
+        kappa = three(rotor, "the momentum of a rotor")
+        return cls(RollingBall.on_sphere(fixed, radius, mass, inertia), radius, fixed, kappa)
+
+    @classmethod
+    def on_plane(
+        cls, radius: Any, mass: Any, inertia: Sequence[Any], rotor: Sequence[Any] = ZERO
+    ) -> BalancedBall:
+        """On a plane, touched at (x, y)."""
+        kappa = three(rotor, "the momentum of a rotor")
+        return cls(RollingBall.on_plane(radius, mass, inertia), radius, None, kappa)
+
+    @cached_property
+    def motion(self) -> BallMotion:
+        """Its motion, reduced to omega and gamma, with the claims that hold for every such ball."""
+        carried = self.ball.mass * self.radius**2
+        return BallMotion(
+            self.ball.inertia, carried, self.rotor, epsilon_of(self.fixed, self.radius)
+        )
+
+    @property
+    def words(self) -> Words:
+        """What its constants are."""
+        mass = "mass of ball and rotor" if any(self.rotor) else "mass"
+        return {
+            self.fixed: ("radius of the fixed sphere, signed", False),
+            self.radius: ("radius of the ball", True),
+            self.ball.mass: (mass, True),
+            **moment_words(self.ball.inertia),
+            **rotor_words(self.rotor),
+        }
+
+    def scene(self, caption: str, end: float = 40.0) -> Scene:
+        """A motion from u = 2 with omega = (1/2, 1, 1), on a sphere from theta = u1 = 1."""
+        (u, v, theta), fixed = self.ball.base, self.ball.fibre
+        spun = dict(zip(OMEGA, (sp.Rational(1, 2), 1, 1), strict=True))
+        if self.fixed is None:
+            return Scene({u: 2, **spun}, (0.0, end), {}, (*fixed, *OMEGA), caption)
+        start = {u: 2, theta: 1, fixed[0]: 1, **spun}
+        return Scene(start, (0.0, end), {}, (u, v, *fixed, *OMEGA), caption)
+
+    def system(self, *, values: dict[Any, Any], **declared: Any) -> System:
+        """The system of this ball, with ``values`` of its constants, and what is special to it.
+
+        The entries of ``declared`` that are mappings are added to those which every such ball has:
+        equations, integrals, scenes (on a sphere of radius R1, outside, inside, as a shell).
+        """
+        motion = self.motion
+        own = {
+            **self.ball.declared(rotor=motion.rotor),
+            "parameters": constants(values, self.words),
+            "equations": motion.equations,
+            "integrals": motion.integrals,
+            "measure": motion.measure,
+        }
+        if self.fixed is not None:
+            own["drawing"] = TRACES
+        if isinstance(self.fixed, sp.Symbol):
+            own["scenes"] = self.ball.scenes_on_sphere(self.fixed, OMEGA)
+        return joined(own, declared)
+
+
+def epsilon_of(fixed: Any, radius: Any) -> sp.Expr:
+    """epsilon = R1/(R1 + R2), and 1 on a plane, which has no radius."""
+    return sp.Integer(1) if fixed is None else sp.sympify(fixed / (fixed + radius))
+
+
+@dataclass(frozen=True)
+class SymmetricBallMotion:
+    """The elementary solution for a ball on a sphere with moments A, A, C and kappa = (0, 0, k).
+
+    Along a motion sigma = (omega, gamma) is a function of x = gamma_3 with
+
+        (A + b x^2) sigma'' + 3 b x sigma' + b (1 - mu^2) sigma = 0,    b = (C - A) D/(C + D),
+
+    mu = 1/epsilon, and mu w = -A sigma' - x w' with w = (C - A) omega_3 + k.  Where
+    y^2 = 1 + b x^2/A, y d(y sigma)/dx = (mu/A) partner and d(partner)/dx = mu b sigma, so that
+    the pair (A c y sigma, partner), c^2 = |b|/A, turns through mu times the angle of x,
+    hyperbolically where C > A [BorisovMamaev2002].
+    """
+
+    ball: BallMotion
+
+    @property
+    def x(self) -> sp.Expr:
+        """gamma_3."""
+        return GAMMA[2]
+
+    @property
+    def mu(self) -> sp.Expr:
+        """1/epsilon = 1 + R2/R1."""
+        return 1 / self.ball.epsilon
+
+    @cached_property
+    def sigma(self) -> sp.Expr:
+        """(omega, gamma), the spin about the normal."""
+        return self.ball.spin.dot(self.ball.normal)
+
+    @cached_property
+    def b(self) -> sp.Expr:
+        """D (C - A)/(C + D)."""
+        own, (a, _, c) = self.ball.carried, self.ball.inertia
+        return own * (c - a) / (c + own)
+
+    @cached_property
+    def partner(self) -> sp.Expr:
+        """b x sigma - w, which turns with A c y sigma."""
+        return self.b * self.x * self.sigma - self._axial
+
+    @property
+    def _axial(self) -> sp.Expr:
+        """w = (C - A) omega_3 + k."""
+        a, _, c = self.ball.inertia
+        return (c - a) * OMEGA[2] + self.ball.rotor[2]
+
+    def pair(self, oblate: bool) -> sp.Expr:
+        """A c y sigma, with c = sqrt(b/A) where C > A, ``oblate``, and sqrt(-b/A) where C < A."""
+        a, x = self.ball.inertia[0], self.x
+        return a * self.slope(oblate) * sp.sqrt(1 + self.b * x**2 / a) * self.sigma
+
+    def slope(self, oblate: bool) -> sp.Expr:
+        """c = sqrt(|b|/A)."""
+        return sp.sqrt((self.b if oblate else -self.b) / self.ball.inertia[0])
+
+    @cached_property
+    def equations(self) -> dict[str, Equation]:
+        """sigma and its derivative by x, as functions of the state, and how they change."""
+        (a, _, _), x, mu, b = self.ball.inertia, self.x, self.mu, self.b
+        first = -(mu * self._axial + b * (1 - mu) * x * self.sigma) / (a + b * x**2)
+        second = -(3 * b * x * first + b * (1 - mu**2) * self.sigma) / (a + b * x**2)
+        rate = self.ball.epsilon * (GAMMA[0] * OMEGA[1] - GAMMA[1] * OMEGA[0])  # of x
+        return {
+            "normal spin": Equation(self.sigma, first * rate),
+            "normal spin, derived": Equation(first, second * rate),
+        }
+
+    @cached_property
+    def cases(self) -> dict[str, Case]:
+        """The constants of the solution, two integrals linear in omega: C > A, and C < A."""
+        growth = sp.exp(self.mu * sp.asinh(self.slope(True) * self.x))
+        angle = self.mu * sp.asin(self.slope(False) * self.x)
+        spread, swing, partner = self.pair(True), self.pair(False), self.partner
+        grown = {"growing": (spread - partner) * growth, "falling": (spread + partner) / growth}
+        turned = {
+            "cosine": swing * sp.cos(angle) - partner * sp.sin(angle),
+            "sine": swing * sp.sin(angle) + partner * sp.cos(angle),
+        }
+        return {
+            "oblate": Case({}, integrals=grown, integrable="Euler-Jacobi", note="C > A"),
+            "prolate": Case({}, integrals=turned, integrable="Euler-Jacobi", note="C < A"),
+        }

@@ -1,0 +1,85 @@
+"""What families of systems share: constants with their usual words, declarations joined."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import sympy as sp
+
+from voronec.declaration.scene import Parameter
+from voronec.declaration.system import System
+from voronec.errors import DefinitionError, shown
+
+__all__ = ["constants", "joined"]
+
+Words = Mapping[sp.Expr, tuple[str, bool]]
+"""Symbol -> what it is, and whether it is positive."""
+
+
+def constants(values: Mapping[Any, Any], words: Words) -> tuple[Parameter, ...]:
+    """The parameters of a table ``{symbol: value, (symbol, symbol): (value, value)}``, in order.
+
+    ``words`` say what each of them is; a ``Parameter`` in the place of a value says it itself.
+    """
+    found: list[Parameter] = []
+    for names, value in values.items():
+        single = not isinstance(names, Sequence)
+        symbols, numbers = ((names,), (value,)) if single else (names, tuple(value))
+        if len(symbols) != len(numbers):
+            raise DefinitionError(
+                f"{', '.join(map(str, symbols))} have {len(numbers)} values; give one for each"
+            )
+        for symbol, number in zip(symbols, numbers, strict=True):
+            found.append(_constant(symbol, number, words))
+    return tuple(found)
+
+
+def _constant(symbol: sp.Expr, value: Any, words: Words) -> Parameter:
+    """One parameter, with what it is."""
+    if isinstance(value, Parameter):
+        return value
+    if symbol not in words:
+        known = ", ".join(str(s) for s in words if isinstance(s, sp.Symbol))
+        raise DefinitionError(
+            f"'{shown(symbol)}' is no constant of this body; it has {known}; others are given as "
+            "Parameter(...)"
+        )
+    meaning, positive = words[symbol]
+    return Parameter(symbol, value, positive=positive, meaning=meaning)
+
+
+def moment_words(inertia: Sequence[Any], one: str = "principal moment") -> Words:
+    """What the principal moments are: of any body, of one with an axis, of a spherical one."""
+    x, y, z = inertia
+    if x == y == z:
+        return _symbols({x: ("moment of inertia", True)})
+    if x == y:
+        axis = {x: ("equatorial moment of inertia", True), z: ("axial moment of inertia", True)}
+        return _symbols(axis)
+    return _symbols(dict.fromkeys(inertia, (one, True)))
+
+
+def rotor_words(rotor: Sequence[Any]) -> Words:
+    """What the momentum of a gyroscope is, along any direction or along the third axis."""
+    axial = not any(rotor[:2])
+    words = "axial momentum of the gyroscope" if axial else "momentum of the gyroscope"
+    return _symbols(dict.fromkeys(rotor, (words, False)))
+
+
+def _symbols(words: Words) -> Words:
+    return {symbol: said for symbol, said in words.items() if isinstance(symbol, sp.Symbol)}
+
+
+def joined(own: Mapping[str, Any], more: Mapping[str, Any]) -> System:
+    """The system of what a body declares by itself and of what is declared beside.
+
+    Of mappings - claims, scenes, cases - entries are added, or take the place of those of the same
+    name; anything else takes the place of what the body has.
+    """
+    both = dict(own)
+    for name, value in more.items():
+        old = both.get(name)
+        maps = isinstance(old, Mapping) and isinstance(value, Mapping)
+        both[name] = {**old, **value} if maps and isinstance(old, Mapping) else value
+    return System(**both)
