@@ -185,6 +185,38 @@ COMPOSED = {
     ),
     "quotients of one sign": (sp.sqrt(x / y) * sp.sqrt(y / x), 1),
     "sign": (sp.sign(x) * sp.Abs(x), x),
+    "the root of a square in an angle": (
+        sp.sin(sp.sqrt(p + q + 2 * sp.sqrt(p * q))),
+        2 * sp.sin((sp.sqrt(p) + sp.sqrt(q)) / 2) * sp.cos((sp.sqrt(p) + sp.sqrt(q)) / 2),
+    ),
+    "half angles in an angle": (
+        sp.cos(x**2 - sp.tan(y / 2)) + sp.cos(x**2 + sp.tan(y / 2)),
+        2 * sp.cos(x**2) * sp.cos((1 - sp.cos(y)) / sp.sin(y)),
+    ),
+    "a turn that is written otherwise": (
+        sp.sin(2 * y + sp.sin(sp.cos(y + x))),
+        sp.sin(2 * y) * sp.cos(sp.sin(2 * sp.sin(y / 2 + x / 2) ** 2 - 1))
+        - sp.sin(sp.sin(2 * sp.sin(y / 2 + x / 2) ** 2 - 1)) * sp.cos(2 * y),
+    ),
+    "an angle that is a number": (
+        sp.tan(q + sp.sqrt(y / x) * sp.sqrt(x / y)),
+        (sp.tan(q) + sp.tan(1)) / (1 - sp.tan(1) * sp.tan(q)),
+    ),
+    "sines of inverse sines": (
+        sp.sin(sp.sin(2 * sp.acos(x))) ** 2 + sp.cos(2 * x * sp.sqrt(1 - x**2)) ** 2, 1,
+    ),
+    "opposite arguments of an arctangent": (
+        sp.tan(sp.sin(3 * x) + sp.atan((p - y) ** 3)),
+        ((p - y) ** 3 - sp.tan(4 * sp.sin(x) ** 3 - 3 * sp.sin(x)))
+        / ((p - y) ** 3 * sp.tan(4 * sp.sin(x) ** 3 - 3 * sp.sin(x)) + 1),
+    ),
+    "half of an arctangent": (
+        sp.cos((y - sp.atan(x)) / 2) * sp.cos((y + sp.atan(x)) / 2),
+        sp.cos(y) / 2 + 1 / (2 * sp.sqrt(x**2 + 1)),
+    ),
+    "a product of exponentials above one": (
+        sp.sinh((p + q) / 2), sp.sqrt((sp.cosh(p + q) - 1) / 2),
+    ),
 }  # fmt: skip
 
 
@@ -201,7 +233,19 @@ NEARLY = {
     "sign": (sp.sign(x) ** 2 * (1 + x), 1 + x),
     "sum of sizes": (sp.sqrt(x**2 + y**2 + 2 * x * y), sp.Abs(x) + sp.Abs(y)),
     "another angle": (sp.sin(sp.cos(x) ** 2), sp.sin(sp.sin(x) ** 2)),
-}
+    "arguments that are equal on one side": (
+        sp.cos(x + sp.Abs(sp.tan(y / 2))), sp.cos(x + (1 - sp.cos(y)) / sp.sin(y)),
+    ),
+    "the root of a square of either sign": (
+        sp.exp(sp.sqrt(x**2 + y**2 - 2 * x * y)), sp.exp(x - y),
+    ),
+    "half of an arctangent of either sign": (
+        sp.sin(sp.atan(x) / 2), sp.sqrt((1 - 1 / sp.sqrt(1 + x**2)) / 2),
+    ),
+    "a quotient of either sign": (
+        sp.sin(sp.sqrt(x / y) * x), sp.sin(sp.sqrt(x * y) * x / y),
+    ),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("sides", NEARLY.values(), ids=NEARLY)

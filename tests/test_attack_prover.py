@@ -88,3 +88,13 @@ def test_a_statement_without_an_answer_is_told(attack, monkeypatch):
     monkeypatch.setattr(voronec, "prove_equal", never)
     _, outcome, text = attack.asked(3, 0, "identities", limit=3)
     assert outcome.startswith("no answer") and text
+
+
+def test_a_statement_that_sympy_never_makes_is_none_of_the_prover(attack, monkeypatch):
+    def never(*_):
+        while True:
+            pass
+
+    monkeypatch.setattr(attack, "MAKING", 0.2)
+    monkeypatch.setitem(attack.KINDS, "identities", (never, ("roots",)))
+    assert attack.asked(3, 0, "identities") == ("none", "not made: within 0.2 s", "")

@@ -43,7 +43,9 @@ DRAWS = 60
 
 
 LIMIT = 60.0
-"""Seconds of processor time for a statement, to be made and to be asked."""
+"""Seconds of processor time for a statement to be asked."""
+MAKING = 10.0
+"""The same for it to be made: SymPy may expand what it evaluates."""
 
 
 class NoAnswer(BaseException):
@@ -103,16 +105,17 @@ OPEN = ("true undecided", "false said to agree")
 
 def asked(seed: int, index: int, kind: str | None, limit: float = LIMIT) -> tuple[str, str, str]:
     """The family of a statement, what became of it, and what it says."""
-    statement = None
+    try:
+        with _limited(MAKING):
+            statement = _statement(seed, index, kind)
+    except NoAnswer:
+        return "none", f"not made: within {MAKING:g} s", ""
+    if statement is None:
+        return "none", "not made", ""
     try:
         with _limited(limit):
-            statement = _statement(seed, index, kind)
-            if statement is None:
-                return "none", "not made", ""
             return outcome_of(statement)
     except NoAnswer:
-        if statement is None:
-            return "none", f"{NO_ANSWER}: not made within {limit:g} s", ""
         return statement.family, f"{NO_ANSWER}: within {limit:g} s", statement.text
 
 

@@ -201,6 +201,7 @@ class Signs:
     def _certificates(self, poly: Any, depth: int) -> Iterator[Sign | None]:
         yield self._of_terms(poly)
         yield self._by_facts(poly, depth)
+        yield self._above_bounds(poly)
         yield self._at_ends(poly, depth)
         yield self._without_roots(poly)
         if self.bounded and (depth > _SHALLOW or len(poly) > _FEW):
@@ -240,6 +241,31 @@ class Signs:
                     reason = f"{self.spelled(fact)} is {known.in_words} by hypothesis"
                     return Sign(value, known.strict or beyond.strict, reason)
         return None
+
+    def _above_bounds(self, poly: Any) -> Sign | None:
+        """All terms have one sign, written in how far generators are above their lower bounds."""
+        bounds = dict(self._lower_bounds())
+        bounds = {place: low for place, low in bounds.items() if poly.degrees()[place]}
+        if not bounds or len(poly) > _FEW:
+            return None
+        gens = self.ring.field.gens
+        moved = poly.compose(*[g + bounds.get(i, 0) for i, g in enumerate(gens)])
+        kinds = {**dict(enumerate(self.kinds)), **dict.fromkeys(bounds, "positive")}
+        signs = replace(self, kinds=[kinds[i] for i in range(len(gens))])
+        found = signs._of_terms(moved)
+        above = ", ".join(f"{self.ring.meaning[i]} > {low}" for i, low in bounds.items())
+        return None if found is None else replace(found, reason=f"{found.reason}, where {above}")
+
+    def _lower_bounds(self) -> Iterator[tuple[int, Any]]:
+        """(place, number) for each generator that is above a number by hypothesis."""
+        for fact, known in self.facts.values():
+            places = self._used(fact)
+            if len(fact) != 2 or len(places) != 1 or fact.total_degree() != 1 or not known.strict:
+                continue
+            slope = fact.leading_coefficient()
+            if known.value * slope > 0:
+                gen = self.ring.field.gens[places[0]]
+                yield places[0], (slope * gen - fact).leading_coefficient() / slope
 
     def _at_ends(self, poly: Any, depth: int) -> Sign | None:
         """Linear in a sine or a cosine between -1 and 1, or in its square: the signs at the ends
@@ -379,7 +405,10 @@ def _sign_of_argument(argument: Any, hypotheses: Sequence[Any]) -> int:
 def _is_plain(exprs: Iterable[Any]) -> bool:
     """Whether expressions are sums and products of symbols and numbers: no further exponentials."""
     plain = (se.Symbol, se.Number, se.Add, se.Mul)
-    return all(isinstance(n, plain) for n in nodes(exprs))
+    return all(
+        isinstance(n, plain) or (isinstance(n, se.Pow) and isinstance(n.args[1], se.Integer))
+        for n in nodes(exprs)
+    )
 
 
 def _is_positive(meaning: Any) -> bool:

@@ -18,6 +18,7 @@ import symengine as se
 
 from voronec.algebra.certificates import Sign, Signs
 from voronec.algebra.conditions import parted
+from voronec.algebra.congruence import Congruence
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factors
 from voronec.algebra.graphs import is_atom, nodes
@@ -50,9 +51,36 @@ def are_equal(a: Any, b: Any, relations: Sequence[Any], work_limit: int) -> bool
         return False
     in_pieces = any(isinstance(n, se.sign | se.floor) for n in nodes([a, b]))
     return all(
-        _agree(left, right, hypotheses, work_limit, in_pieces)
+        any(way(left, right, hypotheses, work_limit, in_pieces) for way in (_tried, _are_congruent))
         for left, right, hypotheses in _cases(a, b, relations)
     )
+
+
+def _tried(a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces: bool) -> bool:
+    """Whether two expressions agree, as far as that costs no more than it may."""
+    try:
+        return _agree(a, b, relations, work_limit, in_pieces)
+    except (EngineLimit, DefinitionError, RecursionError):  # forms nested too deeply
+        return False
+
+
+def _are_congruent(
+    a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces: bool
+) -> bool:
+    """The same with one letter for equal arguments of functions."""
+    known = [*relations, *(() if in_pieces else _real_where([a, b], _whole(relations)))]
+    forms = Composition(known)
+
+    def proves(left: Any, right: Any) -> bool:
+        return _tried(left, right, [*known, *congruence.conditions], INNER_WORK, in_pieces)
+
+    for whole in (True, False):
+        congruence = Congruence(proves, forms.is_positive, whole)
+        left, right = congruence.lettered([a, b], known)
+        given = [*known, *congruence.conditions]
+        if congruence.changed and _tried(left, right, given, work_limit, in_pieces):
+            return True
+    return False
 
 
 def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces: bool) -> bool:
@@ -216,12 +244,16 @@ class Composition:
         """Sine and cosine of a sum, with inverse functions written out."""
         rest, written = list[_Term](), list[_Term]()
         for term, n in linear_terms(angle).items():
-            small = isinstance(n, se.Integer) and abs(int(n)) <= FOLD
+            halved = isinstance(2 * n, se.Integer) and isinstance(term, se.asin | se.atan)
+            small = (halved or isinstance(n, se.Integer)) and abs(n) <= FOLD
             (written if small and isinstance(term, INVERSE) else rest).append((term, n))
         plain = se.Add(*[c * t for t, c in rest])
         sine, cosine = se.sin(plain), se.cos(plain)
         for term, n in written:
             s, c = _of_inverse(term)
+            if not isinstance(n, se.Integer):  # half of an angle whose cosine is not negative
+                half = se.sqrt((1 + c) / 2)
+                s, c, n = s / (2 * half), half, 2 * n
             for _ in range(abs(int(n))):
                 up = s if n > 0 else -s
                 sine, cosine = sine * c + cosine * up, cosine * c - sine * up
@@ -251,7 +283,7 @@ class Composition:
         exponent = self.resolved(exponent)
         if base != se.E:
             inner = self.resolved(base)
-            if _may_be_whole(exponent, self._whole) and not self._is_positive(inner):
+            if _may_be_whole(exponent, self._whole) and not self.is_positive(inner):
                 return se.Pow(self._normal(inner), exponent)
             exponent = exponent * self._logarithm(inner)
         parts, rest = [], []
@@ -262,7 +294,7 @@ class Composition:
                 rest.append(c * self._product(term))
         return se.Mul(se.exp(se.Add(*rest)), *parts)
 
-    def _is_positive(self, expr: Any) -> bool:
+    def is_positive(self, expr: Any) -> bool:
         """Whether it is known that an expression is positive."""
         try:
             ring = ring_over([expr], self._hypotheses, INNER_WORK)
@@ -338,12 +370,16 @@ class Composition:
             sign = Signs.of(ring, self._conditions, bounded=True).of_fraction(fraction)
         except (EngineLimit, DefinitionError):
             return kind(argument)
-        if fraction.num.leading_coefficient() < 0:
-            return -self._odd(kind, -argument)
+        if sign is None or not (sign.strict and sign.value):
+            opposite = self._normal(-argument)  # one of the two, whichever is asked for
+            if (len(str(opposite)), str(opposite)) < (len(str(argument)), str(argument)):
+                return -kind(opposite)
+            return kind(argument)
+        positive = argument if sign.value > 0 else self._normal(-argument)
         texts = [str(p / p.leading_coefficient()) for p in (above, below)]
-        if kind is se.atan and sign is not None and sign.strict and texts[0] < texts[1]:
-            return sign.value * se.pi / 2 - kind(self._normal(1 / argument))
-        return kind(argument)
+        if kind is se.atan and texts[0] < texts[1]:
+            return sign.value * (se.pi / 2 - kind(self._normal(1 / positive)))
+        return sign.value * kind(positive)
 
 
 _RULES: dict[type, Callable[..., Any]] = {

@@ -104,7 +104,7 @@ class Roots:
         parts = [se.Pow(n, e * exponent) for n, e in _primes(found.content)]
         parts += [se.Pow(p, e * exponent) for p, e in found.known.items()]
         if exponent.is_Number and exponent.q == 2:
-            parts += [se.Pow(p**2, e // 2 * exponent) for p, e in found.others.items()]
+            parts += [se.Pow(p, e * exponent) for p, e in _sizes(found.others)]
             rest = [p for p, e in found.others.items() if e % 2]
         else:
             rest = [p**e for p, e in found.others.items()]
@@ -223,6 +223,21 @@ def _arguments(exprs: Iterable[Any]) -> Iterator[Any]:
                 yield base
             elif exponent.atoms(se.log):
                 yield exponent
+
+
+def _sizes(powers: dict[Any, int]) -> Iterator[_Power]:
+    """(p^2, k) for the part |p|^2k of p^e beside the root of p where e is odd.
+
+    The product of all p with odd exponents is not negative where its root is real: so the size of
+    the last one is that product by the sizes of the others, and sqrt(p/q) sqrt(q/p) is 1.
+    """
+    whole = {p: e // 2 for p, e in powers.items()}
+    odd = sorted((p for p, e in powers.items() if e % 2), key=str)
+    if len(odd) > 1 and whole[odd[-1]]:
+        times = whole.pop(odd[-1])
+        yield se.Mul(*odd), 2 * times
+        whole.update({p: whole[p] - times for p in odd[:-1]})
+    yield from ((p**2, k) for p, k in whole.items() if k)
 
 
 def _primes(number: Any) -> list[tuple[Any, int]]:
