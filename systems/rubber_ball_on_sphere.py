@@ -13,117 +13,53 @@ the sphere (|R1| > R2) and for a shell around it (|R1| < R2).
 
 from __future__ import annotations
 
-from typing import Any
-
 import sympy as sp
 
-from voronec import (
-    Case,
-    Corrected,
-    Equation,
-    Fibration,
-    Frame,
-    Limit,
-    Measure,
-    Parameter,
-    Relation,
-    Scene,
-    System,
-)
-from voronec.kinematics import RollingBall
+from voronec import Case, Corrected, Limit, Relation, Scene, kinematics
 
 R1, R2, m, h = sp.symbols("R1 R2 m h")
-inertia = sp.symbols("I1:4")
-ball = RollingBall.on_sphere(R1, R2, m, inertia)
-u, v, theta = ball.base
+inertia = I1, I2, I3 = sp.symbols("I1:4")
 
-gamma = sp.Matrix(sp.symbols("gamma1:4"))
-w1, w2 = sp.symbols("omega1 omega2")
-omega = sp.Matrix([w1, w2, -(w1 * gamma[0] + w2 * gamma[1]) / gamma[2]])  # no twist
-epsilon = R1 / (R1 + R2)
-J = sp.diag(*(moment + m * R2**2 for moment in inertia))
-G = J * omega
-Q = gamma.dot(J.inv() * gamma)
-torque = G.cross(omega)
-multiplier = -gamma.dot(J.inv() * torque) / Q
-printed = -G.dot(J.inv() * torque) / Q
-start = {u: sp.Rational(6, 5), sp.Symbol("u1"): 1, w1: sp.Rational(1, 20), w2: sp.Rational(1, 5)}
+ball = kinematics.BalancedBall.on_sphere(R1, R2, m, inertia)
+motion = ball.rubber
+u, v, _ = ball.ball.base
+u1, v1 = ball.ball.fibre
+w1, w2 = motion.velocities
+printed = motion.momentum_equation(motion.multiplier(motion.momentum))
+start, seen = {u: "6/5", u1: 1, w1: "1/20", w2: "1/5"}, (u, v, u1, v1)
 
-
-def declared(ball: RollingBall) -> dict[str, Any]:
-    """What depends on the ball's axes."""
-    return {
-        "frame": Frame.quasi({w1: ball.spin[0], w2: ball.spin[1]}),
-        "lagrangian": ball.energy,
-    }
-
-
-SYSTEM = System(
+SYSTEM = ball.rubber_system(
     name="rubber-ball-on-sphere",
     title="Rubber ball on a sphere",
     description="A balanced, dynamically non-symmetric ball rolls over a fixed sphere without "
     "slipping and without turning about the common normal.",
-    fibration=Fibration(base=(u, v), fibre=(*ball.fibre, theta)),
-    **declared(ball),
-    charts=ball.charts(declared),
-    constraints=(*ball.no_slip, ball.no_twist),
-    parameters=(
-        Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),
-        Parameter(R2, 1, positive=True, meaning="radius of the ball"),
-        Parameter(m, 1, positive=True, meaning="mass"),
-        *(
-            Parameter(i, sp.Rational(tenths, 10), positive=True, meaning="principal moment")
-            for i, tenths in zip(inertia, (4, 5, 7), strict=True)
-        ),
-    ),
-    invariants=dict(zip(map(str, gamma), ball.normal, strict=True)),
+    values={R1: 2, R2: 1, m: 1, inertia: ("0.4", "0.5", "0.7")},
     equations={
-        "momentum": Corrected(
-            Equation(tuple(G), tuple(torque + multiplier * gamma)),
-            Equation(tuple(G), tuple(torque + printed * gamma)),
-            "DragovicGajicJovanovic2020",
-        ),
-        "normal": Equation(tuple(gamma), tuple(epsilon * gamma.cross(omega))),
+        "momentum": Corrected(motion.equations["momentum"], printed, "DragovicGajicJovanovic2020")
     },
-    integrals={"energy": G.dot(omega) / 2},
-    # In omega1, omega2: the plane (omega, gamma) = 0 has the area domega1 domega2 / gamma3.
-    measure=Measure(Q ** (1 / (2 * epsilon)) / gamma[2], (*gamma, w1, w2)),
-    multiplier=Q ** (1 / (2 * epsilon) - 1),
-    essential=(u, v, w1, w2),
     cases={
         "symmetric": Case(
-            parameters={inertia[1]: inertia[0]},
-            integrals={"axial": omega[2] * Q ** (1 / (2 * epsilon))},
+            parameters={I2: I1},
+            integrals={"axial": motion.spin[2] * motion.root},
             integrable="Euler-Jacobi",
             note="the third axis is one of symmetry",
         ),
         "homogeneous": Case(
-            parameters={inertia[1]: inertia[0], inertia[2]: inertia[0]},
-            integrals={f"omega{i + 1}": x for i, x in enumerate(omega)},
+            parameters={I2: I1, I3: I1},
+            integrals={f"omega{i + 1}": w for i, w in enumerate(motion.spin)},
             integrable="Euler-Jacobi",
             note="the contact describes circles",
         ),
     },
     scenes={
-        "default": Scene(
-            initial=start,
-            times=(0.0, 15.0),
-            outputs=(u, v, *ball.fibre),
-            caption="Outer rolling.",
-        ),
-        "inner": Scene(
-            initial=start,
-            times=(0.0, 7.0),
-            parameters={R1: -3},
-            outputs=(u, v, *ball.fibre),
-            caption="Inside a sphere three times as large.",
-        ),
+        "default": Scene(start, (0.0, 15.0), {}, seen, "Outer rolling."),
+        "inner": Scene(start, (0.0, 7.0), {R1: -3}, seen, "Inside a sphere three times as large."),
         "shell": Scene(
-            initial={**start, w1: -sp.Rational(1, 20), w2: -sp.Rational(1, 5)},
-            times=(0.0, 10.0),
-            parameters={R1: -sp.Rational(1, 3)},
-            outputs=(u, v, *ball.fibre),
-            caption="A shell around a sphere of a third of its radius.",
+            {**start, w1: "-1/20", w2: "-1/5"},
+            (0.0, 10.0),
+            {R1: "-1/3"},
+            seen,
+            "A shell around a sphere of a third of its radius.",
         ),
     },
     drawing={"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")},
@@ -131,10 +67,10 @@ SYSTEM = System(
 )
 
 RELATIONS = (
-    Relation(
-        "rubber-ball-on-sphere",
+    Relation.of(
+        SYSTEM,
         "rubber-ball-on-plane",
-        parameters={"R": R2, **{str(p): p for p in (m, *inertia)}},
+        {"R": R2},
         limit=Limit(h, {R1: 1 / h}),
         note="the sphere becomes a plane",
     ),

@@ -22,48 +22,38 @@ from voronec import (
     Relation,
     Scene,
     System,
+    kinematics,
     velocity,
 )
 
-moments = sp.symbols("J1:4")
-J = sp.diag(*moments)
-gamma = sp.Matrix(sp.symbols("gamma1:4"))
-Q = gamma.dot(J.inv() * gamma)
+moments, names = sp.symbols("J1:4"), sp.symbols("Omega1 Omega2")
+motion = kinematics.RubberMotion(moments, velocities=names)
+gamma, Omega, Q = motion.normal, motion.spin, motion.form
 spin = sp.Matrix([velocity(g) for g in gamma]).cross(gamma)
-kinetic = spin.dot(J * spin) / Q / 2
-W1, W2 = sp.symbols("Omega1 Omega2")
-Omega = sp.Matrix([W1, W2, -(W1 * gamma[0] + W2 * gamma[1]) / gamma[2]])
-G = J * Omega
 
 SYSTEM = System(
     name="veselova-in-new-time",
     title="Veselova's system in the new time",
     description="A particle moves freely on a sphere, in the metric that Veselova's system has "
     "after Chaplygin's change of time.",
-    fibration=Fibration(base=tuple(gamma), fibre=(), relations=(gamma.dot(gamma) - 1,)),
-    frame=Frame.quasi({W1: spin[0], W2: spin[1]}),
-    lagrangian=kinetic,
-    parameters=tuple(
-        Parameter(i, sp.Rational(tenths, 10), positive=True, meaning="principal moment")
-        for i, tenths in zip(moments, (14, 15, 17), strict=True)
+    fibration=Fibration(base=gamma, fibre=(), relations=(gamma.dot(gamma) - 1,)),
+    frame=Frame.quasi(dict(zip(names, spin, strict=False))),
+    lagrangian=spin.dot(motion.tensor * spin) / Q / 2,
+    parameters=Parameter.each(
+        moments, ("1.4", "1.5", "1.7"), positive=True, meaning="principal moment"
     ),
-    equations={"normal": Equation(tuple(gamma), tuple(gamma.cross(Omega)))},
+    equations={"normal": Equation(gamma, gamma.cross(Omega))},
     integrals={
-        "energy": G.dot(Omega) / Q / 2,
-        "momentum across the normal": (G.dot(G) - G.dot(gamma) ** 2) / Q,
+        "energy": motion.momentum.dot(Omega) / Q / 2,
+        "momentum across the normal": motion.integrals["momentum across the normal"] / Q,
     },
-    measure=Measure(1 / (Q * gamma[2]), (*gamma, W1, W2)),
+    measure=Measure(1 / (Q * gamma[2]), (*gamma, *names)),
     integrable="Euler-Jacobi",
     scenes={
         "default": Scene(
-            initial={
-                gamma[0]: sp.Rational(12, 13),
-                gamma[2]: sp.Rational(5, 13),
-                W1: sp.Rational(1, 20),
-                W2: sp.Rational(1, 5),
-            },
+            initial={gamma[0]: "12/13", gamma[2]: "5/13", names[0]: "1/20", names[1]: "1/5"},
             times=(0.0, 10.0),
-            outputs=tuple(gamma),
+            outputs=gamma,
             caption="The trace of the direction on the body.",
         ),
     },
@@ -75,11 +65,10 @@ RELATIONS = (
         "veselova",
         "veselova-in-new-time",
         state={
-            **{str(g): g for g in gamma},
-            "Omega1": sp.Symbol("omega1") * sp.sqrt(Q),
-            "Omega2": sp.Symbol("omega2") * sp.sqrt(Q),
+            **{g: g for g in gamma},
+            **{W: w * sp.sqrt(Q) for W, w in zip(names, sp.symbols("omega1:3"), strict=True)},
         },
-        parameters={str(x): x for x in moments},
+        parameters={x: x for x in moments},
         clock=1 / sp.sqrt(Q),
     ),
 )

@@ -127,8 +127,8 @@ def test_the_momentum_across_the_normal_changes_with_a_gyroscope_or_a_displaceme
 
 
 def test_on_a_plane_only_the_part_of_the_momentum_across_the_normal_keeps_its_length():
-    ball = module("rubber-ball-on-plane")
-    for other in (ball.G.dot(ball.G), ball.G.dot(ball.gamma)):
+    ball = module("rubber-ball-on-plane").motion
+    for other in (ball.momentum.dot(ball.momentum), ball.momentum.dot(ball.normal)):
         assert verdict_on("rubber-ball-on-plane", integrals={"momentum": other}).refuted
 
 

@@ -26,6 +26,7 @@ from voronec.kinematics.groups import (
 from voronec.kinematics.poles import turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
+from voronec.kinematics.rubber import RubberMotion
 from voronec.kinematics.surfaces import Surface
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "RollingContact",
     "RollingEllipsoid",
     "Rotation",
+    "RubberMotion",
     "Surface",
     "SurfaceForms",
     "SymmetricBallMotion",

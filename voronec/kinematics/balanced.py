@@ -7,7 +7,7 @@ ball, D = m R2^2 and epsilon = R1/(R1 + R2), which is 1 on a plane.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -17,14 +17,13 @@ import sympy as sp
 from voronec.declaration.claims import Case, Equation, Measure, Poisson
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
-from voronec.kinematics.balls import GAMMA, OMEGA, RollingBall, contact_momentum
+from voronec.kinematics.balls import CYCLES, GAMMA, OMEGA, ZERO, RollingBall, contact_momentum
 from voronec.kinematics.families import Words, constants, joined, moment_words, rotor_words
+from voronec.kinematics.rubber import RubberMotion
 from voronec.kinematics.vectors import Vector, three
 
 __all__ = ["BalancedBall", "BallMotion", "SymmetricBallMotion"]
 
-ZERO = (sp.Integer(0), sp.Integer(0), sp.Integer(0))
-CYCLES = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 TRACES = {"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")}
 
 
@@ -138,7 +137,7 @@ class BallMotion:
 
 @dataclass(frozen=True)
 class BalancedBall:
-    """A balanced ball, with a gyroscope or without, that rolls without slipping on plane or sphere.
+    """A balanced ball, with a gyroscope or without, that rolls on a plane or a sphere.
 
     ball
         the ball in Neumann's coordinates: contact, mass, moments.
@@ -147,7 +146,8 @@ class BalancedBall:
     rotor
         kappa, the momentum of the gyroscope.
 
-    ``system`` declares it, with what is special beside.
+    ``system`` declares it where it does not slip, ``rubber_system`` where it does not twist either,
+    each with what is special beside.
     """
 
     ball: RollingBall
@@ -171,21 +171,34 @@ class BalancedBall:
         kappa = three(rotor, "the momentum of a rotor")
         return cls(RollingBall.on_plane(radius, mass, inertia), radius, None, kappa)
 
-    @cached_property
-    def motion(self) -> BallMotion:
-        """Its motion, reduced to omega and gamma, with the claims that hold for every such ball."""
-        carried = self.ball.mass * self.radius**2
-        return BallMotion(
-            self.ball.inertia, carried, self.rotor, epsilon_of(self.fixed, self.radius)
-        )
+    @property
+    def carried(self) -> sp.Expr:
+        """D = m R2^2."""
+        return sp.sympify(self.ball.mass * self.radius**2)
 
     @property
-    def words(self) -> Words:
+    def epsilon(self) -> sp.Expr:
+        """R1/(R1 + R2), and 1 on a plane."""
+        if self.fixed is None:
+            return sp.Integer(1)
+        return sp.sympify(self.fixed / (self.fixed + self.radius))
+
+    @cached_property
+    def motion(self) -> BallMotion:
+        """Its motion without slip, reduced to omega and gamma, with claims that always hold."""
+        return BallMotion(self.ball.inertia, self.carried, self.rotor, self.epsilon)
+
+    @cached_property
+    def rubber(self) -> RubberMotion:
+        """The same without twist too."""
+        x, y, z = (moment + self.carried for moment in self.ball.inertia)
+        return RubberMotion((x, y, z), self.rotor, self.epsilon)
+
+    def words(self, mass: str = "mass", radius: str = "radius of the ball") -> Words:
         """What its constants are."""
-        mass = "mass of ball and rotor" if any(self.rotor) else "mass"
         return {
             self.fixed: ("radius of the fixed sphere, signed", False),
-            self.radius: ("radius of the ball", True),
+            self.radius: (radius, True),
             self.ball.mass: (mass, True),
             **moment_words(self.ball.inertia),
             **rotor_words(self.rotor),
@@ -200,19 +213,19 @@ class BalancedBall:
         start = {u: 2, theta: 1, fixed[0]: 1, **spun}
         return Scene(start, (0.0, end), {}, (u, v, *fixed, *OMEGA), caption)
 
-    def system(self, *, values: dict[Any, Any], **declared: Any) -> System:
+    def system(self, *, values: Mapping[Any, Any], **declared: Any) -> System:
         """The system of this ball, with ``values`` of its constants, and what is special to it.
 
         The entries of ``declared`` that are mappings are added to those which every such ball has:
         equations, integrals, scenes (on a sphere of radius R1, outside, inside, as a shell).
         """
-        motion = self.motion
+        words = self.words("mass of ball and rotor" if any(self.rotor) else "mass")
         own = {
-            **self.ball.declared(rotor=motion.rotor),
-            "parameters": constants(values, self.words),
-            "equations": motion.equations,
-            "integrals": motion.integrals,
-            "measure": motion.measure,
+            **self.ball.declared(rotor=self.rotor),
+            "parameters": constants(values, words),
+            "equations": self.motion.equations,
+            "integrals": self.motion.integrals,
+            "measure": self.motion.measure,
         }
         if self.fixed is not None:
             own["drawing"] = TRACES
@@ -220,10 +233,22 @@ class BalancedBall:
             own["scenes"] = self.ball.scenes_on_sphere(self.fixed, OMEGA)
         return joined(own, declared)
 
+    def rubber_system(self, *, values: Mapping[Any, Any], **declared: Any) -> System:
+        """The same where the ball does not twist, without scenes of its own.
 
-def epsilon_of(fixed: Any, radius: Any) -> sp.Expr:
-    """epsilon = R1/(R1 + R2), and 1 on a plane, which has no radius."""
-    return sp.Integer(1) if fixed is None else sp.sympify(fixed / (fixed + radius))
+        Without a gyroscope N is a reducing multiplier; with one the bracket alone says so.
+        """
+        motion, wheel = self.rubber, any(self.rotor)
+        words = self.words(radius="radius" if self.fixed is None else "radius of the ball")
+        own = {
+            **self.ball.declared(rotor=self.rotor, twists=False),
+            "parameters": constants(values, words),
+            "equations": motion.equations,
+            "integrals": motion.integrals,
+            "measure": motion.measure,
+            **({"poisson": motion.poisson} if wheel else {"multiplier": motion.reducer}),
+        }
+        return joined(own, declared)
 
 
 @dataclass(frozen=True)

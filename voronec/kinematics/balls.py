@@ -24,6 +24,9 @@ __all__ = ["RollingBall", "contact_momentum"]
 _U, _V, _THETA = sp.symbols("u v theta")
 OMEGA, GAMMA = sp.symbols("omega1:4"), sp.symbols("gamma1:4")
 """The names of omega and gamma along the axes of a body, in its equations."""
+ZERO = (sp.Integer(0), sp.Integer(0), sp.Integer(0))
+CYCLES = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+"""The axes in cyclic order, from each of them."""
 
 
 @dataclass(frozen=True)
