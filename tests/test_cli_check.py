@@ -170,7 +170,7 @@ def test_a_system_is_checked_with_what_touches_it(call: Call) -> None:
     assert labels == {
         r.label
         for r in Inventory.of().relations
-        if "vertical-disc" in (r.value.source, r.value.target, r.entry.name)
+        if "vertical-disc" in (r.source, r.target, r.owner)
     }
     assert all(r["notes"] and r["seconds"] >= 0 for r in data["relations"])
     assert data["count"]["proved"] > 10
@@ -256,7 +256,7 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path: Path, own_store: Path) -> None:
         preexec_fn=hears_ctrl_c,
     )  # fmt: skip
     deadline = time.monotonic() + 120
-    while not list(own_store.rglob("*.json")) and time.monotonic() < deadline:
+    while not list(own_store.rglob("result.json")) and time.monotonic() < deadline:
         time.sleep(0.1)
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=60)
@@ -427,8 +427,43 @@ def test_what_list_tells_is_kept_until_a_file_changes(
     known = set(sys.modules)
     assert call("list").out == first.out
     with monkeypatch.context() as inside:
-        inside.setattr("voronec.proof.check.Inventory.of", None)  # nothing is loaded
+        inside.setattr("voronec.declaration.catalogue.Entry.load", None)  # nothing is loaded
         assert call("list").out == first.out and set(sys.modules) == known
     del sys.modules["zy_plugin.zy_one"]
     file.write_text(file.read_text().replace("First", "Second"))
     assert "Second" in call("list").out
+
+
+def test_what_is_known_is_told_without_loading_a_system(
+    call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    site = tmp_path / "kept"
+    (site / "zx_plugin").mkdir(parents=True)
+    (site / "zx_plugin/__init__.py").write_text("")
+    file = site / "zx_plugin/zx_one.py"
+    relation = "import voronec as vo\nRELATIONS = (Relation('zx-one', 'zx-one', parameters={m: m}, name='itself'),)\n"
+    file.write_text(
+        sled("zx-one").replace('name="zx-one"', 'name="zx-one", title="First"') + relation
+    )
+    register(site, "zx-plugin", "zx = zx_plugin")
+    monkeypatch.syspath_prepend(str(site))
+    commands = [["check", "zx-one", "--jobs", "1"], ["show", "zx-one"], ["cite", "zx-one"]]
+    commands += [["graph", "zx-one"], ["show", "zx-one", "--json"]]
+
+    def told() -> list[tuple[int, str, str]]:
+        answers = [call(*words) for words in commands]
+        times = r"(known|\d+\.\d+ s)| +(?= )"  # the seconds, and the width of their column
+        return [(a.status, re.sub(rf"{times} *", "", a.out), a.err) for a in answers]
+
+    first = told()
+    assert [status for status, *_ in first] == [0] * len(commands)
+    assert "itself" in first[0][1] and "proved" in first[3][1] and "First" in first[4][1]
+    known = set(sys.modules)
+    with monkeypatch.context() as inside:
+        inside.setattr("voronec.declaration.catalogue.Entry.load", None)
+        inside.setattr("voronec.declaration.catalogue.Entry.load_relations", None)
+        assert told() == first and set(sys.modules) == known
+    del sys.modules["zx_plugin.zx_one"]
+    file.write_text(file.read_text().replace("First", "Second"))
+    assert "Second" in call("show", "zx-one").out
+    assert "known" not in call("check", "zx-one", "--jobs", "1").out

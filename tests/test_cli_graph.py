@@ -13,7 +13,7 @@ from command_line import Call, refused
 from voronec import Limit, Relation
 from voronec.motion.pictures.layered_layout import layered
 from voronec.proof.check import Inventory, graph
-from voronec.proof.diagram_picture import diagram_figure, line_of
+from voronec.proof.diagram_picture import diagram_figure
 
 
 @pytest.fixture(autouse=True)
@@ -63,11 +63,11 @@ def test_wrong_words_are_refused(call: Call) -> None:
 
 
 def test_each_kind_has_its_line() -> None:
-    assert line_of(Relation("a", "b")) == "specialisation"
-    assert line_of(Relation("a", "b", state={"x": "x"})) == "specialisation"
-    assert line_of(Relation("a", "b", state={"x": "y"})) == "change of coordinates"
-    assert line_of(Relation("a", "b", clock=2)) == "change of time"
-    assert line_of(Relation("a", "b", limit=Limit("h", {"m": "h"}))) == "limit"
+    assert Relation("a", "b").line == "specialisation"
+    assert Relation("a", "b", state={"x": "x"}).line == "specialisation"
+    assert Relation("a", "b", state={"x": "y"}).line == "change of coordinates"
+    assert Relation("a", "b", clock=2).line == "change of time"
+    assert Relation("a", "b", limit=Limit("h", {"m": "h"})).line == "limit"
 
 
 def web() -> networkx.MultiDiGraph:

@@ -224,10 +224,10 @@ def test_limits_to_different_values_are_not_compared():
 )
 def test_a_ball_inside_a_sphere_of_half_its_radius_comes_to_no_plane(chain):
     stock = Inventory.of()
-    relations = {r.label: r.value for r in stock.relations}
+    relations = {r.label: stock.relation(r) for r in stock.relations}
     assert Course.of(relations[label] for label in chain) is None
     for face in stock.faces:
-        for side in (face.value.first, face.value.second):
+        for side in (face.first, face.second):
             assert chain != side[: len(chain)]
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from argparse import Namespace
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.cli.output import columns, plain, print_json
-from voronec.cli.subject import resolve
+from voronec.cli.subject import entry_of_name, is_file, resolve
 
 if TYPE_CHECKING:
     from voronec.declaration.claims import Poisson
@@ -16,10 +17,10 @@ if TYPE_CHECKING:
     from voronec.declaration.scene import Scene
     from voronec.declaration.system import System
 
-__all__ = ["declared_claims", "execute"]
+__all__ = ["declaration", "execute"]
 
 
-def declared_claims(system: System) -> list[dict[str, str]]:
+def _claims(system: System) -> list[dict[str, str]]:
     """Every claim: kind, name and statement; where corrected, what is printed and its source."""
     claims = [*_held(system, "")]
     if system.poisson is not None:
@@ -122,12 +123,34 @@ def _list(things: Iterable[Any]) -> str:
 
 def execute(arguments: Namespace) -> int:
     """Print the declaration."""
-    system, _ = resolve(arguments.system)
+    data, _ = declaration(arguments.system)
     if arguments.json:
-        print_json(_data(system))
+        print_json(data)
     else:
-        print("\n".join(_lines(system)))
+        print("\n".join(_lines(data)))
     return 0
+
+
+KEPT = 200
+"""Declarations that are remembered: of all systems, in a few states of their files."""
+
+
+def declaration(subject: str) -> tuple[dict[str, Any], Path | None]:
+    """What a system declares, as an earlier time found it where its files are unchanged; and the
+    folder of its file."""
+    from voronec.proof.verdict_store import Store, closure, digest
+
+    origin = None if is_file(subject) else entry_of_name(subject).origin
+    if origin is None:
+        system, folder = resolve(subject)
+        return _data(system), folder
+    store, files = Store.of_user("show", KEPT), sorted(closure([origin.resolve()]))
+    key = digest(subject, files, __name__)
+    found: dict[str, Any] | None = store.load(key, "declaration")
+    if found is None:
+        found = _data(resolve(subject)[0])
+        store.save(key, "declaration", found)
+    return found, origin.parent
 
 
 def _data(system: System) -> dict[str, Any]:
@@ -155,7 +178,7 @@ def _data(system: System) -> dict[str, Any]:
         "possible": list(system.possible),
         "integrals": {name: plain(e) for name, e in system.conserved.items()},
         "measure": None if system.measure is None else plain(right_of(system.measure).density),
-        "claims": declared_claims(system),
+        "claims": _claims(system),
         "invariants": {name: plain(e) for name, e in system.invariants.items()},
         "scenes": {name: _scene(scene) for name, scene in system.scenes.items()},
         "charts": {name: plain(chart.singular) for name, chart in system.charts.items()},
@@ -192,10 +215,9 @@ def _scene(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _lines(system: System) -> list[str]:
-    data = _data(system)
-    title = f"{system.name}: {system.title}" if system.title else system.name
-    lines = [title, *([system.description] if system.description else []), ""]
+def _lines(data: dict[str, Any]) -> list[str]:
+    title = f"{data['name']}: {data['title']}" if data["title"] else data["name"]
+    lines = [title, *([data["description"]] if data["description"] else []), ""]
     heads = [["base", ", ".join(data["base"])], ["fibre", ", ".join(data["fibre"]) or "none"]]
     heads += [["relation", f"{e} = 0"] for e in data["relations"]]
     heads += [["velocity", f"{v} = {e}"] for v, e in (data["frame"] or {}).items()]
@@ -210,7 +232,7 @@ def _lines(system: System) -> list[str]:
     heads += [[f"constraint {i + 1}", f"{e} = 0"] for i, e in enumerate(data["constraints"])]
     heads += [[f"force on {q}", e] for q, e in data["forces"].items()]
     lines += columns(heads)
-    if system.parameters:
+    if data["parameters"]:
         rows = [
             [
                 p["name"],
@@ -227,7 +249,7 @@ def _lines(system: System) -> list[str]:
     if data["charts"]:
         rows = [[name, f"where {e} vanishes"] for name, e in data["charts"].items()]
         lines += ["", "charts", *columns(rows, "  ")]
-    return [*lines, "", "references  " + (", ".join(system.references) or "none")]
+    return [*lines, "", "references  " + (", ".join(data["references"]) or "none")]
 
 
 def _claim_lines(claims: list[dict[str, str]]) -> list[str]:

@@ -63,14 +63,12 @@ def _alone(graph: Any) -> list[str]:
 
 def _data(graph: Any, known: dict[str, Any]) -> dict[str, Any]:
     """Nodes and edges; kinds and verdicts are those of an earlier check, if nothing changed."""
-    from voronec.proof.diagram_picture import line_of
-
     edges = []
     for source, target, label, data in sorted(graph.edges(keys=True, data=True), key=str):
         result = known.get(label)
         edges.append({
             "label": label, "source": source, "target": target,
-            "line": line_of(data["relation"]), "note": data["relation"].note,
+            "line": data["relation"].line, "note": data["relation"].note,
             "kinds": list(result.notes) if result else [],
             "status": result.status if result else "not checked",
         })  # fmt: skip

@@ -6,13 +6,13 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from voronec.declaration.catalogue import entry_of, load_file
+from voronec.declaration.catalogue import Entry, entry_of, load_file
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
     from voronec.declaration.system import System
 
-__all__ = ["is_file", "resolve"]
+__all__ = ["entry_of_name", "is_file", "resolve"]
 
 
 def is_file(subject: str) -> bool:
@@ -24,11 +24,15 @@ def resolve(subject: str) -> tuple[System, Path | None]:
     """The system, and the folder of its file."""
     if is_file(subject):
         return load_file(subject), Path(subject).parent
+    entry = entry_of_name(subject)
+    return entry.load(), entry.origin.parent if entry.origin is not None else None
+
+
+def entry_of_name(name: str) -> Entry:
+    """Where the system of that name stands; a file of that name is told of."""
     try:
-        entry = entry_of(subject)
+        return entry_of(name)
     except DefinitionError as error:
-        if Path(subject + ".py").is_file():
-            raise DefinitionError(f"{error} For the file, say '{subject}.py'") from None
+        if Path(name + ".py").is_file():
+            raise DefinitionError(f"{error} For the file, say '{name}.py'") from None
         raise
-    origin = entry.origin
-    return entry.load(), origin.parent if origin is not None else None

@@ -134,7 +134,11 @@ class Entry:
         if member not in among:
             known = [f"{self.name}@{m}" for m in among] or [self.name]
             raise DefinitionError(unknown("system", name, known))
-        return replace(self, name=name, attribute="MEMBERS", member=member)
+        return self.member_entry(member)
+
+    def member_entry(self, member: str) -> Entry:
+        """The member of that name, which this family is known to have."""
+        return replace(self, name=f"{self.name}@{member}", attribute="MEMBERS", member=member)
 
     def load_relations(self) -> tuple[tuple[Relation, ...], tuple[Square, ...]]:
         """The ``RELATIONS`` and ``SQUARES`` beside the system; ``DefinitionError`` as ``load``."""

@@ -111,6 +111,16 @@ class Relation:
         """What the relation is called in tables and in squares."""
         return self.name or f"{self.source} -> {self.target}"
 
+    @property
+    def line(self) -> str:
+        """Of what kind it is by its declaration alone, as pictures draw it."""
+        if self.limit is not None:
+            return "limit"
+        if self.clock != 1:
+            return "change of time"
+        same = all(str(k) == str(v) for k, v in (self.state or {}).items())
+        return "specialisation" if same else "change of coordinates"
+
 
 @dataclass(frozen=True)
 class Square:

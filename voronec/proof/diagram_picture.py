@@ -12,7 +12,7 @@ import numpy as np
 from voronec.closed.pictures.style import INK, MARK, PALE, SOFT, STYLE
 from voronec.motion.pictures.layered_layout import Layout, layered
 
-__all__ = ["LINES", "diagram_figure", "line_of"]
+__all__ = ["LINES", "diagram_figure"]
 
 LINES: dict[str, Any] = {
     "specialisation": "solid",
@@ -28,17 +28,6 @@ COLUMN, ROW = 2.75, 0.5
 FONTS = {"font.family": ["DejaVu Serif", "DejaVu Sans"]}  # the second one has the arrow
 HALF = 0.86
 """Half the width of a label, in inches."""
-
-
-def line_of(relation: Any) -> str:
-    """Which line a relation gets, by its declaration alone."""
-    if relation.limit is not None:
-        return "limit"
-    if relation.clock != 1:
-        return "change of time"
-    state = relation.state or {}
-    same = all(str(k) == str(v) for k, v in state.items())
-    return "specialisation" if same else "change of coordinates"
 
 
 def diagram_figure(graph: Any, status: Known = None) -> Any:
@@ -132,7 +121,7 @@ def _draw_edges(
     way = [places[pair[0]], *level, places[pair[1]]]
     for number, relation in enumerate(relations):
         shift = (number - (len(relations) - 1) / 2) * 0.14
-        kind = line_of(relation)
+        kind = relation.line
         _draw_arrow(axes, way, shift, kind, _color([relation.label], known, HUES[kind]))
 
 

@@ -45,7 +45,7 @@ def digest(declared: str, files: Iterable[Path], decider: str) -> str:
     module that decides, and the files rest on it."""
     files = [*files]
     texts = [f.read_bytes() if f.is_file() else b"" for f in files]
-    used = {m for text in texts for m in _used(text.decode("utf-8", "replace"))}
+    used = {module for text in texts for module in _used_by(text)}
     mark = sha256(engine_digest(frozenset((decider, *used))).encode())
     mark.update(declared.encode())
     for file, text in zip(files, texts, strict=True):
@@ -56,12 +56,22 @@ def digest(declared: str, files: Iterable[Path], decider: str) -> str:
 @remembered
 def engine_digest(modules: frozenset[str]) -> str:
     """A digest of modules of the engine, of what they import, and of the libraries below."""
-    mark = sha256(sys.version.encode())
-    for name in LIBRARIES:
-        mark.update(f"{name} {version(name)}\0".encode())
+    mark = sha256(_platform().encode())
     for file in engine_files(modules):
-        mark.update(str(file.relative_to(engine_folder())).encode() + b"\0" + file.read_bytes())
+        mark.update(_digest_of(file))
     return mark.hexdigest()
+
+
+@remembered
+def _platform() -> str:
+    return "\0".join([sys.version, *(f"{name} {version(name)}" for name in LIBRARIES)])
+
+
+@remembered
+def _digest_of(file: Path) -> bytes:
+    """A digest of a module of the engine, with its name."""
+    name = str(file.relative_to(engine_folder())).encode()
+    return sha256(name + b"\0" + file.read_bytes()).digest()
 
 
 def engine_files(modules: Iterable[str]) -> list[Path]:
@@ -79,6 +89,11 @@ def engine_files(modules: Iterable[str]) -> list[Path]:
 @remembered
 def _imports_of(file: Path) -> frozenset[str]:
     return frozenset(_used(ANNOTATION.sub("", file.read_text(encoding="utf-8"))))
+
+
+@remembered
+def _used_by(source: bytes) -> frozenset[str]:
+    return frozenset(_used(source.decode("utf-8", "replace")))
 
 
 def _used(text: str) -> Iterator[str]:
@@ -145,19 +160,30 @@ def _libraries() -> tuple[Path, ...]:
 
 def _rested_on(file: Path) -> set[Path]:
     found: set[Path] = set()
-    try:
-        tree = ast.parse(file.read_bytes())
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return found  # a library in another encoding or of another Python: its bytes count alone
-    for node in ast.walk(tree):
+    for node in _that_bring_in(file.read_bytes()):
         if isinstance(node, ast.ImportFrom):
             found |= set(_imported(file, node))
         elif isinstance(node, ast.Import):
             for alias in node.names:
                 found |= set(_absolute(file, alias.name))
-        elif isinstance(node, ast.Call) and _called(node.func) == "load":
+        elif isinstance(node, ast.Call):
             found |= set(_loaded(node))
     return found
+
+
+@remembered
+def _that_bring_in(source: bytes) -> tuple[ast.AST, ...]:
+    """The imports of a source, and its calls of ``load``."""
+    try:
+        tree = ast.parse(source)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return ()  # a library in another encoding or of another Python: its bytes count alone
+    return tuple(
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom | ast.Import)
+        or (isinstance(node, ast.Call) and _called(node.func) == "load")
+    )
 
 
 def _called(function: ast.expr) -> str:

@@ -1,20 +1,30 @@
-"""What there is to check: systems, relations and squares, and what is wrong with them at sight."""
+"""What there is to check: systems, relations and squares, and what is wrong with them at sight.
+
+Every system is loaded once, to say what it declares; what it says is kept, and told again while
+its files and those that read them are unchanged.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.arguments import SEVERAL, TEXT, accepts, require
 from voronec.declaration.catalogue import Entry, entries, entry_of, file_entry, registered
-from voronec.declaration.reading import several
-from voronec.declaration.relation import Relation, Square
-from voronec.declaration.system import System
-from voronec.errors import DefinitionError, did_you_mean
+from voronec.proof.verdict_store import Store, closure, digest
 
-__all__ = ["Declared", "Inventory", "Trouble", "graph"]
+if TYPE_CHECKING:
+    from voronec.declaration.relation import Relation, Square
+    from voronec.declaration.system import System
+
+__all__ = ["Contents", "Edge", "Face", "Inventory", "Summary", "Trouble", "graph"]
+
+KEPT = 8
+"""Catalogues that are remembered: of a few environments, and of files, that share a home."""
+DECIDER = "voronec.proof.check.survey"
+"""The module that loads systems and their relations."""
 
 
 @dataclass(frozen=True)
@@ -29,17 +39,79 @@ class Trouble:
 
 
 @dataclass(frozen=True)
-class Declared:
-    """A relation or a square, and where it stands: beside which system, at which position."""
+class Summary:
+    """What a system is called, how many claims it makes, and its scenes."""
 
-    entry: Entry
+    title: str
+    claims: int
+    scenes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A relation by its names; it stands beside the system ``owner``, at a ``position``.
+
+    ``line`` is the kind that its declaration shows.
+    """
+
+    label: str
+    owner: str
     position: int
-    value: Any
+    source: str
+    target: str
+    line: str
+    note: str
 
-    @property
-    def label(self) -> str:
-        """What it is called."""
-        return str(self.value.label)
+
+@dataclass(frozen=True)
+class Face:
+    """A square by the labels of its relations; at position -1 where nobody names it."""
+
+    label: str
+    owner: str
+    position: int
+    first: tuple[str, ...]
+    second: tuple[str, ...]
+    up_to: str
+    name: str
+
+    def declaration(self) -> Square:
+        """The square itself."""
+        from voronec.declaration.relation import Square
+
+        return Square(self.first, self.second, self.up_to, self.name)
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What the systems of an inventory declare, in names.
+
+    ``families`` holds the members of each system that has some, and whether a member is the one
+    that stands for its family.
+    """
+
+    systems: Mapping[str, Summary]
+    families: Mapping[str, Mapping[str, bool]]
+    relations: tuple[Edge, ...]
+    faces: tuple[Face, ...]
+    troubles: tuple[Trouble, ...] = ()
+
+    @classmethod
+    def from_dict(cls, data: Any) -> Contents | None:
+        """The contents that were written as a dictionary; ``None`` where the data are none."""
+        try:
+            systems = {
+                n: Summary(**s | {"scenes": (*s["scenes"],)}) for n, s in data["systems"].items()
+            }
+            faces = (
+                Face(**f | {"first": (*f["first"],), "second": (*f["second"],)})
+                for f in data["faces"]
+            )
+            return cls(
+                systems, data["families"], tuple(Edge(**e) for e in data["relations"]), tuple(faces)
+            )
+        except (AttributeError, KeyError, TypeError):
+            return None
 
 
 @dataclass(frozen=True)
@@ -69,154 +141,79 @@ class Inventory:
         return cls(found, tuple(troubles))
 
     @cached_property
-    def systems(self) -> dict[str, System]:
-        """The systems that load."""
-        return {n: s for n, s in self._loaded.items() if isinstance(s, System)}
+    def contents(self) -> Contents:
+        """What the systems declare: as an earlier time found it where nothing has changed."""
+        files = closure(e.origin.resolve() for e in self.entries.values() if e.origin is not None)
+        store = Store.of_user("catalogue", KEPT)
+        key = digest(repr(self.entries), sorted(files), DECIDER)
+        kept = Contents.from_dict(store.load(key, "contents"))
+        if kept is not None:
+            return kept
+        from voronec.proof.check.survey import survey
+
+        found = survey(self.entries)
+        if not found.troubles:  # the cause may lie outside
+            store.save(key, "contents", asdict(found))
+        return found
 
     @cached_property
+    def systems(self) -> dict[str, System]:
+        """The systems that load, loaded."""
+        return {name: self.entries[name].load() for name in self.contents.systems}
+
+    @property
     def members(self) -> tuple[str, ...]:
         """Members of families, ``NAME@MEMBER``, beside the one that stands for its family."""
-        return tuple(n for name in self.systems for n in self.members_of(name))
+        return tuple(n for name in self.contents.systems for n in self.members_of(name))
 
     def members_of(self, name: str) -> list[str]:
         """The members of one family; those that cannot be made are among them."""
-        own, every = self.systems.get(name), self._families[0].get(name, ())
-        return [n for n in every if own is None or not self._stands_for(own, n)]
+        family = self.contents.families.get(name, {})
+        return [f"{name}@{member}" for member, stands in family.items() if not stands]
 
-    @cached_property
-    def _families(self) -> tuple[dict[str, list[str]], list[Trouble]]:
-        """The members of each system that loads, and families that cannot be told apart."""
-        found, troubles = dict[str, list[str]](), []
-        for name in self.systems:
-            entry = self.entries[name]
-            try:
-                found[name] = [f"{name}@{m}" for m in entry.load_members()]
-            except DefinitionError as error:
-                troubles.append(Trouble("system", name, name, entry.place, str(error)))
-        return found, troubles
-
-    def _stands_for(self, system: System, member: str) -> bool:
-        try:
-            return bool(self.entry(member).load().lagrangian == system.lagrangian)
-        except DefinitionError:
-            return False
-
-    @cached_property
-    def relations(self) -> tuple[Declared, ...]:
+    @property
+    def relations(self) -> tuple[Edge, ...]:
         """The relations whose systems exist, each label once."""
-        return self._sorted_out[0]
+        return self.contents.relations
 
-    @cached_property
-    def squares(self) -> tuple[Declared, ...]:
-        """The squares whose relations exist, each label once."""
-        return self._sorted_out[1]
+    @property
+    def faces(self) -> tuple[Face, ...]:
+        """The squares that generate the diagram: those declared, and those nobody names."""
+        return self.contents.faces
+
+    @property
+    def nodes(self) -> list[str]:
+        """Systems that load, and members of families at the ends of relations."""
+        ends = {n for edge in self.relations for n in (edge.source, edge.target)}
+        return [*self.contents.systems, *sorted(ends - {*self.contents.systems})]
 
     @cached_property
     def graph(self) -> Any:
-        """Systems and relations as a networkx ``MultiDiGraph``."""
-        from voronec.proof.relations.diagram import diagram
+        """Systems and relations as a networkx ``MultiDiGraph``, the relations by their names."""
+        import networkx
 
-        edges = [r.value for r in self.relations]
-        members = {n for r in edges for n in (r.source, r.target)}
-        return diagram([*self.systems, *sorted(members - {*self.systems})], edges)
+        found = networkx.MultiDiGraph()
+        found.add_nodes_from(self.nodes)
+        found.add_edges_from((e.source, e.target, e.label, {"relation": e}) for e in self.relations)
+        return found
 
-    @cached_property
-    def faces(self) -> tuple[Declared, ...]:
-        """The squares that generate the diagram: those declared, and those nobody names."""
-        from voronec.proof.relations.diagram import squares_of
+    def relation(self, edge: Edge) -> Relation:
+        """The relation of that name."""
+        return self.entries[edge.owner].load_relations()[0][edge.position]
 
-        named = {id(s.value): s for s in self.squares}
-        beside = {r.label: r.entry for r in self.relations}
-        return tuple(
-            named.get(id(s)) or Declared(beside[s.first[0]], -1, s)
-            for s in squares_of(self.graph, [s.value for s in self.squares])
-        )
-
-    @cached_property
+    @property
     def all_troubles(self) -> tuple[Trouble, ...]:
-        """Everything that is wrong at sight; every system is loaded for it."""
-        broken = [
-            Trouble("system", name, name, self.entries[name].place, str(error))
-            for name, error in self._loaded.items()
-            if isinstance(error, DefinitionError)
-        ]
-        return (*self.troubles, *broken, *self._families[1], *self._sorted_out[2])
+        """Everything that is wrong at sight."""
+        return (*self.troubles, *self.contents.troubles)
 
     def entry(self, name: str) -> Entry:
         """Where a system is defined; ``DefinitionError`` where there is none."""
         family, at, member = name.partition("@")
         if at and family in self.entries:
-            return self.entries[family].of_member(member)
+            known = member in self.contents.families.get(family, ())
+            whole = self.entries[family]
+            return whole.member_entry(member) if known else whole.of_member(member)
         return self.entries[name] if name in self.entries else entry_of(name)
-
-    @cached_property
-    def _loaded(self) -> dict[str, System | DefinitionError]:
-        found: dict[str, System | DefinitionError] = {}
-        for name, entry in self.entries.items():
-            try:
-                found[name] = entry.load()
-            except DefinitionError as error:
-                found[name] = error
-        return found
-
-    @cached_property
-    def _sorted_out(self) -> tuple[tuple[Declared, ...], tuple[Declared, ...], list[Trouble]]:
-        """Relations, squares, and those of both that cannot be checked."""
-        relations, squares, troubles = [], [], []
-        for entry in self._with_relations():
-            try:
-                edges, faces = entry.load_relations()
-            except DefinitionError as error:
-                troubles.append(
-                    Trouble("relation", "RELATIONS", entry.name, entry.place, str(error))
-                )
-                continue
-            relations += [Declared(entry, i, edge) for i, edge in enumerate(edges)]
-            squares += [Declared(entry, i, face) for i, face in enumerate(faces)]
-        edges_kept, wrong = self._sound(relations, self._wrong_relation)
-        labels = {r.label: r for r in edges_kept}
-        faces_kept, more = self._sound(squares, lambda s: _wrong_square(s, labels))
-        return edges_kept, faces_kept, [*troubles, *wrong, *more]
-
-    def _with_relations(self) -> Iterator[Entry]:
-        """The systems that load, one for each file: what stands in it is counted once."""
-        seen = set()
-        for name in self.systems:
-            entry = self.entries[name]
-            if entry.place not in seen:
-                seen.add(entry.place)
-                yield entry
-
-    def _sound(self, declared: Sequence[Declared], wrong: Any) -> tuple[Any, list[Trouble]]:
-        """Those with which nothing is wrong, and the trouble with the others."""
-        kept: dict[str, Declared] = {}
-        troubles = []
-        for one in declared:
-            kind = type(one.value).__name__.lower()
-            why = wrong(one.value)
-            if one.label in kept:
-                other = kept[one.label].entry.place
-                why = f"the label is taken in {other}; give one of them another name="
-            if why:
-                troubles.append(Trouble(kind, one.label, one.entry.name, one.entry.place, why))
-            else:
-                kept[one.label] = one
-        return tuple(kept.values()), troubles
-
-    def _wrong_relation(self, relation: Relation) -> str:
-        for role in ("source", "target"):
-            try:
-                self.entry(getattr(relation, role))
-            except DefinitionError as error:
-                return f"its {role}: {error}"
-        return ""
-
-
-def _wrong_square(square: Square, known: Mapping[str, Declared]) -> str:
-    for label in (*square.first, *square.second, *filter(None, (square.up_to,))):
-        if label not in known:
-            return f"there is no relation '{label}'" + did_you_mean(label, known)
-    return ""
 
 
 def _hidden(known: Sequence[Entry]) -> list[Entry]:
@@ -236,12 +233,17 @@ def graph(names: Iterable[str] = ()) -> Any:
     An edge is keyed by the label of its relation, which is its attribute ``relation``.  ``names``
     keeps these systems and what stands in a relation with one of them.
     """
+    from voronec.declaration.reading import several
+
     names = several(names, "names", "name")
     for name in names:
         require("graph", "a name", name, TEXT)
     stock = Inventory.of()
     chosen = {stock.entry(name).name for name in names}
-    return around(stock.graph, chosen) if chosen else stock.graph
+    found = around(stock.graph, chosen) if chosen else stock.graph
+    for *_, data in found.edges(data=True):
+        data["relation"] = stock.relation(data["relation"])
+    return found
 
 
 def around(whole: Any, chosen: set[str]) -> Any:

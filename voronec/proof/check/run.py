@@ -14,19 +14,16 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from voronec.declaration.catalogue import load
-from voronec.declaration.reading import several
-from voronec.declaration.relation import Relation
-from voronec.declaration.system import System, require_system
-from voronec.equations.vector_field import Motions
 from voronec.errors import DefinitionError, shown
 from voronec.proof.check.inventory import Inventory, Trouble
 from voronec.proof.check.record import Finding, Report, Result, marked
 from voronec.proof.check.unit import Unit, units_of
-from voronec.proof.check.work import Bench, examine
 from voronec.proof.verdict_store import Store
 
 if TYPE_CHECKING:
+    from voronec.declaration.relation import Relation
+    from voronec.declaration.system import System
+    from voronec.equations.vector_field import Motions
     from voronec.proof.relations.decision import CheckedRelation
 
 __all__ = [
@@ -47,6 +44,11 @@ def check_relation(relation: Relation, systems: Iterable[System] = ()) -> Checke
     the claims of the target as they stand for the source.  Raises ``DefinitionError`` where the
     relation maps too little or too much.
     """
+    from voronec.declaration.catalogue import load
+    from voronec.declaration.reading import several
+    from voronec.declaration.relation import Relation
+    from voronec.declaration.system import System, require_system
+    from voronec.equations.vector_field import Motions
     from voronec.proof.relations.decision import check_relation as decide
 
     if not isinstance(relation, Relation):
@@ -72,7 +74,11 @@ def results_of(
     other processes are ended.
     """
     jobs = min(jobs, len(units))
-    if jobs <= 1:
+    if not units:  # nothing is imported for it
+        return
+    if jobs == 1:
+        from voronec.proof.check.work import Bench, examine
+
         bench = Bench()
         for unit in units:
             started(unit.name)
@@ -159,6 +165,8 @@ def _serve(pipe: Any) -> None:
     """Examine the units that come through the pipe until it is closed."""
     # Ctrl-C goes to every process of the terminal; the first one decides what happens.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    from voronec.proof.check.work import Bench, examine
+
     bench = Bench()
     while True:
         try:

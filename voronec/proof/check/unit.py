@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from voronec.declaration.catalogue import Entry
-from voronec.declaration.relation import Square
-from voronec.proof.check.inventory import Declared, Inventory
+from voronec.proof.check.inventory import Edge, Face, Inventory
 from voronec.proof.verdict_store import closure, digest
 
 __all__ = ["Unit", "units_of"]
@@ -31,7 +29,7 @@ class Unit:
     entry: Entry
     position: int
     involved: tuple[Entry, ...]
-    square: Square | None = None
+    square: Face | None = None
     through: tuple[tuple[Entry, int], ...] = ()
 
     def key(self, seen: dict[str, tuple[Path, ...]]) -> str:
@@ -56,10 +54,12 @@ def units_of(stock: Inventory, names: Sequence[str] = ()) -> list[Unit]:
     with its members."""
     names = [*names, *(member for name in names for member in stock.members_of(name))]
     edges = {r.label: r for r in stock.relations}
-    found = [Unit("system", n, stock.entries[n], 0, (stock.entries[n],)) for n in stock.systems]
+    found = [
+        Unit("system", n, stock.entries[n], 0, (stock.entries[n],)) for n in stock.contents.systems
+    ]
     # Members of families, NAME@MEMBER, are no entries.
     asked = names or stock.members
-    members = {n for n in (*asked, *stock.graph) if n not in stock.entries}
+    members = {n for n in (*asked, *stock.nodes) if n not in stock.entries}
     found += [Unit("system", n, stock.entry(n), 0, (stock.entry(n),)) for n in sorted(members)]
     found += [_relation(stock, r) for r in stock.relations]
     found += [_square(stock, s, edges) for s in stock.faces]
@@ -74,26 +74,20 @@ def _touches(unit: Unit, names: set[str]) -> bool:
     return bool(names & (about if unit.kind == "system" else about | {unit.entry.name}))
 
 
-def _relation(stock: Inventory, declared: Declared) -> Unit:
-    involved = _systems(stock, [declared.value])
-    return Unit("relation", declared.label, declared.entry, declared.position, involved)
+def _relation(stock: Inventory, edge: Edge) -> Unit:
+    at = stock.entries[edge.owner]
+    return Unit("relation", edge.label, at, edge.position, _systems(stock, [edge]))
 
 
-def _square(stock: Inventory, declared: Declared, edges: dict[str, Declared]) -> Unit:
-    square = declared.value
-    labels = dict.fromkeys((*square.first, *square.second, *filter(None, (square.up_to,))))
+def _square(stock: Inventory, face: Face, edges: dict[str, Edge]) -> Unit:
+    labels = dict.fromkeys((*face.first, *face.second, *filter(None, (face.up_to,))))
     chain = [edges[label] for label in labels]
-    return Unit(
-        "square",
-        declared.label,
-        declared.entry,
-        declared.position,
-        _systems(stock, [r.value for r in chain]),
-        square,
-        tuple((r.entry, r.position) for r in chain),
-    )
+    at = stock.entries[face.owner]
+    through = tuple((stock.entries[r.owner], r.position) for r in chain)
+    involved = _systems(stock, chain)
+    return Unit("square", face.label, at, face.position, involved, face, through)
 
 
-def _systems(stock: Inventory, relations: Sequence[Any]) -> tuple[Entry, ...]:
+def _systems(stock: Inventory, relations: Sequence[Edge]) -> tuple[Entry, ...]:
     names = dict.fromkeys(name for r in relations for name in (r.source, r.target))
     return tuple(stock.entry(name) for name in names)

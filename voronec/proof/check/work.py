@@ -92,7 +92,9 @@ def _square(unit: Unit, bench: Bench) -> Work:
     relations = [entry.load_relations()[0][position] for entry, position in unit.through]
     entries = {e.name: e for e in unit.involved}
     found = check_square(
-        unit.square, {r.label: r for r in relations}, lambda name: bench.motions(entries[name])
+        unit.square.declaration(),
+        {r.label: r for r in relations},
+        lambda name: bench.motions(entries[name]),
     )
     reason = _admitted(unit).get(unit.name, "")
     notes = tuple(", then ".join(limits) for limits in found.limits if limits)
