@@ -441,9 +441,10 @@ def test_what_is_known_is_told_without_loading_a_system(
     (site / "zx_plugin").mkdir(parents=True)
     (site / "zx_plugin/__init__.py").write_text("")
     file = site / "zx_plugin/zx_one.py"
-    relation = "import voronec as vo\nRELATIONS = (Relation('zx-one', 'zx-one', parameters={m: m}, name='itself'),)\n"
+    relation = "Relation('zx-one', 'zx-one', parameters={m: m}, name='itself')"
+    beside = f"RELATIONS = ({relation},)\n"
     file.write_text(
-        sled("zx-one").replace('name="zx-one"', 'name="zx-one", title="First"') + relation
+        sled("zx-one").replace('name="zx-one"', 'name="zx-one", title="First"') + beside
     )
     register(site, "zx-plugin", "zx = zx_plugin")
     monkeypatch.syspath_prepend(str(site))
