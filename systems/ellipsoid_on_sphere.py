@@ -20,20 +20,10 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import (
-    Equation,
-    Fibration,
-    Frame,
-    Limit,
-    Parameter,
-    Relation,
-    Scene,
-    System,
-    kinematics,
-)
+from voronec import Limit, Relation, Scene, kinematics
 
 gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
-m, R1 = sp.symbols("m R1")
+m, R1, R2, h = sp.symbols("m R1 R2 h")
 axes, inertia = sp.symbols("a b c"), sp.symbols("I1:4")
 
 rolling = kinematics.RollingEllipsoid.on_sphere(axes, m, inertia, R1)
@@ -42,36 +32,14 @@ u, v, support = rolling.fibre
 # At the end of the axis a, the support function is a itself.
 start = {theta: 1, u: sp.pi / 2, support: 1}
 
-SYSTEM = System(
+SYSTEM = rolling.system(
     name="ellipsoid-on-sphere",
     title="Ellipsoid on a sphere",
     description="An ellipsoid rolls without slipping over a fixed sphere, or inside it.",
-    fibration=Fibration(base=rolling.base, fibre=rolling.fibre, relations=rolling.relations),
-    frame=Frame.quasi(rolling.spin),
-    lagrangian=rolling.kinetic,
-    constraints=rolling.constraints,
-    parameters=(
-        Parameter(m, 1, positive=True, meaning="mass"),
-        Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),
-        *(
-            Parameter(q, sp.Rational(tenths, 10), positive=True, meaning="semi-axis")
-            for q, tenths in zip(axes, (10, 12, 8), strict=True)
-        ),
-        *(
-            Parameter(i, sp.Rational(tenths, 10), positive=True, meaning="principal moment")
-            for i, tenths in zip(inertia, (4, 3, 5), strict=True)
-        ),
-    ),
-    invariants=rolling.invariants,
-    equations={
-        "momentum": Equation(tuple(rolling.momentum), tuple(rolling.momentum_rate())),
-        "normal": Equation(gamma, tuple(rolling.turned)),
-    },
-    integrals={"energy": rolling.momentum.dot(sp.Matrix(omega)) / 2},
-    essential=(u, v, support, *omega),
+    values={m: 1, R1: 2, axes: ("1", "1.2", "0.8"), inertia: ("0.4", "0.3", "0.5")},
     scenes={
         "default": Scene(
-            initial={**start, **dict(zip(omega, (1, sp.Rational(1, 2), 2), strict=True))},
+            initial={**start, **dict(zip(omega, (1, "1/2", 2), strict=True))},
             times=(0.0, 30.0),
             outputs=(*rolling.contact, *omega),
             caption="The ellipsoid rolls around the sphere; its contact, seen from space.",
@@ -87,23 +55,15 @@ SYSTEM = System(
     references=("Voronec1911", "Voronec1912", "BorisovMamaev2002"),
 )
 
-g, R2, h = sp.symbols("g R2 h")
 RELATIONS = (
     Relation(
         "ball-on-sphere",
         "ellipsoid-on-sphere",
         state={**{q: q for q in (*gamma, *omega)}, height: R2},
-        parameters={
-            **{q: q for q in (m, R1, *inertia)},
-            **dict.fromkeys(axes, R2),
-        },
+        parameters={**{q: q for q in (m, R1, *inertia)}, **dict.fromkeys(axes, R2)},
         note="equal axes",
     ),
-    Relation(
-        "ellipsoid-on-sphere",
-        "ellipsoid-on-plane",
-        parameters={**{q: q for q in (m, *axes, *inertia)}, g: sp.Integer(0)},
-        limit=Limit(h, {R1: 1 / h}),
-        note="a large sphere",
+    Relation.of(
+        SYSTEM, "ellipsoid-on-plane", {"g": 0}, limit=Limit(h, {R1: 1 / h}), note="a large sphere"
     ),
 )

@@ -12,58 +12,25 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import (
-    Equation,
-    Fibration,
-    Frame,
-    Limit,
-    Measure,
-    Parameter,
-    Relation,
-    Scene,
-    System,
-    kinematics,
-)
+from voronec import Limit, Relation, Scene, kinematics
 
-gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
-m, g, a, c, A, C, k = sp.symbols("m g a c A C k")
-rotor = (0, 0, k)
+omega = sp.symbols("omega1:4")
+m, g, a, c, A, C, k, h = sp.symbols("m g a c A C k h")
 
 rolling = kinematics.RollingEllipsoid.on_plane((a, a, c), m, (A, A, C))
-phi, theta, psi = rolling.base
-energy = rolling.momentum.dot(sp.Matrix(omega)) / 2 + m * g * height
+theta = rolling.base[1]
 
-SYSTEM = System(
+SYSTEM = rolling.system(
     name="gyroscopic-spheroid-on-plane",
     title="Spheroid with a gyroscope on a plane",
     description="A heavy ellipsoid of revolution with a gyroscope along its axis rolls without "
     "slipping on a horizontal plane.",
-    fibration=Fibration(base=rolling.base, fibre=rolling.fibre),
-    frame=Frame.quasi(rolling.spin),
-    lagrangian=rolling.kinetic - m * g * rolling.invariants["height"] + k * omega[2],
-    constraints=rolling.constraints,
-    parameters=(
-        Parameter(m, 1, positive=True, meaning="mass"),
-        Parameter(g, 1, meaning="gravity"),
-        Parameter(a, 1, positive=True, meaning="equatorial semi-axis"),
-        Parameter(c, sp.Rational(4, 5), positive=True, meaning="polar semi-axis"),
-        Parameter(A, sp.Rational(2, 5), positive=True, meaning="equatorial moment of inertia"),
-        Parameter(C, sp.Rational(1, 2), positive=True, meaning="axial moment of inertia"),
-        Parameter(k, sp.Rational(1, 2), meaning="axial momentum of the gyroscope"),
-    ),
-    invariants=rolling.invariants,
-    equations={
-        "momentum": Equation(
-            tuple(rolling.momentum), tuple(rolling.momentum_rate(rotor, weight=m * g))
-        ),
-        "normal": Equation(gamma, tuple(rolling.turned)),
-    },
-    integrals={"energy": energy},
-    measure=Measure(rolling.density, (*gamma, height, *omega)),
-    essential=(theta, psi, *omega),
+    rotor=(0, 0, k),
+    gravity=g,
+    values={m: 1, g: 1, a: 1, c: "0.8", A: "0.4", C: "0.5", k: "0.5"},
     scenes={
         "default": Scene(
-            initial={theta: sp.Rational(1, 2), omega[2]: 3, omega[0]: 1},
+            initial={theta: "1/2", omega[2]: 3, omega[0]: 1},
             times=(0.0, 30.0),
             outputs=(*rolling.contact, *omega),
             caption="The gyroscope bends the path of the spheroid.",
@@ -72,24 +39,15 @@ SYSTEM = System(
     references=("Voronec1912", "BorisovMamaev2002"),
 )
 
-h = sp.Symbol("h")
+moments = {"I1": A, "I2": A, "I3": C}
 RELATIONS = (
-    Relation(
-        "gyroscopic-spheroid-on-plane",
+    Relation.of(
+        SYSTEM,
         "gyroscopic-ellipsoid-on-plane",
-        parameters={
-            **{q: q for q in (m, g)},
-            **dict(zip(sp.symbols("a b c"), (a, a, c), strict=True)),
-            **dict(zip(sp.symbols("I1:4"), (A, A, C), strict=True)),
-            **dict(zip(sp.symbols("kappa1:4"), rotor, strict=True)),
-        },
+        {"a": a, "b": a, "c": c, **moments, "kappa1": 0, "kappa2": 0, "kappa3": k},
         note="two axes are equal",
     ),
-    Relation(
-        "gyroscopic-spheroid-on-plane",
-        "spheroid-on-plane",
-        parameters={q: q for q in (m, g, a, c, A, C)},
-        limit=Limit(h, {k: h * k}),
-        note="the gyroscope stops",
+    Relation.of(
+        SYSTEM, "spheroid-on-plane", limit=Limit(h, {k: h * k}), note="the gyroscope stops"
     ),
 )

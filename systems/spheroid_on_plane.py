@@ -19,24 +19,13 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import (
-    Equation,
-    Fibration,
-    Frame,
-    Measure,
-    Parameter,
-    Relation,
-    Scene,
-    System,
-    kinematics,
-)
+from voronec import Equation, Relation, Scene, kinematics
 
 gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
 m, g, a, c, A, C = sp.symbols("m g a c A C")
 
 rolling = kinematics.RollingEllipsoid.on_plane((a, a, c), m, (A, A, C))
-phi, theta, psi = rolling.base
-energy = rolling.momentum.dot(sp.Matrix(omega)) / 2 + m * g * height
+theta = rolling.base[1]
 
 # The linear equations for Z = rho omega_3 and J = (G, r)/r_v, by the radii of curvature.
 arm = rolling.body.arm
@@ -48,34 +37,18 @@ bulge = (a**2 - c**2) / (a**2 * height) * parallel
 lean = bulge * (A * height - (C - A) * gamma[2] * arm[2]) - (C - A) * slip
 steps = rolling.turned[2] / rho
 
-SYSTEM = System(
+SYSTEM = rolling.system(
     name="spheroid-on-plane",
     title="Spheroid on a plane",
     description="A heavy ellipsoid of revolution rolls without slipping on a horizontal plane.",
-    fibration=Fibration(base=rolling.base, fibre=rolling.fibre),
-    frame=Frame.quasi(rolling.spin),
-    lagrangian=rolling.kinetic - m * g * rolling.invariants["height"],
-    constraints=rolling.constraints,
-    parameters=(
-        Parameter(m, 1, positive=True, meaning="mass"),
-        Parameter(g, 1, meaning="gravity"),
-        Parameter(a, 1, positive=True, meaning="equatorial semi-axis"),
-        Parameter(c, sp.Rational(4, 5), positive=True, meaning="polar semi-axis"),
-        Parameter(A, sp.Rational(2, 5), positive=True, meaning="equatorial moment of inertia"),
-        Parameter(C, sp.Rational(1, 2), positive=True, meaning="axial moment of inertia"),
-    ),
-    invariants=rolling.invariants,
+    gravity=g,
+    values={m: 1, g: 1, a: 1, c: "0.8", A: "0.4", C: "0.5"},
     equations={
-        "momentum": Equation(tuple(rolling.momentum), tuple(rolling.momentum_rate(weight=m * g))),
-        "normal": Equation(gamma, tuple(rolling.turned)),
         "linear": Equation((Z, J), (-steps * m * slip * parallel * J, steps * lean / parallel * Z)),
     },
-    integrals={"energy": energy},
-    measure=Measure(rolling.density, (*gamma, height, *omega)),
-    essential=(theta, psi, *omega),
     scenes={
         "default": Scene(
-            initial={theta: sp.Rational(1, 2), omega[2]: 3, omega[0]: 1},
+            initial={theta: "1/2", omega[2]: 3, omega[0]: 1},
             times=(0.0, 30.0),
             outputs=(*rolling.contact, *omega),
             caption="A spheroid spins about its axis while it rolls.",
@@ -85,14 +58,10 @@ SYSTEM = System(
 )
 
 RELATIONS = (
-    Relation(
-        "spheroid-on-plane",
+    Relation.of(
+        SYSTEM,
         "ellipsoid-on-plane",
-        parameters={
-            **{q: q for q in (m, g)},
-            **dict(zip(sp.symbols("a b c"), (a, a, c), strict=True)),
-            **dict(zip(sp.symbols("I1:4"), (A, A, C), strict=True)),
-        },
+        {"a": a, "b": a, "c": c, "I1": A, "I2": A, "I3": C},
         note="two axes are equal",
     ),
 )

@@ -18,7 +18,14 @@ from voronec.declaration.claims import Case, Equation, Measure, Poisson
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.kinematics.balls import CYCLES, GAMMA, OMEGA, ZERO, RollingBall, contact_momentum
-from voronec.kinematics.families import Words, constants, joined, moment_words, rotor_words
+from voronec.kinematics.families import (
+    FIXED_RADIUS,
+    Words,
+    constants,
+    joined,
+    moment_words,
+    rotor_words,
+)
 from voronec.kinematics.rubber import RubberMotion
 from voronec.kinematics.vectors import Vector, three
 
@@ -197,7 +204,7 @@ class BalancedBall:
     def words(self, mass: str = "mass", radius: str = "radius of the ball") -> Words:
         """What its constants are."""
         return {
-            self.fixed: ("radius of the fixed sphere, signed", False),
+            self.fixed: FIXED_RADIUS,
             self.radius: (radius, True),
             self.ball.mass: (mass, True),
             **moment_words(self.ball.inertia),

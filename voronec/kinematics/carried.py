@@ -15,6 +15,7 @@ from voronec.kinematics.bodies import kinetic_energy
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
+from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import three
 
 __all__ = ["CarriedContact"]
@@ -116,6 +117,24 @@ class CarriedContact:
         whole = self.momentum + sp.Matrix(rotor)
         turned = self.mass * moved.cross(self.omega.cross(arm))
         return sp.ImmutableMatrix(whole.cross(self.omega) + turned)
+
+
+def carried_vectors(arm: Any, frame: sp.MatrixBase) -> dict[str, sp.Expr]:
+    """r, e and f of a body whose moving ``frame`` [e f n] is known, along its axes."""
+    found = {"r": sp.Matrix(arm), "e": frame.col(0), "f": frame.col(1)}
+    return {f"{name}{i + 1}": x for name, vector in found.items() for i, x in enumerate(vector)}
+
+
+def form_values(contact: RollingContact) -> dict[str, sp.Expr]:
+    """The values that the functions of ``unknown_forms`` have for two surfaces that are known."""
+    found: dict[str, sp.Expr] = {}
+    for surface, mark in ((contact.body, ""), (contact.fixed, "1")):
+        forms = SurfaceForms.of(surface) if isinstance(surface, Surface) else surface
+        lengths, curvatures, bendings = forms.along_lines
+        for letter, pair in zip("Lkb", (lengths, curvatures, bendings), strict=True):
+            for name, value in zip("uv", pair, strict=True):
+                found[f"{letter}_{name}{mark}"] = value
+    return found
 
 
 def unknown_forms(u: sp.Expr, v: sp.Expr, mark: str = "") -> SurfaceForms:

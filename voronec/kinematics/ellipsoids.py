@@ -10,19 +10,32 @@ import sympy as sp
 
 from voronec.algebra.symbols import velocity
 from voronec.declaration.charts import Chart
+from voronec.declaration.claims import Equation, Measure
+from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.system import System
+from voronec.errors import DefinitionError
+from voronec.kinematics.balls import GAMMA, OMEGA, ZERO
 from voronec.kinematics.bodies import kinetic_energy
+from voronec.kinematics.carried import carried_vectors, form_values
 from voronec.kinematics.convex import ConvexBody
+from voronec.kinematics.families import (
+    FIXED_RADIUS,
+    Words,
+    constants,
+    joined,
+    moment_words,
+    rotor_words,
+)
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.poles import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.surfaces import Surface
+from voronec.kinematics.vectors import Vector, three
 
 __all__ = ["RollingEllipsoid"]
 
-GAMMA = sp.symbols("gamma1:4")
 HEIGHT = sp.Symbol("height")
-OMEGA = sp.symbols("omega1:4")
 ANGLES = sp.symbols("phi theta psi")
 ROTATION = Rotation.euler("zxz", *ANGLES)
 # Neumann's theta is no angle of Euler's.
@@ -49,6 +62,12 @@ class RollingEllipsoid:
         dgamma/dt.
     charts
         of Neumann's coordinates, with their poles elsewhere.
+    axes, sphere
+        the semi-axes, and R1 where it rolls on a sphere.
+    surfaces
+        of a spheroid on a sphere, by their forms.
+
+    ``system`` declares it, with what is special beside.
     """
 
     body: ConvexBody
@@ -63,6 +82,9 @@ class RollingEllipsoid:
     turned: sp.ImmutableMatrix
     rotation: Rotation = ROTATION
     charts: Mapping[str, Chart] = field(default_factory=dict)
+    axes: Vector = ZERO
+    sphere: Any = None
+    surfaces: RollingContact | None = None
 
     @classmethod
     def on_plane(cls, axes: Sequence[Any], mass: Any, inertia: Sequence[Any]) -> RollingEllipsoid:
@@ -86,6 +108,7 @@ class RollingEllipsoid:
             _named(vertical, level),
             (x + reach[0], y + reach[1]),
             body.rolled(OMEGA),
+            axes=three(axes, "the semi-axes of an ellipsoid"),
         )
 
     @classmethod
@@ -118,6 +141,8 @@ class RollingEllipsoid:
             _named(normal, support),
             tuple(ROTATION.matrix * sp.Matrix(normal)),
             body.rolled(OMEGA, sphere),
+            axes=three(axes, "the semi-axes of an ellipsoid"),
+            sphere=sphere,
         )
 
     @classmethod
@@ -158,6 +183,9 @@ class RollingEllipsoid:
             body.rolled(OMEGA, sphere),
             CARRIED,
             _turned_poles(whole, sphere, o, contact),
+            whole,
+            sphere,
+            contact,
         )
 
     @property
@@ -188,6 +216,80 @@ class RollingEllipsoid:
         spread = equatorial * (x**2 + y**2) + axial * z**2
         root = sp.sqrt(equatorial * axial + self.mass * spread)
         return self.body.height * (equatorial + self.mass * (x**2 + y**2 + z**2)) * root
+
+    @property
+    def as_any_body(self) -> tuple[dict[Any, Any], dict[str, Any]]:
+        """A spheroid on a sphere as a body of unknown surfaces: its state, and their functions."""
+        if self.surfaces is None:
+            raise DefinitionError("only a spheroid on a sphere is known by the forms of surfaces")
+        u, v = self.surfaces.body.coordinates
+        level, frame = self.invariants["height"], Surface.sphere(1, u, v).frame
+        arm = frame * sp.Matrix([sp.diff(level, u), 0, level])
+        own = {q: q for q in (*self.base, *self.fibre, *OMEGA)}
+        return {**own, **carried_vectors(arm, frame)}, form_values(self.surfaces)
+
+    def system(
+        self,
+        *,
+        values: Mapping[Any, Any],
+        rotor: Sequence[Any] = ZERO,
+        gravity: Any = 0,
+        **declared: Any,
+    ) -> System:
+        """The system of this body, with ``values`` of its constants, and what is special to it.
+
+        ``rotor`` is kappa, the momentum of a gyroscope; ``gravity`` pulls along -gamma.  Where body
+        and gyroscope have an axis of symmetry there is a measure [BorisovMamaev2002].
+        """
+        kappa, weight = three(rotor, "the momentum of a rotor"), self.mass * gravity
+        omega = sp.Matrix(OMEGA)
+        own = {
+            "fibration": Fibration(self.base, self.fibre, self.relations),
+            "frame": Frame.quasi(self.spin),
+            "lagrangian": self.kinetic
+            - weight * self.invariants["height"]
+            + sp.Matrix(kappa).dot(omega),
+            "constraints": self.constraints,
+            "parameters": constants(values, self._words(kappa, gravity)),
+            "invariants": self.invariants,
+            "equations": {
+                "momentum": Equation(self.momentum, self.momentum_rate(kappa, weight)),
+                "normal": Equation(GAMMA, self.turned),
+            },
+            "integrals": {"energy": self.momentum.dot(omega) / 2 + weight * HEIGHT},
+            "charts": self.charts,
+            "essential": (*self._seen, *OMEGA),
+        }
+        if (
+            self.axes[0] == self.axes[1]
+            and self.inertia[0] == self.inertia[1]
+            and not any(kappa[:2])
+        ):
+            spread = 1 if self.sphere is None else self.body.widened(self.sphere)
+            own["measure"] = Measure(self.density * spread, (*GAMMA, HEIGHT, *OMEGA))
+        return joined(own, declared)
+
+    @property
+    def _seen(self) -> tuple[sp.Expr, ...]:
+        """The coordinates that the equations hold."""
+        if self.sphere is None:
+            return self.base[1:]
+        return self.fibre if self.surfaces is None else self.surfaces.body.coordinates
+
+    def _words(self, rotor: Vector, gravity: Any) -> Words:
+        """What its constants are."""
+        a, b, c = self.axes
+        axes = dict.fromkeys(self.axes, ("semi-axis", True))
+        if a == b:
+            axes = {a: ("equatorial semi-axis", True), c: ("polar semi-axis", True)}
+        return {
+            self.mass: ("mass", True),
+            self.sphere: FIXED_RADIUS,
+            gravity: ("gravity", False),
+            **axes,
+            **moment_words(self.inertia),
+            **rotor_words(rotor),
+        }
 
     def momentum_rate(self, rotor: Sequence[Any] = (0, 0, 0), weight: Any = 0) -> Any:
         """dG/dt, where a ``rotor`` of constant momentum kappa is built in."""

@@ -17,6 +17,9 @@ Words = Mapping[sp.Expr, tuple[str, bool]]
 """Symbol -> what it is, and whether it is positive."""
 
 
+FIXED_RADIUS = ("radius of the fixed sphere, signed", False)
+
+
 def constants(values: Mapping[Any, Any], words: Words) -> tuple[Parameter, ...]:
     """The parameters of a table ``{symbol: value, (symbol, symbol): (value, value)}``, in order.
 

@@ -119,6 +119,12 @@ class SurfaceForms:
         return self.second[0], sp.Integer(0), self.second[1]
 
     @property
+    def along_lines(self) -> tuple[tuple[sp.Expr, sp.Expr], ...]:
+        """Lengths L_u, L_v, curvatures -D/E, -D''/G, bendings E_v/(2 L_u L_v), G_u/(2 L_u L_v)."""
+        (e, g), (d, dd), turns = self.first, self.second, self._turns
+        return self._lengths, (-d / e, -dd / g), (-turns[0][2], turns[1][2])
+
+    @property
     def trace_velocity(self) -> Vector:
         """The velocity of a point that moves over the surface: (L_u du/dt, L_v dv/dt, 0)."""
         (lu, lv), (du, dv) = self._lengths, self._rates
