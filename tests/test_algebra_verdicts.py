@@ -527,3 +527,15 @@ def test_the_logarithm_of_what_is_negative_is_no_logarithm_of_its_size():
     assert prove_equal((x**2 + 1) ** WHOLE * (x**2 + 1), (x**2 + 1) ** (WHOLE + 1)).proved
     assert prove_equal(sp.log(BELOW * x), sp.log(-BELOW) + sp.log(-x)).proved
     assert not prove_equal(sp.log(BELOW * x), sp.log(-BELOW) + sp.log(x)).proved
+
+
+def test_what_is_no_number_has_no_sign_and_no_angle():
+    """At x = -1/2, z = 1 one factor is the sign of what is not real, beside a zero; atan2(u, u) has
+    no value where u vanishes, whatever it is elsewhere."""
+    product = sp.Mul(sp.sqrt(y**2 / (x * z)), sp.sqrt(x * z / y**2), evaluate=False)
+    edge = sp.sqrt(1 - 4 * x**2)
+    found = prove_equal(sp.sign(product) * sp.sign(edge), sp.sign(edge + 1))
+    at = {name: sp.Rational(value) for name, value in found.witness.point.items()}
+    assert found.refuted and at["x"] * at["z"] > 0  # 0 against 1 where x = 1/2
+    u = sp.sin(2 * sp.acos(x))
+    assert not prove_equal(sp.sin(2 * sp.atan2(u, u)), 1).refuted

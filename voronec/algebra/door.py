@@ -188,8 +188,13 @@ class Door:
         if any(isinstance(n, sp.Piecewise | sp.Derivative | sp.Subs) for n in parts):
             return []  # a piece need not be real where it is not taken
         kept = {*nodes([self._enter(expr)])}
-        needed = (_real_where(n, self._enter) for n in parts if self._enter(n) not in kept)
+        lost = (n for n in parts if self._enter(n) not in kept or self._is_other(n))
+        needed = (_real_where(n, self._enter) for n in lost)
         return [c for c in needed if c is not None and not isinstance(c, BooleanAtom)]
+
+    def _is_other(self, node: sp.Expr) -> bool:
+        """Whether an angle became something else: atan2(u, u) has a value where u = 0 then."""
+        return isinstance(node, sp.atan2) and not isinstance(self._enter(node), se.atan2)
 
     @property
     def hypotheses(self) -> list[Any]:
@@ -299,12 +304,15 @@ def _taken_at(derivative: Any, at: dict[Any, Any]) -> Any:
 
 
 def _real_where(node: Any, enter: Callable[[Any], Any]) -> Any:
-    """The condition inside under which a root or a logarithm is real; None for anything else."""
+    """The condition inside under which a root or a logarithm is real, or an angle is one of a point
+    beside the origin; None for anything else."""
     if isinstance(node, sp.log):
         return enter(node.args[0]) > 0
     if isinstance(node, sp.Pow) and node.exp.is_Rational and not node.exp.is_Integer:
         base = enter(node.base)
         return base > 0 if node.exp < 0 else base >= 0
+    if isinstance(node, sp.atan2):
+        return enter(node.args[0]) ** 2 + enter(node.args[1]) ** 2 > 0
     return 1 - enter(node.args[0]) ** 2 >= 0 if isinstance(node, sp.asin | sp.acos) else None
 
 

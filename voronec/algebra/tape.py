@@ -32,6 +32,7 @@ from voronec.errors import DefinitionError, EngineLimit, shown
 
 __all__ = ["Tape", "as_ball"]
 
+_UNDEFINED = flint.arb("nan")
 _UNARY: dict[type, Callable[[Any], Any]] = {
     se.sin: lambda a: a.sin(),
     se.cos: lambda a: a.cos(),
@@ -51,11 +52,11 @@ _UNARY: dict[type, Callable[[Any], Any]] = {
     se.acosh: lambda a: a.acosh(),
     se.atanh: lambda a: a.atanh(),
     se.log: lambda a: a.log(),
-    se.sign: lambda a: a.sgn(),
+    se.sign: lambda a: a.sgn() if a.is_finite() else _UNDEFINED,  # nan.sgn() is finite
     se.floor: lambda a: a.floor(),
 }
 _NUMERIC: dict[str, Callable[..., Any]] = {
-    SINC: lambda a: a.sinc(),
+    SINC: lambda a: a.sinc() if a.is_finite() else _UNDEFINED,
     SINHC: lambda a: flint.acb(0, a).sinc().real,
     EXPREL: lambda a: (a / 2).exp() * flint.acb(0, a / 2).sinc().real,
     EXPM1: lambda a: a.expm1(),
@@ -171,7 +172,7 @@ class Tape:
         if isinstance(expr, se.Pow):
             return _power(*expr.args)
         if isinstance(expr, se.atan2):
-            return (lambda y, x: flint.arb.atan2(y, x)), expr.args
+            return _angle, expr.args
         name = numeric_name(expr)
         unary = _UNARY.get(type(expr)) if name is None else _NUMERIC[name]
         if unary is None:
@@ -210,6 +211,11 @@ def _power(base: Any, exponent: Any) -> tuple[Callable[..., Any], Sequence[Any]]
             return (lambda a: _integer_power(a.sqrt(), p)), (base,)
         return (lambda a: _integer_power(a.root(q), p)), (base,)
     return (lambda a, b: (a.log() * b).exp()), (base, exponent)
+
+
+def _angle(y: Any, x: Any) -> Any:
+    """atan2(y, x); flint has a ball for what is not a number, too."""
+    return flint.arb.atan2(y, x) if y.is_finite() and x.is_finite() else _UNDEFINED
 
 
 def _integer_power(base: Any, n: int) -> Any:
