@@ -30,6 +30,7 @@ __all__ = [
     "callback",
     "instance",
     "require",
+    "require_digits",
 ]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -49,6 +50,10 @@ class Kind:
             return (value is None and self.optional) or bool(self.fits(value))
         except Exception:
             return False
+
+
+MOST_DIGITS = 10_000
+"""Digits of accelerations and reactions: more is work without end."""
 
 
 def _is_count(value: Any) -> bool:
@@ -98,6 +103,14 @@ def require(place: str, name: str, value: Any, kind: Kind) -> None:
     """Refuse a value that is not of a kind; ``place`` is the function or the object."""
     if not kind.holds(value):
         raise DefinitionError(f"{place}: {name} = {shown(value)} is not {kind.words}; give one")
+
+
+def require_digits(place: str, digits: Any) -> None:
+    """Refuse what is no number of digits that can be worked out."""
+    if not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= MOST_DIGITS:
+        raise DefinitionError(
+            f"{place}: digits = {shown(digits)}; give a whole number from 1 to {MOST_DIGITS}"
+        )
 
 
 def callback(place: str, name: str, function: Any) -> Callable[..., Any] | None:

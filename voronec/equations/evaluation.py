@@ -29,8 +29,6 @@ ON_RELATIONS = 1e-9
 ORDERS = 4
 """Inputs may occur with derivatives below this order: the rate of one in a Lagrangian is the least
 that anybody writes, and the equations differentiate twice."""
-MOST_DIGITS = 10_000
-"""How many digits may be asked for."""
 
 
 def named_point(system: System, point: Mapping[Any, Any]) -> dict[str, Any]:
@@ -113,11 +111,7 @@ def acceleration(
     system: System, raw: Derivation, point: Mapping[Any, Any], digits: int
 ) -> dict[sp.Expr, sp.Float]:
     """See ``VoronecEquations.acceleration``."""
-    if not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= MOST_DIGITS:
-        raise DefinitionError(
-            f"system '{system.name}': digits = {shown(digits)}; give a whole number from 1 to "
-            f"{MOST_DIGITS}"
-        )
+    require_digits(f"system '{system.name}'", digits)
     values = named_point(system, point)
     values |= {str(f): values[name] for name, f in jets(system).items() if name in values}
     result = _accelerations(raw, values, digits)

@@ -58,12 +58,25 @@ def charted_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
     none = np.zeros((len(ground.home.definition.dots), 0))
     if ground.home.definition.group is not None:
         return none
+    if not any(_may_be_singular(ground, chart, wide) for chart in system.charts.values()):
+        return none  # as of most starts: no slopes are derived
     looked = [_seen(ground, chart, wide) for chart in system.charts.values()]
     own, there, slopes = max(looked, key=lambda found: found[1], default=(1.0, 0.0, none))
     if not own < POLE or not there > POLE:
         return none
     _, sizes, basis = np.linalg.svd(slopes)
     return np.asarray(basis[sizes < POLE * sizes.max()].T)
+
+
+def _may_be_singular(ground: SplitGround, chart: Chart, wide: np.ndarray) -> bool:
+    """Whether the own coordinates may be singular at a wide state, where a chart is declared."""
+    d = ground.home.definition
+    at = {se.Symbol(name): se.RealDouble(float(x)) for name, x in ground.constants.items()}
+    at |= {q: se.RealDouble(float(x)) for q, x in zip(d.coordinates, wide, strict=False)}
+    try:
+        return abs(float(d.door.inward(chart.singular).xreplace(at).n(real=True))) < POLE
+    except (ArithmeticError, RuntimeError, TypeError, ValueError):
+        return True  # of the time, or no number there: the slopes tell
 
 
 def open_beyond(rows: np.ndarray, blind: np.ndarray) -> np.ndarray:

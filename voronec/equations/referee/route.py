@@ -17,12 +17,12 @@ from typing import Any
 import mpmath as mp
 import sympy as sp
 
-from voronec.algebra.arguments import POINT, accepts
+from voronec.algebra.arguments import POINT, accepts, require_digits
 from voronec.declaration.system import System, require_system
 from voronec.equations.referee.linear import Elimination, Vector, eliminate, negligible
 from voronec.equations.referee.plan import Plan, make_plan
 from voronec.equations.referee.point import Exact, at_precision, read_point
-from voronec.errors import DefinitionError, shown
+from voronec.errors import DefinitionError
 
 __all__ = ["Reactions", "Solution", "multiplier_acceleration", "reaction_forces", "solve"]
 
@@ -231,8 +231,6 @@ def _split(flat: Vector, *lengths: int) -> list[Vector]:
 
 GUARD = 25
 """Decimal digits computed beyond those asked for."""
-MOST_DIGITS = 10_000
-"""More is work without end."""
 
 DOUBLINGS = 5
 """How often the precision is doubled before an answer is given up."""
@@ -313,11 +311,7 @@ def _labelled(things: tuple[sp.Expr, ...], numbers: Vector, digits: int) -> dict
 
 def _confirmed(system: System, point: Mapping[Any, Any], digits: int) -> Solution:
     """A solution of which two precisions agree to the digits asked for."""
-    if not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= MOST_DIGITS:
-        raise DefinitionError(
-            f"system '{system.name}': digits = {shown(digits)}; give a whole number from 1 to "
-            f"{MOST_DIGITS}"
-        )
+    require_digits(f"system '{system.name}'", digits)
     try:
         plan = _plan(system)
     except DefinitionError as error:
