@@ -10,6 +10,7 @@ import mpmath as mp
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.arguments import require_digits
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.stable import stable_all
 from voronec.algebra.symbols import plain_name, time
