@@ -158,6 +158,8 @@ def test_auto_says_what_it_chose_and_why(monkeypatch: pytest.MonkeyPatch) -> Non
     def cost(**more: Any) -> vo.Trajectory:
         return vo.integrate(OSCILLATOR, initial={x: 1}, parameters={k: 1}, **more).cost
 
+    assert cost(times=[0.0, 1.0]).method == "heyoka"
+    monkeypatch.setattr(choice, "HEAVY", 0)
     short, long = cost(times=[0.0, 1.0]), cost(times=[0.0, 1e4])
     assert short.method == "scipy" and "less time than compiling" in short.reason
     assert long.method == "heyoka" and long.reason.startswith("auto:")

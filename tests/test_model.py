@@ -11,7 +11,9 @@ from model_agreement import agreed, kinds, names
 
 import voronec as vo
 from voronec.equations.vector_field import Motions
-from voronec.motion.model import Model, smallest
+from voronec.motion.model import Model, smallest, smallest_model
+from voronec.motion.numeric_model import numbers_at
+from voronec.motion.steppers import heyoka_stepper
 
 # -- equal to the full model -----------------------------------------------------------------------
 
@@ -233,3 +235,56 @@ def test_angles_are_read_off_from_starts_in_every_quadrant(
 @pytest.fixture(scope="module")
 def ball() -> vo.VoronecEquations:
     return vo.derive(vo.load("ball-on-sphere"))
+
+
+# -- kept models -----------------------------------------------------------------------------------
+
+STARTS = (
+    {"u": 1.2, "u1": 0.8, "s": 0.7, "tau": 0.2, "n": 1.5},
+    {"u": 1.2, "u1": 0.8, "s": 0.7, "tau": 0.2, "n": 0.0},
+    {"u": 0.9, "u1": 1.1, "s": 0.0, "tau": 0.0, "n": 2.5},
+    {"u": 1.0, "u1": 0.7, "s": -0.3, "tau": 1.1, "n": 0.4},
+)
+"""Starts with other zeros; the last has those of the first."""
+
+
+def _motion(equations: vo.VoronecEquations, at: dict[str, float], k: float) -> np.ndarray:
+    run = vo.integrate(
+        equations, times=np.linspace(0, 3, 40), initial=at, outputs=("u", "v", "s"),
+        parameters={"k": k},
+    )  # fmt: skip
+    return np.stack([run[name] for name in ("u", "v", "s")])
+
+
+def test_what_other_starts_left_behind_changes_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    together = vo.derive(vo.load("demchenko"))
+    runs = [(start, k) for k in (0.2, 0.0, 0.2) for start in STARTS]
+    found = [_motion(together, *run) for run in runs]
+    for (start, k), rows in zip(runs, found, strict=True):
+        monkeypatch.setattr(heyoka_stepper, "_idle", {})
+        assert np.array_equal(rows, _motion(replace(together), start, k))
+
+
+def test_a_kept_model_is_taken_only_where_the_start_gives_the_same_answers() -> None:
+    """The integral vx + a vy gives vx where a is small, and vy where it is large."""
+    x, y, a = sp.symbols("x y a")
+    vx, vy = vo.velocity(x), vo.velocity(y)
+    system = vo.System(
+        name="sum",
+        fibration=vo.Fibration(base=(x, y)),
+        lagrangian=(vx**2 + vy**2) / 2 - sp.cos(a * x - y),
+        parameters=(vo.Parameter(a),),
+        integrals={"sum": vx + a * vy},
+    )
+    equations = vo.derive(system)
+
+    def model(slope: float) -> Model:
+        state = np.array([0.3, 0.1, 1.0, 2.0])
+        known = numbers_at(equations.raw.form, state, {"a": slope}, 0.0)
+        wanted = {"x": x, "y": y}
+        return smallest_model(Motions.of(equations), wanted, system.integrals, known)
+
+    small, large = model(1e-3), model(1.0)
+    told = [{r.variable for r in m.roles if r.kind == "integral"} for m in (small, large)]
+    assert len(told[0]) == len(told[1]) == 1 and told[0] != told[1]
+    assert model(2e-3) is small and model(2.0) is large

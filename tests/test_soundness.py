@@ -14,6 +14,7 @@ import voronec as vo
 from voronec.equations.program import Block, Program, compiled, hoisted
 from voronec.motion import motion_pool as many_motions
 from voronec.motion.fallback import first_success
+from voronec.motion.steppers import choice
 from voronec.motion.steppers import heyoka_stepper as taylor
 
 x, u = sp.symbols("x u")
@@ -100,8 +101,11 @@ def test_ctrl_c_in_the_set_up_of_an_ensemble_ends_it(monkeypatch: pytest.MonkeyP
     assert found["x"].shape == (4, 2) and np.isnan(found["x"]).all()
 
 
-def test_auto_goes_on_with_another_method_where_its_choice_fails() -> None:
+def test_auto_goes_on_with_another_method_where_its_choice_fails(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     pytest.importorskip("heyoka")
+    monkeypatch.setattr(choice, "HEAVY", 0)  # so that scipy is chosen over so short a span
     disc = vo.derive(vo.load("falling-disc"))
     start = {"theta": 1.2, "p": 0.3, "q": 1e-6, "s": 1e-6}
     wanted: dict[str, Any] = {"initial": start, "times": [0, 1, 2, 3], "outputs": ("theta", "p")}

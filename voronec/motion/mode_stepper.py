@@ -109,10 +109,8 @@ def through_walls(
 def _through_walls(
     method: str, problem: Problem, grid: np.ndarray, form: Any, functions: Mapping[str, Any]
 ) -> Switched | None:
-    program = problem.program
-    rough = program.derivative.is_rough(program.parameters, program.velocities)
-    levels = problem.levels
-    if not rough and (levels is None or not levels.extras.is_rough(levels.parameters)):
+    program, levels = problem.program, problem.levels
+    if not program.is_rough and (levels is None or not levels.is_rough_beside):
         return None
     exact = is_exact(method, problem.tol)
     modes = Modes.of(form, functions, _saturated(problem.tol, exact))

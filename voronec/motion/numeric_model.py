@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import mpmath
 import numpy as np
@@ -21,6 +22,9 @@ from voronec.motion.steppers.signals import Signals
 from voronec.motion.vocabulary import Vocabulary, Wanted
 
 __all__ = ["Modelled", "modelled", "numbers_at", "whole"]
+
+_written: WeakKeyDictionary[Model, dict[Any, Modelled]] = WeakKeyDictionary()
+"""What was written for a model, by outputs and events, as long as that lives."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +64,8 @@ class Modelled:
     @property
     def is_rough(self) -> bool:
         """Whether rates or functions of events may hold what is not smooth."""
-        program, events = self.program, self.event_program
-        return program.derivative.is_rough(program.parameters, program.velocities) or (
-            events is not None and events.extras.is_rough(events.parameters)
-        )
+        events = self.event_program
+        return self.program.is_rough or (events is not None and events.is_rough_beside)
 
     @cached_property
     def event_program(self) -> Program | None:
@@ -126,16 +128,35 @@ def modelled(
         known,
         followed=given if followed else names,
     )
-    watch = _watch(vocabulary, wanted, model, known)
+    # another start that has the same model has it written already
+    written, key = _written.setdefault(model, {}), (wanted.names, tuple(functions))
+    if key not in written:
+        written[key] = _write(vocabulary, wanted, model, functions)
+    made = written[key]
+    branches = {
+        name: Branch(f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate])
+        for name, a in model.cut.angles.items()
+    }
+    return replace(made, model=model, watch=replace(made.watch, branches=branches))
+
+
+def _write(
+    vocabulary: Vocabulary, wanted: Wanted, model: Model, functions: Mapping[str, Any]
+) -> Modelled:
+    """What is the same for every start of a model: all but the branches of its angles.
+
+    The model itself is left out: what is kept by a weak key must not hold the key.
+    """
+    watch = _watch(vocabulary, wanted, model)
     below = {f"start {x}": e for x, e in model.start.items()}
     below |= {f"frozen {x}": e for x, e in model.frozen.items()}
     return Modelled(
-        model=model,
+        model=None,
         program=Program.of(model.form, watch.expressions),
         watch=watch,
         form=replace(model.form, mass=model.cut.inertia or model.cut.mass),
         event_functions={n: model.outputs[f"event {n}"] for n in functions},
-        below=quantities(raw, below),
+        below=quantities(vocabulary.equations.raw.form, below),
     )
 
 
@@ -147,9 +168,7 @@ def numbers_at(
     return found | {se.Symbol(name): value for name, value in constants.items()} | {form.time: time}
 
 
-def _watch(
-    vocabulary: Vocabulary, wanted: Wanted, model: Model, known: Mapping[Any, float]
-) -> Watch:
+def _watch(vocabulary: Vocabulary, wanted: Wanted, model: Model) -> Watch:
     """The outputs on a model, its angles by their cosines and sines, and the integrals and
     relations that it can express."""
     level = model.cut
@@ -160,14 +179,10 @@ def _watch(
     relations = vocabulary.equations.system.fibration.relations
     inside = {str(r): vocabulary.inward(r) for r in relations}
     kept = {name: e for name, e in inside.items() if e.free_symbols <= usable}
-    branches = {
-        name: Branch(f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate])
-        for name, a in level.angles.items()
-    }
     besides = {n: e for n, e in _besides(vocabulary, model).items() if n not in wanted.names}
     expressions = shown | parts | besides
     watch = Watch.of(replace(wanted, expressions=expressions), level.integrals, kept)
-    return replace(watch, branches=branches, besides=tuple(besides))
+    return replace(watch, besides=tuple(besides))
 
 
 def _besides(vocabulary: Vocabulary, model: Model) -> dict[str, Any]:

@@ -38,9 +38,9 @@ __all__ = ["WIDTH", "Breach", "Judge", "JudgeOfMany", "Rates", "Windows", "again
 
 WIDTH = 9
 """Instants in a window."""
-RELATIVE, ROUNDING = 1e-6, 1e-9
-"""A defect is no rounding where it is larger than these parts of the way that a variable goes in
-the window, and of the variable's size."""
+RELATIVE, ROUNDING = 1e-6, 1e-7
+"""A defect is looked into where it is larger than these parts of the way that a variable goes in
+the window, and of the state's size: less than a tenth of the first of the size counts never."""
 DOUBT = 2.0
 """A defect counts where it is so many times larger than what the last two coefficients contribute;
 the coefficients that are left out are of their size."""

@@ -23,6 +23,8 @@ SPARE = 16
 
 def precision(numbers: Any) -> int:
     """How many bits the longest of some numbers has, at least those of a double."""
+    if isinstance(numbers, np.ndarray) and numbers.dtype != object:
+        return 53
     flat = np.ravel(np.asarray(numbers, dtype=object))
     return max([53, *(x._mpf_[3] for x in flat if isinstance(x, mpmath.mpf))])
 

@@ -123,10 +123,10 @@ class Block:
         are symbols that do not move."""
         return is_rough(self.assignments, self.results, still, velocities)
 
-    @property
-    def symbols(self) -> set[Any]:
+    @cached_property
+    def symbols(self) -> frozenset[Any]:
         """All symbols that occur, assigned names included."""
-        return set().union(*(e.free_symbols for e in self.expressions))
+        return frozenset().union(*(e.free_symbols for e in self.expressions))
 
 
 @dataclass(frozen=True)
@@ -167,10 +167,20 @@ class Program:
         """Coordinates, then velocities."""
         return self.coordinates + self.velocities
 
-    @property
+    @cached_property
     def operations(self) -> int:
         """How many operations one evaluation of the right-hand side costs."""
         return self.derivative.operations
+
+    @cached_property
+    def is_rough(self) -> bool:
+        """Whether the rates of the state may not be smooth."""
+        return self.derivative.is_rough(self.parameters, self.velocities)
+
+    @cached_property
+    def is_rough_beside(self) -> bool:
+        """Whether extra quantities may not be smooth."""
+        return self.extras.is_rough(self.parameters)
 
     @cached_property
     def weight(self) -> float:

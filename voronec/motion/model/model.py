@@ -46,7 +46,7 @@ class Candidate:
     chosen: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Model:
     """The equations that a scene needs.
 

@@ -7,8 +7,8 @@ and of the levels the one whose program costs least is chosen.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import symengine as se
@@ -43,6 +43,10 @@ def absent(level: Level, needed: set[Any], names: tuple[Any, ...]) -> Iterator[t
 
 _KEPT, MOST = "_levels", 8
 """Where motions keep their levels, which no start changes, and for how many sets of outputs."""
+MODELS = 32
+"""So many models, of starts with other zeros, are kept for one set of outputs."""
+AMPLIFICATION = 100.0
+"""An integral gives a variable only where it enlarges errors of the others by less than this."""
 
 Note = Callable[[Any, str, str], None]
 """Takes down what became of a variable: the variable, the kind of role, the reason."""
@@ -50,9 +54,11 @@ Note = Callable[[Any, str, str], None]
 
 @dataclass(frozen=True)
 class _Particular:
-    """What is known of one motion: zero parameters and variables, numbers of expressions."""
+    """What is known of one motion on a level: numbers of variables, parameters and the time, and
+    what was ``asked`` of them so far: slopes of integrals, and whether these are steep enough."""
 
     values: Mapping[Any, float]
+    asked: list[tuple[Any, tuple[Any, ...], bool]] = field(default_factory=list)
 
     def number(self, expr: Any) -> float:
         """The value of an expression of the start; infinite where it has none."""
@@ -60,6 +66,35 @@ class _Particular:
             return float(expr.subs(dict(self.values)).n(53, real=True))
         except (RuntimeError, TypeError, ValueError):
             return float("inf")
+
+    def is_steep(self, slope: Any, others: tuple[Any, ...]) -> bool:
+        """Whether an integral with this slope gives its variable well, beside its other slopes."""
+        size = abs(self.number(slope))
+        answer = size > 0 and sum(abs(self.number(e)) for e in others) <= AMPLIFICATION * size
+        self.asked.append((slope, others, answer))
+        return answer
+
+    def zeros(self, names: Iterable[Any]) -> frozenset[Any]:
+        """Which variables and parameters are zero."""
+        return frozenset(x for x in names if self.values.get(x) == 0)
+
+
+@dataclass(frozen=True)
+class _Finding:
+    """A model, and all that was asked of the start that it was made for: zeros and steep slopes,
+    level by level.  Another start that gives the same answers has the same model."""
+
+    model: Model
+    zeros: tuple[frozenset[Any], ...]
+    asked: tuple[tuple[tuple[Any, tuple[Any, ...], bool], ...], ...]
+
+    def holds(self, zeros: tuple[frozenset[Any], ...], starts: Sequence[_Particular]) -> bool:
+        """Whether the model is that of a start with these zeros."""
+        return zeros == self.zeros and all(
+            start.is_steep(slope, others) == answer
+            for start, questions in zip(starts, self.asked, strict=True)
+            for slope, others, answer in questions
+        )
 
 
 def smallest_model(
@@ -83,9 +118,24 @@ def smallest_model(
     if key not in kept:
         if len(kept) >= MOST:
             kept.clear()
-        kept[key] = tuple(_levels(motions, wanted, integrals, thorough, followed))
-    levels = kept[key]
-    models = [_cut_down(motions, level, start) for level in levels]
+        kept[key] = tuple(_levels(motions, wanted, integrals, thorough, followed)), []
+    levels, findings = kept[key]
+    if start is None:
+        return _cheapest([_cut_down(motions, level, None) for level in levels])
+    starts = [_Particular(_at_start(level, start)) for level in levels]
+    pairs = [*zip(levels, starts, strict=True)]
+    zeros = tuple(s.zeros((*level.variables, *level.parameters)) for level, s in pairs)
+    for finding in findings:
+        if finding.holds(zeros, starts):
+            return finding.model
+    starts = [_Particular(s.values) for s in starts]
+    model = _cheapest([_cut_down(motions, *pair) for pair in zip(levels, starts, strict=True)])
+    del findings[MODELS - 1 :]
+    findings.insert(0, _Finding(model, zeros, tuple(tuple(s.asked) for s in starts)))
+    return model
+
+
+def _cheapest(models: Sequence[Model]) -> Model:
     best = min(models, key=lambda m: (m.candidates[0].weight, m.candidates[0].states))
     weighed = tuple(replace(m.candidates[0], chosen=m is best) for m in models)
     return replace(best, candidates=weighed)
@@ -115,17 +165,16 @@ def _with_momenta(level: Level) -> Iterator[Level]:
         yield momenta
 
 
-def _cut_down(motions: Motions, full: Level, start: Mapping[Any, float] | None) -> Model:
+def _cut_down(motions: Motions, full: Level, known: _Particular | None) -> Model:
     """One level cut down to what its outputs need."""
     roles: dict[Any, Role] = {}
 
     def note(x: Any, kind: str, why: str) -> None:
         roles[x] = Role(str(x), kind, why)
 
-    level, known = full, None
-    if start is not None:
-        known = _Particular(_at_start(full, start))
-        zero = {p: se.Integer(0) for p in full.parameters if known.values.get(p) == 0}
+    level = full
+    if known is not None:
+        zero = dict.fromkeys(known.zeros(full.parameters), se.Integer(0))
         level = without_parameters(level, zero)
     level = _closed(level, note, "no output depends on it")
     if known is not None:
@@ -150,8 +199,7 @@ def _cut_down(motions: Motions, full: Level, start: Mapping[Any, float] | None) 
 
 def _on_plane(level: Level, known: _Particular, note: Note) -> Level:
     """The level on the invariant plane of variables that are zero at the start and stay so."""
-    zeros = {x for x in level.variables if known.values.get(x) == 0}
-    plane = at_zero(level, zeros)
+    plane = at_zero(level, known.zeros(level.variables))
     for x in plane:
         note(x, "zero", "zero at the start, and then for ever: its rate vanishes there")
     left = [x for x in level.variables if x not in plane]
@@ -176,7 +224,7 @@ def _without_integrals(
 ) -> tuple[Level, dict[Any, Any]]:
     """The level without the variables that proved first integrals give, and the values of these
     integrals as they are at the start."""
-    level, given = by_integrals(level, lambda name: _is_integral(full, name), known.number)
+    level, given = by_integrals(level, lambda name: _is_integral(full, name), known.is_steep)
     for x, (name, _, _) in given.items():
         note(x, "integral", f"given by the first integral '{name}'")
     return level, {s: e.xreplace(dict(full.start)) for _, s, e in given.values()}

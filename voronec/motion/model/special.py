@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -24,14 +24,11 @@ __all__ = [
     "without_parameters",
 ]
 
-AMPLIFICATION = 100.0
-"""An integral gives a variable only where it enlarges errors of the others by less than this."""
-
 STEADY = {"sin", "cos", "exp", "sinh", "cosh", "tanh"}
 """Functions that are continuous wherever they are defined; a tangent's poles, for one, are not."""
 
-Value = Callable[[Any], float]
-"""The number of an expression at the start."""
+Steep = Callable[[Any, tuple[Any, ...]], bool]
+"""Whether a slope of an integral is steep enough beside the others, at the start."""
 
 
 def without_parameters(level: Level, zero: Mapping[Any, Any]) -> Level:
@@ -40,7 +37,7 @@ def without_parameters(level: Level, zero: Mapping[Any, Any]) -> Level:
     return _tidied(found) if _finite(found) else level
 
 
-def at_zero(level: Level, zeros: set[Any]) -> list[Any]:
+def at_zero(level: Level, zeros: Collection[Any]) -> list[Any]:
     """The largest set of variables, all zero at the start, that stay at zero for ever.
 
     On it every rate vanishes identically: an invariant subspace, proved.  What a sign or a floor
@@ -112,7 +109,7 @@ def level_of(integral: str) -> Any:
 
 
 def by_integrals(
-    level: Level, proved: Callable[[str], bool], value: Value
+    level: Level, proved: Callable[[str], bool], steep: Steep
 ) -> tuple[Level, dict[Any, tuple[str, Any, Any]]]:
     """Variables that first integrals give, instead of equations.
 
@@ -124,7 +121,7 @@ def by_integrals(
     for name, integral in level.integrals.items():
         if given.keys() & integral.free_symbols:
             continue
-        x = _solvable(level, integral, value)
+        x = _solvable(level, integral, steep)
         if x is None or not proved(name):
             continue
         slope = integral.diff(x)
@@ -138,7 +135,7 @@ def by_integrals(
     return level, given
 
 
-def _solvable(level: Level, integral: Any, value: Value) -> Any | None:
+def _solvable(level: Level, integral: Any, steep: Steep) -> Any | None:
     """The variable that an integral gives well, if there is one."""
     inside = integral.free_symbols
     if is_many_valued(integral):
@@ -152,9 +149,8 @@ def _solvable(level: Level, integral: Any, value: Value) -> Any | None:
         slope = _short(integral.diff(x))
         if slope.free_symbols & {*level.variables, level.time}:
             continue
-        others = [integral.diff(y) for y in level.variables if y != x and y in inside]
-        size = abs(value(slope))
-        if size > 0 and sum(abs(value(e)) for e in others) <= AMPLIFICATION * size:
+        others = (integral.diff(y) for y in level.variables if y != x and y in inside)
+        if steep(slope, tuple(others)):
             return x
     return None
 

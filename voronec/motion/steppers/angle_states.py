@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from typing import Any
 
 import symengine as se
@@ -12,11 +13,12 @@ from voronec.equations.program import Block
 __all__ = ["angles_among"]
 
 
-def angles_among(state: Sequence[Any], blocks: Sequence[Block]) -> list[int]:
+@lru_cache(maxsize=64)  # it is asked before every run
+def angles_among(state: tuple[Any, ...], blocks: tuple[Block, ...]) -> tuple[int, ...]:
     """Positions of the states that blocks hold under sines and cosines only."""
     held = set().union(*(b.symbols for b in blocks))
     turned = _angles(blocks, [s for s in state if s in held])
-    return [i for i, s in enumerate(state) if s in turned]
+    return tuple(i for i, s in enumerate(state) if s in turned)
 
 
 def _angles(blocks: Iterable[Block], among: Iterable[Any]) -> set[Any]:

@@ -1,8 +1,9 @@
 """Which integrator: the rule of ``method="auto"`` in one place.
 
 A tolerance finer than doubles asks for ``flint``.  Else heyoka is the fastest by far once it is
-compiled, which takes from a tenth of a second to seconds: what scipy integrates sooner than that,
-it does.  Where heyoka does not install, scipy does all the rest.  The rule counts operations and
+compiled, which takes some tenths of a second, and milliseconds where heyoka finds the code on disk.
+Heavy programs take it seconds: what scipy integrates sooner than that, it does.  Where heyoka does
+not install, scipy does all the rest.  The rule counts operations and
 measures no time, so that the same call always makes the same choice.  (A motion that is declared in
 closed form is evaluated, where the span is long: ``voronec.motion.integration``.)
 """
@@ -27,8 +28,10 @@ __all__ = ["CLOSED", "EXACT", "METHODS", "choose", "is_exact"]
 
 EXACT = 1e-16
 """Doubles have nothing to offer below this tolerance."""
-TINY = 500_000
-"""So many operations take Python as long as the quickest compilation: some 50 ms."""
+HEAVY = 200.0
+"""Above this weight heyoka compiles for more than a second where it has not seen a program yet."""
+TINY = 2_000_000
+"""So many operations take Python less time than to compile a heavy program."""
 STAGES = 12
 """Evaluations in a step of DOP853."""
 
@@ -85,7 +88,7 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
         return "scipy", "heyoka is not installed"
     if not problem.program.state:
         return "scipy", "nothing moves"
-    if problem.tol >= FINEST:
+    if problem.tol >= FINEST and problem.program.weight > HEAVY:
         steps = estimated_steps(problem, grid, TINY // (STAGES * (problem.program.operations + 1)))
         if steps is not None:
             return "scipy", f"about {steps} steps take less time than compiling for heyoka"

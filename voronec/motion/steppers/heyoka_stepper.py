@@ -8,7 +8,6 @@ out of it between steps and added to the results: the motion of the others is th
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -66,7 +65,7 @@ class Winding:
     def of(cls, problem: Problem) -> Winding:
         """The states of a problem that may be kept small."""
         program, levels = problem.program, problem.levels
-        blocks = [program.derivative, *([levels.extras] if levels is not None else [])]
+        blocks = (program.derivative, *([levels.extras] if levels is not None else []))
         held = set().union(*(b.symbols for b in blocks))
         angles = angles_among(program.state, blocks)
         return cls(
@@ -140,37 +139,75 @@ GRAIN = 1e-26
 by less than the square of that."""
 COMPACT = 60.0
 """Above this weight heyoka compiles in its compact mode: seconds sooner, then half as fast."""
+IDLE = 16
+"""So many integrators wait for another run; one of a large system takes some megabytes."""
+
+_idle: dict[Any, _Machine] = {}
+"""Integrators that nobody uses, by all that they are made of: a run takes one out, sets start and
+parameters, and brings it back.  To make one anew takes longer than most runs."""
+
+
+@dataclass(frozen=True)
+class _Machine:
+    """heyoka's integrator, the log in which its events write, and what is taken out of states."""
+
+    integrator: Any
+    log: Log
+    winding: Winding
+
+    @classmethod
+    def of(cls, problem: Problem, winding: Winding, hy: Any) -> _Machine:
+        """One for problems that differ in start and parameters."""
+        log = Log(0.0, 0.0, len(problem.start), walls=problem.walls)
+        return cls(_integrator(problem, log, winding, hy), log, winding)
+
+    def place(self, problem: Problem, grid: np.ndarray) -> None:
+        """Go to the start of a problem, whatever went before."""
+        ta, log = self.integrator, self.log
+        ta.time, ta.state[:] = float(grid[0]), problem.start / self.winding.units
+        values = hoisted(problem.program).values(list(map(float, problem.parameters)))
+        ta.pars[:] = values[: len(ta.pars)]
+        if ta.with_events:
+            ta.reset_cooldowns()
+        self.winding.reset()
+        log.rows, log.stopped, log.silent = {}, "", False
+        log.start, log.span = float(grid[0]), float(np.ptp(grid))
 
 
 def taylor(problem: Problem) -> Stepper:
     """The integrator, compiled; ``EngineLimit`` for a function that heyoka does not know."""
     import heyoka as hy
 
-    log = Log(0.0, 0.0, len(problem.start), walls=problem.walls)
     winding = Winding.of(problem)
-    integrator, constants = _integrator(problem, log, winding, hy)
+    events = tuple((e.name, e.direction, e.stop) for e in problem.events)
+    watched = events, problem.levels if events else None, problem.walls
+    key = problem.program, winding.units.tobytes(), problem.tol, watched
+
+    def machine_at_rest() -> _Machine:
+        found = _idle.pop(key, None)
+        return _Machine.of(problem, winding, hy) if found is None else found
+
+    own = [machine_at_rest()]
 
     def run(grid: np.ndarray) -> Run:
         # a stepper may run again, from what start and parameters of its problem are then
-        integrator.time, integrator.state[:] = float(grid[0]), problem.start / winding.units
-        integrator.pars[:] = constants()
-        if integrator.with_events:
-            integrator.reset_cooldowns()
-        winding.reset()
-        log.rows, log.stopped = {}, ""
-        log.start, log.span = float(grid[0]), float(np.ptp(grid))
+        machine = own.pop() if own else machine_at_rest()
+        machine.place(problem, grid)
         ticker = Ticker(problem.progress, float(grid[0]), float(grid[-1]))
-        return _Drive(hy, integrator, problem, log, winding, grid, ticker).run()
+        drive = _Drive(hy, machine.integrator, problem, machine.log, machine.winding, grid, ticker)
+        try:
+            return drive.run()
+        finally:
+            _idle[key] = machine
+            while len(_idle) > IDLE:
+                _idle.pop(next(iter(_idle)), None)
 
     return run
 
 
-def _integrator(
-    problem: Problem, log: Log, winding: Winding, hy: Any
-) -> tuple[Any, Callable[[], list[float]]]:
-    """heyoka's integrator, and what gives the constants in it."""
-    raised, levels = hoisted(problem.program), problem.levels
-    program = raised.program
+def _integrator(problem: Problem, log: Log, winding: Winding, hy: Any) -> Any:
+    """heyoka's integrator, to be given start and parameters."""
+    program, levels = hoisted(problem.program).program, problem.levels
     units = winding.units.tolist()
     functions = taylor_extras(levels, units) if levels is not None else {}
     moving = _moving(levels) if levels is not None else set()
@@ -189,19 +226,14 @@ def _integrator(
     # heyoka wants no more parameters than the expressions contain
     held = hy.get_params([e for _, e in system] + watched)
     count = max((int(str(p)[1:]) for p in held), default=-1) + 1
-
-    def constants() -> list[float]:
-        return raised.values(list(map(float, problem.parameters)))[:count]
-
-    integrator = hy.taylor_adaptive(
+    return hy.taylor_adaptive(
         system,
         (problem.start / winding.units).tolist(),
-        pars=constants(),
+        pars=[1.0] * count,
         tol=problem.tol,
         compact_mode=program.weight > COMPACT,
         **{kind: found for kind, found in kinds.items() if found},
     )
-    return integrator, constants
 
 
 def _moving(levels: Program) -> set[str]:

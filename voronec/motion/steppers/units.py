@@ -49,7 +49,9 @@ def units_of_many(program: Program, states: np.ndarray, values: np.ndarray) -> n
     found = _units_beside(program, states, values, [])
     if (found == 1).all():
         return found
-    return _units_beside(program, states, values, angles_among(program.state, [program.derivative]))
+    return _units_beside(
+        program, states, values, [*angles_among(program.state, (program.derivative,))]
+    )
 
 
 def _units_beside(
