@@ -21,7 +21,6 @@ from typing import Any
 
 import mpmath
 import numpy as np
-import scipy.linalg
 import symengine as se
 import sympy as sp
 
@@ -142,6 +141,8 @@ class Geometry:
     @property
     def best(self) -> tuple[int, ...]:
         """Positions of the velocities w that are the best frame."""
+        import scipy.linalg
+
         rows = self.admissible / self.lengths[:, None]
         _, _, order = scipy.linalg.qr(rows.T, mode="economic", pivoting=True)
         return tuple(sorted(int(a) for a in order[: len(self.frame)]))

@@ -1,52 +1,48 @@
-"""Which variables the rates of which others hold: a directed graph, and what a scene needs of it.
+"""Which variables the rates of which others hold: what a scene needs of a level.
 
-An edge x -> y says that the rate of y holds x.  On normal forms that is exact.  Velocities that the
-mass matrix couples are solved for together, so each stands for the whole block.
+On normal forms that is exact.  Velocities that the mass matrix couples are solved for together, so
+each stands for the whole block.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from voronec.motion.model.level import Level
 
-if TYPE_CHECKING:
-    import networkx as nx
-
 __all__ = ["blocks", "cyclic", "dependence", "holds", "needed_variables", "restricted"]
+
+Sources = Mapping[Any, tuple[Any, ...]]
+"""The variables that the rate of each variable holds."""
 
 
 def blocks(level: Level) -> list[list[int]]:
     """Positions of velocities that the mass matrix couples, block by block."""
-    import networkx as nx
+    mass, left = level.mass, [*range(len(level.velocities))]
+    coupled = {i: [j for j in left if mass[i][j] != 0 or mass[j][i] != 0] for i in left}
+    found = []
+    while left:
+        block = _closure(coupled, left[:1])
+        found.append(sorted(block))
+        left = [i for i in left if i not in block]
+    return found
 
-    n = len(level.velocities)
-    coupling = nx.Graph()
-    coupling.add_nodes_from(range(n))
-    coupling.add_edges_from(
-        (i, j) for i in range(n) for j in range(n) if i != j and level.mass[i][j] != 0
-    )
-    return [sorted(block) for block in nx.connected_components(coupling)]
 
-
-def dependence(level: Level) -> nx.DiGraph:
-    """The graph of a level's variables."""
-    import networkx as nx
-
-    graph = nx.DiGraph()
-    graph.add_nodes_from(level.variables)
-    for q, rate in zip(level.positions, level.rates, strict=True):
-        graph.add_edges_from((x, q) for x in holds(level, [rate]))
+def dependence(level: Level) -> Sources:
+    """What the rate of each variable of a level holds."""
+    found = {
+        q: tuple(holds(level, [rate])) for q, rate in zip(level.positions, level.rates, strict=True)
+    }
     for block in blocks(level):
         inside = [level.mass[i][j] for i in block for j in block]
         inside += [level.force[i] for i in block]
         own = [level.velocities[i] for i in block]
         shared = own if len(own) > 1 else []
-        sources = {*holds(level, inside), *shared}
-        graph.add_edges_from((x, v) for x in sources for v in own)
-    return graph
+        sources = tuple(dict.fromkeys([*holds(level, inside), *shared]))
+        found |= dict.fromkeys(own, sources)
+    return found
 
 
 def holds(level: Level, exprs: Iterable[Any]) -> list[Any]:
@@ -63,28 +59,30 @@ def holds(level: Level, exprs: Iterable[Any]) -> list[Any]:
     return [x for x in level.variables if x in seen]
 
 
-def needed_variables(level: Level, graph: nx.DiGraph) -> list[Any]:
+def needed_variables(level: Level, sources: Sources) -> list[Any]:
     """The smallest closed set of variables on which the outputs depend."""
-    import networkx as nx
-
     exprs = [*level.outputs.values()]
     for angle in level.angles.values():
         exprs += [angle.cosine, angle.sine]
-    roots = holds(level, exprs)
-    closed = set(roots).union(*(nx.ancestors(graph, x) for x in roots))
+    closed = _closure(sources, holds(level, exprs))
     return [x for x in level.variables if x in closed]
 
 
-def cyclic(graph: nx.DiGraph, kept: Sequence[Any]) -> set[Any]:
+def cyclic(sources: Sources, kept: Sequence[Any]) -> set[Any]:
     """The variables that take part in a cycle of dependence; the others are quadratures."""
-    import networkx as nx
+    inside = {x: tuple(y for y in sources[x] if y in kept) for x in kept}
+    return {x for x in kept if x in _closure(inside, inside[x])}
 
-    inside = graph.subgraph(kept)
+
+def _closure(sources: Mapping[Any, Sequence[Any]], roots: Iterable[Any]) -> set[Any]:
+    """The roots, and all on which they depend."""
     found: set[Any] = set()
-    for component in nx.strongly_connected_components(inside):
-        x = next(iter(component))
-        if len(component) > 1 or inside.has_edge(x, x):
-            found |= component
+    stack = [*roots]
+    while stack:
+        x = stack.pop()
+        if x not in found:
+            found.add(x)
+            stack += sources[x]
     return found
 
 

@@ -111,11 +111,16 @@ class Model:
 
     @property
     def graph(self) -> nx.DiGraph:
-        """Which rate holds which variable, on the full level; nodes carry their ``kind``."""
-        graph = dependence(self.full)
+        """A networkx graph with an edge x -> y where the rate of y holds x, on the full level;
+        nodes carry their ``kind``."""
+        import networkx as nx
+
+        graph = nx.DiGraph()
         kinds = {role.variable: role.kind for role in self.roles}
-        for node in graph:
-            graph.nodes[node]["kind"] = kinds.get(str(node), "dropped")
+        for x in self.full.variables:
+            graph.add_node(x, kind=kinds.get(str(x), "dropped"))
+        for y, sources in dependence(self.full).items():
+            graph.add_edges_from((x, y) for x in sources)
         return graph
 
     def as_dict(self) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from voronec.algebra.typeset import symbol_latex
 from voronec.closed.pictures.style import FAINT, INK, PALE, SOFT, STYLE
 from voronec.motion.model import Model
 from voronec.motion.model.dependence import dependence
+from voronec.motion.model.level import Level
 from voronec.motion.pictures.layered_layout import Layout, layered
 
 __all__ = ["Box", "boxes", "model_figure", "shown"]
@@ -59,10 +60,8 @@ def boxes(model: Model) -> tuple[dict[str, Box], set[tuple[str, str]]]:
 def _arrows(model: Model, kinds: Mapping[str, str]) -> set[tuple[str, str]]:
     """Which variable stands in the rate, or in the formula, of which other one."""
     kept = {str(x) for x in model.states}
-    inside = {(str(a), str(b)) for a, b in dependence(model.cut).edges}
-    found = set(inside)
-    for a, b in dependence(model.full).edges:
-        x, y = str(a), str(b)
+    found = _edges(model.cut)
+    for x, y in _edges(model.full):
         to_dropped = kinds.get(y) == "dropped" and kinds.get(x) != "zero"
         by_given = kinds.get(x) in ("constant", "integral") and y in kept
         if to_dropped or by_given:
@@ -71,6 +70,11 @@ def _arrows(model: Model, kinds: Mapping[str, str]) -> set[tuple[str, str]]:
         if kinds.get(str(name)) == "integral":
             found |= {(str(s), str(name)) for s in formula.free_symbols if str(s) in kinds}
     return {(a, b) for a, b in found if a != b}
+
+
+def _edges(level: Level) -> set[tuple[str, str]]:
+    """Names of variables x and y where the rate of y holds x."""
+    return {(str(x), str(y)) for y, sources in dependence(level).items() for x in sources}
 
 
 def _cycles(kinds: Mapping[str, str], arrows: Iterable[tuple[str, str]]) -> dict[str, str]:
