@@ -33,6 +33,7 @@ from .surfaces import (
     told,
     typeset,
     u1,
+    unknown_contact,
     v1,
     vector,
     velocities,
@@ -58,13 +59,13 @@ class Body:
     """The rolling body and its equations of motion, derived."""
 
     surfaces: Surfaces
+    energy: sp.Expr
     eqs: Any
 
     @classmethod
     def derived(cls) -> Body:
-        """Derive them in the five coordinates."""
-        surfaces = Surfaces.arbitrary()
-        contact = surfaces.contact
+        """Derive them in the five coordinates; the energy is T in the five velocities."""
+        contact = unknown_contact()
         energy = kinetic_energy(MASS, contact.centre_velocity, tensor(), contact.spin)
         system = vo.System(
             name="rolling-body",
@@ -73,12 +74,8 @@ class Body:
             constraints=contact.no_slip,
             parameters=(MASS,),
         )
-        return cls(surfaces, vo.derive(system))
-
-    @property
-    def energy(self) -> sp.Expr:
-        """T in the five velocities."""
-        return self.eqs.system.lagrangian - U
+        eqs = vo.derive(system)
+        return cls(Surfaces.of(contact, eqs), energy, eqs)
 
     @cached_property
     def constrained_energy(self) -> sp.Expr:

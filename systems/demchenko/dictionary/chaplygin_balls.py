@@ -267,6 +267,7 @@ class Ball:
             context=self,
             note="where (gamma, gamma) = 1" + self._epsilon_said,
             source="the equations derived for the system 'ball', in omega and the normal",
+            system=self.reduced.system,
         )
 
     @property

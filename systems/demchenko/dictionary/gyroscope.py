@@ -35,6 +35,7 @@ from .surfaces import (
     SLIP,
     Surfaces,
     told,
+    unknown_contact,
     vector,
 )
 
@@ -101,10 +102,9 @@ class WithGyroscope:
     @classmethod
     def derived(cls) -> WithGyroscope:
         """Derive the equations; the gyroscope's angle chi is a coordinate of the base."""
-        surfaces = Surfaces.arbitrary()
-        contact = surfaces.contact
+        contact = unknown_contact()
         axis = vector(sp.Function(x)(*COORDINATES[:2]) for x in ("alpha''", "beta''", "gamma''"))
-        axial = axis.dot(surfaces.spin) + vo.velocity(chi)
+        axial = axis.dot(vector(contact.spin)) + vo.velocity(chi)
         body = kinetic_energy(MASS, contact.centre_velocity, tensor(), contact.spin)
         system = vo.System(
             name="body-with-gyroscope",
@@ -113,7 +113,8 @@ class WithGyroscope:
             constraints=contact.no_slip,
             parameters=(MASS, AXIAL),
         )
-        return cls(surfaces, vo.derive(system), axis)
+        eqs = vo.derive(system)
+        return cls(Surfaces.of(contact, eqs), eqs, axis)
 
     @cached_property
     def spin(self) -> sp.Matrix:

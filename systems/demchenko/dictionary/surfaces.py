@@ -15,7 +15,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 import voronec as vo
-from voronec.audit import Motion
+from voronec.audit import Motion, shorten
 from voronec.kinematics import RollingContact, SurfaceForms
 
 from .verdicts import worst
@@ -66,6 +66,12 @@ def typeset(expr: sp.Expr, spelling: Mapping[Any, str]) -> str:
     return text.replace("- ", "-", 1) if text.startswith("- ") else text
 
 
+def unknown_contact() -> RollingContact:
+    """Two surfaces of which the forms are unknown functions."""
+    body, fixed = SurfaceForms.unknown(u, v), SurfaceForms.unknown(u1, v1, "_1")
+    return RollingContact(body, fixed, theta)
+
+
 @dataclass(frozen=True)
 class Surfaces:
     """A body on a surface; ``rates`` are the derivatives of the coordinates on the constraints."""
@@ -76,15 +82,21 @@ class Surfaces:
     @classmethod
     def arbitrary(cls) -> Surfaces:
         """Both surfaces unknown; the constraints are solved by the engine."""
-        body, fixed = SurfaceForms.unknown(u, v), SurfaceForms.unknown(u1, v1, "_1")
-        contact = RollingContact(body, fixed, theta)
+        contact = unknown_contact()
         system = vo.System(
             name="contact",
             fibration=vo.Fibration(base=BASE, fibre=FIBRE),
             lagrangian=sum(w**2 for w in velocities(BASE)),
             constraints=contact.no_slip,
         )
-        return cls(contact, tuple(vo.derive(system).rates))
+        return cls.of(contact, vo.derive(system))
+
+    @classmethod
+    def of(cls, contact: RollingContact, eqs: Any) -> Surfaces:
+        """The rates are those of derived equations, whose constraints are those of the contact."""
+        found = shorten([eqs.door.outward(rate) for rate in eqs.raw.rates])
+        rates = dict(zip(eqs.coordinates, found, strict=True))
+        return cls(contact, tuple(sp.expand(rates[q]) for q in COORDINATES))
 
     @cached_property
     def motion(self) -> Motion:

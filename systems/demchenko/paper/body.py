@@ -8,7 +8,7 @@ from typing import Any
 from voronec.audit import Check, Convention, Display, Section, Study, Transcript
 
 from ..dictionary.surfaces import MASS
-from ..sentences.body import SENTENCES
+from ..sentences.body import KINETIC, SENTENCES
 
 
 def studies(_: Transcript) -> dict[str, Study]:
@@ -62,7 +62,7 @@ BODY = Section(
     inline=(
         Display(
             r"$T={T}(u,  v, \vartheta, u_1, v_1, \dot u, \dot v, \dot \vartheta, \dot u_1, \dot v_1)$",
-            (DEFINITION,),
+            (Check("definition", source=KINETIC),),
         ),
         Display(r"$\mathfrak m_\mathbf u=0,\mathfrak w_\mathbf v=0,\mathfrak m_\mathbf n=0$"),
     ),

@@ -12,7 +12,8 @@ from ..sentences.gyroscope import SENTENCES
 ROTOR = Check(study="rotor")
 DEFINED = Check("definition", study="rotor")
 MOMENTS = Check(study="gyrostat", also=("particles",))
-COSINES = Check(study="turning", also=("motion",))
+TURNED = "the kinematics R^T dR/dt of any rotation, and the forms of any surface"
+COSINES = Check(study="turning", also=("motion",), source=TURNED)
 
 
 def studies(_: Transcript) -> dict[str, Study]:

@@ -7,17 +7,21 @@ from typing import Any
 
 from voronec.audit import Check, Display, Section, Study, Transcript
 
-from ..sentences.voronec_principle import SENTENCES
+from ..sentences.voronec_principle import CURVATURE, SENTENCES
 
 DEFINITION = Check("definition")
+ENERGY = "the kinetic energy of any system, with unknown functions for coefficients"
+PRINCIPLE = "d'Alembert's principle, for any constraints affine in the velocities"
+RULE = "how variations of independent coordinates change, for any system"
 
 
-def dalembert(stationary: bool = False) -> Check:
+def dalembert(stationary: bool = False, source: str = "") -> Check:
     """Compare with d'Alembert's principle."""
     return Check(
         truth=lambda study, where: study.context.dalembert(where),
         derived=lambda study, where: study.context.structure(),
         stationary=stationary,
+        source=source,
     )
 
 
@@ -41,10 +45,10 @@ VORONEC_PRINCIPLE = Section(
     label="VorPr",
     studies=studies,
     inline=(
-        Display(r"$T=T(t,q_s,\dot q_s)$", (DEFINITION,)),
+        Display(r"$T=T(t,q_s,\dot q_s)$", (Check("definition", source=ENERGY),)),
         Display(
             r"$\frac{d}{dt}\delta q_{n+\nu}-\delta\dot q_{n+\nu}$",
-            (Check(value=transposition),),
+            (Check(value=transposition, source=CURVATURE),),
         ),
     ),
     sentences=SENTENCES,
@@ -81,7 +85,7 @@ VORONEC_PRINCIPLE = Section(
             r"""\begin{equation}\label{v5}
 \int_{t_1}^{t_2}\Big[\delta\Theta+\sum_{i=1}^{n+k} Q_i \delta q_i+\sum_{\nu=1}^k K_\nu\big(\frac{d}{dt}\delta q_{n+\nu}-\delta\dot q_{n+\nu}\big)  \Big]\cdot dt=0,
 \end{equation}""",
-            (dalembert(stationary=True),),
+            (dalembert(stationary=True, source=PRINCIPLE),),
         ),
         Display(
             r"""\begin{equation}\label{v6}
@@ -93,7 +97,7 @@ VORONEC_PRINCIPLE = Section(
             r"""\[
 \frac{d}{dt}\delta q_{i}-\delta\dot q_{i}=0 \qquad (i=1,2,\dots,n).
 \]""",
-            (DEFINITION,),
+            (Check("definition", source=RULE),),
         ),
     ),
 )

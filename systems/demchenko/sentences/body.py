@@ -13,6 +13,8 @@ from ..dictionary.surfaces import COORDINATES, FIBRE, QUASI, theta, typeset, vec
 from .claims import agreed, all_of, denied, equals, imposed, relative_curvature, residuals, value
 
 LETTERS = ("s", r"\tau", "n")
+KINETIC = "the kinetic energy of a body, from its mass, its inertia and the contact"
+REFERRED = "the formula to which it refers"
 
 
 def dependent(
@@ -134,10 +136,12 @@ def in_principle(study: Study, _: Range, *, principle: Reference) -> vo.Verdict:
 
 
 def force_function(study: Study, _: Range, *, sign: str) -> vo.Verdict:
-    """L = T + U, and L is T less the potential energy."""
-    potential = study.context.energy - study.context.eqs.system.lagrangian
+    """The whole energy, sum qdot dL/dqdot - L, is T and the potential energy."""
+    lagrangian = study.context.eqs.system.lagrangian
+    dots = velocities(COORDINATES)
+    whole = sp.Add(*[w * sp.diff(lagrangian, w) for w in dots], -lagrangian)
     factor = one_of(sign, {"negative": -1, "positive": 1})
-    return equals([(U, factor * potential)], "U and the potential energy T - L")
+    return equals([(U, factor * (whole - study.context.energy))], "U and the whole energy less T")
 
 
 def independent(
@@ -199,6 +203,7 @@ SENTENCES = (
         r"angular velocities @letters:names{$s, \tau, n$} taking into account the constraints",
         of_angular,
         "quasi",
+        source=KINETIC,
     ),
     Sentence(
         r"after imposing the constraints @constraints:reference{\eqref{eq:nosliding2}}.",
@@ -220,10 +225,12 @@ SENTENCES = (
         r"the coefficients in @principle:reference{\eqref{v5}} of terms that contain "
         "@momenta:names{$K_1$ and $K_2$} have the form",
         terms_with,
+        source=REFERRED,
     ),
     Sentence(
         r"the Voronec principle @principle:reference{\eqref{v5}} can be written in the form",
         in_principle,
+        source=REFERRED,
     ),
     Sentence(
         r"Here $U(u,v,\vartheta, u_1,v_1)$ is a \emph{force function} (@sign:word{negative} "

@@ -199,6 +199,7 @@ SENTENCES = (
         "are the derivatives of $U$ along the vector fields that define quasi-velocities "
         r"@letters:names{$s,\tau,n$}.",
         along_fields,
+        source="the brackets derived for the system 'contact-in-frame', and those of rotations",
     ),
     Sentence(
         "The problem reduces to the integration of @count:number{eight} differential equations on "

@@ -14,6 +14,8 @@ from voronec.audit.transcript import assignments
 from ..dictionary.general import BASE, DELTA, FIBRE, Q, V
 from .claims import agreed, all_of, denied, equals, value
 
+CURVATURE = "the curvature of any constraints that are affine in the velocities"
+
 
 def restricted(study: Study, _: Range, *, constraints: Reference) -> vo.Verdict:
     """Theta is T with the velocities of the fibre as the formula has them."""
@@ -153,6 +155,7 @@ SENTENCES = (
         r"where the components $A_{ij}^{(\nu)}$ and $A_i^{(\nu)}$ are functions of the time "
         r"@time:names{$t$} and the coordinates @coordinates:names{$q_1,\dots,q_{n+k}$} given by",
         depends_on,
+        source=CURVATURE,
     ),
     Sentence(
         r"where virtual displacements @free:names{$\delta q_1,\dots,\delta q_{n}$} are "
@@ -161,6 +164,7 @@ SENTENCES = (
         r"@bound:names{$\delta q_{n+1},\dots,\delta q_{n+k}$} are determined from the homogeneous "
         "constraints",
         displacements,
+        source="integration by parts, for any system",
     ),
     Sentence(
         r"Here $\frac{d}{dt}\delta q_{n+\nu}-\delta\dot q_{n+\nu}$ are calculated according to the "

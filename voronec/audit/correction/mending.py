@@ -14,11 +14,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
+from functools import cached_property
 from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
 
+from voronec.audit.correction.balance import Units
 from voronec.audit.correction.changes import Change, Piece, Spare, applied
 from voronec.audit.correction.edits import single_changes
 from voronec.audit.correction.goals import Where, along, holds, slots_of
@@ -361,6 +363,11 @@ class _Case:
     empty: bool = False
     legible: bool = False
 
+    @cached_property
+    def units(self) -> Units | None:
+        """The units of the letters, as far as a system tells."""
+        return Units.of(self.study)
+
     def prove(self, change: Change) -> Correction | None:
         """The correction that a change makes, if the changed formula is proved."""
         latex, marks = applied(self.printed, change.pieces)
@@ -381,6 +388,8 @@ class _Case:
                 return None
             if any(_is_zero(term, self.study) for term in _terms(chain) - self.terms):
                 return None  # a term of it is struck, in effect
+            if self.units is not None and self.units.unbalanced(chain, self.study):
+                return None  # what it adds vanishes apart
         except SENSELESS:
             return None  # the changed formula has no meaning
         return finding.verdict.method

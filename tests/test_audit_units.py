@@ -1,0 +1,118 @@
+"""Units of letters follow from a Lagrangian; what adds different ones is no correction."""
+
+from __future__ import annotations
+
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec.audit import Check, Display, Motion, Section, Study, Transcript
+from voronec.audit.correction import correct
+from voronec.audit.correction.balance import Units
+from voronec.audit.correction.changes import Spare
+from voronec.audit.latex.reader import read
+
+x, phi, y = sp.symbols("x phi y")
+m, J, a, c, g = sp.symbols("m J a c g", positive=True)
+f = sp.Function("f")
+
+
+def system(lagrangian: sp.Expr, **options: object) -> vo.System:
+    return vo.System(
+        name="body on a line",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+        lagrangian=lagrangian,
+        constraints=(vo.velocity(y) - a * sp.cos(phi) * vo.velocity(phi),),
+        parameters=(m, J, a, c, g),
+        **options,
+    )
+
+
+def energy() -> sp.Expr:
+    dots = [vo.velocity(q) for q in (x, phi, y)]
+    return m * (dots[0] ** 2 + dots[2] ** 2) / 2 + J * dots[1] ** 2 / 2 - m * g * x + c * f(x)
+
+
+NAMES = {
+    "m": m,
+    "J": J,
+    "a": a,
+    "c": c,
+    "g": g,
+    "x": x,
+    "t": vo.time,
+    r"\varphi": phi,
+    "v": vo.velocity(x),
+    "w": vo.velocity(phi),
+    "U": f(x),
+    "z": sp.Symbol("z"),
+}
+STUDY = Study(NAMES, motion=Motion({x: vo.velocity(x)}), system=system(energy()))
+
+
+@pytest.mark.parametrize(
+    "latex",
+    [
+        "J+ma^2",
+        r"\frac{ma}{J}+\frac{1}{a}",
+        r"mv^2-2mgx+Jw^2\sin\varphi",
+        r"c\frac{\partial U}{\partial x}=mg",
+        r"\dot x=aw",
+        r"\sqrt{J+ma^2}=a\sqrt{m}",
+        "J+ma^2+0",
+        "ax+z",  # of z nothing is known
+        "z=m",
+    ],
+)
+def test_balanced_or_silent(latex):
+    assert not unbalanced(latex)
+
+
+@pytest.mark.parametrize(
+    "latex",
+    [
+        "J+ma",
+        "J+1",
+        r"mv+\frac{ma}{J}",
+        r"\sin v",
+        r"c\frac{\partial U}{\partial x}=c",
+        "mv^2=const+mgx+w",
+        "z(J+ma)",
+        "J>m",
+    ],
+)
+def test_unbalanced(latex):
+    assert unbalanced(latex)
+
+
+def unbalanced(latex: str) -> bool:
+    return Units.of(STUDY).unbalanced(read(latex, STUDY.vocabulary), STUDY)
+
+
+def test_units_of_what_a_dictionary_adds():
+    study = Study(NAMES, system=system(energy()), units={sp.Symbol("z"): m * a})
+    units = Units.of(study)
+    assert units.unbalanced(read("z+m", study.vocabulary), study)
+    assert not units.unbalanced(read("z+ma", study.vocabulary), study)
+
+
+def test_without_a_system_nothing_is_known():
+    assert Units.of(Study(NAMES)) is None
+    odd = system(energy() + sp.Abs(x) * m)
+    assert Units.of(Study(NAMES, system=odd)) is None
+
+
+def test_a_sum_of_two_integrals_is_no_correction():
+    """Energy and momentum of a free particle are constant, and so is their sum, which is nothing."""
+    energy = m * vo.velocity(x) ** 2 / 2
+    free = vo.System("particle", vo.Fibration((x,), ()), energy, parameters=(m,))
+    eqs = vo.derive(free)
+    names = {"T": eqs.theta, "m": m, "x": x, "v": vo.velocity(x), "t": vo.time}
+    study = Study(names, motion=Motion.of(eqs).solved(eqs), context=eqs)
+    section = Section("s", (Display("$T+mx=const$"),), lambda _: {"only": study})
+    (formula,) = Transcript(section).formulas()
+    spare = Spare.of(Transcript(section), study)
+    found = correct(formula, Check(), study, spare)
+    assert found is None or "T" not in found.latex or "v" not in found.latex
+    loose = Study(names, motion=study.motion)  # of which no system is known
+    assert correct(formula, Check(), loose, spare) is not None
