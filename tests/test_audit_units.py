@@ -103,7 +103,7 @@ def test_without_a_system_nothing_is_known():
 
 
 def test_a_sum_of_two_integrals_is_no_correction():
-    """Energy and momentum of a free particle are constant, and so is their sum, which is nothing."""
+    """Energy and momentum of a free particle are constant, and so is their sum."""
     energy = m * vo.velocity(x) ** 2 / 2
     free = vo.System("particle", vo.Fibration((x,), ()), energy, parameters=(m,))
     eqs = vo.derive(free)

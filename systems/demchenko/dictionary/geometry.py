@@ -25,9 +25,10 @@ from .verdicts import all_equal
 FREE = sp.symbols(f"eta1:{TOTAL + 1}")
 LABELLED = frozenset({"B", r"\omega", "X", "Y", "q"})
 SOURCE = (
-    "d'Alembert's principle, and the connection and curvature of arbitrary constraints, those of "
-    "the system 'general-homogeneous'"
+    "d'Alembert's principle, and the energy on the constraints of the system 'general-homogeneous'"
 )
+LINEAR = "the connection of arbitrary constraints: linear algebra, and brackets of vector fields"
+CURVED = f"{LINEAR}; the curvature derived for the system 'general-homogeneous'"
 NOTE = f"n = {BASE}, k = {FIBRE}, every coefficient an arbitrary function of the coordinates"
 
 
@@ -73,9 +74,8 @@ class Geometry:
             constraints=CONSTRAINTS,
         )
         eqs = vo.derive(system)
-        lift = sp.Matrix([[sp.diff(rate, v) for v in V[:BASE]] for rate in eqs.rates])
         motion = Motion.of(eqs, {d: vo.velocity(d) for d in DELTA})
-        return cls(eqs, motion, Connection(Q, lift))
+        return cls(eqs, motion, Connection(Q, lift_of_constraints()))
 
     # -- the connection --------------------------------------------------------------------
 
@@ -102,7 +102,7 @@ class Geometry:
         motion = Motion(dict(zip(Q, V, strict=True)))
         variations = dict(zip(Q, FREE, strict=True))
         return Study(
-            names, INDICES, motion, variations, LABELLED, context=self, note=NOTE, source=SOURCE
+            names, INDICES, motion, variations, LABELLED, context=self, note=NOTE, source=LINEAR
         )
 
     def places(self) -> dict[str, Any]:
@@ -154,9 +154,7 @@ class Geometry:
     @cached_property
     def displacement(self) -> sp.Matrix:
         """A virtual displacement: the constraints, which are homogeneous, solved for it."""
-        base, rows = sp.Matrix(DELTA), constraint_rows()
-        fibre = -rows[:, BASE:].LUsolve(rows[:, :BASE] * base)
-        return sp.Matrix.vstack(base, fibre)
+        return lift_of_constraints() * sp.Matrix(DELTA)
 
     def variational(self) -> sp.Expr:
         """sum_s (dL_c/dq_s - d/dt dL_c/dqdot_s) delta q_s."""
@@ -281,6 +279,12 @@ def base_point(place: Any) -> sp.Matrix:
 def constraint_rows() -> sp.Matrix:
     """The constraints as one-forms, one in each row."""
     return sp.Matrix(CONSTRAINTS).jacobian(V)
+
+
+def lift_of_constraints() -> sp.Matrix:
+    """The constraints solved for the velocities of the fibre, by linear algebra alone."""
+    rows = constraint_rows()
+    return sp.Matrix.vstack(sp.eye(BASE), -rows[:, BASE:].LUsolve(rows[:, :BASE]))
 
 
 def kernel(rates: sp.Matrix) -> sp.Matrix:

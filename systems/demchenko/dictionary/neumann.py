@@ -163,7 +163,7 @@ class Space:
     def studies(self) -> dict[str, Study]:
         """``free``: nothing is constrained; ``rolling``: without slipping."""
 
-        def study(motion: Motion) -> Study:
+        def study(motion: Motion, more: str = "") -> Study:
             return Study(
                 self.names,
                 motion=motion,
@@ -174,10 +174,11 @@ class Space:
                 note=NOTE,
                 letters=STRANGE,
                 source="positions and rotations, R^T dR/dt for the angular velocities, and the "
-                "forms of the surfaces",
+                f"forms of the surfaces{more}",
             )
 
-        return {"free": study(self.free), "rolling": study(self.surfaces.motion)}
+        solved = "; the constraints as solved for the system 'contact'"
+        return {"free": study(self.free), "rolling": study(self.surfaces.motion, solved)}
 
     def idle(self) -> vo.Verdict:
         """Whether the multipliers of the constraints are a force at the body's point M.

@@ -104,7 +104,7 @@ class Chaplygin:
         }
         note = f"groups of two dimensions, n = {BASE}, every coefficient an arbitrary function"
         note += "; quoted for groups of more dimensions"
-        source = "the equations derived for a system with a group of symmetries, and the curvature"
+        source = "the equations and the curvature derived for the system 'chaplygin'"
         return Study(
             names,
             {"i": BASE},

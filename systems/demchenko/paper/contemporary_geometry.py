@@ -6,6 +6,9 @@ from typing import Any
 
 from voronec.audit import Check, Convention, Display, Study
 
+from ..dictionary.geometry import CURVED
+
+ANY_ENERGY = "Lagrange's derivatives of any kinetic and potential energy"
 SPACE = Check(study="space")
 DEFINITION = Check("definition", study="space")
 
@@ -111,7 +114,7 @@ B(X,Y)=-A([X^h,Y^h])
 \delta L_c=\sum_{s=1}^{n+k}\big(\frac{\partial L_c}{\partial q_s}-\frac{d}{dt}\frac{\partial L_c}{\partial \dot q_s}\big)\delta q_s,
 \quad \mathbb FL( B(\dot q,\delta q))=\sum_{\nu=1}^k \frac{\partial L}{\partial \dot q_{n+\nu}}B^\nu(\dot q,\delta q),
 \end{equation*}""",
-        (Check("definition"), Check("definition", study="fibre")),
+        (Check("definition", source=ANY_ENERGY), Check("definition", study="fibre")),
     ),
     Display(
         r"""\begin{equation}
@@ -134,12 +137,15 @@ B(X,Y)=-A([X^h,Y^h])
 
 INLINE = (
     Display(r"$A(X_q)=X_q$", (SPACE,)),
-    Display(r"$B_{ij}^\nu=-A^{(\nu)}_{ij}$", (SPACE,)),
+    Display(r"$B_{ij}^\nu=-A^{(\nu)}_{ij}$", (Check(study="space", source=CURVED),)),
     Display(
         r"$Q_s=-{\partial V}/{\partial q_s}$",
-        (Check("definition"),),
+        (Check("definition", source=ANY_ENERGY),),
     ),
-    Display(r"$L(q,\dot q)=T(q,\dot q)-V(q)$", (Check("definition", study="applied"),)),
+    Display(
+        r"$L(q,\dot q)=T(q,\dot q)-V(q)$",
+        (Check("definition", study="applied", source=ANY_ENERGY),),
+    ),
     Display(r"$L_c=L(q,\dot q^h)=\Theta-V$", (Check(study="applied"),)),
-    Display(r"$L=T-V$", (Check("definition"),)),
+    Display(r"$L=T-V$", (Check("definition", source=ANY_ENERGY),)),
 )

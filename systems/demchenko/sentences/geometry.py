@@ -193,6 +193,7 @@ SENTENCES = (
         r"\mathbb R$",
         moving,
         "space",
+        source="brackets of vector fields, and the curvature derived for the system 'moving'",
     ),
     Sentence(
         r"Then $A$ is a @sort:word{principal} connection and",
