@@ -23,83 +23,42 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Frame, Limit, Parameter, Relation, System, kinematics
+from voronec import Limit, Relation, kinematics
 
 m, inertia, kappa = sp.Symbol("m"), sp.symbols("I1:4"), sp.symbols("kappa1:4")
-carried = kinematics.CarriedContact.unknown(m, inertia)
-contact, omega = carried.contact, carried.omega
+body = kinematics.CarriedContact.unknown(m, inertia)
 
-SYSTEM = System(
+SYSTEM = body.system(
     name="gyroscopic-rolling-body",
     title="Rolling body with a gyroscope",
     description="Any body with a gyroscope rolls without slipping on any surface.",
-    fibration=Fibration(base=carried.base, fibre=tuple(carried.rates)),
-    frame=Frame.quasi(carried.spin),
-    lagrangian=carried.kinetic + omega.dot(sp.Matrix(kappa)),
-    constraints=carried.constraints,
-    parameters=(
-        Parameter(m, 1, positive=True, meaning="mass"),
-        *(
-            Parameter(i, sp.Rational(tenths, 10), positive=True, meaning="principal moment")
-            for i, tenths in zip(inertia, (4, 3, 5), strict=True)
-        ),
-        *(
-            Parameter(k, sp.Rational(tenths, 10), meaning="momentum of the gyroscope")
-            for k, tenths in zip(kappa, (3, -2, 20), strict=True)
-        ),
-    ),
-    equations={"momentum": Equation(tuple(carried.momentum), tuple(carried.momentum_rate(kappa)))},
-    integrals={"energy": carried.momentum.dot(omega) / 2},
-    essential=(*(q for axis in carried.vectors[1:] for q in axis), *contact.coordinates, *omega),
+    rotor=kappa,
+    values={m: 1, inertia: ("0.4", "0.3", "0.5"), kappa: ("0.3", "-0.2", "2")},
     references=("Neumann1899", "Voronec1911", "Voronec1912", "DragovicGajicJovanovic2020"),
 )
 
 # A torus on an ellipsoid of revolution: what is known there, by the names there.
-R, r, a, c, A, C, k, h = sp.symbols("R r a c A C k h")
-u, v, u1, v1, theta = contact.coordinates
-w, quasi = sp.Symbol("w"), sp.Matrix(sp.symbols("s tau n"))
+R, r, a, c, A, C, w, k, h = sp.symbols("R r a c A C w k h")
+u, v, u1, v1, theta = body.contact.coordinates
 torus = kinematics.Surface.torus(R, r, u, v)
-reach = R + r * sp.sin(u)
-forms = {
-    "L_u": r,
-    "L_v": reach,
-    "k_u": 1 / r,
-    "k_v": sp.sin(u) / reach,
-    "b_u": 0,
-    "b_v": sp.cos(u),
-    "L_u1": c**2 / (a * w**3),
-    "L_v1": a * sp.sin(u1) / w,
-    "k_u1": a * w**3 / c**2,
-    "k_v1": w / a,
-    "b_u1": 0,
-    "b_v1": sp.cos(u1),
-}
+ellipsoid = kinematics.SurfaceForms.revolution(u1, v1, (c**2 / (a * w**3), a / w))
+special = kinematics.BodyOfRevolution(
+    kinematics.RollingContact(torus, ellipsoid, theta), m, A, C, k
+)
+state, functions = special.as_any_body
+moments = {"I1": A, "I2": A, "I3": C, "kappa1": 0, "kappa2": 0, "kappa3": k}
 RELATIONS = (
     Relation(
         "gyroscopic-torus-on-ellipsoid",
         "gyroscopic-rolling-body",
-        state={
-            **{q: q for q in (*carried.base, *carried.vectors[0], *contact.coordinates)},
-            **dict(zip(carried.vectors[1], torus.position, strict=True)),
-            **dict(zip(carried.vectors[2], torus.frame[:, 0], strict=True)),
-            **dict(zip(carried.vectors[3], torus.frame[:, 1], strict=True)),
-            **dict(zip(omega, torus.frame * quasi, strict=True)),
-        },
-        parameters={
-            m: m,
-            **dict(zip(inertia, (A, A, C), strict=True)),
-            **dict(zip(kappa, (sp.Integer(0), sp.Integer(0), k), strict=True)),
-            **forms,
-        },
+        state=state,
+        parameters={m: m, **moments, **functions},
         note="the surfaces are given",
     ),
-    Relation(
-        "gyroscopic-rolling-body",
+    Relation.of(
+        SYSTEM,
         "rolling-body",
-        parameters={
-            **{q: q for q in (m, *inertia)},
-            **{f: sp.Function(f)(*((u1, v1) if f.endswith("1") else (u, v))) for f in forms},
-        },
+        {f: sp.Function(f)(*((u1, v1) if f.endswith("1") else (u, v))) for f in functions},
         limit=Limit(h, {k: h * k for k in kappa}),
         note="the gyroscope stops",
     ),

@@ -26,69 +26,32 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Frame, Parameter, Relation, System, kinematics
+from voronec import Relation, kinematics
 
 m, inertia = sp.Symbol("m"), sp.symbols("I1:4")
-carried = kinematics.CarriedContact.unknown(m, inertia)
-contact, omega = carried.contact, carried.omega
+body = kinematics.CarriedContact.unknown(m, inertia)
 
-SYSTEM = System(
+SYSTEM = body.system(
     name="rolling-body",
     title="Rolling body",
     description="Any body rolls without slipping on any surface.",
-    fibration=Fibration(base=carried.base, fibre=tuple(carried.rates)),
-    frame=Frame.quasi(carried.spin),
-    lagrangian=carried.kinetic,
-    constraints=carried.constraints,
-    parameters=(
-        Parameter(m, 1, positive=True, meaning="mass"),
-        *(
-            Parameter(i, sp.Rational(tenths, 10), positive=True, meaning="principal moment")
-            for i, tenths in zip(inertia, (4, 3, 5), strict=True)
-        ),
-    ),
-    equations={"momentum": Equation(tuple(carried.momentum), tuple(carried.momentum_rate()))},
-    integrals={"energy": carried.momentum.dot(omega) / 2},
-    essential=(*(q for axis in carried.vectors[1:] for q in axis), *contact.coordinates, *omega),
+    values={m: 1, inertia: ("0.4", "0.3", "0.5")},
     references=("Neumann1899", "Voronec1911", "Voronec1912", "DragovicGajicJovanovic2020"),
 )
 
 # A torus on an ellipsoid of revolution: what is known there, by the names there.
-R, r, a, c, A, C = sp.symbols("R r a c A C")
-u, v, u1, v1, theta = contact.coordinates
-w, quasi = sp.Symbol("w"), sp.Matrix(sp.symbols("s tau n"))
+R, r, a, c, A, C, w = sp.symbols("R r a c A C w")
+u, v, u1, v1, theta = body.contact.coordinates
 torus = kinematics.Surface.torus(R, r, u, v)
-reach = R + r * sp.sin(u)
-forms = {
-    "L_u": r,
-    "L_v": reach,
-    "k_u": 1 / r,
-    "k_v": sp.sin(u) / reach,
-    "b_u": 0,
-    "b_v": sp.cos(u),
-    "L_u1": c**2 / (a * w**3),
-    "L_v1": a * sp.sin(u1) / w,
-    "k_u1": a * w**3 / c**2,
-    "k_v1": w / a,
-    "b_u1": 0,
-    "b_v1": sp.cos(u1),
-}
+ellipsoid = kinematics.SurfaceForms.revolution(u1, v1, (c**2 / (a * w**3), a / w))
+special = kinematics.BodyOfRevolution(kinematics.RollingContact(torus, ellipsoid, theta), m, A, C)
+state, functions = special.as_any_body
 RELATIONS = (
     Relation(
         "torus-on-ellipsoid",
         "rolling-body",
-        state={
-            **{q: q for q in (*carried.base, *carried.vectors[0], *contact.coordinates)},
-            **dict(zip(carried.vectors[1], torus.position, strict=True)),
-            **dict(zip(carried.vectors[2], torus.frame[:, 0], strict=True)),
-            **dict(zip(carried.vectors[3], torus.frame[:, 1], strict=True)),
-            **dict(zip(omega, torus.frame * quasi, strict=True)),
-        },
-        parameters={
-            m: m,
-            **dict(zip(inertia, (A, A, C), strict=True)),
-            **forms,
-        },
+        state=state,
+        parameters={m: m, "I1": A, "I2": A, "I3": C, **functions},
         note="the surfaces are given",
     ),
 )

@@ -32,7 +32,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Frame, Parameter, System, kinematics, velocity
+from voronec import Equation, Fibration, Frame, Parameter, System, kinematics
 
 u, v, theta, u1, v1 = sp.symbols("u v theta u1 v1")
 s, tau, n = quasi = sp.symbols("s tau n")
@@ -40,39 +40,29 @@ R1, m, A, C = sp.symbols("R1 m A C")
 P, V = sp.Function("P")(u), sp.Function("V")(u)
 slope = sp.diff(P, u)
 
-body = kinematics.SurfaceForms.revolution(
+surface = kinematics.SurfaceForms.revolution(
     u,
     v,
     (P + sp.diff(P, u, 2), P + slope * sp.cos(u) / sp.sin(u)),
     (slope, sp.Integer(0), P),
 )
 sphere = kinematics.Surface.sphere(R1, u1, v1)
-contact = kinematics.RollingContact(body, sphere, theta)
-known = {velocity(q): rate for q, rate in contact.rolled(quasi).items()}
+contact = kinematics.RollingContact(surface, sphere, theta)
+body = kinematics.BodyOfRevolution(contact, m, A, C)
 
-
-def inertia(spin: sp.Matrix) -> sp.Matrix:
-    """I omega, along (u, v, n)."""
-    axis = sp.Matrix([-sp.sin(u), 0, sp.cos(u)])
-    return A * spin + (C - A) * axis.dot(spin) * axis
-
-
-spin = sp.Matrix(contact.spin)
-centre = sp.Matrix(contact.centre_velocity)
-kinetic = (m * centre.dot(centre) + inertia(spin).dot(spin)) / 2
+spin, centre = sp.Matrix(contact.spin), sp.Matrix(contact.centre_velocity)
+kinetic = (m * centre.dot(centre) + body.turning_momentum(spin).dot(spin)) / 2
 
 # Where the body rolls: the momentum about the contact, and how it changes along (u, v, n).
-rates, arm = sp.Matrix(quasi), sp.Matrix(body.support)
-momentum = inertia(rates) + m * arm.cross(rates.cross(arm))
-turning = sp.Matrix(body.frame_rates).xreplace(known)
-trace = sp.Matrix(body.trace_velocity).xreplace(known)
-falling = known[velocity(u)]
-moving = momentum.cross(rates) + m * trace.cross(rates.cross(arm)) - turning.cross(momentum)
-moving[1] -= sp.diff(V, u) * sp.diff(falling, tau)
+falling, momentum, arm = body.rolled[u], body.momentum, body.arm
+f = sp.diff(falling, tau)  # du/dt = f tau
+moving = body.momentum_rate - sp.Matrix([0, f * sp.diff(V, u), 0])
 
 # The linear equations for Z and J, and the one for Z alone.
-f = sp.diff(falling, tau)  # du/dt = f tau
-along, across = sp.diff(-trace[0], tau), sp.diff(trace[1], s)  # the trace is (-along tau, across s)
+along, across = (
+    sp.diff(-body.trace[0], tau),
+    sp.diff(body.trace[1], s),
+)  # r' = (-along tau, across s)
 reach = P * sp.sin(u) + slope * sp.cos(u)  # of M from the axis
 height = P * sp.cos(u) - slope * sp.sin(u)  # r_3
 e = along * sp.sin(u) - reach
@@ -103,15 +93,15 @@ SYSTEM = System(
         Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(A, 1, positive=True, meaning="equatorial moment of inertia"),
-        Parameter(C, sp.Rational(3, 2), positive=True, meaning="axial moment of inertia"),
+        Parameter(C, "3/2", positive=True, meaning="axial moment of inertia"),
     ),
     equations={
         "nutation": Equation(u, falling),
-        "momentum": Equation(tuple(momentum), tuple(moving)),
+        "momentum": Equation(momentum, moving),
         "linear": Equation((Z, J), (falling * b * J, falling * c * Z)),
         "second order": Equation((Z, first), (falling * first, falling * second)),
     },
-    integrals={"energy": momentum.dot(rates) / 2 + V},
+    integrals={"energy": momentum.dot(sp.Matrix(quasi)) / 2 + V},
     measure=density * sp.sin(u1),
     essential=(u, s, tau, n),
     references=("Voronec1912", "KuleshovKatasonova2018", "DragovicGajicJovanovic2020"),

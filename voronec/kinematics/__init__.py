@@ -24,6 +24,7 @@ from voronec.kinematics.groups import (
     wedge_square,
 )
 from voronec.kinematics.poles import turned_poles
+from voronec.kinematics.revolution import BodyOfRevolution
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.rubber import RubberMotion
@@ -32,6 +33,7 @@ from voronec.kinematics.surfaces import Surface
 __all__ = [
     "BalancedBall",
     "BallMotion",
+    "BodyOfRevolution",
     "BodyVelocity",
     "CarriedContact",
     "ConvexBody",

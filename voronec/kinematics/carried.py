@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -11,7 +11,12 @@ import sympy as sp
 
 from voronec.algebra.symbols import velocity
 from voronec.algebra.text import sympified
+from voronec.declaration.claims import Equation
+from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.system import System
+from voronec.kinematics.balls import ZERO
 from voronec.kinematics.bodies import kinetic_energy
+from voronec.kinematics.families import constants, joined, moment_words, rotor_words
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
@@ -109,6 +114,29 @@ class CarriedContact:
         arm = self.vectors[1]
         own = sp.diag(*self.inertia) * self.omega
         return sp.ImmutableMatrix(own + self.mass * arm.cross(self.omega.cross(arm)))
+
+    def system(
+        self, *, values: Mapping[Any, Any], rotor: Sequence[Any] = ZERO, **declared: Any
+    ) -> System:
+        """The system of this body, with ``values`` of its constants, and what is special to it.
+
+        ``rotor`` is kappa, the momentum of a gyroscope.  The energy is the only integral.
+        """
+        kappa = three(rotor, "the momentum of a rotor")
+        words = {self.mass: ("mass", True), **moment_words(self.inertia), **rotor_words(kappa)}
+        momentum = self.momentum_rate(kappa)
+        lines = (q for axis in self.vectors[1:] for q in axis)
+        own = {
+            "fibration": Fibration(self.base, tuple(self.rates)),
+            "frame": Frame.quasi(self.spin),
+            "lagrangian": self.kinetic + self.omega.dot(sp.Matrix(kappa)),
+            "constraints": self.constraints,
+            "parameters": constants(values, words),
+            "equations": {"momentum": Equation(self.momentum, momentum)},
+            "integrals": {"energy": self.momentum.dot(self.omega) / 2},
+            "essential": (*lines, *self.contact.coordinates, *self.omega),
+        }
+        return joined(own, declared)
 
     def momentum_rate(self, rotor: Sequence[Any] = (0, 0, 0)) -> sp.ImmutableMatrix:
         """dG/dt = (G + kappa) x omega + m dr/dt x (omega x r), kappa the momentum of a rotor."""

@@ -1,0 +1,166 @@
+"""A body of revolution that rolls over a surface of revolution, seen along the moving frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import velocity
+from voronec.algebra.text import sympified
+from voronec.declaration.claims import Equation
+from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.system import System
+from voronec.kinematics.balls import OMEGA
+from voronec.kinematics.bodies import kinetic_energy
+from voronec.kinematics.carried import carried_vectors, form_values
+from voronec.kinematics.families import joined
+from voronec.kinematics.rolling import RollingContact
+from voronec.kinematics.rotations import Rotation
+
+__all__ = ["BodyOfRevolution"]
+
+ATTITUDE = Rotation.euler("zxz", *sp.symbols("phi chi psi"))
+"""Neumann's theta is no angle of Euler's."""
+SPINS, PLACE = sp.symbols("s tau n"), sp.symbols("o1:4")
+
+
+@dataclass(frozen=True)
+class BodyOfRevolution:
+    """A body of revolution that rolls without slipping, with a gyroscope along its axis.
+
+    contact
+        of the two surfaces; the coordinate u of the body is the colatitude of its outer normal.
+    mass, equatorial, axial, rotor
+        m, the moments A, A, C about the origin of the body, its mass centre, and k.
+
+    s, tau, n are the components of omega along e_u, e_v and the normal n; e is the axis.  The frame
+    turns against the body with the angular velocity Omega, M moves over it with r', r = OM:
+
+        G = A omega + (C - A)(omega, e) e + m r x (omega x r),
+        dG/dt = (G + k e) x omega - Omega x G + m r' x (omega x r)    [Voronec1911, Demchenko1924].
+    """
+
+    contact: RollingContact
+    mass: Any
+    equatorial: Any
+    axial: Any
+    rotor: Any = sp.Integer(0)
+
+    @property
+    def spins(self) -> tuple[sp.Symbol, ...]:
+        """s, tau, n, as symbols."""
+        return tuple(SPINS)
+
+    @property
+    def axis(self) -> sp.Matrix:
+        """e along (e_u, e_v, n)."""
+        u = self.contact.body.coordinates[0]
+        return sp.Matrix([-sp.sin(u), 0, sp.cos(u)])
+
+    @cached_property
+    def rolled(self) -> dict[sp.Expr, sp.Expr]:
+        """The velocities of (u, v, u1, v1, theta) by s, tau, n."""
+        return self.contact.rolled(SPINS)
+
+    def carried(self, rates: Sequence[Any]) -> sp.Matrix:
+        """``rates`` that hold velocities of the coordinates, by s, tau, n."""
+        known = {velocity(q): rate for q, rate in self.rolled.items()}
+        return sp.Matrix([sympified(rate).xreplace(known) for rate in rates])
+
+    def turning_momentum(self, omega: sp.Matrix) -> sp.Matrix:
+        """I omega = A omega + (C - A)(omega, e) e."""
+        own = (self.axial - self.equatorial) * self.axis.dot(omega) * self.axis
+        return self.equatorial * omega + own
+
+    @property
+    def arm(self) -> sp.Matrix:
+        """r = OM."""
+        return sp.Matrix(self.contact.arm)
+
+    @cached_property
+    def trace(self) -> sp.Matrix:
+        """r', the velocity of M over the body."""
+        return self.carried(self.contact.body.trace_velocity)
+
+    @cached_property
+    def momentum(self) -> sp.Matrix:
+        """G, the angular momentum about the contact, without the gyroscope."""
+        omega, arm = sp.Matrix(SPINS), self.arm
+        return self.turning_momentum(omega) + self.mass * arm.cross(omega.cross(arm))
+
+    @cached_property
+    def momentum_rate(self) -> sp.Matrix:
+        """The rates of the components of G along the moving frame."""
+        omega = sp.Matrix(SPINS)
+        whole = self.momentum + self.rotor * self.axis
+        moved = self.mass * self.trace.cross(omega.cross(self.arm))
+        turning = self.carried(self.contact.body.frame_rates)
+        return whole.cross(omega) + moved - turning.cross(self.momentum)
+
+    @property
+    def as_any_body(self) -> tuple[dict[Any, Any], dict[str, Any]]:
+        """The body as one of unknown surfaces: its state, and their functions.
+
+        Its surface is explicit, and the state that of ``system``.
+        """
+        surface = self.contact.body
+        omega = surface.frame * sp.Matrix(SPINS)
+        same = (*ATTITUDE.coordinates, *PLACE, *self.contact.coordinates)
+        state = {q: q for q in same} | carried_vectors(surface.position, surface.frame)
+        return state | dict(zip(OMEGA, omega, strict=True)), form_values(self.contact)
+
+    def system(
+        self,
+        *,
+        further: Mapping[str, sp.Expr],
+        relations: Sequence[Any] = (),
+        **declared: Any,
+    ) -> System:
+        """The system of a body whose surface is explicit, with what is special to it.
+
+        The base is Euler's angles (phi, chi, psi); the fibre what the motion carries along: the
+        place o = (o1, o2, o3) of O seen from the body, (u, v, u1, v1, theta), and ``further``
+        coordinates, by the names of the invariants that they are, bound by ``relations``.
+        The equations close in cosines and sines of u, theta, u1, and these.
+        """
+        place, surface = sp.Matrix(PLACE), self.contact.body
+        omega = surface.frame * sp.Matrix(SPINS)
+        moved = place.applyfunc(velocity) + omega.cross(place)
+        inertia = (self.equatorial, self.equatorial, self.axial)
+        rotor = self.rotor * self.axis.dot(sp.Matrix(SPINS))
+        u, u1, theta = surface.coordinates[0], self.contact.fixed.coordinates[0], self.contact.theta
+        seen = {
+            f"{name}_{q}": function(q)
+            for q in (u, theta, u1)
+            for name, function in (("cos", sp.cos), ("sin", sp.sin))
+        }
+        invariants = {**seen, **further}
+        named = {function: sp.Symbol(name) for name, function in invariants.items()}
+        own = {
+            "fibration": Fibration(
+                ATTITUDE.coordinates,
+                (*place, *self.rolled, *further.values()),
+                tuple(relations),
+            ),
+            "frame": Frame.quasi(
+                dict(zip(SPINS, surface.frame.T * ATTITUDE.body_rates, strict=True))
+            ),
+            "lagrangian": kinetic_energy(self.mass, moved, inertia, omega) + rotor,
+            "constraints": (
+                *(velocity(q) - rate for q, rate in self.rolled.items()),
+                *(moved + omega.cross(sp.Matrix(surface.position))),
+            ),
+            "invariants": invariants,
+            "equations": {
+                "momentum": Equation(
+                    self.momentum.xreplace(named), self.momentum_rate.xreplace(named)
+                )
+            },
+            "integrals": {"energy": self.momentum.dot(sp.Matrix(SPINS)).xreplace(named) / 2},
+            "essential": (u, theta, u1, *further.values(), *SPINS),
+        }
+        return joined(own, declared)
