@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -29,11 +29,12 @@ from voronec.algebra.rotations import Rotations
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.charts import Chart
 from voronec.declaration.geometry import Frame
+from voronec.declaration.system import System, system_in
 from voronec.equations.definition import Definition
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, VoronecError
 
-__all__ = ["EulerAngles", "euler_angles", "with_attitude_charts"]
+__all__ = ["EulerAngles", "angles_without_chart", "euler_angles", "with_attitude_charts"]
 
 _KEPT, _ANGLES = "_with_attitude_charts", "_euler_angles"
 """Where equations keep what was made of them here."""
@@ -79,30 +80,70 @@ def euler_angles(equations: VoronecEquations) -> tuple[EulerAngles, ...]:
 
 
 def with_attitude_charts(equations: VoronecEquations) -> VoronecEquations | None:
-    """The equations with charts that are regular at the poles of Euler's angles; None where there
-    are no such angles, or where the system is not regular there."""
+    """The equations with charts that are regular at the poles of Euler's angles, beside those that
+    the system declares; None where there are no such angles but those that declared charts turn,
+    or where the system is not regular there."""
     if _KEPT not in equations.__dict__:
         equations.__dict__[_KEPT] = _charted(equations)
     found: VoronecEquations | None = equations.__dict__[_KEPT]
     return found
 
 
-def _charted(equations: VoronecEquations) -> VoronecEquations | None:
-    charts: dict[str, Chart] = {}
+def angles_without_chart(equations: VoronecEquations) -> tuple[EulerAngles, ...]:
+    """Those that no chart of the system moves."""
+    moved = {name for chart in equations.system.charts.values() for name in chart.state}
     triples = euler_angles(equations)
-    for count in range(1, len(triples) + 1):
+    return tuple(t for t in triples if not moved & {str(q) for q in t.symbols})
+
+
+def _charted(equations: VoronecEquations) -> VoronecEquations | None:
+    system, triples = equations.system, angles_without_chart(equations)
+    turned: dict[str, Chart] = {}
+    for own, count in product(("", *system.charts), range(1, len(triples) + 1)):
+        there = equations if not own else derive(system_in(system, own))
         for chosen in combinations(triples, count):
+            axes = f"polar axis of {', '.join(str(t.theta) for t in chosen)} turned"
             try:
-                chart = _Turned(equations.definition, chosen, triples).chart
-                charts[f"polar axis of {', '.join(str(t.theta) for t in chosen)} turned"] = chart
+                chart = _Turned(there.definition, chosen, triples).chart
             except EngineLimit:
                 continue
-    if not charts:
+            declared = system.charts.get(own)
+            name = f"{own}, {axes}" if own else axes
+            turned[name] = _beside(chart, system) if declared is None else _both(chart, declared)
+    if not turned:
         return None
+    poles = sp.Mul(*[equations.door.outward(t.singular) for t in triples])
+    kept = {
+        name: replace(chart, singular_there=chart.singular_there * poles)
+        for name, chart in system.charts.items()
+    }
     try:
-        return derive(replace(equations.system, charts=charts))
+        return derive(replace(system, charts={**kept, **turned}))
     except VoronecError:
         return None
+
+
+def _beside(chart: Chart, system: System) -> Chart:
+    """A chart of attitudes where declared charts are not used."""
+    factors = dict.fromkeys(f for c in system.charts.values() for f in sp.Mul.make_args(c.singular))
+    rest = sp.Mul(*factors)
+    return replace(
+        chart, singular=chart.singular * rest, singular_there=chart.singular_there * rest
+    )
+
+
+def _both(chart: Chart, declared: Chart) -> Chart:
+    """A chart of attitudes, made of a system in a declared chart, and that chart: they move
+    different coordinates."""
+    return Chart(
+        state={**declared.state, **chart.state},
+        singular=chart.singular * declared.singular,
+        changes={**declared.changes, **chart.changes},
+        back={**declared.back, **chart.back},
+        singular_there=chart.singular_there * declared.singular_there,
+        twins=(*declared.twins, *chart.twins),
+        near={**chart.near, **declared.near},
+    )
 
 
 def _recognised(d: Definition) -> Iterator[EulerAngles]:

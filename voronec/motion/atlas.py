@@ -20,6 +20,7 @@ from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.motion.events import Event
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run, Stepper, choose, guarded
+from voronec.motion.steppers.units import natural_units
 
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
@@ -168,6 +169,8 @@ GOOD = 0.25
 """So far from a singularity a chart that is ready is good enough."""
 DIFFERENCE = 1e-5
 """Of coordinates, in slopes of maps between charts."""
+BLIND = 1e-4
+"""Slopes of a map below this part of the largest are zero."""
 LEAVE, RETURN = "the chart becomes singular", "the own chart is regular again"
 SIDE = "quadrant of an angle "
 """Begins the names of events at which an angle comes from one quadrant into another."""
@@ -270,16 +273,17 @@ class Atlas:
         return size if np.isfinite(size) else 0.0
 
     def blind(self, name: str, time: Any, state: np.ndarray) -> np.ndarray:
-        """The direction (n,) in which the own coordinates at their singularity may change while a
-        chart sees the same state: the null vector of its map, by differences; largest entry 1."""
+        """The directions (k, n) in which the own coordinates at their singularity may change while
+        a chart sees the same state: null vectors of its map, by differences, k > 1 where several
+        bodies are at poles; each is 1 where its largest entry is, and the others are 0 there."""
         columns = []
         for i in range(len(state)):
             shift = np.eye(len(state))[i] * DIFFERENCE
             ahead, behind = (self._maps[name](time, state + s * shift) for s in (1, -1))
             columns.append(self.without_turns(ahead - behind) / (2 * DIFFERENCE))
-        _, _, rows = np.linalg.svd(np.array(columns).T)
-        found = np.where(self.angles, np.round(rows[-1] / np.abs(rows[-1]).max(), 6), 0)
-        return np.asarray(found)
+        _, sizes, rows = np.linalg.svd(np.array(columns).T)
+        count = max(1, int((sizes < BLIND * sizes.max()).sum()))
+        return np.where(self.angles, np.round(_reduced(rows[-count:]), 6), 0)
 
     def without_turns(self, steps: np.ndarray) -> np.ndarray:
         """Steps (..., n) between states, those of angles without whole turns."""
@@ -295,6 +299,18 @@ class Atlas:
         return self._places[name]
 
     @cached_property
+    def _units(self) -> np.ndarray:
+        """The units of states, whose variables bear the same names in all charts: those where the
+        run begins, in a chart that is regular there."""
+        given = self.problem
+        name, state = self.best(self.grid[0], given.start)
+        if name == HOME:
+            return natural_units(given)
+        program = Program.of(next(c for c in self.charts if c.name == name).form)
+        values = self._values(program)
+        return natural_units(replace(given, program=program, start=state, parameters=values))
+
+    @cached_property
     def progress(self) -> Progress | None:
         """Where progress is reported, if it is."""
         report = self.problem.progress
@@ -303,13 +319,17 @@ class Atlas:
     def _own(self) -> Place:
         given = self.problem
         levels = {**self.functions, LEAVE: _beyond(own_singular(self.charts), NEAR)}
+        regular = self._distance(HOME, self.grid[0], given.start) > float(NEAR)
         problem = replace(
             given,
             start=given.start.copy(),
+            # masses where the coordinates are singular are no measure of others
+            suspect=given.suspect if regular else None,
             events=(*given.events, self._end(LEAVE, -1)),
             levels=quantities(self.form, levels),
             progress=self.progress,
             coarse=frozenset({LEAVE}),
+            units=self._units,
         )
         made = choose(self.method, problem, self.grid)
         return Place(HOME, problem, *made, _as_they_are)
@@ -332,6 +352,7 @@ class Atlas:
             suspect=None,
             progress=self.progress,
             coarse=frozenset({LEAVE, RETURN}),
+            units=self._units,
         )
         made = choose(self.place(HOME).chosen["method"], problem, self.grid)
         twins = tuple(self._rows(self.form, twin) for twin in chart.twins)
@@ -389,6 +410,19 @@ class Atlas:
 
 
 def _as_they_are(_: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    return rows
+
+
+def _reduced(rows: np.ndarray) -> np.ndarray:
+    """A basis (k, n) of the same space, by elimination with the largest entries as pivots."""
+    rows = rows.copy()
+    for i in range(len(rows)):
+        left = np.abs(rows[i:])
+        row, column = divmod(int(left.argmax()), left.shape[1])
+        rows[[i, i + row]] = rows[[i + row, i]]
+        rows[i] /= rows[i, column]
+        others = np.arange(len(rows)) != i
+        rows[others] -= np.outer(rows[others, column], rows[i])
     return rows
 
 

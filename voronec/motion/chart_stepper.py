@@ -191,18 +191,18 @@ class _Journey:
         begin = self.last[None, :]
         if self.atlas.distances(times[:1], begin)[0] >= APART:
             return rows
-        free = self.atlas.blind(place.name, times[0], self.last)
-        if not free.any():
-            return rows
-        which = int(np.argmax(np.abs(free)))
         there = self.atlas.distances(times, rows) < TOUCH
         there[0] = True
-        gap = (self.last[which] - rows[:, which]) / free[which]
-        rows = np.where(there[:, None], rows + gap[:, None] * free, rows)
         left = np.flatnonzero(~there)
-        if len(left):
-            ahead = self.atlas.without_turns(rows[left[0]] - self.last)[which] / free[which]
-            self.last = np.where(self.atlas.angles, self.last + ahead * free, self.last)
+        for free in self.atlas.blind(place.name, times[0], self.last):
+            if not free.any():
+                continue
+            which = int(np.argmax(np.abs(free)))
+            gap = (self.last[which] - rows[:, which]) / free[which]
+            rows = np.where(there[:, None], rows + gap[:, None] * free, rows)
+            if len(left):
+                ahead = self.atlas.without_turns(rows[left[0]] - self.last)[which] / free[which]
+                self.last = np.where(self.atlas.angles, self.last + ahead * free, self.last)
         return rows
 
     def with_sides(self, part: Run) -> tuple[np.ndarray, np.ndarray]:

@@ -37,7 +37,7 @@ from voronec.motion.mode_stepper import Switched, through_walls
 from voronec.motion.motion_start import Outset
 from voronec.motion.numeric_model import Modelled, modelled, whole
 from voronec.motion.observables import Watch, followed, observed
-from voronec.motion.poles import LAST, POLE, NearPole, PoleGuard
+from voronec.motion.poles import LAST, NearPole, PoleGuard
 from voronec.motion.request import Given, grid_of, outputs_of, scene_of
 from voronec.motion.singular_directions import charted_directions
 from voronec.motion.soundness import Breach, Judge
@@ -224,9 +224,9 @@ class _Request:
 
     def in_smallest(self, _: IntegrationError | None) -> Trajectory:
         """By the method asked for, in the smallest model; near poles of angles beyond them."""
-        if self._begins_at_chart:
-            return self._past_poles(None)
         try:
+            if self._begins_at_chart:
+                return self._past_poles(None, CHANGE)
             return self._in_smallest(self.method, CHANGE)
         except NearPole:
             return first_success((self._beyond_poles, self._past_poles), float(self.grid[0]))
@@ -270,10 +270,11 @@ class _Request:
         made = whole(there.vocabulary, self.outputs, self.functions)
         return replace(there._moved(made, self.method), system=own.system)
 
-    def _past_poles(self, _: IntegrationError | None) -> Trajectory:
+    def _past_poles(self, _: IntegrationError | None, near: Any = LAST) -> Trajectory:
         """In the own coordinates after all, where nothing better is to be had: on invariants more
         digits are lost."""
-        return self._moved(whole(self.vocabulary, self.outputs, self.functions), self.method)
+        made = whole(self.vocabulary, self.outputs, self.functions)
+        return self._moved(made, self.method, near=near)
 
     def otherwise(self, error: IntegrationError | None) -> Trajectory | None:
         """By another method, where the choice is ours."""
@@ -354,7 +355,7 @@ class _Job:
         guard = self._guard()
         problem = self._problem(state, values, probe)
         switched = self._switched(method, problem, guard)
-        if switched is None and equations.system.charts:
+        if switched is None and made.is_rough and equations.system.charts:
             guard = None
         if guard is not None:
             guard.check(state, values, time)
@@ -403,7 +404,7 @@ class _Job:
         """The integrator of a problem that is not smooth, poles watched; None where it is."""
         made = self.made
         watched = problem if guard is None else guard.watching(problem, self.grid)
-        functions = {**made.event_functions, **({} if guard is None else {POLE: guard.level})}
+        functions = {**made.event_functions, **({} if guard is None else guard.levels)}
         return through_walls(method, watched, self.grid, made.moving, functions)
 
     def _require_reactions(self, run: Run) -> None:
@@ -458,9 +459,9 @@ class _Job:
         """The integrator of a problem that is smooth, and what ``Cost`` says of it."""
         made, equations = self.made, self.vocabulary.equations
         problem = problem if guard is None else guard.watching(problem, self.grid)
+        poles = {} if guard is None else guard.levels
         events, functions = guarding(watched)
         if watched:
-            poles = {} if guard is None else {POLE: guard.level}
             levels = {**made.event_functions, **poles, **functions}
             problem = replace(
                 problem,
@@ -468,7 +469,7 @@ class _Job:
                 levels=quantities(made.form, levels),
                 coarse=problem.coarse | functions.keys(),
             )
-        functions = {**made.event_functions, **functions}
+        functions = {**made.event_functions, **poles, **functions}
         return through_charts(method, problem, self.grid, equations, functions, made.form)
 
     def _watched(self, state: np.ndarray, values: Sequence[Any]) -> tuple[Divisor, ...]:
@@ -486,12 +487,14 @@ class _Job:
     def _guard(self) -> PoleGuard | None:
         """What watches the poles of Euler's angles, where the model is singular there and no chart
         leads on."""
-        outset, charts = self.outset, self.vocabulary.equations.system.charts
-        if self.near is None or (charts and not self.made.is_rough):
+        outset, rough = self.outset, self.made.is_rough
+        if self.near is None:
             return None
+        # what is not smooth goes on in one chart alone
+        near = LAST if rough and self.vocabulary.equations.system.charts else self.near
         return PoleGuard.of(
             self.vocabulary.equations, self.made, outset.state, outset.constants,
-            float(self.grid[0]), self.near if not charts else LAST,
+            float(self.grid[0]), near, charts=not rough,
         )  # fmt: skip
 
     def _bits(self, states: np.ndarray) -> int:

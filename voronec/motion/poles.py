@@ -10,7 +10,7 @@ import numpy as np
 import symengine as se
 
 from voronec.algebra.verdicts import all_vanish
-from voronec.equations.attitudes import EulerAngles, euler_angles
+from voronec.equations.attitudes import EulerAngles, angles_without_chart, euler_angles
 from voronec.equations.program import Program, compiled
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import IntegrationError
@@ -19,10 +19,10 @@ from voronec.motion.numeric_model import Modelled
 from voronec.motion.state_probe import quantities, quiet
 from voronec.motion.steppers import Halt, Problem, Run
 
-__all__ = ["LAST", "POLE", "NearPole", "PoleGuard"]
+__all__ = ["LAST", "NearPole", "PoleGuard"]
 
 POLE = "a pole of the angles is near"
-"""The name of the event."""
+"""Begins the names of the events, one for each body."""
 LAST = se.Rational(1, 10**6)
 """No run passes a pole nearer than this in coordinates that are singular there: what is lost in
 digits is the inverse of such a number."""
@@ -37,12 +37,12 @@ class NearPole(IntegrationError):
 
 @dataclass(frozen=True)
 class PoleGuard:
-    """Stops a run where ``level``, a function on its model, is no longer positive: so ``near`` to a
-    pole is the polar angle's sine."""
+    """Stops a run where one of ``levels``, functions on its model by name, is no longer positive:
+    so ``near`` to a pole is the sine of a polar angle."""
 
     name: str
     program: Program
-    level: Any
+    levels: Mapping[str, Any]
     functions: Mapping[str, Any]
     form: Any
     near: Any
@@ -56,32 +56,32 @@ class PoleGuard:
         constants: Mapping[str, float],
         time: float,
         near: Any,
+        charts: bool,
     ) -> PoleGuard | None:
-        """None where no equation of the model is singular at a pole.
+        """None where no equation of the model is singular at a pole, but where ``charts`` lead on.
 
         ``start`` (n,) is on the coordinates.
         """
         levels = [
             _distance(equations, made, angles)
-            for angles in euler_angles(equations)
+            for angles in (angles_without_chart if charts else euler_angles)(equations)
             if _is_singular(equations, made, angles, start, constants, time)
         ]
-        found = [d - near**2 for d in levels if d is not None]
+        # not their product, which is positive where two bodies are at poles at once
+        found = {f"{POLE} {i}": d - near**2 for i, d in enumerate(levels) if d is not None}
         if not found:
             return None
         return cls(
-            equations.system.name, made.program, se.Mul(*found), made.event_functions, made.form,
-            near,
-        )  # fmt: skip
+            equations.system.name, made.program, found, made.event_functions, made.form, near
+        )
 
     def check(self, state: np.ndarray, values: Sequence[float], time: float) -> None:
         """Raise an error for a start that is near one: ``NearPole`` where charts are still to be
         tried."""
-        program = quantities(self.form, {POLE: self.level})
+        program = quantities(self.form, self.levels)
         own = dict(zip(map(str, self.program.parameters), values, strict=True))
         given = [own[str(p)] for p in program.parameters]
-        (value,) = quiet(compiled(program)[1], given)(time, list(state))
-        if value > 0:
+        if all(value > 0 for value in quiet(compiled(program)[1], given)(time, list(state))):
             return
         if self.near != LAST:
             raise self._near(time, state)
@@ -94,20 +94,21 @@ class PoleGuard:
         order = 1 if grid[-1] >= grid[0] else -1
         return replace(
             problem,
-            events=(*problem.events, Event(POLE, POLE, -order, stop=True)),
-            levels=quantities(self.form, {**self.functions, POLE: self.level}),
-            coarse=problem.coarse | {POLE},
+            events=(*problem.events, *(Event(n, n, -order, stop=True) for n in self.levels)),
+            levels=quantities(self.form, {**self.functions, **self.levels}),
+            coarse=problem.coarse | self.levels.keys(),
         )
 
     def passed(self, run: Run) -> Run:
         """The run as if nobody had watched; raises ``NearPole`` where it has come near one, and
         charts are still to be tried."""
-        if run.stopped != POLE:
-            return run.without({POLE})
+        names = {*self.levels}
+        if run.stopped not in names:
+            return run.without(names)
         if self.near != LAST:
             raise self._near(run.t[-1], run.states[-1])
         halt = Halt(BEYOND, run.t[-1], run.states[-1])
-        return replace(run.without({POLE}), stopped="", halt=halt)
+        return replace(run.without(names), stopped="", halt=halt)
 
     def _near(self, time: float, state: np.ndarray) -> NearPole:
         return NearPole(

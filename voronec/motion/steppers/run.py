@@ -53,6 +53,7 @@ class Problem:
     integrator may look for them only where the ends of a step do not exclude them.  ``walls`` are
     those at which the right side ceases to hold: they count however near to the start.
     Parameters that are ``changing`` are those of the start.  ``marked`` asks for the ends of steps.
+    ``units`` (n,) are those in which the states are measured, by default their natural ones.
     """
 
     program: Program
@@ -69,6 +70,7 @@ class Problem:
     coarse: frozenset[str] = frozenset()
     walls: frozenset[str] = frozenset()
     marked: bool = False
+    units: np.ndarray | None = None
 
     def parameters_at(self) -> Callable[[float], Sequence[Any]]:
         """The parameters at any time of a piece: those that Python gives are asked for there."""

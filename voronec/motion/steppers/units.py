@@ -32,6 +32,8 @@ rounding: little more than rounding itself, so that terms which cancel for every
 
 def natural_units(problem: Problem) -> np.ndarray:
     """The units of the states of a problem (n,)."""
+    if problem.units is not None:
+        return problem.units
     start, values = (np.array([x], dtype=float) for x in (problem.start, problem.parameters))
     return units_of_many(problem.program, start, values)[0]
 
