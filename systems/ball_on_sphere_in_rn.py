@@ -20,88 +20,24 @@ from functools import partial
 
 import sympy as sp
 
-from voronec import (
-    Equation,
-    Fibration,
-    Frame,
-    Limit,
-    Measure,
-    Parameter,
-    Relation,
-    Scene,
-    Square,
-    System,
-)
-from voronec.kinematics import BodyVelocity, skew, skew_entries, wedge_square
+from voronec import Limit, Relation, Square, System
+from voronec.kinematics import BodyInRn
 
 m, R1, R2, h = sp.symbols("m R1 R2 h")
-SECOND_MOMENTS = tuple(sp.Rational(a, 10) for a in (4, 3, 1, 2, 5))  # of the mass, by axis
-delta = sp.Symbol("Delta")
 
 
 def member(n: int, name: str) -> System:
     """The ball in R^n."""
-    body = BodyVelocity(n)
-    gamma, moments = sp.Matrix(body.normal), body.named("I")
-    momenta = body.named("G")
-    G = skew(momenta, n)
-    square = wedge_square(G)
-    energy = body.energy(moments, m)
-    integrals = {
-        "energy": sp.Matrix(momenta).dot(body.angular) - energy,
-        "momentum squared": sum(p**2 for p in momenta),
-    }
-    if n == 4:
-        integrals["momentum wedge momentum"] = square[0]
-    if n == 5:
-        integrals["momentum wedge momentum squared"] = square.dot(square)
-    moving = sp.Matrix(body.linear) / (R1 + R2)
-    start = dict(zip(gamma, [sp.Rational(k, 5) for k in (-3, *[0] * (n - 2), 4)], strict=True))
-    turning = [sp.Rational(5 - 3 * (i % 3), 4 + i) for i in range(len(momenta))]
-    return System(
+    ball = BodyInRn(n, m, R2, fixed=R1)
+    seen = (*ball.normal, *ball.velocities)
+    return ball.system(
         name=name,
         title=f"Chaplygin ball on a sphere in R^{n}",
         description=f"A balanced, dynamically non-symmetric ball of R^{n} rolls without slipping "
         "over a fixed sphere: outside, inside, or around it as a shell.",
-        fibration=Fibration(base=body.normal, relations=(gamma.dot(gamma) - 1,)),
-        frame=Frame.group(
-            body.angular,
-            body.motions,
-            dict(zip(gamma, body.seen(gamma, moving), strict=True)),
-            fibre=body.linear,
-            momenta=momenta,
-            determinant=delta,
-        ),
-        lagrangian=energy,
-        constraints=tuple(sp.Matrix(body.linear) - R2 * body.matrix * gamma),
-        parameters=(
-            Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),
-            Parameter(R2, 1, positive=True, meaning="radius of the ball"),
-            Parameter(m, 1, positive=True, meaning="mass"),
-            *(
-                Parameter(
-                    moment,
-                    SECOND_MOMENTS[i - 1] + SECOND_MOMENTS[j - 1],
-                    positive=True,
-                    meaning=f"moment in the plane of the axes {i} and {j}",
-                )
-                for (i, j), moment in zip(body.pairs, moments, strict=True)
-            ),
-        ),
-        integrals=integrals,
-        equations={
-            "momentum": Equation(momenta, skew_entries(G * body.matrix - body.matrix * G)),
-            "normal": Equation(tuple(gamma), tuple(R1 / (R1 + R2) * body.seen(gamma))),
-        },
-        measure=Measure(sp.sqrt(delta)),
-        scenes={
-            "default": Scene(
-                initial={**start, **dict(zip(body.angular, turning, strict=True))},
-                times=(0.0, 20.0),
-                outputs=(*body.normal, *body.angular),
-                caption="Outside a sphere twice as large.",
-            ),
-        },
+        values={R1: 2, R2: 1, m: 1},
+        second_moments=("0.4", "0.3", "0.1", "0.2", "0.5"),
+        scenes={"default": ball.scene("Outside a sphere twice as large.", 20.0, seen)},
         references=("Jovanovic2018", "Yaroshchuk1992"),
     )
 
@@ -109,22 +45,13 @@ def member(n: int, name: str) -> System:
 MEMBERS = {str(n): partial(member, n, f"ball-on-sphere-in-rn@{n}") for n in (3, 4, 5)}
 SYSTEM = member(4, "ball-on-sphere-in-rn")
 
+state, moments = BodyInRn(3, m, R2, fixed=R1).in_space
 RELATIONS = (
     Relation(
         "ball-on-sphere-in-rn@3",
         "ball-on-sphere",
-        state={
-            **{f"gamma{i}": sp.Symbol(f"gamma{i}") for i in (1, 2, 3)},
-            "omega1": -sp.Symbol("Omega23"),
-            "omega2": sp.Symbol("Omega13"),
-            "omega3": -sp.Symbol("Omega12"),
-        },
-        parameters={
-            **{x: x for x in (R1, R2, m)},
-            "I1": sp.Symbol("I23"),
-            "I2": sp.Symbol("I13"),
-            "I3": sp.Symbol("I12"),
-        },
+        state=state,
+        parameters={R1: R1, R2: R2, m: m, **moments},
         note="three dimensions",
     ),
     # For n = 5 it holds too; the claims that it carries are too large to be decided.
@@ -132,7 +59,7 @@ RELATIONS = (
         Relation(
             f"ball-on-sphere-in-rn{at}",
             f"chaplygin-ball-in-rn{at}",
-            parameters={m: m, "R": R2, **{i: i for i in BodyVelocity(n).named("I")}},
+            parameters={m: m, "R": R2, **{i: i for i in BodyInRn(n, m, R2).moments}},
             limit=Limit(h, {R1: 1 / h}),
             note="the sphere becomes a hyperplane",
         )
@@ -141,11 +68,8 @@ RELATIONS = (
 )
 
 SQUARES = (
-    Square(
-        ("ball-on-sphere-in-rn@3 -> ball-on-sphere", "ball-on-sphere -> chaplygin-ball"),
-        (
-            "ball-on-sphere-in-rn@3 -> chaplygin-ball-in-rn@3",
-            "chaplygin-ball-in-rn@3 -> chaplygin-ball",
-        ),
+    Square.through(
+        ("ball-on-sphere-in-rn@3", "ball-on-sphere", "chaplygin-ball"),
+        ("ball-on-sphere-in-rn@3", "chaplygin-ball-in-rn@3", "chaplygin-ball"),
     ),
 )

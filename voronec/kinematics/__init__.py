@@ -11,6 +11,7 @@ from voronec.kinematics.bodies import (
     point_velocity,
     uniform_field_energy,
 )
+from voronec.kinematics.bodies_in_rn import BodyInRn
 from voronec.kinematics.carried import CarriedContact
 from voronec.kinematics.convex import ConvexBody
 from voronec.kinematics.ellipsoids import RollingEllipsoid
@@ -33,6 +34,7 @@ from voronec.kinematics.surfaces import Surface
 __all__ = [
     "BalancedBall",
     "BallMotion",
+    "BodyInRn",
     "BodyOfRevolution",
     "BodyVelocity",
     "CarriedContact",

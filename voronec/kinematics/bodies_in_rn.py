@@ -1,0 +1,273 @@
+"""Balls of R^n that roll, and bodies of R^n about a fixed point, declared on their groups."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from voronec.declaration.claims import Case, Equation, Measure
+from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.reading import real_text
+from voronec.declaration.scene import Parameter, Scene
+from voronec.declaration.system import System
+from voronec.kinematics.families import FIXED_RADIUS, Words, constants, joined
+from voronec.kinematics.groups import (
+    BodyVelocity,
+    product_form,
+    product_moments,
+    skew,
+    skew_entries,
+    wedge_square,
+)
+
+__all__ = ["BodyInRn"]
+
+DETERMINANT = sp.Symbol("Delta")
+
+
+@dataclass(frozen=True)
+class BodyInRn:
+    """A balanced ball of R^n on a hyperplane or a sphere, or a body of R^n about a fixed point.
+
+    dimension
+        n.
+    mass, radius
+        m and R2 of a ball; nothing for a body about a point.
+    fixed
+        R1, the signed radius of a fixed sphere S^(n-1); nothing for a hyperplane.
+    twists
+        whether it turns in planes at right angles to gamma; without, Omega = gamma u^T - u gamma^T,
+        and the velocities are Omega_in, good where gamma_n is not 0.
+
+    The configuration space is SE(n) or SO(n), given by its frame, ``BodyVelocity``.  gamma is a
+    unit vector, the normal of what the ball rolls on, seen from it; with W = R2 Omega gamma
+
+        dgamma/dt = -Omega gamma + W/(R1 + R2) = -epsilon Omega gamma,    epsilon = R1/(R1 + R2),
+
+    which is 1 on a hyperplane and about a point.  A ball that twists has the momentum about the
+    contact G = I Omega + m R2^2 (gamma gamma^T Omega + Omega gamma gamma^T), dG/dt = [G, Omega]
+    [FedorovKozlov1995, Jovanovic2010, Jovanovic2018].  Without twist, G_ij = (I_ij + m R2^2)
+    Omega_ij and d(G gamma)/dt = -Omega G gamma + (1 - epsilon) G Omega gamma [FedorovJovanovic2004,
+    Jovanovic2018].
+    """
+
+    dimension: int
+    mass: Any = sp.Integer(0)
+    radius: Any = None
+    fixed: Any = None
+    twists: bool = True
+
+    @cached_property
+    def body(self) -> BodyVelocity:
+        """The names of its velocities."""
+        return BodyVelocity(self.dimension)
+
+    @property
+    def normal(self) -> sp.Matrix:
+        """gamma."""
+        return sp.Matrix(self.body.normal)
+
+    @property
+    def rolls(self) -> bool:
+        """Whether it is a ball, and no body about a point."""
+        return self.radius is not None
+
+    @property
+    def letter(self) -> str:
+        """Of the moments in the planes of two axes: I of a ball, J about a point."""
+        return "I" if self.rolls else "J"
+
+    @property
+    def moments(self) -> tuple[sp.Symbol, ...]:
+        """I_ij or J_ij, i < j."""
+        return self.body.named(self.letter)
+
+    @property
+    def carried(self) -> sp.Expr:
+        """m R2^2."""
+        return self.mass * self.radius**2 if self.rolls else sp.Integer(0)
+
+    @property
+    def epsilon(self) -> sp.Expr:
+        """R1/(R1 + R2), or 1."""
+        if self.fixed is None:
+            return sp.Integer(1)
+        return sp.sympify(self.fixed / (self.fixed + self.radius))
+
+    @property
+    def velocities(self) -> tuple[sp.Symbol, ...]:
+        """Omega_ij, or without twist Omega_in."""
+        return self.body.angular if self.twists else self.body.last
+
+    @property
+    def momenta(self) -> tuple[sp.Symbol, ...]:
+        """Names of the momenta of the velocities: G_ij, or without twist P_i."""
+        return self.body.named("G") if self.twists else tuple(sp.symbols(f"P1:{self.dimension}"))
+
+    @cached_property
+    def energy(self) -> sp.Expr:
+        """The kinetic energy, without constraints."""
+        return self.body.energy(self.moments, self.mass)
+
+    @cached_property
+    def equations(self) -> dict[str, Equation]:
+        """The equations of the momentum, and of gamma over a sphere."""
+        body, gamma, found = self.body, self.normal, {}
+        if self.twists:
+            momentum, turning = skew(self.momenta, self.dimension), body.matrix
+            rate = skew_entries(momentum * turning - turning * momentum)
+            found["momentum"] = Equation(self.momenta, rate)
+            if self.fixed is None:
+                along, square = momentum * gamma, wedge_square(momentum)
+                found["momentum of the normal"] = Equation(along, body.seen(along))
+                if self.dimension == 5:
+                    found["momentum wedge momentum"] = Equation(square, body.seen(square))
+        else:
+            along, own = (
+                body.normal_momentum(self.momenta),
+                [i + self.carried for i in self.moments],
+            )
+            entries = [i * w for i, w in zip(own, body.angular, strict=True)]
+            slipping = (1 - self.epsilon) * skew(entries, self.dimension) * body.matrix * gamma
+            found["momentum"] = Equation(along, body.seen(along) + slipping)
+        if self.fixed is not None:
+            found["normal"] = Equation(gamma, self.epsilon * body.seen(gamma))
+        return found
+
+    @cached_property
+    def integrals(self) -> dict[str, sp.Expr]:
+        """The energy, and what is constant because G or G gamma is fixed in space."""
+        momenta, gamma, plane = sp.Matrix(self.momenta), self.normal, self.fixed is None
+        found = {"energy": momenta.dot(sp.Matrix(self.velocities)) - self.energy}
+        if not self.twists:
+            along = self.body.normal_momentum(self.momenta)
+            return {**found, "momentum squared": along.dot(along)} if plane else found
+        momentum = skew(self.momenta, self.dimension)
+        along, square = momentum * gamma, wedge_square(momentum)
+        found["momentum squared"] = sp.Add(*(p**2 for p in self.momenta))
+        if plane:
+            found["momentum of the normal squared"] = along.dot(along)
+            if self.dimension == 3:
+                axial = sp.Matrix([momentum[2, 1], momentum[0, 2], momentum[1, 0]])
+                found["vertical momentum"] = axial.dot(gamma)
+        if self.dimension == 4:
+            found["momentum wedge momentum"] = square[0]
+        if self.dimension == 5:
+            found["momentum wedge momentum squared"] = square.dot(square)
+            if plane:
+                found["momentum wedge momentum along the normal"] = square.dot(gamma)
+        return found
+
+    @property
+    def measure(self) -> Measure:
+        """sqrt(Delta), Delta the determinant of the mass matrix; without twist over a sphere
+        Delta^(1/(2 epsilon)) gamma_n^((n - 2)(1/epsilon - 1))."""
+        if self.twists:
+            return Measure(sp.sqrt(DETERMINANT))
+        last = self.normal[-1] ** ((self.dimension - 2) * (1 / self.epsilon - 1))
+        return Measure(DETERMINANT ** (1 / (2 * self.epsilon)) * last)
+
+    @cached_property
+    def form(self) -> sp.Expr:
+        """a_1 (gamma, A gamma) for moments a_i a_j about the contact."""
+        return product_form([i + self.carried for i in self.moments], self.normal)
+
+    @property
+    def reducer(self) -> sp.Expr:
+        """(gamma, A gamma)^(1/(2 epsilon) - 1): for moments a_i a_j without twist a reducing
+        multiplier, in another time gamma moves on a geodesic of a metric on the sphere."""
+        return self.form ** (1 / (2 * self.epsilon) - 1)
+
+    def product_case(self) -> dict[str, Case]:
+        """The case of moments a_i a_j about the contact, or the point; for n = 3 all are such."""
+        if self.twists or self.dimension == 3:
+            return {}
+        n, own = self.dimension, [i + self.carried for i in self.moments]
+        values = {
+            f"{self.letter}{i}{j}": value - self.carried
+            for (i, j), value in product_moments(own, n).items()
+        }
+        if not self.rolls:
+            density = self.form ** sp.Rational(n - 2, 2) / self.normal[-1] ** (n - 2)
+            measure = Measure(density, (*self.normal, *self.velocities))
+            note = "moments that are products, J_ij = a_i a_j"
+            return {"J = a a": Case(values, measure=measure, multiplier=self.reducer, note=note)}
+        sums = f"I_ij + {self.mass} {self.radius}^2 = a_i a_j"
+        note = f"moments about the contact that are products, {sums}"
+        return {"I + D = a a": Case(values, multiplier=self.reducer, note=note)}
+
+    def scene(self, caption: str, end: float, outputs: Sequence[Any]) -> Scene:
+        """A motion from gamma = (-3, 0, ..., 0, 4)/5, with all velocities different from 0."""
+        start = [sp.Rational(k, 5) for k in (-3, *[0] * (self.dimension - 2), 4)]
+        count = range(len(self.velocities))
+        turning = [sp.Rational(4 * (i % 2) - 3, 10 + i) for i in count]
+        if self.twists:
+            turning = [sp.Rational(5 - 3 * (i % 3), 4 + i) for i in count]
+        names, values = (*self.normal, *self.velocities), (*start, *turning)
+        return Scene(dict(zip(names, values, strict=True)), (0.0, end), {}, tuple(outputs), caption)
+
+    def system(
+        self, *, values: Mapping[Any, Any], second_moments: Sequence[str], **declared: Any
+    ) -> System:
+        """The system of this body, with ``values`` of its constants, and what is special to it.
+
+        ``second_moments`` a_i are those of the mass, by axis: the moments are a_i + a_j.
+        """
+        body, gamma = self.body, self.normal
+        moving = None
+        if self.fixed is not None:
+            moving = sp.Matrix(body.linear) / (self.fixed + self.radius)
+        rolled: tuple[sp.Expr, ...] = ()
+        if self.rolls:
+            rolled = tuple(sp.Matrix(body.linear) - self.radius * body.matrix * gamma)
+        three = self.dimension == 3
+        own = {
+            "fibration": Fibration(body.normal, relations=(gamma.dot(gamma) - 1,)),
+            "frame": Frame.group(
+                self.velocities,
+                body.motions if self.rolls else body.rotations,
+                dict(zip(gamma, body.seen(gamma, moving), strict=True)),
+                fibre=(*(() if self.twists else body.others), *(body.linear if self.rolls else ())),
+                momenta=self.momenta,
+                determinant=DETERMINANT,
+            ),
+            "lagrangian": self.energy,
+            "constraints": (*rolled, *(() if self.twists else body.twist(gamma))),
+            "parameters": (*constants(values, self._words), *self._moments(second_moments)),
+            "integrals": self.integrals,
+            "equations": self.equations,
+            "measure": self.measure,
+            "multiplier": None if self.twists or not three else self.reducer,
+            "cases": self.product_case(),
+        }
+        return joined(own, declared)
+
+    @property
+    def _words(self) -> Words:
+        radius = "radius" if self.fixed is None else "radius of the ball"
+        return {self.fixed: FIXED_RADIUS, self.mass: ("mass", True), self.radius: (radius, True)}
+
+    def _moments(self, second_moments: Sequence[str]) -> list[Parameter]:
+        """The moments in the planes of two axes."""
+        a = [real_text(x, "a second moment") for x in second_moments]
+        return [
+            Parameter(
+                moment,
+                a[i - 1] + a[j - 1],
+                positive=True,
+                meaning=f"moment in the plane of the axes {i} and {j}",
+            )
+            for (i, j), moment in zip(self.body.pairs, self.moments, strict=True)
+        ]
+
+    @property
+    def in_space(self) -> tuple[dict[str, sp.Expr], dict[str, sp.Expr]]:
+        """For n = 3: gamma and omega, Omega x = omega x x, and the moments about the axes."""
+        (w12, w13, w23), (i12, i13, i23) = self.body.angular, self.moments
+        spin = {"omega1": -w23, "omega2": w13} | ({"omega3": -w12} if self.twists else {})
+        state = {**{str(g): g for g in self.normal}, **spin}
+        return state, {f"{self.letter}{k}": x for k, x in zip("123", (i23, i13, i12), strict=True)}
