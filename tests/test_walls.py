@@ -77,12 +77,15 @@ FALSE = [
     * sp.sqrt(5 + 3 * sp.cos(x) + 4 * sp.sin(x))
     / (4 * sp.cos(x) - 3 * sp.sin(x)),
     energy * sp.atan2(x * v, x * v**2) - energy * sp.atan2(1, v),
+    energy * (t - 2 * sp.atan(x / (v + sp.sqrt(energy)))),
 ]
 PHASES = [
     (t - sp.atan2(x, v), 2 * sp.pi),
     (t - sp.atan(x / v), sp.pi),
     (t / 2 - sp.atan2(x, v) / 2, sp.pi),
     (2 * t - sp.atan2(x, v) - sp.atan(x / v), sp.pi),
+    (t - 2 * sp.atan(x / (v + sp.sqrt(energy))), 2 * sp.pi),
+    (t / 2 - sp.atan((sp.sqrt(energy) - v) / x), sp.pi),
 ]
 TRUE = [
     energy,
@@ -111,9 +114,11 @@ def _stands(found, function):
     point = {name: mp.mpf(int(e.p)) / int(e.q) for name, e in exact.items()}
     left, right = (mp.mpf(e) for e in (found.witness.left, found.witness.right))
     step = mp.mpf(10) ** -8
-    given = sp.lambdify((x, v), function, "mpmath")
+    given = sp.lambdify((x, v, t), function, "mpmath")
     at = point.get("x", mp.mpf(1)), point.get("xdot", mp.mpf(1))
-    sides = [given(at[0] + s * step * at[1], at[1] - s * step * at[0]) for s in (1, -1)]
+    now = point.get("t", mp.mpf(0))
+    beside = ((at[0] + h * at[1], at[1] - h * at[0], now) for h in (step, -step))
+    sides = [given(*state) for state in beside]
     for side, value in ((min(sides), min(left, right)), (max(sides), max(left, right))):
         assert abs(side - value) < 1e-4 * (1 + abs(side))
 

@@ -200,9 +200,36 @@ class Branches:
     _found: dict[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        angles = [n for n in _nodes(self.expr) if isinstance(n, se.atan)]
+        turned = {n: se.atan(self._without_roots_below(n.args[0])) for n in angles}
+        self.expr = self.expr.xreplace({n: t for n, t in turned.items() if n != t})
         for node in _nodes(self.expr):
             if node.free_symbols & self.moving:
                 self._look(node)
+
+    def _without_roots_below(self, inside: Any) -> Any:
+        """(r - x)/y for y/(x + r), r^2 = x^2 + y^2: the same with a polynomial below.
+
+        Where that vanishes, one of x + r and x - r does, unless in codimension two; where it is the
+        second, what stood below does not vanish, and there is no wall.
+        """
+        rooted = inside.free_symbols & self.moving and any(map(_is_root, _nodes(inside)))
+        if self.relations or not rooted:
+            return inside
+        found = self.product(inside)
+        for h, k in found.powers.items():
+            line = _line_in_root(h) if k < 0 and h not in found.roots else None
+            if line is not None and self._are_coprime(line):
+                rest, slope, root = line
+                norm = (rest**2 - slope**2 * root.args[0]).expand()
+                return found.without(h) * (rest - slope * root) ** -k * norm**k
+        return inside
+
+    def _are_coprime(self, line: tuple[Any, Any, Any]) -> bool:
+        """Whether a and b r of a + b r vanish together in codimension two only."""
+        rest, slope, root = line
+        one, other = (self.product(e).powers for e in (rest, slope * root.args[0]))
+        return not any(h.free_symbols & self.moving for h in one.keys() & other.keys())
 
     def walls(self) -> Iterator[Wall]:
         """Every piece of every wall."""
@@ -411,6 +438,23 @@ def _nodes(expr: Any) -> Iterator[Any]:
             seen.add(node)
             stack.append((node, True))
             stack += [(a, False) for a in node.args]
+
+
+def _is_root(node: Any) -> bool:
+    return isinstance(node, se.Pow) and node.args[1] == se.Rational(1, 2)
+
+
+def _line_in_root(expr: Any) -> tuple[Any, Any, Any] | None:
+    """(a, b, r) of a + b r, where r is the only square root in it."""
+    roots = [n for n in _nodes(expr) if _is_root(n)]
+    if len(roots) != 1:
+        return None
+    (root,), letter = roots, se.Dummy()
+    line = expr.xreplace({root: letter}).expand()
+    slope = line.diff(letter)
+    if slope == 0 or letter in slope.free_symbols:
+        return None
+    return line.xreplace({letter: se.Integer(0)}), slope, root
 
 
 def _divides(node: Any) -> bool:

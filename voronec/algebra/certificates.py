@@ -208,6 +208,7 @@ class Signs:
             return
         places = self._used(poly)
         yield from (self._by_coefficients(poly, place, depth) for place in places)
+        yield from (self._by_norm(poly, place, depth) for place in places)
         yield from (self._by_discriminant(poly, place, depth) for place in places)
 
     def _of_terms(self, poly: Any) -> Sign | None:
@@ -324,6 +325,28 @@ class Signs:
         reasons = "; ".join(dict.fromkeys(s.reason for _, s in found))
         text = f"its coefficients in {self.ring.meaning[place]} agree in sign ({reasons})"
         return Sign(found[0][1].value, strict, text)
+
+    def _by_norm(self, poly: Any, place: int, depth: int) -> Sign | None:
+        """a + b r with a square root r: b r is the larger where b^2 r^2 - a^2 is not negative, else
+        a; the larger has the sign."""
+        parts, field = self._collected(poly, place), self.ring.field
+        rule = next((r for q, degree, r in field.rules if q == place and degree == 2), None)
+        if rule is None or parts.keys() != {0, 1} or _ONE_SIGN.get(self.kinds[place]) != 1:
+            return None
+        try:
+            excess_of = field.reduce(
+                parts[1] ** 2 * (field.gens[place] ** 2 - rule) - parts[0] ** 2
+            )
+        except EngineLimit:
+            return None
+        excess = self.of_polynomial(excess_of, depth + 1)
+        if excess is None:
+            return None
+        larger = self.of_polynomial(parts[1] if excess.value >= 0 else parts[0], depth + 1)
+        if larger is None or not larger.value:
+            return None
+        text = f"{self.spelled(poly)} has the sign of the larger of its parts ({larger.reason})"
+        return Sign(larger.value, excess.strict and excess.value != 0 and larger.strict, text)
 
     def _by_discriminant(self, poly: Any, place: int, depth: int) -> Sign | None:
         """a y^2 + b y + c for y = x^k: definite where 4ac > b^2, semidefinite where a > 0, too."""
