@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import signal
 from pathlib import Path
 from typing import Any
 
 import pytest
 from command_line import Call, refused
 
+from voronec.accuracy.bench.call_stages import OTHER, STAGES
 from voronec.accuracy.bench.contender import NotHere
 from voronec.accuracy.bench.runs import CONTENDERS
 
@@ -133,3 +135,21 @@ def test_the_peers_are_among_the_methods() -> None:
     names = {c.name for c in CONTENDERS}
     assert {"heyoka", "scipy", "lsoda", "flint", "heyoka-by-hand", "dop853-numba"} <= names
     assert {"mujoco-best", "mujoco-default", "lsoda-lambdify-coordinates"} <= names
+
+
+def test_stages_of_calls_are_told_apart(call: Call, spring: str) -> None:
+    if not hasattr(signal, "setitimer"):
+        pytest.skip("no clock of the processor here")
+    answer = call("bench", spring, "--setup", "--json")
+    assert answer.status == 0 and answer.err == ""
+    seconds = json.loads(answer.out)["seconds"]
+    assert seconds["first ever"].keys() <= {*STAGES, OTHER}
+    first, second = (sum(seconds[n].values()) for n in ("first in a process", "second"))
+    assert seconds["first ever"]["import"] > 0 and first > second > 0
+    assert not Path("spring-bench").exists()
+
+
+def test_a_call_that_fails_says_why(call: Call, spring: str) -> None:
+    answer = call("bench", spring, "--setup", "--scene", "nope")
+    assert answer.status == 2 and "has no scene 'nope'" in answer.err
+    assert "DefinitionError" not in answer.err and answer.err.count("\n") == 1

@@ -227,6 +227,11 @@ def _bench(commands: Any) -> None:
     parser.add_argument("--methods", metavar="A,B", help="only these methods and peers")
     parser.add_argument("--tols", metavar="X,Y", help="these tolerances in place of each method's")
     parser.add_argument(
+        "--setup",
+        action="store_true",
+        help="instead: where the time of a whole call goes, at the first of --tols (1e-9)",
+    )
+    parser.add_argument(
         "--out", metavar="DIR", help="folder for bench.json, the table and a plot (./NAME-bench)"
     )
 

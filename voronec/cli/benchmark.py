@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 __all__ = ["execute"]
 
+TOLERANCE = 1e-9
+"""That of the calls whose stages are shown, unless told."""
+
 MARKS = {"at most": "<= ", "extrapolated": "~ "}
 """What stands before a time that is not interpolated between two runs."""
 
@@ -32,6 +35,8 @@ def execute(arguments: Namespace) -> int:
     time = None if arguments.time is None else finite(arguments.time, "--time")
     if time is not None and time <= 0:
         raise DefinitionError(f"--time {arguments.time}: give a length of time above zero")
+    if arguments.setup:
+        return _show_calls(arguments, time, tolerances)
     pairs = [pair(text) for text in arguments.set]
     system, _ = resolve(arguments.system)
     folder = wanted_folder(arguments.out or f"{system.name}-bench")
@@ -58,6 +63,32 @@ def execute(arguments: Namespace) -> int:
     else:
         print("\n".join([*_report(bench), "wrote " + ", ".join(str(f) for f in files)]))
     return 130 if bench.interrupted else 0
+
+
+def _show_calls(arguments: Namespace, time: float | None, tolerances: list[float]) -> int:
+    """Print where the time of whole calls goes."""
+    from voronec.accuracy.bench import measure_calls
+
+    system, _ = resolve(arguments.system)
+    try:
+        progress(f"{system.name}: calls in two fresh processes ...")
+        found = measure_calls(
+            arguments.system, arguments.scene, time, (tolerances or [TOLERANCE])[0]
+        ).as_dict()
+    finally:
+        progress("")
+    if arguments.json:
+        print_json({"system": system.name, "seconds": found})
+        return 0
+    stages = sorted(
+        {s for d in found.values() for s in d}, key=lambda s: -found["first ever"].get(s, 0)
+    )
+    rows = [[s, *(f"{1e3 * d.get(s, 0.0):.1f}" for d in found.values())] for s in stages]
+    rows.append(["together", *(f"{1e3 * sum(d.values()):.1f}" for d in found.values())])
+    print(f"{system.name}: a whole call of integrate, milliseconds of the processor")
+    print("\n".join(columns([["stage", *found], *rows])))
+    print("first in a process: heyoka finds on disk what it has compiled; both with imports")
+    return 0
 
 
 def _words(text: str | None) -> list[str]:

@@ -5,6 +5,7 @@ a ``Bench`` of all methods.  Peers are optional: what is not installed is named,
 """
 
 from voronec.accuracy.bench.agreement import Reference, difference, reference
+from voronec.accuracy.bench.call_stages import CallStages, measure_calls
 from voronec.accuracy.bench.equal_error import At, at_error, observed_order
 from voronec.accuracy.bench.question import Question, ask
 from voronec.accuracy.bench.record import Bench, Measured, Point
@@ -15,6 +16,7 @@ __all__ = [
     "CONTENDERS",
     "At",
     "Bench",
+    "CallStages",
     "Measured",
     "Point",
     "Question",
@@ -24,6 +26,7 @@ __all__ = [
     "at_error",
     "difference",
     "measure",
+    "measure_calls",
     "measure_setup",
     "observed_order",
     "reference",
