@@ -273,3 +273,34 @@ def test_a_motion_that_comes_to_rest_where_taylor_coefficients_vanish(count: int
     run = vo.ensemble(bowl, [start] * 2, times=times, outputs=("x",), method="heyoka")
     assert not run.errors
     assert np.abs(run["x"][:, -3:] - ahead["x"][1:].astype(float)).max() < 1e-12
+
+
+@HEYOKA
+def test_pieces_of_a_grid_may_end_an_ulp_beside_it():
+    """A body at rest goes from piece to piece in one step, whose end is rounded."""
+    rest = vo.System(name="rest", fibration=vo.Fibration(x), lagrangian=-(xdot**2) * x**2 / 2)
+    found = vo.ensemble(rest, {x: [1.0]}, times=np.linspace(0, 20, 2001), method="heyoka")
+    assert found.finished.all()
+    assert (found["x"] == 1).all()
+
+
+def test_motions_gone_over_alone_are_kept_when_stopped_by_hand():
+    """With an input that changes in time motions go one by one; the second is stopped."""
+    calls: list[float] = []
+
+    def force(t: float) -> float:
+        if calls.count(0.0) > 60:
+            raise KeyboardInterrupt
+        calls.append(0.0 if done else 1.0)
+        return 0.0
+
+    done: list[float] = []
+    pushed = vo.System(
+        name="pushed", fibration=vo.Fibration(x), lagrangian=xdot**2 / 2, forces={x: w}, inputs=(w,)
+    )
+    found = vo.ensemble(
+        pushed, {x: [1.0, 2.0, 3.0]}, times=GRID, inputs={w: force}, progress=done.append
+    )
+    assert found.interrupted
+    assert found.finished.tolist() == [True, False, False]
+    assert (found["x"][0] == 1).all() and np.isnan(found["x"][2]).all()

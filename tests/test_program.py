@@ -14,9 +14,12 @@ import mpmath
 import numpy as np
 import pytest
 import symengine as se
+import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import voronec as vo
+from voronec.algebra.stages import factored
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.program import (
     Program,
@@ -292,3 +295,27 @@ def test_source_says_what_goes_in_and_in_which_units() -> None:
     assert "state      = [x, y, z, u, v, w]" in source
     assert "parameters = [a, b]" in source
     assert "units" in source and "radians" in source
+
+
+def test_long_sums_keep_their_fractions_and_series_nest_only_so_deep() -> None:
+    """The common denominator of sin(n x)/n, n = 1 ... 800, is beyond doubles; 1500 powers of one
+    letter, one inside the other, are deeper than Python calls functions."""
+    q = sp.Symbol("q")
+    rate, orders = vo.velocity(q), range(1, 801)
+    system = vo.System(
+        name="saw", fibration=vo.Fibration(q), lagrangian=rate**2 / 2,
+        forces={q: sp.Add(*[sp.sin(n * q) / n for n in orders])},
+    )  # fmt: skip
+    space: dict[str, Any] = {}
+    exec(vo.derive(system).python(), space)
+    truth = math.fsum(math.sin(0.7 * n) / n for n in orders)
+    assert space["rhs"](0.0, [0.7, 0.0], [])[1] == pytest.approx(truth, rel=1e-12)
+    assert "151.0*q)/151.0" in vo.derive(system).c()
+    total = se.Add(*[a**n * se.sin(n * x) / n for n in range(1, 1501)])
+    names = (se.Symbol(f"s{i}") for i in range(2000))
+    found = factored({z: total}, lambda: next(names))
+    at: dict[Any, Any] = {a: 0.999, x: 0.3}
+    for name, expr in found.items():
+        at[name] = float(expr.xreplace(at))
+    series = math.fsum(0.999**n * math.sin(0.3 * n) / n for n in range(1, 1501))
+    assert at[z] == pytest.approx(series, rel=1e-12)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import heapq
 import math
 import random
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import count
 from typing import Any
@@ -143,21 +143,30 @@ def _powers(term: Any) -> dict[Any, int]:
     return powers
 
 
-def _collected(terms: list[tuple[Any, dict[Any, int]]], name: Callable[[Any], Any]) -> Any:
-    counts: dict[Any, int] = defaultdict(int)
-    for _, powers in terms:
-        for f in powers:
-            counts[f] += 1
-    most = max(counts, key=lambda f: (counts[f], str(f)), default=None)
-    if most is None or counts[most] < 2:
-        return se.Add(*[c * se.Mul(*[f**e for f, e in p.items()]) for c, p in terms])
-    inside = []
-    for c, powers in terms:
-        if most in powers:
-            inside.append((c, {f: e - (f == most) for f, e in powers.items() if e > (f == most)}))
-    outside = [(c, powers) for c, powers in terms if most not in powers]
-    head = most * name(_collected(inside, name))
-    return head + _collected(outside, name) if outside else head
+DEEPEST = 60
+"""So many factors are taken out one inside the other: a power series nests as deep as it goes."""
+
+
+def _collected(
+    terms: list[tuple[Any, dict[Any, int]]], name: Callable[[Any], Any], depth: int = 0
+) -> Any:
+    counts = Counter(f for _, powers in terms for f in powers)
+    keys = {f: str(f) for f, count in counts.items() if count > 1}
+    heads = []
+    while depth < DEEPEST:
+        most = max(keys, key=lambda f: (counts[f], keys[f]), default=None)
+        if most is None or counts[most] < 2:
+            break
+        inside = [(c, powers) for c, powers in terms if most in powers]
+        terms = [(c, powers) for c, powers in terms if most not in powers]
+        counts.subtract(f for _, powers in inside for f in powers)
+        rest = [(c, _divided(powers, most)) for c, powers in inside]
+        heads.append(most * name(_collected(rest, name, depth + 1)))
+    return se.Add(*heads, *[c * se.Mul(*[f**e for f, e in p.items()]) for c, p in terms])
+
+
+def _divided(powers: dict[Any, int], by: Any) -> dict[Any, int]:
+    return {f: e - (f == by) for f, e in powers.items() if e > (f == by)}
 
 
 BITS = 192
@@ -428,13 +437,23 @@ def coefficient(term: Any) -> Any:
     return ONE
 
 
+EXACT = 2**53
+"""The largest of the whole numbers that doubles all hold."""
+
+
 def primitive(total: Any) -> tuple[Any, Any]:
-    """A sum as number * sum, the second with whole coprime coefficients and few minus signs."""
+    """A sum as number * sum, the second with whole coprime coefficients and few minus signs.
+
+    Where doubles do not hold these, the largest is 1 and the others are fractions.
+    """
     numbers = [coefficient(t) for t in total.args]
     if not all(isinstance(c, se.Rational) for c in numbers):
         return ONE, total
     top = math.gcd(*(abs(int(c.p)) for c in numbers))
     factor = se.Integer(top) / math.lcm(*(int(c.q) for c in numbers))
+    largest = max(map(abs, numbers))
+    if largest / factor > EXACT:
+        factor = largest
     negative = sum(int(c.p) < 0 for c in numbers)
     if 2 * negative > len(numbers):
         factor = -factor

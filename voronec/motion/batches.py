@@ -228,6 +228,8 @@ def _pieces(
     while at < len(grid) - 1:
         if stopped():
             raise Stopped
+        if (ta.time != grid[at]).any():  # a piece may end an ulp beside the grid
+            ta.set_time(float(grid[at]))
         longest = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at])).tolist()
         if min(longest) < np.inf:
             piece = 1  # steps of a piece are short where the first one must be

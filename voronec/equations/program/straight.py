@@ -343,13 +343,20 @@ def _shared(
     names: dict[Any, Any] = {}
     assignments = []
     for old in needed(pending, [*inner, *results]):
-        expr = se.sympify(pending[old]).xreplace(names)
+        expr = _renamed(pending[old], names)
         if expr.args:
             names[old] = next(fresh)
             assignments.append((names[old], expr))
         else:
             names[old] = expr
-    return Block(tuple(assignments), tuple(se.sympify(e).xreplace(names) for e in results))
+    return Block(tuple(assignments), tuple(_renamed(e, names) for e in results))
+
+
+def _renamed(expr: Any, names: Mapping[Any, Any]) -> Any:
+    """An expression with its own symbols renamed: to hand over all names takes longer, in programs
+    of many lines."""
+    expr = se.sympify(expr)
+    return expr.xreplace({s: names[s] for s in expr.free_symbols if s in names})
 
 
 def _pruned(assignments: Sequence[tuple[Any, Any]], results: Sequence[Any]) -> Block:
