@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from voronec.closed.special.family import Precessions, precessions
     from voronec.declaration.catalogue import load, names
     from voronec.declaration.charts import Chart
-    from voronec.declaration.claims import Case, Corrected, Equation, Measure, Poisson
+    from voronec.declaration.claims import Assertion, Case, Corrected, Equation, Measure, Poisson
     from voronec.declaration.geometry import Fibration, Frame
     from voronec.declaration.quadratures import Plane, Quadratures, Space, Trace
     from voronec.declaration.relation import Limit, Relation, Square
@@ -97,6 +97,7 @@ _HOME = {
     "divergence": "voronec.proof.measures",
     "Reduction": "voronec.equations.reduction",
     "descend": "voronec.equations.reduction",
+    "Assertion": "voronec.declaration.claims",
     "Case": "voronec.declaration.claims",
     "Corrected": "voronec.declaration.claims",
     "Equation": "voronec.declaration.claims",
@@ -116,6 +117,7 @@ _HOME = {
 }
 
 __all__ = [
+    "Assertion",
     "Case",
     "Chart",
     "Claim",

@@ -7,11 +7,11 @@ import sys
 from typing import Any, NoReturn
 
 import voronec
+from voronec.equations.printers import PRINTERS
 from voronec.errors import printable
+from voronec.motion.methods import method_names
 
 __all__ = ["command_parser"]
-
-METHODS = ("auto", "heyoka", "scipy", "lsoda", "flint", "closed-form")
 
 SUMMARY = "Exact equations of nonholonomic systems, and the papers that print them."
 EXITS = "exit status: 0 good, 1 a check failed, 2 the input is wrong, 130 stopped by Ctrl-C"
@@ -76,9 +76,8 @@ def _derive(commands: Any) -> None:
     parser = _command(commands, "derive", "derivation", "derive the equations of motion")
     _system(parser)
     form = parser.add_mutually_exclusive_group()
-    form.add_argument("--latex", action="store_true", help="the equations as LaTeX")
-    form.add_argument("--python", action="store_true", help="the right-hand side as Python")
-    form.add_argument("--c", action="store_true", help="the right-hand side as C")
+    for name, printer in PRINTERS.items():
+        form.add_argument(f"--{name}", action="store_true", help=printer.about)
     form.add_argument("--store", metavar="FILE.json", help="store the derivation, for 'compare'")
 
 
@@ -114,7 +113,7 @@ def _run(commands: Any) -> None:
         metavar="[START:]END[:N]",
         help="other times than the scene's, at N instants (1001)",
     )
-    parser.add_argument("--method", choices=METHODS, default="auto", help="the integrator")
+    parser.add_argument("--method", choices=method_names(), default="auto", help="the integrator")
     parser.add_argument("--tol", metavar="TOL", help="the integrator's tolerance (1e-13)")
     parser.add_argument(
         "--out", metavar="DIR", help="folder for trajectory.csv and pictures (./NAME-run)"
@@ -190,7 +189,7 @@ def _section(commands: Any) -> None:
     )
     parser.add_argument("--until", metavar="T", help="the time at which a motion is given up")
     parser.add_argument(
-        "--method", choices=("auto", "heyoka", "scipy"), default="auto", help="the integrator"
+        "--method", choices=method_names(many=True), default="auto", help="the integrator"
     )
     parser.add_argument("--tol", metavar="TOL", help="the integrator's tolerance (1e-13)")
     parser.add_argument(

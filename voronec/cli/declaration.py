@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,10 +23,6 @@ __all__ = ["declaration", "execute"]
 def _claims(system: System) -> list[dict[str, str]]:
     """Every claim: kind, name and statement; where corrected, what is printed and its source."""
     claims = [*_held(system, "")]
-    if system.poisson is not None:
-        claims.append(_claim("poisson", "bracket", _bracket(system.poisson)))
-    if system.essential:
-        claims.append(_claim("essential", "closed", _list(system.essential)))
     for name, case in system.cases.items():
         values = ", ".join(f"{plain(k)} = {plain(v)}" for k, v in case.parameters.items())
         claims.append(_claim("case", name, ": ".join(filter(None, (values, case.note)))))
@@ -44,16 +40,18 @@ def _claim(kind: str, name: str, statement: str) -> dict[str, str]:
 
 def _held(holder: Any, case: str) -> Iterator[dict[str, str]]:
     """The claims that a system and a case have in common."""
-    named = [("integral", name, claim) for name, claim in holder.integrals.items()]
-    named += [("equation", name, claim) for name, claim in holder.equations.items()]
-    if holder.measure is not None:
-        named.append(("measure", "density", holder.measure))
-    for kind, name, claim in named:
-        yield _claim(kind, case + name, _statement(claim)) | _correction(claim)
-    if holder.multiplier is not None:
-        yield _claim("multiplier", case + "dtau = N dt", "N = " + plain(holder.multiplier))
-    if holder.integrable:
-        yield _claim("integrable", case + holder.integrable, "by quadratures")
+    from voronec.declaration.claims import declared_claims
+
+    shown: dict[str, tuple[str, Callable[[Any], str]]] = {
+        "multiplier": ("dtau = N dt", lambda claim: "N = " + plain(claim)),
+        "integrable": ("", lambda _: "by quadratures"),
+        "poisson": ("bracket", _bracket),
+        "essential": ("closed", _list),
+    }
+    last = ("poisson", "essential")
+    for kind, name, _, _, claim in sorted(declared_claims(holder), key=lambda c: c.kind in last):
+        title, words = shown.get(kind, ("", _statement))
+        yield _claim(kind, case + (title or name), words(claim)) | _correction(claim)
 
 
 def _by_quadratures(motion: Quadratures) -> Iterator[dict[str, str]]:
@@ -98,9 +96,11 @@ def _correction(claim: Any) -> dict[str, str]:
 
 
 def _statement(claim: Any) -> str:
-    from voronec.declaration.claims import Equation, Measure, right_of
+    from voronec.declaration.claims import Assertion, Equation, Measure, right_of
 
     claim = right_of(claim)
+    if isinstance(claim, Assertion):
+        return _list(claim.expressions)
     if isinstance(claim, Equation):
         pairs = zip(claim.function, claim.rate, strict=True)
         return "; ".join(f"d/dt ({plain(f)}) = {plain(g)}" for f, g in pairs)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from voronec.cli.output import columns, plain, print_json
 from voronec.cli.subject import resolve
+from voronec.equations.printers import PRINTERS
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ __all__ = ["execute"]
 
 
 def execute(arguments: Namespace) -> int:
-    """Derive and print; ``--latex``, ``--python`` and ``--c`` print source only."""
+    """Derive and print; the options of ``PRINTERS`` print source only."""
     from voronec.equations.vector_field import Motions
     from voronec.equations.voronec_equations import derive
     from voronec.proof.claims import check_claims
@@ -31,10 +32,10 @@ def execute(arguments: Namespace) -> int:
     eqs = derive(system)
     if arguments.store is not None:
         return _store(eqs, Path(arguments.store), arguments.json)
-    for language in ("latex", "python", "c"):
-        if getattr(arguments, language):
-            text = getattr(eqs, language)()
-            print_json({language: text}) if arguments.json else print(text.rstrip("\n"))
+    for name, printer in PRINTERS.items():
+        if getattr(arguments, name):
+            text = printer.text(eqs)
+            print_json({name: text}) if arguments.json else print(text.rstrip("\n"))
             return 0
     motions = Motions(eqs)
     reduction = _reduction(motions)

@@ -58,9 +58,9 @@ def _list(cases: Sequence[HardCase], as_json: bool) -> int:
 
 
 def _methods(names: Sequence[str]) -> tuple[str, ...]:
-    from voronec.accuracy.hard import METHODS
     from voronec.accuracy.hard.run import available
     from voronec.errors import did_you_mean
+    from voronec.motion.methods import METHODS
 
     for name in names:
         if name not in ("auto", "default", *METHODS):

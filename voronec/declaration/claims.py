@@ -7,28 +7,34 @@ that holds no coordinate is decided on the reduced equations.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy as sp
 
+from voronec.algebra.symbols import plain_name
 from voronec.declaration.reading import expression, mapping, several, shown
 from voronec.errors import DefinitionError
 
 __all__ = [
+    "KINDS",
     "THEOREMS",
+    "Assertion",
     "Case",
     "Corrected",
+    "Declared",
     "Equation",
     "Measure",
     "Poisson",
     "claim_names",
+    "declared_claims",
     "expressions_of",
     "read_claims",
     "replaced",
     "right_of",
+    "without_claims",
 ]
 
 THEOREMS = ("Euler-Jacobi",)
@@ -115,10 +121,47 @@ class Poisson:
 
 
 @dataclass(frozen=True)
+class Assertion:
+    """A claim of a kind of one's own: what it is about, and how it is decided.
+
+    kind
+        what tables call it, a word of letters.
+    expressions
+        functions of the state, as in every claim.
+    decide
+        a function of the motions, ``voronec.equations.vector_field.Motions``, and of the
+        expressions, that returns a ``Verdict``.  ``motions.deciding(expressions)`` is the vector
+        field on which they are decided.
+    """
+
+    kind: str
+    expressions: tuple[Any, ...]
+    decide: Callable[[Any, tuple[Any, ...]], Any]
+
+    def __post_init__(self) -> None:
+        taken = {*(kind.name for kind in KINDS), "descent", "case", "chart", "motion"}
+        if not isinstance(self.kind, str) or not self.kind.isidentifier() or self.kind in taken:
+            raise DefinitionError(
+                f"the kind of an assertion is '{shown(self.kind)}'; give a word of letters that is "
+                f"none of {', '.join(sorted(taken))}"
+            )
+        if not callable(self.decide):
+            raise DefinitionError(
+                f"an assertion is decided by '{shown(self.decide)}'; give a function of the "
+                "motions and the expressions"
+            )
+        place = f"'{self.kind}'"
+        given = several(self.expressions, f"expressions of {place}", "expression", (int, float))
+        read = tuple(expression(e, place) for e in given)
+        object.__setattr__(self, "expressions", read)
+
+
+@dataclass(frozen=True)
 class Corrected:
     """A claim that is false as ``printed`` in ``source``, with the one that is true.
 
-    Both are of the kind that stands in its place: an integral, an ``Equation``, a measure.  The
+    Both are of the kind that stands in its place: an integral, an ``Equation``, an ``Assertion``, a
+    measure.  The
     printed one must be refuted and the other proved.
     """
 
@@ -143,29 +186,73 @@ class Case:
     integrable: str = ""
     note: str = ""
     multiplier: Any = None
+    assertions: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if self.multiplier is not None:
-            read = expression(self.multiplier, "the multiplier of a case")
-            object.__setattr__(self, "multiplier", read)
-        for part, entry in (("parameters", "parameter: value"),):
-            object.__setattr__(self, part, mapping(getattr(self, part), part, entry))
+        given = mapping(self.parameters, "parameters", "parameter: value")
+        object.__setattr__(self, "parameters", given)
         for part, value in read_claims(self).items():
             object.__setattr__(self, part, value)
 
 
+class Kind(NamedTuple):
+    """A kind of claim: the field that holds it, in a system or a case, and how it is read.
+
+    ``entry`` shows what a field holds that has claims by their names.  A claim that stands alone
+    has a ``title``, and a ``place`` for messages; its field is ``empty`` where there is none.
+    """
+
+    name: str
+    field: str
+    read: Callable[[Any, str], Any]
+    entry: str = ""
+    title: Callable[[Any], str] = str
+    place: str = ""
+    empty: Any = None
+
+
+class Declared(NamedTuple):
+    """A claim as it is declared; ``place`` is what messages call it, ``key`` what ``undecided``
+    does."""
+
+    kind: str
+    name: str
+    place: str
+    key: str
+    value: Any
+
+
+def declared_claims(holder: Any) -> Iterator[Declared]:
+    """The claims of a system or a case, in the order of ``KINDS``; the descent is none of them."""
+    for kind in KINDS:
+        held: Any = getattr(holder, kind.field, None)
+        if kind.entry:
+            for name, claim in held.items():
+                own = right_of(claim)
+                label = own.kind if isinstance(own, Assertion) else kind.name
+                yield Declared(label, name, f"{label} '{name}'", name, claim)
+        elif held not in (None, (), ""):
+            yield Declared(kind.name, kind.title(held), kind.place, kind.name, held)
+
+
+def without_claims() -> dict[str, Any]:
+    """The fields of a system that claims nothing of its motions."""
+    return {k.field: {} if k.entry else k.empty for k in KINDS} | {"cases": {}, "undecided": {}}
+
+
 def read_claims(holder: Any) -> dict[str, Any]:
-    """The integrals, equations and measure of a system or a case in their final form."""
+    """The claims of a system or a case in their final form, by fields."""
     found: dict[str, Any] = {}
-    for part, one, entry, read in (
-        ("integrals", "integral", "'name': expression", expression),
-        ("equations", "equation", "'name': Equation(function, rate)", _equation),
-    ):
-        values = mapping(getattr(holder, part), part, entry)
-        read_values = {k: _claimed(v, f"{one} '{shown(k)}'", read) for k, v in values.items()}
-        found[part] = mapping(read_values, part, entry)
-    if holder.measure is not None:
-        found["measure"] = _claimed(holder.measure, "the measure", _measure)
+    for kind in KINDS:
+        held = getattr(holder, kind.field, None)
+        if kind.entry:
+            values = mapping(held, kind.field, kind.entry)
+            read = {
+                k: _claimed(v, f"{kind.name} '{shown(k)}'", kind.read) for k, v in values.items()
+            }
+            found[kind.field] = mapping(read, kind.field, kind.entry)
+        elif held is not None:
+            found[kind.field] = kind.read(held, kind.place)
     return found
 
 
@@ -178,39 +265,41 @@ def expressions_of(claim: Any) -> Iterator[sp.Expr]:
         yield from (*claim.function, *claim.rate)
     elif isinstance(claim, Measure):
         yield from (claim.density, *claim.variables)
+    elif isinstance(claim, Assertion):
+        yield from claim.expressions
     elif isinstance(claim, Poisson):
+        own = dict.fromkeys(claim.variables, sp.Integer(1))
         values = (*claim.variables.values(), *claim.bracket.values())
-        yield from (*values, claim.hamiltonian, claim.clock)
-    else:
+        yield from (e.xreplace(own) for e in (*values, claim.hamiltonian, claim.clock))
+    elif isinstance(claim, tuple):
+        yield from claim
+    elif not isinstance(claim, str):
         yield claim
 
 
 def replaced(claim: Any, at: Mapping[Any, Any]) -> Any:
-    """An integral, an equation or a measure with symbols replaced."""
+    """A claim, or claims by name, with symbols replaced."""
+    if isinstance(claim, Mapping):
+        return {name: replaced(c, at) for name, c in claim.items()}
+    if claim is None or isinstance(claim, str):
+        return claim
+    if isinstance(claim, tuple):
+        return tuple(e.xreplace(at) for e in claim)
     if isinstance(claim, Corrected):
         return Corrected(replaced(claim.right, at), replaced(claim.printed, at), claim.source)
     if isinstance(claim, Equation):
-        function, rate = (
-            tuple(e.xreplace(at) for e in part) for part in (claim.function, claim.rate)
-        )
-        return Equation(function, rate)
+        return Equation(replaced(claim.function, at), replaced(claim.rate, at))
     if isinstance(claim, Measure):
         return Measure(claim.density.xreplace(at), claim.variables)
+    if isinstance(claim, Assertion):
+        return replace(claim, expressions=replaced(claim.expressions, at))
     return claim.xreplace(at)
 
 
 def claim_names(system: Any) -> Iterator[str]:
     """Each claim of a system by the name it has; those without one by their kind."""
-    holders: list[tuple[str, Any]] = [("", system)]
-    for label, holder in holders + [(f"{n}: ", c) for n, c in system.cases.items()]:
-        yield from (f"{label}{name}" for name in (*holder.integrals, *holder.equations))
-        if holder.measure is not None:
-            yield f"{label}measure"
-        if holder.integrable:
-            yield f"{label}integrable"
-    for kind in ("multiplier", "poisson", "essential"):
-        if getattr(system, kind):
-            yield kind
+    for label, holder in (("", system), *((f"{n}: ", c) for n, c in system.cases.items())):
+        yield from (f"{label}{claim.key}" for claim in declared_claims(holder))
     if system.invariants:
         yield "descent"
     yield from system.charts
@@ -236,3 +325,45 @@ def _equation(value: Any, place: str) -> Equation:
 
 def _measure(value: Any, place: str) -> Measure:
     return value if isinstance(value, Measure) else Measure(expression(value, place))
+
+
+def _assertion(value: Any, place: str) -> Assertion:
+    if isinstance(value, Assertion):
+        return value
+    raise DefinitionError(
+        f"{place} is '{shown(value)}'; write Assertion(kind, expressions, decide)"
+    )
+
+
+def _poisson(value: Any, place: str) -> Poisson:
+    if isinstance(value, Poisson):
+        return value
+    raise DefinitionError(f"{place} is '{shown(value)}'; write Poisson(variables, bracket, ...)")
+
+
+def _names(things: Iterable[Any]) -> str:
+    return ", ".join(map(plain_name, things))
+
+
+KINDS = (
+    Kind("integral", "integrals", expression, "'name': expression"),
+    Kind("equation", "equations", _equation, "'name': Equation(function, rate)"),
+    Kind("assertion", "assertions", _assertion, "'name': Assertion(kind, expressions, decide)"),
+    Kind(
+        "measure", "measure", lambda value, place: _claimed(value, place, _measure),
+        title=lambda _: "density", place="the measure",
+    ),
+    Kind(
+        "multiplier", "multiplier", expression,
+        title=lambda _: "reducing multiplier", place="the multiplier",
+    ),
+    Kind(
+        "poisson", "poisson", _poisson, title=lambda claim: _names(claim.variables), place="poisson"
+    ),
+    Kind(
+        "essential", "essential", lambda value, place: several(value, place, "symbol"),
+        title=_names, place="essential", empty=(),
+    ),
+    Kind("integrable", "integrable", lambda value, _: value, place="integrable", empty=""),
+)  # fmt: skip
+"""Every kind of claim that a system declares, in the order in which they are decided."""

@@ -20,15 +20,18 @@ from voronec.algebra.symbols import (
 from voronec.algebra.text import sympified
 from voronec.declaration.charts import Chart
 from voronec.declaration.claims import (
+    KINDS,
     THEOREMS,
     Case,
     Corrected,
     Measure,
     Poisson,
     claim_names,
+    declared_claims,
     expressions_of,
     read_claims,
     right_of,
+    without_claims,
 )
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.quadratures import Quadratures
@@ -85,6 +88,8 @@ class System:
     integrable
         claim: ``"Euler-Jacobi"`` where the integrals and the measure suffice for the theorem of
         Euler and Jacobi.
+    assertions
+        name -> ``Assertion``: a claim of a kind of one's own, with how it is decided.
     cases
         name -> ``Case``: claims under special values of parameters.
     undecided
@@ -139,6 +144,7 @@ class System:
     drawing: Any = None
     motion: Quadratures | None = None
     inputs: tuple[Any, ...] = ()
+    assertions: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -202,9 +208,6 @@ class System:
             store(name, value)
         entry = "'in words': condition"
         store("possible", mapping(self.possible, "possible", entry))
-        if self.multiplier is not None:
-            store("multiplier", expression(self.multiplier, "the multiplier"))
-        store("essential", several(self.essential, "essential", "symbol"))
         store("undecided", mapping(self.undecided, "undecided", "'claim': 'reason'"))
         store("references", several(self.references, "references", "'Key'"))
         for name, kind, entry in (
@@ -213,10 +216,6 @@ class System:
             ("cases", Case, "Case(parameters={...}, integrals={...})"),
         ):
             store(name, _all_of(getattr(self, name), name, kind, entry))
-        if self.poisson is not None and not isinstance(self.poisson, Poisson):
-            raise DefinitionError(
-                f"poisson is '{shown(self.poisson)}'; write Poisson(variables, bracket, ...)"
-            )
         if self.motion is not None:
             if not isinstance(self.motion, Quadratures):
                 raise DefinitionError(
@@ -333,12 +332,9 @@ def system_in(system: System, name: str) -> System:
 def bare(system: System, name: str, **changes: Any) -> System:
     """A system by another name, with changes, without its claims, charts and scenes."""
     empty: dict[str, Any] = {
-        **{x: {} for x in ("integrals", "equations", "invariants", "cases", "undecided")},
-        "scenes": {},
-        "charts": {},
-        **dict.fromkeys(("measure", "multiplier", "poisson", "drawing", "motion"), None),
-        "essential": (),
-        "integrable": "",
+        **without_claims(),
+        **{x: {} for x in ("invariants", "scenes", "charts")},
+        **dict.fromkeys(("drawing", "motion")),
     }
     return replace(system, name=name, **{**empty, **changes})
 
@@ -398,7 +394,8 @@ def check_names(system: System) -> None:
             )
         names[name] = role
     _require_name(system, system.name, "the system")
-    for title in ("integrals", "invariants", "equations", "cases", "scenes", "charts", "possible"):
+    named = (*(kind.field for kind in KINDS if kind.entry), "invariants", "cases", "scenes")
+    for title in (*named, "charts", "possible"):
         for words in getattr(system, title):
             if not isinstance(words, str) or not words.strip() or not words.isprintable():
                 raise DefinitionError(
@@ -630,21 +627,8 @@ def _forces(system: System) -> Iterator[tuple[str, sp.Expr]]:
 def _claims(system: System) -> Iterator[tuple[str, sp.Expr]]:
     """Every expression of a claim, in which the invariants may be used by name."""
     for place, holder in _holders(system):
-        for part in ("integrals", "equations"):
-            for key, claim in getattr(holder, part).items():
-                for e in expressions_of(claim):
-                    yield f"{place}{part.removesuffix('s')} '{key}'", e
-        if holder.measure is not None:
-            for e in expressions_of(holder.measure):
-                yield f"{place}the measure", e
-        if holder.multiplier is not None:
-            yield f"{place}the multiplier", holder.multiplier
-    for variable in system.essential:
-        yield "essential", variable
-    if system.poisson is not None:
-        own = {*system.poisson.variables}
-        for e in expressions_of(system.poisson):
-            yield "poisson", e.xreplace(dict.fromkeys(own, sp.Integer(1)))
+        for claim in declared_claims(holder):
+            yield from ((f"{place}{claim.place}", e) for e in expressions_of(claim.value))
 
 
 def check_motion(system: System) -> None:

@@ -1,11 +1,18 @@
-"""Motions: a system, its initial data and a grid of times make a ``Trajectory``."""
+"""Motions: a system, its initial data and a grid of times make a ``Trajectory``.
 
-from voronec.motion.ensembles import Ensemble, ensemble
-from voronec.motion.events import Crossings, Event
-from voronec.motion.integration import integrate
-from voronec.motion.sections import Section, section
-from voronec.motion.tables import Table
-from voronec.motion.trajectory import Cost, Trajectory
+Names load on first use: the table of methods is read where nothing is integrated.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from voronec.motion.ensembles import Ensemble, ensemble
+    from voronec.motion.events import Crossings, Event
+    from voronec.motion.integration import integrate
+    from voronec.motion.sections import Section, section
+    from voronec.motion.tables import Table
+    from voronec.motion.trajectory import Cost, Trajectory
 
 __all__ = [
     "Cost",
@@ -19,3 +26,19 @@ __all__ = [
     "integrate",
     "section",
 ]
+
+_HOME = {
+    "ensembles": ("Ensemble", "ensemble"),
+    "events": ("Crossings", "Event"),
+    "integration": ("integrate",),
+    "sections": ("Section", "section"),
+    "tables": ("Table",),
+    "trajectory": ("Cost", "Trajectory"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in _HOME.items():
+        if name in names:
+            return getattr(import_module(f"voronec.motion.{module}"), name)
+    raise AttributeError(f"module 'voronec.motion' has no attribute '{name}'")

@@ -15,9 +15,9 @@ import numpy as np
 
 from voronec.equations.program import Hoisted, Program, compiled, hoisted, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.motion.methods import FINEST, method_names
 from voronec.motion.steppers.first_step import STRIDE, openings, overlong_lanes
 from voronec.motion.steppers.run import COLLAPSE, INFINITE
-from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.steppers.units import units_of_many
 
 __all__ = [
@@ -370,9 +370,10 @@ def note_step(sizes: StepSizes, method: Any) -> None:
 
 def require_method(method: str) -> None:
     """Refuse what does not integrate many motions."""
-    if method not in ("auto", "heyoka", "scipy"):
+    if method not in method_names(many=True):
+        known = ", ".join(method_names(many=True))
         raise DefinitionError(
-            f"there is no method '{method}' for many motions; methods are auto, heyoka, scipy"
+            f"there is no method '{method}' for many motions; methods are {known}"
         )
 
 

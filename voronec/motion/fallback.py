@@ -7,6 +7,7 @@ from dataclasses import replace
 from math import isfinite
 
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.motion.methods import METHODS
 from voronec.motion.trajectory import Trajectory
 
 __all__ = ["Way", "first_success", "other_method"]
@@ -14,8 +15,6 @@ __all__ = ["Way", "first_success", "other_method"]
 Way = Callable[[IntegrationError | None], Trajectory | None]
 """From the first error, where there was one, to a trajectory, or to None where the way is of no
 use after that."""
-
-_OTHERS = {"scipy": "heyoka", "heyoka": "scipy"}
 
 
 def other_method(error: IntegrationError) -> str:
@@ -25,7 +24,8 @@ def other_method(error: IntegrationError) -> str:
     """
     if error.singular or error.trajectory is None:
         return ""
-    return _OTHERS.get(error.trajectory.cost.method, "")
+    used = METHODS.get(error.trajectory.cost.method)
+    return used.other if used is not None else ""
 
 
 def first_success(ways: Iterable[Way], begin: float) -> Trajectory:

@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
-from voronec.declaration.claims import Case, expressions_of, replaced
+from voronec.declaration.claims import KINDS, Case, expressions_of, replaced, without_claims
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import expression
 from voronec.declaration.scene import Parameter
@@ -40,15 +40,7 @@ def specialised(
         forces={q: e.xreplace(at) for q, e in system.forces.items()},
         frame=_replaced_frame(system.frame, at),
         invariants={k: e.xreplace(at) for k, e in system.invariants.items()},
-        integrals=_defined(system.integrals, at),
-        equations=_defined(system.equations, at),
-        measure=_defined({"": system.measure}, at).get("") if system.measure else None,
-        multiplier=None,
-        poisson=None,
-        essential=(),
-        integrable="",
-        cases={},
-        undecided={},
+        **without_claims() | _kept_claims(system, at),
         scenes={k: _without(scene, names) for k, scene in system.scenes.items()},
         drawing=None,
         motion=None,
@@ -71,15 +63,10 @@ def _still_possible(system: System, at: Mapping[Any, Any]) -> dict[str, Any]:
 def case_of(system: System, case: Case) -> System:
     """The specialised system with the claims of the case alone."""
     at = case_values(system, case.parameters)
-    bare = replace(system, integrals={}, equations={}, measure=None)
-    return replace(
-        specialised(bare, case.parameters),
-        integrals={k: replaced(c, at) for k, c in case.integrals.items()},
-        equations={k: replaced(c, at) for k, c in case.equations.items()},
-        measure=None if case.measure is None else replaced(case.measure, at),
-        integrable=case.integrable,
-        multiplier=None if case.multiplier is None else case.multiplier.xreplace(at),
-    )
+    bare = replace(system, **without_claims())
+    fields = [kind.field for kind in KINDS if hasattr(case, kind.field)]
+    own = {field: replaced(getattr(case, field), at) for field in fields}
+    return replace(specialised(bare, case.parameters), **own)
 
 
 def case_values(system: System, parameters: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
@@ -95,6 +82,16 @@ def case_values(system: System, parameters: Mapping[Any, Any]) -> dict[sp.Expr, 
             )
         values[known[name]] = expression(value, f"the value of '{name}'")
     return values
+
+
+def _kept_claims(system: System, at: Mapping[Any, Any]) -> dict[str, Any]:
+    """The integrals, equations and measure at some values of parameters."""
+    density = {} if system.measure is None else {"": system.measure}
+    return {
+        "integrals": _defined(system.integrals, at),
+        "equations": _defined(system.equations, at),
+        "measure": _defined(density, at).get(""),
+    }
 
 
 def _defined(claims: Mapping[str, Any], at: Mapping[Any, Any]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ depending on the time, is integrated by quadratures.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,13 +15,21 @@ import sympy as sp
 
 from voronec.algebra.graphs import is_atom
 from voronec.algebra.rank import generic_rank
-from voronec.algebra.symbols import plain_name
 from voronec.algebra.verdicts import Verdict
-from voronec.declaration.claims import Case, Corrected, Equation, Measure, expressions_of, right_of
+from voronec.declaration.claims import (
+    Assertion,
+    Case,
+    Corrected,
+    Equation,
+    Measure,
+    declared_claims,
+    expressions_of,
+    right_of,
+)
 from voronec.declaration.system import System
 from voronec.equations.vector_field import Motions, VectorField
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.errors import DefinitionError, EngineLimit, shown
 from voronec.proof.brackets import decide_poisson
 from voronec.proof.cases import case_of, specialised
 from voronec.proof.closure import decide_essential
@@ -123,7 +131,7 @@ class Claim:
 
     kind
         ``integral``, ``equation``, ``measure``, ``multiplier``, ``poisson``, ``essential``,
-        ``integrable`` or ``descent``.
+        ``integrable`` or ``descent``; or that of an ``Assertion``.
     name
         as declared, with the name of the case before it where it belongs to one.
     level
@@ -221,31 +229,23 @@ def _claims_of(motions: Motions, general: _Known) -> list[Claim]:
     own = motions.system
     _ = motions.on_coordinates  # the derivation belongs to no claim
     descent = _decided("descent", ", ".join(own.invariants), _descends, motions, None)
-    claims = [*_rates(motions)]
-    if own.measure is not None:
-        claims.append(_decided("measure", "density", decide_measure, motions, own.measure))
-    if own.multiplier is not None:
-        name = "reducing multiplier"
-        claims.append(_decided("multiplier", name, decide_multiplier, motions, own.multiplier))
-    if own.poisson is not None:
-        names = ", ".join(map(plain_name, own.poisson.variables))
-        claims.append(_decided("poisson", names, decide_poisson, motions, own.poisson))
-    if own.essential:
-        names = ", ".join(map(plain_name, own.essential))
-        claims.append(_decided("essential", names, decide_essential, motions, own.essential))
-    if own.integrable:
-        known = general.with_claims(own, claims)
-        claims.append(_decided("integrable", own.integrable, _integrable, motions, known))
-    if own.invariants:
-        claims.append(descent)
-    return claims
+    claims: list[Claim] = []
+    for kind, name, _, _, value in declared_claims(own):
+        decide = DECIDERS.get(kind, _decide_assertion)
+        # a theorem rests on what has been decided before it
+        about = general.with_claims(own, claims) if kind == "integrable" else value
+        claims.append(_decided(kind, name, decide, motions, about))
+    return [*claims, descent] if own.invariants else claims
 
 
-def _rates(motions: Motions) -> Iterator[Claim]:
-    for name, integral in motions.system.integrals.items():
-        yield _decided("integral", name, decide_integral, motions, integral)
-    for name, equation in motions.system.equations.items():
-        yield _decided("equation", name, decide_equation, motions, equation)
+def _decide_assertion(motions: Motions, claim: Assertion) -> Decision:
+    """A claim of a kind of somebody's own, decided as it says."""
+    verdict = claim.decide(motions, claim.expressions)
+    if not isinstance(verdict, Verdict):
+        raise DefinitionError(
+            f"what decides '{claim.kind}' returned '{shown(verdict)}'; return a Verdict"
+        )
+    return Decision(verdict)
 
 
 def _integrable(motions: Motions, known: _Known) -> Decision:
@@ -253,6 +253,17 @@ def _integrable(motions: Motions, known: _Known) -> Decision:
     if known.measured is None:
         return Decision(Verdict("refuted", "no measure is declared"))
     return decide_integrable(motions, known.measure, known.measured, known.integrals)
+
+
+DECIDERS: dict[str, Decide] = {
+    "integral": decide_integral,
+    "equation": decide_equation,
+    "measure": decide_measure,
+    "multiplier": decide_multiplier,
+    "poisson": decide_poisson,
+    "essential": decide_essential,
+    "integrable": _integrable,
+}
 
 
 def _descends(motions: Motions, _: Any) -> Decision:

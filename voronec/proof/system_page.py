@@ -12,7 +12,15 @@ from voronec.algebra.symbols import velocity
 from voronec.algebra.text import sympified
 from voronec.algebra.typeset import latex_of, symbol_latex
 from voronec.declaration.bibliography import citation
-from voronec.declaration.claims import Corrected, Equation, Measure, right_of
+from voronec.declaration.claims import (
+    Assertion,
+    Corrected,
+    Equation,
+    Measure,
+    Poisson,
+    declared_claims,
+    right_of,
+)
 from voronec.declaration.system import System
 from voronec.proof.check import Finding, Result
 
@@ -192,13 +200,9 @@ def _statement(system: System, finding: Finding) -> Iterator[str]:
     holder: Any = system.cases.get(case, system)
     name = finding.name if holder is system else name
     show = _Formulas(system)
-    claim: Any = {
-        "integral": holder.integrals.get(name),
-        "equation": holder.equations.get(name),
-        "measure": holder.measure,
-        "multiplier": holder.multiplier,
-    }.get(finding.kind)
-    if claim is None:
+    known = {(c.kind, c.name): c.value for c in declared_claims(holder)}
+    claim = known.get((finding.kind, name))
+    if claim is None or isinstance(claim, Poisson | tuple | str):
         return
     yield _display(_formula(show, right_of(claim)), system)
     if isinstance(claim, Corrected):
@@ -212,6 +216,8 @@ def _formula(show: _Formulas, claim: Any) -> str:
     if isinstance(claim, Measure):
         volume = r"\,".join(f"d{show(v)}" for v in claim.variables)
         return show(claim.density) + (r"\;" + volume if volume else "")
+    if isinstance(claim, Assertion):
+        return r",\; ".join(map(show, claim.expressions))
     return show(claim)
 
 

@@ -4,7 +4,7 @@
 the condition number of the case (``conditioning``), u = 2^-53, and so is a refusal with a reason.
 """
 
-from voronec.accuracy.hard.case import METHODS, HardCase
+from voronec.accuracy.hard.case import HardCase
 from voronec.accuracy.hard.cases import CASES, QUICK, every_case, named_cases
 from voronec.accuracy.hard.reference import Reference, compute, reference
 from voronec.accuracy.hard.run import Finding, trials
@@ -12,7 +12,6 @@ from voronec.accuracy.hard.trial import Trial
 
 __all__ = [
     "CASES",
-    "METHODS",
     "QUICK",
     "Finding",
     "HardCase",

@@ -11,11 +11,10 @@ import numpy as np
 from voronec.algebra.arguments import COUNT, SEQUENCE, TEXT, require
 from voronec.declaration.scene import Scene
 from voronec.errors import DefinitionError, shown
+from voronec.motion.methods import METHODS
 
-__all__ = ["ARITHMETICS", "METHODS", "HardCase"]
+__all__ = ["ARITHMETICS", "HardCase"]
 
-METHODS = ("heyoka", "scipy", "lsoda", "flint", "closed-form")
-"""The methods a case can be shown with; the tool's own choice, ``auto``, is always there."""
 ARITHMETICS = {"quadruple": 33, "extended": 19}
 """What a reference is computed in, with its decimal digits."""
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from voronec.accuracy.hard.case import METHODS, HardCase
+from voronec.accuracy.hard.case import HardCase
 from voronec.accuracy.hard.reference import Reference, reference
 from voronec.accuracy.hard.trial import Trial, attempt
 from voronec.declaration.catalogue import load
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit
+from voronec.motion.methods import METHODS
 
 __all__ = ["Finding", "available", "trials"]
 
@@ -31,9 +32,7 @@ class Finding:
 
 def available(methods: Iterable[str] = METHODS) -> tuple[str, ...]:
     """Those of the methods that are installed."""
-    from importlib.util import find_spec
-
-    return tuple(m for m in methods if m != "heyoka" or find_spec("heyoka") is not None)
+    return tuple(m for m in methods if METHODS[m].is_there)
 
 
 def trials(

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
-from voronec.accuracy.hard.case import METHODS, HardCase
+from voronec.accuracy.hard.case import HardCase
 from voronec.accuracy.hard.run import Finding
 from voronec.accuracy.hard.trial import Trial
+from voronec.motion.methods import METHODS
 
 __all__ = ["HEADINGS", "TALLY", "cells", "data", "head", "lines", "summary", "tally"]
 

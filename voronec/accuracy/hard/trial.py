@@ -15,6 +15,7 @@ from voronec.accuracy.hard.reference import Reference
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion import Trajectory, integrate
+from voronec.motion.methods import EXACT, METHODS
 
 __all__ = ["FLOOR", "ROUNDINGS", "Trial", "attempt", "bound"]
 
@@ -22,17 +23,9 @@ FLOOR = 1e-10
 """An error below this is good, whatever the condition."""
 ROUNDINGS = 100
 """How many roundings, each magnified by the condition, are allowed."""
-TOLERANCES = {
-    "auto": 1e-16,
-    "default": 1e-13,
-    "heyoka": 1e-16,
-    "scipy": 2.3e-14,
-    "lsoda": 1e-13,
-    "flint": 1e-25,
-    "closed-form": 1e-16,
-}
-"""What each method is asked for: the finest that does it good, so that its best is shown; and
-``default``, the tool's own choice at the tolerance of who gives none."""
+TOLERANCES = {"auto": EXACT, "default": 1e-13}
+"""What the tool's own choice is asked for: the finest that doubles allow, so that its best is
+shown, as that of each method is; and ``default``, the tolerance of who gives none."""
 KEPT = 1e-12
 """The drift of integrals that is allowed where the motion itself cannot be had."""
 
@@ -78,6 +71,13 @@ def bound(reference: Reference) -> Mapping[str, np.ndarray]:
     return {n: np.maximum(FLOOR, ROUNDINGS * UNIT * c) for n, c in reference.condition.items()}
 
 
+def _tolerance(method: str) -> float:
+    if method in TOLERANCES:
+        return TOLERANCES[method]
+    asked = METHODS[method]
+    return asked.finest if asked.best is None else asked.best
+
+
 def attempt(
     case: HardCase, equations: VoronecEquations, method: str, reference: Reference | None
 ) -> Trial:
@@ -89,7 +89,7 @@ def attempt(
     try:
         trajectory = integrate(
             equations, scene=case.scene, times=case.grid,
-            method="auto" if method == "default" else method, tol=TOLERANCES[method],
+            method="auto" if method == "default" else method, tol=_tolerance(method),
         )  # fmt: skip
     except (IntegrationError, EngineLimit, DefinitionError) as refusal:
         return Trial(

@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 
 from voronec.equations.program import compiled
+from voronec.motion.methods import FINEST
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
 from voronec.motion.steppers.step_loop import Halted, Levels, Stride, march
 from voronec.motion.steppers.units import natural_units
 
-__all__ = ["FINEST", "dop853", "estimated_steps", "lsoda"]
+__all__ = ["dop853", "estimated_steps", "lsoda"]
 
-FINEST = 2.3e-14
-"""scipy refuses finer relative tolerances."""
 PATIENCE = 300
 """So many evaluations in turn without a value lead nowhere; scipy would go on for ever."""
 TRIAL = 12

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from voronec.declaration.catalogue import Entry, entry_of
+from voronec.declaration.claims import declared_claims
 from voronec.declaration.relation import Relation, Square
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, did_you_mean
@@ -61,9 +62,7 @@ def _summary(system: System) -> Summary:
 
 def _claims(holder: Any) -> int:
     """How many claims a system makes, or a case of it."""
-    single = ("measure", "multiplier", "poisson", "essential", "integrable", "invariants")
-    count = sum(getattr(holder, part, None) not in (None, "", (), {}) for part in single)
-    return count + len(holder.integrals) + len(holder.equations)
+    return len([*declared_claims(holder)]) + bool(getattr(holder, "invariants", ()))
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from voronec.algebra.angles import Angles
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.verdicts import Verdict
 from voronec.declaration.charts import Chart
+from voronec.declaration.claims import without_claims
 from voronec.declaration.relation import Relation
 from voronec.declaration.system import System, system_in
 from voronec.equations.vector_field import Motions
@@ -73,10 +74,7 @@ def _decided(motions: Motions, name: str) -> Verdict:
 
 def _bare(system: System) -> System:
     """A system without its invariants: charts are maps of coordinates."""
-    return replace(
-        system, invariants={}, integrals={}, equations={}, measure=None, poisson=None, essential=(),
-        integrable="", cases={}, undecided={}, scenes={}, charts={}, multiplier=None,
-    )  # fmt: skip
+    return replace(system, **without_claims(), invariants={}, scenes={}, charts={})
 
 
 def _inverse(motions: Motions, chart: Chart) -> Verdict:
