@@ -55,14 +55,11 @@ kinetic = (m * centre.dot(centre) + body.turning_momentum(spin).dot(spin)) / 2
 
 # Where the body rolls: the momentum about the contact, and how it changes along (u, v, n).
 falling, momentum, arm = body.rolled[u], body.momentum, body.arm
-f = sp.diff(falling, tau)  # du/dt = f tau
+f = falling.coeff(tau)  # du/dt = f tau
 moving = body.momentum_rate - sp.Matrix([0, f * sp.diff(V, u), 0])
 
 # The linear equations for Z and J, and the one for Z alone.
-along, across = (
-    sp.diff(-body.trace[0], tau),
-    sp.diff(body.trace[1], s),
-)  # r' = (-along tau, across s)
+along, across = -body.trace[0].coeff(tau), body.trace[1].coeff(s)  # r' = (-along tau, across s)
 reach = P * sp.sin(u) + slope * sp.cos(u)  # of M from the axis
 height = P * sp.cos(u) - slope * sp.sin(u)  # r_3
 e = along * sp.sin(u) - reach

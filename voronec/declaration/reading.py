@@ -45,8 +45,9 @@ def expression(thing: Any, place: str) -> sp.Expr:
     except OverflowError:
         # printing an expression evaluates its numbers, so this one is not quoted
         raise DefinitionError(f"{place} holds a number beyond doubles; use another unit") from None
+    held = _parts(expr)
     for number in NOT_REAL:
-        if expr.has(number):
+        if number in held:
             mend = (
                 "a quantity of that name is sympy.Symbol('I')" if number == sp.I else "correct it"
             )
@@ -54,6 +55,18 @@ def expression(thing: Any, place: str) -> sp.Expr:
                 f"{place} contains '{number}', which is not a real number; {mend}"
             )
     return expr
+
+
+def _parts(expr: sp.Expr) -> set[Any]:
+    """Every subexpression, each visited once: SymPy's ``has`` visits a shared one time and again."""
+    found: set[Any] = set()
+    waiting: list[Any] = [expr]
+    while waiting:
+        part = waiting.pop()
+        if part not in found:
+            found.add(part)
+            waiting.extend(part.args)
+    return found
 
 
 def vanishing(thing: Any, place: str) -> sp.Expr:

@@ -27,7 +27,7 @@ from voronec.kinematics.families import (
     rotor_words,
 )
 from voronec.kinematics.rubber import RubberMotion
-from voronec.kinematics.vectors import Vector, three
+from voronec.kinematics.vectors import Vector, dot, three
 
 __all__ = ["BalancedBall", "BallMotion", "SymmetricBallMotion"]
 
@@ -98,7 +98,7 @@ class BallMotion:
         """The energy, the square of G + kappa, and on a plane its vertical component."""
         found = {
             "energy": self.momentum.dot(self.spin) / 2,
-            "momentum squared": self.whole.dot(self.whole),
+            "momentum squared": dot(self.whole, self.whole),
         }
         if self.epsilon == 1:
             found["vertical momentum"] = self.whole.dot(self.normal)

@@ -17,7 +17,7 @@ from voronec.kinematics.bodies import kinetic_energy, point_velocity
 from voronec.kinematics.poles import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.surfaces import Surface
-from voronec.kinematics.vectors import Vector, cross, dot, three
+from voronec.kinematics.vectors import Vector, applied, cross, dot, three
 
 __all__ = ["RollingBall", "contact_momentum"]
 
@@ -164,7 +164,7 @@ class RollingBall:
 
         def of_axes(ball: RollingBall) -> dict[str, Any]:
             normal = dict(zip(GAMMA, ball.normal, strict=True))
-            own = ball.energy + sp.Matrix(momentum).dot(sp.Matrix(ball.spin))
+            own = ball.energy + dot(momentum, ball.spin)
             return {
                 "frame": Frame.quasi(dict(zip(names, ball.spin, strict=False))),
                 "lagrangian": own - height.xreplace(normal),
@@ -184,9 +184,8 @@ class RollingBall:
 
     def _along_axes(self, vector: Vector) -> Vector:
         """A vector along (u, v, n) brought to the ball's axes."""
-        along = self.contact.body.frame * sp.ImmutableMatrix(vector)
-        x, y, z = HALF_TURN * along if self.turned else along
-        return x, y, z
+        along = applied(self.contact.body.frame, vector)
+        return applied(HALF_TURN, along) if self.turned else along
 
     def charts(self, declared: Callable[[RollingBall], Mapping[str, Any]]) -> dict[str, Chart]:
         """Charts of a system of this ball, with the poles of the coordinates elsewhere.

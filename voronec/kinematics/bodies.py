@@ -25,7 +25,8 @@ def kinetic_energy(
     """
     w, spin = three(velocity, "the velocity of a body"), three(omega, "an angular velocity")
     tensor = _tensor(inertia)
-    rotation = sp.Add(*[tensor[i, j] * spin[i] * spin[j] for i in range(3) for j in range(3)])
+    entries = [(i, j) for i in range(3) for j in range(3) if tensor[i, j] != 0]
+    rotation = sp.Add(*[tensor[i, j] * spin[i] * spin[j] for i, j in entries])
     return expression(mass, "a mass") * dot(w, w) / 2 + rotation / 2
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.declaration.reading import expression
-from voronec.kinematics.vectors import Vector, three
+from voronec.kinematics.vectors import Vector, applied, three
 
 __all__ = ["ConvexBody"]
 
@@ -66,7 +66,8 @@ class ConvexBody:
         if sphere is None:
             return sp.ImmutableMatrix(turning)
         radius = expression(sphere, "the radius of a sphere")
-        taken = (radius + self.radii.trace()) * turning - self.radii * turning
+        bent = sp.Matrix(applied(self.radii, turning))
+        taken = (radius + self.radii.trace()) * turning - bent
         return sp.ImmutableMatrix(radius * taken / self.widened(radius))
 
     def widened(self, radius: Any) -> sp.Expr:
@@ -75,7 +76,7 @@ class ConvexBody:
 
     def arm_rate(self, normal_rate: Any) -> sp.ImmutableMatrix:
         """dr/dt = -H dgamma/dt."""
-        return sp.ImmutableMatrix(-self.radii * sp.Matrix(normal_rate))
+        return sp.ImmutableMatrix(applied(-self.radii, sp.Matrix(normal_rate)))
 
     def momentum(self, mass: Any, inertia: Sequence[Any], omega: Any) -> sp.ImmutableMatrix:
         """G = I omega + m r x (omega x r): about the contact, the centre of mass being O.

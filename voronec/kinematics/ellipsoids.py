@@ -31,7 +31,7 @@ from voronec.kinematics.poles import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.surfaces import Surface
-from voronec.kinematics.vectors import Vector, three
+from voronec.kinematics.vectors import Vector, dot, three
 
 __all__ = ["RollingEllipsoid"]
 
@@ -317,16 +317,16 @@ def _turned_poles(
     placed = ConvexBody.ellipsoid(axes, tuple(-outer), level)
     rate = placed.rolled(OMEGA, sphere)
     swing = rate - omega.cross(outer)
-    x, y = swing.dot(down), swing.dot(across)
-    around = -rate.dot(across) / sp.sin(u)
+    x, y = dot(swing, down), dot(swing, across)
+    around = -dot(rate, across) / sp.sin(u)
     other = (x * sp.cos(theta) + y * sp.sin(theta)) / sp.sin(u1)
     moved = sp.Matrix([velocity(q) for q in o]) + omega.cross(sp.Matrix(o) + placed.arm)
     constraints = (
-        velocity(u) + rate.dot(down),
+        velocity(u) + dot(rate, down),
         velocity(v) - around,
         velocity(u1) + x * sp.sin(theta) - y * sp.cos(theta),
         velocity(v1) - other,
-        velocity(theta) + omega.dot(outer) + around * sp.cos(u) + other * sp.cos(u1),
+        velocity(theta) + dot(omega, outer) + around * sp.cos(u) + other * sp.cos(u1),
         *moved,
     )
     spheres = RollingContact(Surface.sphere(1, u, v), Surface.sphere(sphere, u1, v1), theta)

@@ -54,9 +54,10 @@ class SurfaceForms:
         store(self, "coordinates", distinct_names(tuple(self.coordinates), 2, "the surface"))
         store(self, "first", _two(self.first, "E and G"))
         store(self, "second", _two(self.second, "D and D''"))
-        roots = (sp.sqrt(self.first[0]), sp.sqrt(self.first[1]))
-        given = roots if self.lengths is None else _two(self.lengths, "|r_u| and |r_v|")
-        store(self, "lengths", given)
+        if self.lengths is None:
+            store(self, "lengths", (sp.sqrt(self.first[0]), sp.sqrt(self.first[1])))
+        else:
+            store(self, "lengths", _two(self.lengths, "|r_u| and |r_v|"))
         if self.support is not None:
             store(self, "support", three(self.support, "the support of a surface"))
         if self.bending is not None:
@@ -213,9 +214,10 @@ class SurfaceForms:
         """``frame_rates`` for du/dt = 1, and for dv/dt = 1."""
         (u, v), (e, g), (d, dd) = self.coordinates, self.first, self.second
         lu, lv = self._lengths
-        zero = sp.Integer(0)
-        slopes = (sp.diff(e, v) / (2 * lu * lv), sp.diff(g, u) / (2 * lu * lv))
-        across, along = slopes if self.bending is None else self.bending
+        zero, bending = sp.Integer(0), self.bending
+        if bending is None:
+            bending = (sp.diff(e, v) / (2 * lu * lv), sp.diff(g, u) / (2 * lu * lv))
+        across, along = bending
         return (zero, -d / lu, -across), (dd / lv, zero, along)
 
     @property

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
@@ -73,18 +74,19 @@ class _Pole:
         """Vanishes at the poles."""
         return sp.sin(self.u)
 
-    @property
+    @cached_property
     def reach(self) -> sp.Expr:
         """sin u', as a sum of squares: the distance from the axis x."""
-        return sp.sqrt((sp.sin(self.u) * sp.sin(self.v)) ** 2 + sp.cos(self.u) ** 2)
+        square = (sp.sin(self.u) * sp.sin(self.v)) ** 2 + sp.cos(self.u) ** 2
+        return sp.Pow(square, sp.S.Half, evaluate=False)  # as `_angle`
 
-    @property
+    @cached_property
     def state(self) -> dict[sp.Expr, sp.Expr]:
         """(u', v')."""
         across = sp.sin(self.u)
         return {
-            self.u: sp.atan2(self.reach, across * sp.cos(self.v)),
-            self.v: sp.atan2(-across * sp.sin(self.v), sp.cos(self.u)),
+            self.u: _angle(self.reach, across * sp.cos(self.v)),
+            self.v: _angle(-across * sp.sin(self.v), sp.cos(self.u)),
         }
 
     @property
@@ -92,10 +94,10 @@ class _Pole:
         """Other values for the same point, in which both coordinate lines run the other way."""
         return {self.u: -self.u, self.v: self.v + sp.pi}
 
-    @property
+    @cached_property
     def angle(self) -> sp.Expr:
         """a, from e_u to e_u'."""
-        return sp.atan2(sp.sin(self.v), -sp.cos(self.u) * sp.cos(self.v))
+        return _angle(sp.sin(self.v), -sp.cos(self.u) * sp.cos(self.v))
 
     def components(self, along: Sequence[Any]) -> dict[sp.Expr, sp.Expr]:
         """Components along (e_u, e_v) in the turned lines."""
@@ -105,6 +107,11 @@ class _Pole:
         sine = sp.sin(self.v) / self.reach
         cosine = -sp.cos(self.u) * sp.cos(self.v) / self.reach
         return {x: cosine * x + sine * y, y: cosine * y - sine * x}
+
+
+def _angle(y: sp.Expr, x: sp.Expr) -> sp.Expr:
+    """atan2(y, x), without SymPy's search for signs of y and x, which have none here."""
+    return sp.atan2(y, x, evaluate=False)
 
 
 def _is_sphere(surface: Surface | SurfaceForms) -> bool:

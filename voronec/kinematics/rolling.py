@@ -192,6 +192,8 @@ def _curvatures(surface: Surface | SurfaceForms) -> tuple[sp.Expr, sp.Expr]:
 
 
 def _lengths(surface: Surface | SurfaceForms) -> tuple[sp.Expr, sp.Expr]:
+    if isinstance(surface, SurfaceForms):
+        return surface.along_lines[0]
     du, dv = (velocity(q) for q in surface.coordinates)
     along, across, _ = surface.trace_velocity
     return sp.diff(along, du), sp.diff(across, dv)

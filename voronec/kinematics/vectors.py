@@ -10,23 +10,36 @@ import sympy as sp
 from voronec.algebra.text import sympified
 from voronec.errors import DefinitionError, shown
 
-__all__ = ["Vector", "column", "cross", "dot", "three"]
+__all__ = ["Vector", "applied", "column", "cross", "dot", "three"]
 
 Vector = tuple[Any, Any, Any]
 
 
 def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
     """The scalar product a . b in an orthonormal frame."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return _product(a[0], b[0]) + _product(a[1], b[1]) + _product(a[2], b[2])
 
 
 def cross(a: Sequence[Any], b: Sequence[Any]) -> Vector:
     """The vector product a x b in a right-handed orthonormal frame."""
     return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
+        _product(a[1], b[2]) - _product(a[2], b[1]),
+        _product(a[2], b[0]) - _product(a[0], b[2]),
+        _product(a[0], b[1]) - _product(a[1], b[0]),
     )
+
+
+def applied(matrix: Any, vector: Sequence[Any]) -> Vector:
+    """A 3 x 3 matrix times a vector."""
+    x, y, z = (dot(matrix.row(i), vector) for i in range(3))
+    return x, y, z
+
+
+def _product(x: Any, y: Any) -> Any:
+    """x y; SymPy asks whether y is finite before it takes 0 y for 0, which costs more than all."""
+    if x == 0:
+        return x
+    return y if y == 0 else x * y
 
 
 def three(things: Any, what: str) -> Vector:
