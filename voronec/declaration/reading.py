@@ -58,7 +58,7 @@ def expression(thing: Any, place: str) -> sp.Expr:
 
 
 def _parts(expr: sp.Expr) -> set[Any]:
-    """Every subexpression, each visited once: SymPy's ``has`` visits a shared one time and again."""
+    """Every subexpression, visited once; SymPy's ``has`` visits shared ones again and again."""
     found: set[Any] = set()
     waiting: list[Any] = [expr]
     while waiting:
