@@ -1,5 +1,6 @@
 """The machine that attacks the prover notices a prover that lies; its truth is its own."""
 
+from dataclasses import replace
 from random import Random
 
 import mpmath
@@ -98,3 +99,30 @@ def test_a_statement_that_sympy_never_makes_is_none_of_the_prover(attack, monkey
     monkeypatch.setattr(attack, "MAKING", 0.2)
     monkeypatch.setitem(attack.KINDS, "identities", (never, ("roots",)))
     assert attack.asked(3, 0, "identities") == ("none", "not made: within 0.2 s", "")
+
+
+def test_the_truth_of_relations_is_told_by_the_multipliers():
+    """A mirrored sleigh is one; with a clock twice as fast, or not mirrored in one place, it is
+    none."""
+    relations = tool("attack_relations")
+    found = {r.label: r for r in relations.entry_of("sleigh-on-turntable").load_relations()[0]}
+    mirrored = found["sleigh on a turntable mirrored"]
+    system = voronec.load(mirrored.source)
+
+    def holds(**changes):
+        pair = relations.Pair(replace(mirrored, **changes), system, system)
+        return relations.holds(pair, Random(1))
+
+    assert holds() is True
+    assert holds(clock=2) is False
+    assert holds(state={**mirrored.state, "phi": sp.Symbol("phi")}) is False
+    limit = next(r for r in found.values() if r.limit is not None)
+    target = voronec.load(limit.target)
+    of_order = {
+        n: relations.holds(
+            relations.Pair(replace(limit, limit=replace(limit.limit, order=n)), system, target),
+            Random(1),
+        )
+        for n in (1, 4)
+    }
+    assert of_order == {1: True, 4: False}

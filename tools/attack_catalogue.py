@@ -18,7 +18,7 @@ from voronec.declaration.claims import right_of
 from voronec.equations.vector_field import Motions
 from voronec.proof.claims import decide_integral
 
-__all__ = ["catalogue"]
+__all__ = ["accelerations", "catalogue", "coordinate_rates", "states"]
 
 CHEAP = ("sleigh", "falling-disc", "vertical-disc", "chaplygin-ball", "suslov", "snakeboard")
 
@@ -67,15 +67,14 @@ def _changes(system: vo.System, function: Any, dice: Random) -> bool | None:
     symbols = {*system.coordinates, *dots, *(p.symbol for p in system.parameters)}
     if not told.free_symbols <= symbols:
         return None
-    for at in _states(system, dice):
+    for at in states(system, dice):
         try:
             with mp.workdps(60):
                 exact = {s: mp.mpf(v.p) / v.q for s, v in at.items()}
-                full = {**exact, **_dots(system, exact)}
-            second = vo.multiplier_acceleration(system, at, digits=40)
+                full = {**exact, **coordinate_rates(system, exact)}
+            second = accelerations(system, at)
             with mp.workdps(60):
-                accelerations = [mp.mpf(str(second[s])) for s in system.coordinates]
-                rates = dict(zip(dots, accelerations, strict=True))
+                rates = {vo.velocity(s): second[s] for s in system.coordinates}
                 rates |= {s: full[d] for s, d in zip(system.coordinates, dots, strict=True)}
                 ends = [number(told, {**full, **{s: full[s] + h * v for s, v in rates.items()}})
                         for h in (STEP, -STEP)]  # fmt: skip
@@ -87,7 +86,17 @@ def _changes(system: vo.System, function: Any, dice: Random) -> bool | None:
     return None
 
 
-def _states(system: vo.System, dice: Random) -> Iterator[dict[Any, sp.Rational]]:
+def accelerations(system: vo.System, at: Mapping[Any, Any]) -> dict[Any, Any]:
+    """Second derivatives of the coordinates, by the multipliers."""
+    point = {
+        s: v if isinstance(v, sp.Basic) else sp.Float(mp.nstr(v, 55), 55) for s, v in at.items()
+    }
+    found = vo.multiplier_acceleration(system, point, digits=40)
+    return {s: mp.mpf(str(found[s])) for s in system.coordinates}
+
+
+def states(system: vo.System, dice: Random) -> Iterator[dict[Any, sp.Rational]]:
+    """Three random states, with the parameters of the system where it gives them."""
     for _ in range(3):
         at = {s: sp.Rational(dice.randint(20, 120), 97) for s in system.coordinates}
         at |= {v: sp.Rational(dice.randint(-200, 200), 97) for v in system.velocities}
@@ -98,7 +107,7 @@ def _states(system: vo.System, dice: Random) -> Iterator[dict[Any, sp.Rational]]
         yield at
 
 
-def _dots(system: vo.System, at: Mapping[Any, Any]) -> dict[Any, Any]:
+def coordinate_rates(system: vo.System, at: Mapping[Any, Any]) -> dict[Any, Any]:
     """Coordinate velocities from those of the equations and the constraints, which are affine."""
     dots = [vo.velocity(s) for s in system.coordinates]
     rows = list(system.constraints)

@@ -13,6 +13,7 @@ import mpmath as mp
 import sympy as sp
 from attack_catalogue import catalogue
 from attack_identities import Letters, mutated
+from attack_relations import catalogue_relation
 from attack_truth import APART, STEP, Outside, Statement, number
 
 import voronec as vo
@@ -258,7 +259,10 @@ def unit() -> vo.System:
 
 
 def relation(dice: Random, family: str, declared: bool, true: bool) -> Statement | None:
-    """A map of an oscillator or of a free particle to the unit oscillator or to itself."""
+    """A map of an oscillator or of a free particle to the unit oscillator or to itself; or one of
+    the catalogue."""
+    if family == "catalogue relations":
+        return catalogue_relation(dice, family, declared, true)
     if dice.random() < 0.25:
         return _limit(dice, true)
     spring = made_systems()[0].system
@@ -343,4 +347,7 @@ CLAIMS: dict[str, Callable[[Random, bool, bool], Statement | None]] = {
     "measures": measures,
     "catalogue": catalogue,
 }
-KINDS = {"claims": (claim, tuple(CLAIMS)), "relations": (relation, ("relations",))}
+KINDS = {
+    "claims": (claim, tuple(CLAIMS)),
+    "relations": (relation, ("relations", "catalogue relations")),
+}

@@ -32,11 +32,17 @@ __all__ = [
 
 
 def parted(hypotheses: Iterable[Any]) -> tuple[list[Any], list[Any]]:
-    """The expressions that vanish, and the conditions that hold."""
+    """The expressions that vanish, and the conditions that hold; a = b says that a - b vanishes,
+    unless it says that a number is whole."""
     equations: list[Any] = []
     conditions: list[Any] = []
-    for entry in hypotheses:
-        (conditions if isinstance(entry, Boolean) else equations).append(entry)
+    for entry in _each(hypotheses):
+        if not isinstance(entry, Boolean):
+            equations.append(entry)
+        elif isinstance(entry, se.Equality) and not entry.atoms(se.floor):
+            equations.append(entry.args[0] - entry.args[1])
+        else:
+            conditions.append(entry)
     return equations, conditions
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
+import flint
 import symengine as se
 import sympy as sp
 
@@ -21,7 +22,7 @@ from voronec.algebra.normal import quotient
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
-from voronec.algebra.verdicts import Verdict
+from voronec.algebra.verdicts import Verdict, witness_at
 from voronec.declaration.quadratures import Plane, Quadratures, Space, Trace
 from voronec.declaration.reading import shown
 from voronec.equations.vector_field import Motions, VectorField
@@ -112,6 +113,8 @@ class Ground:
 FREE = se.Symbol("variable")
 HIGHEST = 2
 """The degree of the polynomial that is left of a rate without its poles."""
+SAMPLES = 12
+"""At how many states the sign of the clock is looked at."""
 BITS = 192
 """The precision in which residues are read off."""
 
@@ -325,7 +328,23 @@ def _constant(ground: Ground, symbol: sp.Symbol) -> Verdict:
 def _quartic(ground: Ground) -> Verdict:
     found = ground.zero([("", ground.run**2 - ground.on_level(ground.motion.quartic))])
     variable = [("the variable", ground.field.read(ground.motion.meaning))]
+    back = _where_time_runs_back(ground) if found.proved else None
+    if back is not None:
+        return back
     return across_walls(found, ground.field, variable, periods=False)
+
+
+def _where_time_runs_back(ground: Ground) -> Verdict | None:
+    """A refutation where dt/dtau is not positive at a state; that it is so on all the way of a
+    motion is seen when the motion is computed."""
+    if ground.motion.clock == 1:
+        return None
+    samples = sample_evaluable(Tape([ground.pace]), ground.field.hypotheses, count=SAMPLES)
+    for point, (pace,) in samples:
+        if pace <= 0:
+            witness = witness_at(point, pace, flint.arb(0))
+            return Verdict("refuted", f"the clock '{ground.motion.clock}' is not positive", witness)
+    return None
 
 
 def _rate(ground: Ground, q: sp.Expr) -> Verdict:
