@@ -41,7 +41,7 @@ product = sp.Matrix([[0, I12, 0], [I12, 0, 0], [0, 0, 0]])
 body = kinematics.ConvexBody.ellipsoid(axes, gamma, height)
 spin = sp.Matrix(omega)
 turned = body.rolled(omega)
-momentum = body.momentum(m, moments, omega) + product * spin
+momentum = body.momentum(m, moments, omega) + I12 * sp.Matrix([omega[1], omega[0], 0])
 moving = body.momentum_rate(momentum, m, omega, turned, m * g)
 
 # The same in angles that are regular where the third axis is upright: heading, roll and pitch.
@@ -92,7 +92,7 @@ SYSTEM = System(
         "round": Case(
             parameters={b: a, c: a},
             integrals={
-                "momentum squared": momentum.dot(momentum).subs({b: a, c: a, height: a}),
+                "momentum squared": momentum.dot(momentum).xreplace({b: a, c: a, height: a}),
                 "vertical momentum": normal.dot(inertia * spin),
             },
             measure=Measure(sp.sqrt(1 - share), (*gamma, height, *omega)),

@@ -7,7 +7,17 @@ import sympy as sp
 
 import voronec as vo
 from voronec import DefinitionError, Limit, Parameter, Relation, Square
-from voronec.kinematics import BalancedBall, BallMotion
+from voronec.kinematics import (
+    BalancedBall,
+    BallMotion,
+    BodyInRn,
+    BodyOfRevolution,
+    RollingContact,
+    RollingEllipsoid,
+    Surface,
+    SurfaceForms,
+)
+from voronec.kinematics.carried import form_values
 
 r, b, M, A, C, k = sp.symbols("r b M A C k")
 moments = sp.symbols("P1:4")
@@ -83,3 +93,48 @@ def test_parameters_keep_their_names_but_for_those_changed():
 def test_squares_through_systems_pass_the_relations_between_neighbours():
     own = Square.through(("a", "b", "d"), ("a", "c", "d"), name="both ways")
     assert own == Square(("a -> b", "b -> d"), ("a -> c", "c -> d"), name="both ways")
+
+
+@pytest.mark.parametrize(
+    ("axes", "body", "rotor", "known"),
+    [
+        ((r, r, b), (A, A, C), (0, 0, k), True),
+        ((r, r, b), (A, A, C), (k, 0, 0), False),
+        ((r, r, b), moments, (0, 0, 0), False),
+        ((r, M, b), (A, A, C), (0, 0, 0), False),
+    ],
+)
+def test_an_ellipsoid_has_a_measure_where_body_and_gyroscope_have_an_axis(axes, body, rotor, known):
+    mass, weight = sp.symbols("mass weight")
+    names = {*axes, *body, *rotor, mass, weight} - {0}
+    own = RollingEllipsoid.on_plane(axes, mass, body).system(
+        name="own", rotor=rotor, gravity=weight, values=dict.fromkeys(sorted(names, key=str), 1)
+    )
+    assert (own.measure is not None) == known
+    assert own.integrals["energy"].has(weight)
+
+
+def test_a_surface_that_is_explicit_and_its_forms_give_the_same_functions():
+    """A torus on a sphere, whose radii of curvature are known: b and r + b sin(u) over sin(u)."""
+    u, v, theta, u1, v1 = sp.symbols("u v theta u1 v1")
+    fixed = Surface.sphere(M, u1, v1)
+    forms = SurfaceForms.revolution(u, v, (b, (r + b * sp.sin(u)) / sp.sin(u)))
+    explicit, known = (
+        BodyOfRevolution(RollingContact(body, fixed, theta), 1, A, C).contact
+        for body in (Surface.torus(r, b, u, v), forms)
+    )
+    state, functions = BodyOfRevolution(explicit, 1, A, C).as_any_body
+    other = form_values(known)
+    assert functions.keys() == other.keys() and functions["k_u1"] == 1 / M
+    for name, value in functions.items():
+        assert vo.prove_equal(value, other[name]).proved, name
+    assert state["r3"] == b * sp.cos(u)
+
+
+def test_the_names_of_a_body_in_three_dimensions():
+    ball = BodyInRn(3, M, r)
+    state, own = ball.in_space
+    spin = sp.Matrix([state[f"omega{i}"] for i in (1, 2, 3)])
+    vector = sp.Matrix(sp.symbols("x1:4"))
+    assert (ball.body.matrix * vector - spin.cross(vector)).expand() == sp.zeros(3, 1)
+    assert own == dict(zip(("I1", "I2", "I3"), sp.symbols("I23 I13 I12"), strict=True))

@@ -45,9 +45,15 @@ class ConvexBody:
         square root, or a symbol for it.
         """
         gamma = _column(normal, "a normal")
-        squares = sp.diag(*(x**2 for x in three(axes, "the semi-axes of an ellipsoid")))
-        h, reach = expression(height, "a height"), squares * gamma
-        radii = squares / h - reach * reach.T / h**3
+        squares = [x**2 for x in three(axes, "the semi-axes of an ellipsoid")]
+        h = expression(height, "a height")
+        reach = sp.Matrix([s * g for s, g in zip(squares, gamma, strict=True)])
+
+        def radius(i: int, j: int) -> sp.Expr:
+            own = squares[i] / h if i == j else sp.Integer(0)
+            return own - reach[i] * reach[j] / h**3
+
+        radii = sp.Matrix(3, 3, radius)
         return cls(
             sp.ImmutableMatrix(gamma),
             h,

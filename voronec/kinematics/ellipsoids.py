@@ -31,7 +31,7 @@ from voronec.kinematics.poles import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.surfaces import Surface
-from voronec.kinematics.vectors import Vector, dot, three
+from voronec.kinematics.vectors import Vector, applied, dot, three
 
 __all__ = ["RollingEllipsoid"]
 
@@ -93,9 +93,9 @@ class RollingEllipsoid:
         vertical = tuple(ROTATION.matrix.row(2))
         level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, vertical, strict=True)))
         placed = ConvexBody.ellipsoid(axes, vertical, level)
-        across = -ROTATION.matrix * sp.Matrix(OMEGA).cross(placed.arm)
+        across = applied(-ROTATION.matrix, sp.Matrix(OMEGA).cross(placed.arm))
         rising = -placed.arm.dot(placed.rolled(OMEGA))
-        reach = ROTATION.matrix * placed.arm
+        reach = applied(ROTATION.matrix, placed.arm)
         body = ConvexBody.ellipsoid(axes, GAMMA, HEIGHT)
         return cls(
             body,
@@ -137,7 +137,7 @@ class RollingEllipsoid:
             fibre,
             (support**2 - square,),
             kinetic_energy(mass, moved, inertia, OMEGA),
-            (velocity(u) - turned.dot(down), velocity(v) - turned.dot(along) / sp.sin(u)),
+            (velocity(u) - dot(turned, down), velocity(v) - dot(turned, along) / sp.sin(u)),
             _named(normal, support),
             tuple(ROTATION.matrix * sp.Matrix(normal)),
             body.rolled(OMEGA, sphere),
@@ -224,7 +224,7 @@ class RollingEllipsoid:
             raise DefinitionError("only a spheroid on a sphere is known by the forms of surfaces")
         u, v = self.surfaces.body.coordinates
         level, frame = self.invariants["height"], Surface.sphere(1, u, v).frame
-        arm = frame * sp.Matrix([sp.diff(level, u), 0, level])
+        arm = applied(frame, (sp.diff(level, u), sp.Integer(0), level))
         own = {q: q for q in (*self.base, *self.fibre, *OMEGA)}
         return {**own, **carried_vectors(arm, frame)}, form_values(self.surfaces)
 

@@ -24,7 +24,7 @@ from voronec.errors import DefinitionError
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
-from voronec.kinematics.vectors import Vector, cross, three
+from voronec.kinematics.vectors import Vector, applied, cross, three
 
 __all__ = ["RollingContact"]
 
@@ -102,8 +102,7 @@ class RollingContact:
     @cached_property
     def angular_velocity(self) -> Vector:
         """The body's angular velocity in body axes, B (s, tau, n)."""
-        x, y, z = self.body.frame * sp.ImmutableMatrix(self.spin)
-        return x, y, z
+        return applied(self.body.frame, self.spin)
 
     @cached_property
     def slip(self) -> Vector:

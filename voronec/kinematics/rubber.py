@@ -79,7 +79,8 @@ class RubberMotion:
 
     def multiplier(self, along: sp.MatrixBase) -> sp.Expr:
         """-(a, J^-1 ((G + kappa) x omega)) / Q: lambda, where ``along`` = a is gamma."""
-        return -along.dot(self.tensor.inv() * self.torque) / self.form
+        parts = zip(along, self.torque, self.moments, strict=True)
+        return -sp.Add(*[a * (t / j) for a, t, j in parts]) / self.form
 
     def momentum_equation(self, multiplier: sp.Expr) -> Equation:
         """The equation of G with ``multiplier`` for lambda."""
