@@ -93,3 +93,27 @@ def test_starts_at_singular_places_are_swept_and_judged(monkeypatch):
     answer = bench.answer(starts[0])
     monkeypatch.setattr(sweep.Bench, "answer", lambda *_: {**answer, "n": answer["n"] + 1e-3})
     assert bench.judged(starts[0])[0] == "wrong"
+
+
+def test_a_method_whose_estimate_is_sharp_errs_by_its_tolerance():
+    """On x' = x, whose relative condition is 1, a hundred units are less than DOP853 promises."""
+    from scipy.integrate import solve_ivp
+
+    scene = tool("fuzz_scene")
+    found = solve_ivp(lambda _, y: y, (0, 10), [1.0], method="DOP853", rtol=1e-13, atol=1e-13)
+    off = abs(found.y[0, -1] / exp(10) - 1)
+    assert 100 * scene.UNIT < off < 100 * scene.UNIT * scene.SHARP["scipy"]
+
+
+def test_the_start_of_the_referee_takes_all_velocities_of_coordinates():
+    """Also where declared velocities are singular: here the declared one is x times the rate."""
+    system = vo.System(
+        "p", vo.Fibration(x, y), (xdot**2 + vo.velocity(y) ** 2) / 2,
+        constraints=(vo.velocity(y) - 2 * xdot,), frame=vo.Frame.quasi({phi: x * xdot}),
+    )  # fmt: skip
+    reference = tool("fuzz_reference")
+    referee = reference.Referee(reference.mechanics_of(system))
+    state = referee.start_of_rates([0, 1], [1, 2 + 1e-12], [], 0.0)
+    assert [float(s) for s in state[:2]] == [0, 1]
+    assert float(state[3] - 2 * state[2]) == pytest.approx(0, abs=1e-15)
+    assert float(state[2]) == pytest.approx(1, abs=1e-12)

@@ -33,6 +33,17 @@ CASES = {
     1 / sp.cosh(x): (*SMALL, *LARGE), 1 / sp.cosh(x) ** 4: (3.0, 40.0, -40.0),
     1 / (1 + sp.exp(x)) ** 3: (3.0, 40.0, -800.0), sp.exp(x) / (1 + sp.exp(x)): LARGE,
     sp.sinh(x) / sp.cosh(x) ** 3: (*SMALL, 40.0, -40.0), 1 - sp.tanh(x): (3.0, 40.0, -40.0),
+    1 - sp.cos(x): SMALL, y - y * sp.cos(2 * x): SMALL, (x - sp.tanh(x)) / x: (*SMALL, 0.4, 800.0),
+    sp.sqrt(1 + x) - 1: SMALL, 2 * y - y * sp.sqrt(4 + x): SMALL,
+    sp.sqrt(1 + x**2) - 1: (*SMALL, *HUGE[:2]), sp.sqrt(1 + x**2 * y + x) - 1: SMALL,
+    sp.diff(sp.sin(x) / x, x): SMALL, (x * sp.cos(x) - sp.sin(x)) / x**2: SMALL,
+    sp.diff(sp.sinh(x) / x, x): (*SMALL, 40.0, -40.0), sp.diff(sp.sin(x * y) / x, x): SMALL,
+    sp.exp(x) / x - (sp.exp(x) - 1) / x**2: (*SMALL, 40.0, -40.0),
+    sp.diff(sp.sin(x) ** 2 / x**2, x): SMALL, sp.coth(x) - 1 / x: (*SMALL, *LARGE, 0.4, 800.0),
+    sp.cot(x) - 1 / x: SMALL, x / sp.sinh(x): (*SMALL, 40.0),
+    x**2 / (1 - sp.cos(x)): SMALL, x / sp.tan(x): SMALL, x / (sp.exp(x) - 1): (*SMALL, 40.0),
+    sp.log(1 + x) / x: SMALL, sp.log(1 + x * y) / (x * y): SMALL, x / sp.log(1 + x): SMALL,
+    sp.atan(x) / x: (*SMALL, 0.2, -0.26, 300.0), sp.atan(2 * x) / x: SMALL,
 }  # fmt: skip
 """Forces, and where they are ordinary numbers."""
 ROOTS = [e for e in CASES if e.atoms(sp.Pow) and CASES[e] is HUGE]

@@ -259,6 +259,21 @@ class Referee:
                 raise Unsupported("the constraints disagree at the start")
             return [*q, *w]
 
+    def start_of_rates(
+        self, q: Sequence[Any], w: Sequence[Any], p: Sequence[Any], t: Any
+    ) -> list[Any]:
+        """(q, w) of velocities of the coordinates, moved onto the constraints: declared velocities,
+        which may be singular there, are not asked."""
+        with mp.workdps(40):
+            q, w = self.onto_relations(q, p), mp.matrix([mp.mpf(x) for x in w])
+            matrix, offsets = self._kinematics(mp.mpf(t), q, p)
+            count = len(self._rows)
+            if count:
+                A = mp.matrix(matrix)[:count, :]
+                off = A * w + mp.matrix([mp.mpf(x) for x in offsets[:count]])
+                w -= A.T * mp.lu_solve(A * A.T, off)
+            return [*q, *w]
+
     def onto_relations(self, q: Sequence[Any], p: Sequence[Any]) -> list[Any]:
         """Redundant coordinates moved onto their relations."""
         q = [mp.mpf(x) for x in q]

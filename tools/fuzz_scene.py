@@ -30,6 +30,9 @@ SAMPLES = 3
 WELL = 1e8
 LOOSE = {"lsoda": 1000.0}
 """How much more a method makes of the tolerance: steps of low order are many."""
+SHARP = {"scipy": 1e-13 / (100 * UNIT)}
+"""How many times 100 units a step may err where the estimate of a method is sharp: DOP853 errs by
+its tolerance, 1e-13, and by more than 100 units even on x' = x."""
 INSTANTS = 8
 """So many instants of a grid are compared."""
 
@@ -386,7 +389,8 @@ def _truth(bench: _Bench, scene: Scene) -> Truth:
         # tolerances are local: a run of many steps adds them up, as the methods mean them
         loose = max(1.0, scene.tol / 1e-13) * LOOSE.get(scene.method, 1.0)
         size = np.maximum(1.0, np.abs(_doubles(values)))
-        bounds = np.maximum(FLOOR * size, 100 * UNIT * grown) * loose
+        share = 100 * UNIT * SHARP.get(scene.method, 1.0)
+        bounds = np.maximum(FLOOR * size, share * grown) * loose
         if singular:
             bounds = np.maximum(bounds, 1e-7)
         if (unsure < bounds / 10).all():

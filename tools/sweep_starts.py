@@ -251,12 +251,11 @@ class Bench:
     def _end(self, start: Start, off: float) -> np.ndarray:
         m = self.referee.mechanics
         q = [mp.mpf(start.place[n]) + off * self.dice.uniform(0.5, 1) for n in self.names]
-        w = [mp.mpf(x) for x in start.pace.values()]
         if start.declared:
-            w = [start.pace[v] for v in m.velocities]
+            pace = [start.pace[v] for v in m.velocities]
+            state = self.referee.start(q, pace, self.values, 0.0)
         else:
-            w = self._declared(q, w)
-        state = self.referee.start(q, w, self.values, 0.0)
+            state = self.referee.start_of_rates(q, [*start.pace.values()], self.values, 0.0)
         return self._seen(state, 0.0, [SPAN], self.names + self._regular_names)[0]
 
     def _declared(self, q: Any, w: Any) -> list[Any]:

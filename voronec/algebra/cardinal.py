@@ -6,31 +6,54 @@ are entire (``numeric_functions``).  1 - cos w = 2 sin^2(w/2), which loses no di
 tan w = sin(w)/cos(w) are divided likewise, and so is tanh, which is even but for the factor w:
 
     tanh(w)/w = 2 exprel(-2|w|)/(1 + exp(-2|w|)).
+
+log(1 + w) and atan w are divided too, and all of them divide, as in w/sinh w.  What cancels in the
+slopes of such quotients is taken together:
+
+    cos(w)/w - sin(w)/w^2,    cosh(w)/w - sinh(w)/w^2,    exp(w)/w - (exp(w) - 1)/w^2,
+    cot w - 1/w,              coth w - 1/w.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from math import ceil, comb, factorial
+from math import ceil, comb
 from typing import Any
 
 import symengine as se
 
-from voronec.algebra.numeric_functions import EXPREL, SINC, SINHC, SIZE
+from voronec.algebra.numeric_functions import (
+    ATAN_RATIO,
+    EXPREL,
+    EXPREL_SLOPE,
+    LOG_RATIO,
+    QUOTIENTS,
+    SINC,
+    SINC_SLOPE,
+    SINHC,
+    SINHC_SLOPE,
+    SIZE,
+    TANH_REST,
+)
 
 __all__ = ["cardinal_all", "coefficient"]
 
 
-def coefficient(name: str, at: int, order: int, bits: int) -> int:
-    """The coefficient of h^order in the function of ``at`` + h, |at| < 1, both in 2^-bits.
+SPREAD = 40
+"""Sums of more terms are not spread out to look for what cancels."""
 
-    sum_n s_n C(n, order) at^(n - order)/(n + 1)!,    s_n = 1, or -1, or 0.
+
+def coefficient(name: str, at: int, order: int, bits: int) -> int:
+    """The coefficient of h^order in the quotient of ``at`` + h, |at| below its reach, both in
+    2^-bits.
+
+    sum_n c_n C(n, order) at^(n - order),    c_n those at zero.
     """
+    terms = QUOTIENTS[name].coefficient
     total, power, n = 0, 1 << bits, order
-    while abs(power) * comb(n, order) // factorial(n + 1) or n == order:
-        if n % 2 == 0 or name == EXPREL:
-            sign = -1 if name == SINC and n % 4 else 1
-            total += sign * power * comb(n, order) // factorial(n + 1)
+    while n == order or abs(power) * comb(n, order) // terms(n)[1]:
+        p, q = terms(n)
+        total += p * power * comb(n, order) // q
         power = power * at >> bits
         n += 1
     return total
@@ -41,6 +64,7 @@ def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
     given = [se.sympify(e) for e in exprs]
     below: set[Any] = set()
     arguments: set[Any] = set()
+    inverse = False
     for node in _nodes(given):
         if isinstance(node, se.Pow):
             base, exponent = node.args
@@ -50,16 +74,36 @@ def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
                 below.add(base)
         elif isinstance(node, _KINDS):
             arguments |= _factors(node.args[0]).keys()
+        elif isinstance(node, se.log):
+            arguments |= _factors(node.args[0] - 1).keys()
+        inverse = inverse or (isinstance(node, se.Mul) and _divides(node))
+    if inverse:
+        return _rewritten_all(given)
     if not below:
         return given
     sums = {a for a in arguments if isinstance(a, se.Add)}
     if not below & arguments and not any(_ratio(a, b) for a in sums for b in below):
         return given
+    return _rewritten_all(given)
+
+
+def _rewritten_all(given: Iterable[Any]) -> list[Any]:
     known: dict[Any, Any] = {}
     return [_rewritten(e, known) for e in given]
 
 
-_KINDS = (se.sin, se.cos, se.tan, se.sinh, se.cosh, se.tanh)
+_KINDS = (se.sin, se.cos, se.tan, se.sinh, se.cosh, se.tanh, se.coth, se.cot, se.atan)
+
+
+def _divides(product: Any) -> bool:
+    """Whether what vanishes with w divides a product that holds a power of w, as in w/sinh w."""
+    powers = _factors(product)
+    for base, exponent in powers.items():
+        if isinstance(exponent, se.Integer) and exponent < 0:
+            zero = _zero(base)
+            if zero is not None and any(powers.get(u, 0) > 0 for u in _factors(zero[0])):
+                return True
+    return False
 
 
 def _nodes(exprs: Iterable[Any]) -> Iterator[Any]:
@@ -100,33 +144,126 @@ def _rewritten(expr: Any, known: dict[Any, Any]) -> Any:
         return expr
     found = known.get(expr)
     if found is None:
-        whole = _quotient(expr) if isinstance(expr, se.Mul) else expr
+        whole = expr
+        if isinstance(expr, se.Mul):
+            whole = _quotient(se.Mul(*map(_slopes_within, expr.args)))
+        elif isinstance(expr, se.Add) and (sloped := _with_slopes(expr)) != expr:
+            known[expr] = _rewritten(sloped, known)
+            return known[expr]
         args = [_rewritten(a, known) for a in whole.args]
         found = known[expr] = whole if args == list(whole.args) else whole.func(*args)
     return found
 
 
+def _slopes_within(factor: Any) -> Any:
+    """A factor of a product, sums in whole powers with slopes."""
+    if isinstance(factor, se.Add):
+        return _with_slopes(factor)
+    if isinstance(factor, se.Pow) and isinstance(factor.args[1], se.Integer):
+        base = factor.args[0]
+        return _with_slopes(base) ** factor.args[1] if isinstance(base, se.Add) else factor
+    return factor
+
+
+def _with_slopes(total: Any) -> Any:
+    """A sum in which terms that cancel at w = 0 are slopes of quotients."""
+    found = _exponential_slope(list(total.args))
+    if found is None and any(isinstance(t, se.Mul) and _is_spread(t) for t in total.args):
+        terms = total.expand().args
+        found = _exponential_slope(list(terms)) if len(terms) <= SPREAD else None
+    if found is not None:
+        return found
+    terms = list(total.args)
+    for term in total.args:
+        for function, (partner, slope) in _slopes_in(term).items():
+            rest = term / function
+            other = -rest * partner
+            if term in terms and other in terms and term != other:
+                terms.remove(term)
+                terms.remove(other)
+                terms.append(rest * slope)
+                break
+    return se.Add(*terms)
+
+
+def _is_spread(term: Any) -> bool:
+    """Whether a term is an exponential times a sum, as normal forms have it."""
+    held = any(isinstance(f, se.Pow) and f.args[0] == se.E for f in term.args)
+    return held and any(isinstance(f, se.Add) for f in term.args)
+
+
+def _exponential_slope(terms: list[Any]) -> Any | None:
+    """A sum of terms in which c (w e^w - e^w + 1) or c (h e^2h - e^2h + h + 1) is one; None where
+    neither is there."""
+    for term in terms:
+        for factor in term.args if isinstance(term, se.Mul) else (term,):
+            if not (isinstance(factor, se.Pow) and factor.args[0] == se.E):
+                continue
+            w, c = factor.args[1], -term / factor
+            half = w / 2
+            for parts, value in (
+                ((term, c * w * factor, c), c * w**2 * se.Function(EXPREL_SLOPE)(w)),
+                (
+                    (term, c * half * factor, c, c * half),
+                    2 * c * half**3 * se.exp(half) * se.Function(SINHC_SLOPE)(half),
+                ),
+            ):
+                if all(part in terms for part in parts):
+                    return se.Add(*[t for t in terms if t not in parts], value)
+    return None
+
+
+def _slopes_in(term: Any) -> dict[Any, tuple[Any, Any]]:
+    """Factors f of a term with (g, s): f - g = s, and s is written without cancellation."""
+    found: dict[Any, tuple[Any, Any]] = {}
+    powers = _factors(term)
+    for base in powers:
+        w: Any = base.args[0] if isinstance(base, _KINDS) else None
+        if isinstance(base, se.sin):
+            found[base] = w * se.cos(w), w**3 * se.Function(SINC_SLOPE)(w)
+        elif isinstance(base, se.sinh):
+            found[base] = w * se.cosh(w), -(w**3) * se.Function(SINHC_SLOPE)(w)
+        elif isinstance(base, (se.coth, se.cosh)):
+            whole = base if isinstance(base, se.coth) else base / se.sinh(w)
+            if whole == base or powers.get(se.sinh(w)) == -1:
+                found[whole] = 1 / w, w * se.Function(TANH_REST)(w) / _tangent(w)
+        elif isinstance(base, se.tanh):
+            found[base] = w, -(w**3) * se.Function(TANH_REST)(w)
+        elif isinstance(base, (se.cot, se.cos)):
+            whole = base if isinstance(base, se.cot) else base / se.sin(w)
+            if whole == base or powers.get(se.sin(w)) == -1:
+                found[whole] = 1 / w, -w * se.Function(SINC_SLOPE)(w) / se.Function(SINC)(w)
+        elif (zero := _zero(base)) is not None and isinstance(base, se.Add):
+            w, order, _ = zero
+            exponential = base + 1 if -1 in base.args else None
+            if order == 1 and exponential == se.exp(w):
+                found[base] = w * se.exp(w), -(w**2) * se.Function(EXPREL_SLOPE)(w)
+    return found
+
+
 def _quotient(product: Any, spread: bool = True) -> Any:
-    """A product in which functions that vanish with w take up the powers of w below.
+    """A product in which functions that vanish with w take up the powers of w below, or above where
+    they divide.
 
     Sums are ``spread`` once: sums within sums would take time that grows with the power of depth.
     """
     powers = _factors(product)
     below = {u: e for u, e in powers.items() if e.is_Number and e < 0}
+    above = {u: e for u, e in powers.items() if e.is_Number and e > 0}
     for base, exponent in powers.items():
-        zero = _zero(base) if isinstance(exponent, se.Integer) and exponent > 0 else None
+        zero = _zero(base) if isinstance(exponent, se.Integer) else None
         if zero is None:
             continue
         argument, order, value = zero
-        for u, e in below.items():
+        for u, e in (below if exponent > 0 else above).items():
             ratio = _ratio(argument, u)
             held = se.Integer(1) if ratio is not None else _factors(argument).get(u)
-            if held is None or not held.is_Number or held < 0:
+            if u == base or held is None or not held.is_Number or held < 0:
                 continue
             argument = ratio * u if ratio is not None else argument
-            times = min(int(exponent), ceil(-e / (order * held)))
+            times = min(abs(int(exponent)), ceil(abs(e) / (order * held)))
             whole = value(argument) * argument**order / base
-            return _quotient(product * whole**times, spread)
+            return _quotient(product * (whole if exponent > 0 else 1 / whole) ** times, spread)
     for base, exponent in powers.items() if spread else ():
         if isinstance(base, se.Add) and exponent == 1:
             for u in below:
@@ -160,6 +297,12 @@ def _zero(factor: Any) -> tuple[Any, int, Callable[[Any], Any]] | None:
         return factor.args[0], 1, lambda w: se.Function(SINC)(w) / se.cos(w)
     if isinstance(factor, se.tanh):
         return factor.args[0], 1, _tangent
+    if isinstance(factor, se.atan):
+        return factor.args[0], 1, se.Function(ATAN_RATIO)
+    if isinstance(factor, se.log):
+        inner = factor.args[0]
+        beside = isinstance(inner, se.Add) and se.Integer(1) in inner.args
+        return (inner - 1, 1, se.Function(LOG_RATIO)) if beside else None
     if not isinstance(factor, se.Add) or len(factor.args) != 2:
         return None
     number, term = sorted(factor.args, key=lambda a: not a.is_Number)

@@ -1,6 +1,8 @@
 """Functions that programs alone know, with values where their formulas overflow, cancel or fail.
 
     sinc w = sin(w)/w,    sinhc w = sinh(w)/w,    exprel w = (exp(w) - 1)/w    (entire)
+    (sin w - w cos w)/w^3,  (w cosh w - sinh w)/w^3,  (w exp(w) - exp(w) + 1)/w^2  (of their slopes)
+    log(1 + w)/w,    atan(w)/w,    (w - tanh w)/w^3            (regular at zero)
     expm1 w = exp(w) - 1,    log1p x = log(1 + x)            (all digits where they are small)
     hypot(a, b, ...) = sqrt(a^2 + b^2 + ...)                 (squares overflow before it does)
     size w = |w|      in expressions that are equal for both signs of w, so that it is no wall
@@ -11,23 +13,85 @@ They are unknown functions of these names; proofs see their formulas.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from math import factorial
+from typing import Any, NamedTuple
 
+import flint
 import symengine as se
 
 __all__ = [
-    "EXPM1", "EXPREL", "FORMULAS", "HYPOT", "LOG1P", "SINC", "SINHC", "SIZE", "elementary",
-    "formula", "numeric_name",
+    "ATAN_RATIO", "EXPM1", "EXPREL", "EXPREL_SLOPE", "FORMULAS", "HYPOT", "LOG1P", "LOG_RATIO",
+    "QUOTIENTS", "SINC", "SINC_SLOPE", "SINHC", "SINHC_SLOPE", "SIZE", "TANH_REST", "Quotient",
+    "elementary", "formula", "numeric_name",
 ]  # fmt: skip
 
 SINC, SINHC, EXPREL = "cardinal sine", "hyperbolic cardinal sine", "relative exponential"
 EXPM1, LOG1P = "exponential less one", "logarithm beside one"
 HYPOT, SIZE = "length of sides", "size on equal sides"
 
+SINC_SLOPE, SINHC_SLOPE = "slope of the cardinal sine", "slope of the hyperbolic cardinal sine"
+EXPREL_SLOPE = "slope of the relative exponential"
+LOG_RATIO, ATAN_RATIO = "logarithm beside one over its argument", "arctangent over its argument"
+TANH_REST = "what a hyperbolic tangent falls short of its argument"
+
+
+class Quotient(NamedTuple):
+    """f(w)/w^power, f given by ``above``, and its power series: ``coefficient`` takes n to p and q
+    of p/q w^n.  It is used where |w| is below ``reach``."""
+
+    above: Callable[[Any], Any]
+    power: int
+    coefficient: Callable[[int], tuple[int, int]]
+    reach: float = 1.0
+
+    @property
+    def even(self) -> bool:
+        """Whether odd powers are absent."""
+        return self.coefficient(1)[0] == 0
+
+
+def _tanh_rest(n: int) -> tuple[int, int]:
+    """That of (w - tanh w)/w^3, by the numbers of Bernoulli: -4^k (4^k - 1) B_2k/(2k)! of
+    w^(2k - 4), 2k = n + 4."""
+    if n % 2:
+        return 0, 1
+    power, number = 2 ** (n + 4), flint.fmpq.bernoulli(n + 4)
+    return -power * (power - 1) * int(number.p), int(number.q) * factorial(n + 4)
+
+
+def _turning(n: int) -> int:
+    """1, 0, -1, 0, and so on."""
+    return (1, 0, -1, 0)[n % 4]
+
+
+QUOTIENTS: dict[str, Quotient] = {
+    SINC: Quotient(se.sin, 1, lambda n: (_turning(n), factorial(n + 1))),
+    SINHC: Quotient(se.sinh, 1, lambda n: (1 - n % 2, factorial(n + 1))),
+    EXPREL: Quotient(lambda w: se.exp(w) - 1, 1, lambda n: (1, factorial(n + 1))),
+    SINC_SLOPE: Quotient(
+        lambda w: se.sin(w) - w * se.cos(w), 3,
+        lambda n: ((n + 2) * _turning(n), factorial(n + 3)),
+    ),
+    SINHC_SLOPE: Quotient(
+        lambda w: w * se.cosh(w) - se.sinh(w), 3,
+        lambda n: ((n + 2) * (1 - n % 2), factorial(n + 3)),
+    ),
+    EXPREL_SLOPE: Quotient(
+        lambda w: w * se.exp(w) - se.exp(w) + 1, 2, lambda n: (n + 1, factorial(n + 2))
+    ),
+    LOG_RATIO: Quotient(lambda w: se.log(1 + w), 1, lambda n: ((-1) ** n, n + 1), 0.25),
+    TANH_REST: Quotient(lambda w: w - se.tanh(w), 3, _tanh_rest, 0.375),
+    ATAN_RATIO: Quotient(se.atan, 1, lambda n: (_turning(n), n + 1), 0.25),
+}  # fmt: skip
+"""Functions with a value at zero that a division does not give, by name."""
+
+
+def _divided(quotient: Quotient) -> Callable[[Any], Any]:
+    return lambda w: quotient.above(w) / w**quotient.power
+
+
 FORMULAS: dict[str, Callable[..., Any]] = {
-    SINC: lambda w: se.sin(w) / w,
-    SINHC: lambda w: se.sinh(w) / w,
-    EXPREL: lambda w: (se.exp(w) - 1) / w,
+    **{name: _divided(quotient) for name, quotient in QUOTIENTS.items()},
     EXPM1: lambda w: se.exp(w) - 1,
     LOG1P: lambda x: se.log(1 + x),
     HYPOT: lambda *sides: se.sqrt(se.Add(*[a**2 for a in sides])),

@@ -5,9 +5,11 @@ Where a formula is exact and useless in doubles it is written otherwise, for num
     sqrt(a^2 + b^2)                     ->  hypot(a, b)
     log(1 + x),   c exp(w) - c          ->  log1p x,   c expm1 w
     log(1 + exp(w))                     ->  (w + |w|)/2 + log1p exp(-|w|)
+    1 - cos w,   cosh w - 1             ->  2 sin^2(w/2),   2 sinh^2(w/2)
+    sqrt(1 + x) - 1                     ->  x/(sqrt(1 + x) + 1),   2 sinh^2(asinh(y)/2) of x = y^2
     1 - tanh w                          ->  2 exp(-w - |w|)/(1 + exp(-2|w|)), and powers of it
 
-The last two are the same functions of w on both sides of w = 0, so that |w| is no wall there.
+What holds |w| is the same function of w on both sides of w = 0, so that it is no wall there.
 Quotients such as sin(w)/w are those of ``cardinal``.
 """
 
@@ -51,7 +53,8 @@ def _written(expr: Any) -> Any:
     if isinstance(expr, se.log):
         return _logarithm(expr.args[0]) or expr
     if isinstance(expr, se.Add):
-        return _with_tails(_with_differences(expr))
+        total = _less_one(expr)
+        return _with_tails(_with_differences(total)) if isinstance(total, se.Add) else total
     return expr
 
 
@@ -131,6 +134,42 @@ def _with_differences(total: Any) -> Any:
         else:
             kept.append(c * se.exp(w))
     return se.Add(*kept)
+
+
+def _less_one(total: Any) -> Any:
+    """A sum in which c cos w - c, c cosh w - c and c sqrt(n + x) - c sqrt(n) do not cancel."""
+    terms = list(total.args)
+    for term in total.args:
+        for factor in term.args if isinstance(term, se.Mul) else (term,):
+            found = _from_zero(factor)
+            rest = term / factor
+            if found is not None and term in terms and -rest * found[0] in terms:
+                terms.remove(term)
+                terms.remove(-rest * found[0])
+                terms.append(rest * found[1])
+                break
+    return se.Add(*terms)
+
+
+def _from_zero(factor: Any) -> tuple[Any, Any] | None:
+    """(c, d) with c the value at w = 0 of cos w, cosh w or sqrt(n + w), and d the difference from
+    it, which is small with w and has all digits; None of any other factor."""
+    if isinstance(factor, (se.cos, se.cosh)) and factor.free_symbols:
+        half = factor.args[0] / 2
+        square = -(se.sin(half) ** 2) if isinstance(factor, se.cos) else se.sinh(half) ** 2
+        return se.Integer(1), 2 * square
+    if not isinstance(factor, se.Pow) or factor.args[1] != se.Rational(1, 2):
+        return None
+    base = factor.args[0]
+    numbers = [a for a in base.args if a.is_Number and a > 0] if isinstance(base, se.Add) else []
+    if not numbers:
+        return None
+    value, x = se.sqrt(numbers[0]), base - numbers[0]
+    side = None if isinstance(x, se.Add) else _side(x)
+    if side is None:
+        return value, x / (factor + value)
+    # x^2 would overflow where its root does not
+    return value, 2 * value * se.sinh(se.asinh(side / value) / 2) ** 2
 
 
 def _exponential(term: Any) -> tuple[Any, Any]:

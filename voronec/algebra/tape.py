@@ -18,13 +18,19 @@ import sympy as sp
 
 from voronec.algebra.graphs import is_atom, is_flat
 from voronec.algebra.numeric_functions import (
+    ATAN_RATIO,
     EXPM1,
     EXPREL,
+    EXPREL_SLOPE,
     HYPOT,
     LOG1P,
+    LOG_RATIO,
     SINC,
+    SINC_SLOPE,
     SINHC,
+    SINHC_SLOPE,
     SIZE,
+    TANH_REST,
     numeric_name,
 )
 from voronec.algebra.text import exact_number
@@ -59,6 +65,12 @@ _NUMERIC: dict[str, Callable[..., Any]] = {
     SINC: lambda a: a.sinc() if a.is_finite() else _UNDEFINED,
     SINHC: lambda a: flint.acb(0, a).sinc().real,
     EXPREL: lambda a: (a / 2).exp() * flint.acb(0, a / 2).sinc().real,
+    SINC_SLOPE: lambda a: (-a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
+    SINHC_SLOPE: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
+    EXPREL_SLOPE: lambda a: a.hypgeom_1f1(2, 3) / 2,
+    TANH_REST: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3 / a.cosh(),
+    LOG_RATIO: lambda a: (-a).hypgeom_2f1(1, 1, 2),
+    ATAN_RATIO: lambda a: (-a * a).hypgeom_2f1(flint.arb(1) / 2, 1, flint.arb(3) / 2),
     EXPM1: lambda a: a.expm1(),
     LOG1P: lambda a: a.log1p(),
     SIZE: abs,

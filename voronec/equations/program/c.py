@@ -5,14 +5,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from voronec.algebra.numeric_functions import EXPM1, EXPREL, HYPOT, LOG1P, SINC, SINHC, SIZE
+from voronec.algebra.numeric_functions import (
+    ATAN_RATIO,
+    EXPM1,
+    EXPREL,
+    HYPOT,
+    LOG1P,
+    LOG_RATIO,
+    QUOTIENTS,
+    SINC,
+    SINHC,
+    SIZE,
+)
 from voronec.equations.program.printing import (
     FUNCTIONS,
+    SLOPES,
     Dialect,
     decimal,
     fits,
     identifiers,
     lines,
+    series,
     text,
 )
 from voronec.equations.program.straight import Block, Program
@@ -32,6 +45,8 @@ _CARDINAL = {
     SINC: ("sinc_of", "sin(x)"),
     SINHC: ("sinhc_of", "sinh(x)"),
     EXPREL: ("exprel_of", "expm1(x)"),
+    LOG_RATIO: ("log1p_ratio_of", "log1p(x)"),
+    ATAN_RATIO: ("atan_ratio_of", "atan(x)"),
 }
 
 
@@ -53,7 +68,8 @@ _C = Dialect(
     words={f: f for f in FUNCTIONS}
     | {"Abs": "fabs", "power": "pow", "sign": "sign_of"}
     | {EXPM1: "expm1", LOG1P: "log1p", HYPOT: "hypot", SIZE: "fabs"}
-    | {name: word for name, (word, _) in _CARDINAL.items()},
+    | {name: word for name, (word, _) in _CARDINAL.items()}
+    | {name: word for name, (word, _) in SLOPES.items()},
 )
 
 
@@ -77,6 +93,11 @@ def c_source(program: Program) -> str:
         if f"{word}(" in body:
             value = f"x == 0.0 ? 1.0 : {above}/x"
             helpers.append(f"static double {word}(double x) {{ return {value}; }}\n\n")
+    for name, (word, above) in SLOPES.items():
+        if f"{word}(" in body:
+            below = "*".join("x" * QUOTIENTS[name].power)
+            value = f"fabs(x) < {QUOTIENTS[name].reach} ? {series(name)} : ({above})/({below})"
+            helpers.append(f"static double {word}(double x)\n{{\n    return {value};\n}}\n\n")
     return _header(program) + "".join(helpers) + body
 
 

@@ -10,12 +10,21 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.numeric_functions import HYPOT, numeric_name
+from voronec.algebra.numeric_functions import (
+    EXPREL_SLOPE,
+    HYPOT,
+    QUOTIENTS,
+    SINC_SLOPE,
+    SINHC_SLOPE,
+    TANH_REST,
+    numeric_name,
+)
 from voronec.equations.program.straight import Block
 from voronec.errors import EngineLimit, shown
 
 __all__ = [
     "FUNCTIONS",
+    "SLOPES",
     "Dialect",
     "code",
     "decimal",
@@ -24,6 +33,7 @@ __all__ = [
     "lines",
     "rational",
     "rewritten",
+    "series",
     "text",
 ]
 
@@ -40,6 +50,15 @@ _REWRITTEN: dict[type, Callable[[Any], Any]] = {
     se.acot: lambda x: se.atan(1 / x),
     se.coth: lambda x: 1 / se.tanh(x),
 }
+SLOPES = {
+    SINC_SLOPE: ("sinc_slope", "sin(x) - x*cos(x)"),
+    SINHC_SLOPE: ("sinhc_slope", "x*cosh(x) - sinh(x)"),
+    EXPREL_SLOPE: ("exprel_slope", "(x - 1)*exp(x) + 1"),
+    TANH_REST: ("tanh_rest", "x - tanh(x)"),
+}
+"""Quotients that cancel near zero, where doubles take their ``series``: a word, what is divided."""
+DOUBLE = 1e-18
+"""Terms below this say nothing to doubles."""
 _EXACT = 2**53
 TERMS = 200
 """Longer sums are sums of sums: Python's compiler and others descend a level for every term."""
@@ -70,6 +89,22 @@ def code(source: str, filename: str, mode: str = "exec") -> CodeType:
             f"a program of {len(source)} characters is too large for Python ({error}); "
             "take shorter expressions, or fewer outputs"
         ) from None
+
+
+def series(name: str, x: str = "x") -> str:
+    """The power series of a quotient as far as doubles tell, for |x| below its reach."""
+    quotient = QUOTIENTS[name]
+    square = f"{x}*{x}" if quotient.even else x
+    terms = []
+    for n in range(0, TERMS, 2 if quotient.even else 1):
+        p, q = quotient.coefficient(n)
+        terms.append(repr(p / q))
+        if abs(p / q) * quotient.reach**n < DOUBLE:
+            break
+    found = terms.pop()
+    while terms:
+        found = f"{terms.pop()} + {square}*({found})"
+    return f"({found})"
 
 
 def rewritten(expr: Any) -> Any | None:

@@ -11,15 +11,32 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from voronec.algebra.numeric_functions import EXPM1, EXPREL, HYPOT, LOG1P, SINC, SINHC, SIZE
+from voronec.algebra.numeric_functions import (
+    ATAN_RATIO,
+    EXPM1,
+    EXPREL,
+    EXPREL_SLOPE,
+    HYPOT,
+    LOG1P,
+    LOG_RATIO,
+    QUOTIENTS,
+    SINC,
+    SINC_SLOPE,
+    SINHC,
+    SINHC_SLOPE,
+    SIZE,
+    TANH_REST,
+)
 from voronec.equations.program.printing import (
     FUNCTIONS,
+    SLOPES,
     Dialect,
     code,
     decimal,
     fits,
     identifiers,
     lines,
+    series,
     text,
 )
 from voronec.equations.program.straight import Block, Program
@@ -31,10 +48,20 @@ Function = Callable[[Any, Any, Any], list[Any]]
 
 _ARGUMENTS = ("t", "state", "parameters", "inputs")
 _NUMERIC = {SINC: "sinc", SINHC: "sinhc", EXPREL: "exprel"}
+_NUMERIC |= {LOG_RATIO: "log1p_ratio", ATAN_RATIO: "atan_ratio"}
+_NUMERIC |= {name: word for name, (word, _) in SLOPES.items()}
 _NUMERIC |= {EXPM1: "expm1", LOG1P: "log1p", HYPOT: "hypot", SIZE: "fabs"}
 _QUOTIENTS = {"sinc": "sin", "sinhc": "sinh", "exprel": "expm1"}
+_QUOTIENTS |= {"log1p_ratio": "log1p", "atan_ratio": "atan"}
 """Names of sin(x)/x and the like in Python, and what is divided."""
-_HELPING = ("expm1", "where")
+_HELPING = tuple("expm1 where exp sin cos sinh cosh tanh log1p atan arctan hyp0f1 hyp1f1".split())
+_IN_DIGITS = {
+    SINC_SLOPE: "hyp0f1(mpf(5)/2, -x*x/4)/3",
+    SINHC_SLOPE: "hyp0f1(mpf(5)/2, x*x/4)/3",
+    EXPREL_SLOPE: "hyp1f1(2, 3, x)/2",
+    TANH_REST: "hyp0f1(mpf(5)/2, x*x/4)/3/cosh(x)",
+}
+"""The slopes of these quotients by hypergeometric functions, which mpmath has in any precision."""
 _NUMPY = {f: f.replace("a", "arc", 1) if f[0] == "a" else f for f in FUNCTIONS} | _NUMERIC
 _NUMPY |= {"Abs": "absolute", SIZE: "absolute"}
 _PLAIN = {f: f for f in FUNCTIONS} | {"Abs": "fabs"} | _NUMERIC
@@ -136,6 +163,7 @@ def _module(program: Program, flavour: _Flavour, alike: bool = False) -> str:
                                alike))  # fmt: skip
     body = "\n\n".join([*_helpers("".join(parts), flavour.library), *parts])
     words = {*dialect.words.values(), "mpf", *_HELPING} - _QUOTIENTS.keys()
+    words -= {word for word, _ in SLOPES.values()}
     used = sorted(w for w in words if re.search(rf"\b{w}\(", body))
     used += ["pi"] if re.search(r"\bpi\b", body) else []
     used = [w for w in used if (flavour.library, w) != ("math", "sign")]
@@ -146,12 +174,33 @@ def _module(program: Program, flavour: _Flavour, alike: bool = False) -> str:
 def _helpers(body: str, library: str) -> list[str]:
     """The functions sin(x)/x and the like that are called."""
     rows = []
-    for word in (w for w in _QUOTIENTS if re.search(rf"\b{w}\(", body)):
-        value = f"{_QUOTIENTS[word]}(x)/x if x else x + 1"
-        if library == "numpy":
-            value = f"where(x == 0, 1.0, {_QUOTIENTS[word]}(x)/where(x == 0, 1.0, x))"
-        rows.append(f'def {word}(x):\n    """{_QUOTIENTS[word]}(x)/x."""\n    return {value}\n')
+    for word, above in _QUOTIENTS.items():
+        if re.search(rf"\b{word}\(", body):
+            function = _NUMPY[above] if library == "numpy" and above == "atan" else above
+            value = f"{function}(x)/x if x else x + 1"
+            if library == "numpy":
+                value = f"where(x == 0, 1.0, {function}(x)/where(x == 0, 1.0, x))"
+            rows.append(_helper(word, f"{above}(x)/x", f"return {value}"))
+    for name, (word, above) in SLOPES.items():
+        if re.search(rf"\b{word}\(", body):
+            power, reach = QUOTIENTS[name].power, QUOTIENTS[name].reach
+            steps = [f"return {_IN_DIGITS[name]}"]
+            if library == "math":
+                steps = [f"return {series(name)} if abs(x) < {reach} else ({above})/x**{power}"]
+            elif library == "numpy":
+                steps = [
+                    f"near = abs(x) < {reach}",
+                    "y = where(near, x, 0.0)",
+                    f"far = ({above})/where(near, 1.0, x)**{power}",
+                    f"return where(near, {series(name, 'y')}, far)",
+                ]
+            rows.append(_helper(word, f"({above})/x**{power}", *steps))
     return rows
+
+
+def _helper(word: str, meaning: str, *rows: str) -> str:
+    body = "".join(f"    {row}\n" for row in rows)
+    return f'def {word}(x):\n    """{meaning}."""\n{body}'
 
 
 def _header(program: Program, flavour: _Flavour) -> str:

@@ -28,11 +28,9 @@ import symengine as se
 
 from voronec.algebra.cardinal import coefficient
 from voronec.algebra.numeric_functions import (
-    EXPREL,
     FORMULAS,
     HYPOT,
-    SINC,
-    SINHC,
+    QUOTIENTS,
     SIZE,
     numeric_name,
 )
@@ -254,7 +252,7 @@ class Coefficients:
             return self.entry(f"{sign}*{a}[0]", f"{sign}*{a}[k]")
         if name == HYPOT:
             return self._length(args)
-        if name not in (SINC, SINHC, EXPREL):
+        if name not in QUOTIENTS:
             return self.series(FORMULAS[name](*args))
         return self._quotient_of(name, args[0])
 
@@ -270,10 +268,11 @@ class Coefficients:
         return self.entry(f"isqrt({first})", f"({later} - {half})//(2*{name}[0])")
 
     def _quotient_of(self, name: str, w: Any) -> str:
-        """sin(w)/w and the like: ``Composed`` divides, or expands where |w| < 1."""
-        a, above = self.series(w), self.series(FORMULAS[name](w) * w)
+        """sin(w)/w and the like: ``Composed`` divides, or expands where |w| is small."""
+        quotient = QUOTIENTS[name]
+        a, below, above = (self.series(e) for e in (w, w**quotient.power, quotient.above(w)))
         made = f"c_a{self.count}"
-        self.first.append(f"{made} = composed({name!r}, {a}, {above})")
+        self.first.append(f"{made} = composed({name!r}, {a}, {below}, {above})")
         return self.entry(f"{made}.entry(0)", f"{made}.entry(k)")
 
     def _function(self, expr: Any) -> str:
@@ -443,14 +442,16 @@ def _tangent(bits: int) -> Callable[[int], int]:
 
 
 class _Composed:
-    """Coefficients of F(w) = f(w)/w, f(0) = 0, from those of w and of f(w), as they come.
+    """Coefficients of F(w) = f(w)/w^p from those of w, w^p and f(w), as they come.
 
-    For |w_0| < 1, where to divide loses digits, F is expanded at w_0 and (w - w_0)^j put in.
+    For small |w_0|, where to divide loses digits, F is expanded at w_0 and (w - w_0)^j put in.
     """
 
-    def __init__(self, bits: int, name: str, w: list[int], above: list[int]) -> None:
-        self.bits, self.name, self.w, self.above = bits, name, w, above
-        self.near = abs(w[0]) < 1 << bits
+    def __init__(
+        self, bits: int, name: str, w: list[int], below: list[int], above: list[int]
+    ) -> None:
+        self.bits, self.name, self.w, self.below, self.above = bits, name, w, below, above
+        self.near = abs(w[0]) < int(QUOTIENTS[name].reach * (1 << bits))
         self.found: list[int] = []
         self.slopes: list[int] = []
         self.powers: list[list[int]] = []
@@ -461,8 +462,8 @@ class _Composed:
         return self.found[k]
 
     def _divided(self, k: int) -> int:
-        inner = sum(map(mul, self.w[1:], self.found[::-1]))
-        return ((self.above[k] << self.bits) - inner) // self.w[0]
+        inner = sum(map(mul, self.below[1:], self.found[::-1]))
+        return ((self.above[k] << self.bits) - inner) // self.below[0]
 
     def _expanded(self, k: int) -> int:
         """sum_j F_j [(w - w_0)^j]_k; of the power j all that is below order j vanishes."""

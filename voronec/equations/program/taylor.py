@@ -8,20 +8,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial, reduce
-from math import factorial
 from typing import Any
 
 import symengine as se
 
 from voronec.algebra.numeric_functions import (
+    ATAN_RATIO,
     EXPM1,
     EXPREL,
+    EXPREL_SLOPE,
     FORMULAS,
     HYPOT,
     LOG1P,
+    LOG_RATIO,
+    QUOTIENTS,
     SINC,
+    SINC_SLOPE,
     SINHC,
+    SINHC_SLOPE,
     SIZE,
+    TANH_REST,
     numeric_name,
 )
 from voronec.equations.program.printing import rational, rewritten
@@ -153,22 +159,36 @@ def _less_one(w: Any, hy: Any) -> Any:
 
 
 def _cardinal(name: str, w: Any, hy: Any) -> Any:
-    """A quotient such as sin(w)/w; a power series for |w| < 1, where the division loses digits.
+    """A quotient such as sin(w)/w; a power series for small |w|, where the division loses digits.
 
     A step is the expansion at its start: what the function is further off matters to the terms
     alone that the series has too.
     """
-    above = {SINC: hy.sin, SINHC: hy.sinh, EXPREL: lambda x: hy.exp(x) - 1.0}[name]
-    step, sign = (1, 1) if name == EXPREL else (2, -1 if name == SINC else 1)
-    power = w if name == EXPREL else w**2.0
+    quotient = QUOTIENTS[name]
+    step, power = (2, w**2.0) if quotient.even else (1, w)
     series = hy.expression(0.0)
     for n in reversed(range(0, TERMS, step)):
-        series = series * power + sign ** (n // 2) / factorial(n + 1)
-    return hy.select(hy.lt(_size(w, hy), 1.0), series, above(w) / w)
+        p, q = quotient.coefficient(n)
+        series = series * power + p / q
+    far = _ABOVE[name](w, hy) / _whole(w, quotient.power)
+    return hy.select(hy.lt(_size(w, hy), quotient.reach), series, far)
+
+
+_ABOVE: dict[str, Callable[[Any, Any], Any]] = {
+    SINC: lambda w, hy: hy.sin(w),
+    SINHC: lambda w, hy: hy.sinh(w),
+    EXPREL: lambda w, hy: hy.exp(w) - 1.0,
+    SINC_SLOPE: lambda w, hy: hy.sin(w) - w * hy.cos(w),
+    SINHC_SLOPE: lambda w, hy: w * hy.cosh(w) - hy.sinh(w),
+    EXPREL_SLOPE: lambda w, hy: (w - 1.0) * hy.exp(w) + 1.0,
+    TANH_REST: lambda w, hy: w - hy.tanh(w),
+    LOG_RATIO: lambda w, hy: _beside_one(w, hy),
+    ATAN_RATIO: lambda w, hy: hy.atan(w),
+}
 
 
 _NUMERIC: dict[str, Callable[[Any, Any], Any]] = {
-    **{name: partial(_cardinal, name) for name in (SINC, SINHC, EXPREL)},
+    **{name: partial(_cardinal, name) for name in QUOTIENTS},
     EXPM1: _less_one,
     LOG1P: _beside_one,
     SIZE: _size,

@@ -23,13 +23,19 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.numeric_functions import (
+    ATAN_RATIO,
     EXPM1,
     EXPREL,
+    EXPREL_SLOPE,
     HYPOT,
     LOG1P,
+    LOG_RATIO,
     SINC,
+    SINC_SLOPE,
     SINHC,
+    SINHC_SLOPE,
     SIZE,
+    TANH_REST,
     numeric_name,
 )
 from voronec.algebra.stable import stable_all
@@ -52,6 +58,12 @@ _FUNCTIONS |= {
     SINC: mp.sinc,
     SINHC: lambda a: mp.sinh(a) / a if a else mp.mpf(1),
     EXPREL: lambda a: mp.expm1(a) / a if a else mp.mpf(1),
+    SINC_SLOPE: lambda a: mp.hyp0f1(mp.mpf(5) / 2, -a * a / 4) / 3,
+    SINHC_SLOPE: lambda a: mp.hyp0f1(mp.mpf(5) / 2, a * a / 4) / 3,
+    EXPREL_SLOPE: lambda a: mp.hyp1f1(2, 3, a) / 2,
+    TANH_REST: lambda a: mp.hyp0f1(mp.mpf(5) / 2, a * a / 4) / 3 / mp.cosh(a),
+    LOG_RATIO: lambda a: mp.log1p(a) / a if a else mp.mpf(1),
+    ATAN_RATIO: lambda a: mp.atan(a) / a if a else mp.mpf(1),
     EXPM1: mp.expm1,
     LOG1P: mp.log1p,
     SIZE: mp.fabs,
