@@ -9,7 +9,8 @@ from flint import acb, ctx
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import angle, ball, compiled, precise, root
-from voronec.closed.expressions import Reading, reading
+from voronec.closed.compiled_motion import Prepared
+from voronec.closed.expressions import reading
 from voronec.closed.planar_rotation import rolled_in_balls
 from voronec.closed.ratio import ratios
 from voronec.closed.space import product
@@ -110,7 +111,7 @@ def _moving(form: ClosedForm, t: Any, digits: int, bits: int, whole: bool) -> di
         found |= _turned(form, found, exact_time(t), bits, whole)
     if own.motion.plane is not None:
         found |= placed(form, table, at.integrals, x, bits)
-    return _named(form, found, _velocities(reading(own), values))
+    return _named(form, found, _velocities(own, values))
 
 
 def _straight(form: ClosedForm, table: list[Any], i: int, at: Any, bits: int) -> tuple[Any, ...]:
@@ -154,10 +155,9 @@ def _rested(form: ClosedForm, t: Any, bits: int, whole: bool) -> dict[str, Any]:
 def _resting(form: ClosedForm, found: dict[Any, Any], given: dict[Any, Any], bits: int) -> Any:
     """The velocities where the variable rests: constant, if they hold no moving coordinate."""
     own = form.problem.prepared
-    read = reading(own)
-    if not read.coordinates:
+    if not reading(own).coordinates:
         return [given[v] for v in own.system.velocities]
-    return _velocities(read, form.resting(found, bits))
+    return _velocities(own, form.resting(found, bits))
 
 
 def placed(form: ClosedForm, table: list[Any], integrals: Any, x: Any, bits: int) -> dict[Any, Any]:
@@ -230,22 +230,15 @@ def polynomials(form: ClosedForm, x: Any, bits: int) -> list[Any]:
     kept = reading(own).polynomials
     if not kept:
         return []
-    key = id(reading(own))
-    if key not in _HELD:
-        _HELD[key] = (own, compiled(kept, (*own.level, own.motion.x)))
-    found: list[Any] = _HELD[key][1]([*form.problem.level(bits), x])
-    return found
+    symbols = (*own.level, own.motion.x)
+    function = own.memo.once("polynomials of velocities", lambda: compiled(kept, symbols))
+    return function([*form.problem.level(bits), x])
 
 
-_HELD: dict[int, tuple[Any, Any]] = {}
-_COMPILED: dict[int, tuple[Reading, Any]] = {}
-
-
-def _velocities(read: Reading, values: list[Any]) -> list[Any]:
-    if id(read) not in _COMPILED:
-        _COMPILED[id(read)] = (read, compiled(read.expressions, read.symbols))
-    found: list[Any] = _COMPILED[id(read)][1](values)
-    return found
+def _velocities(own: Prepared, values: list[Any]) -> list[Any]:
+    read = reading(own)
+    made = own.memo.once("velocities", lambda: compiled(read.expressions, read.symbols))
+    return made(values)
 
 
 def _named(form: ClosedForm, found: dict[Any, Any], velocities: list[Any]) -> dict[str, Any]:

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import sympified
 from voronec.closed.arithmetic import Function, ball, compiled, exact, precise
@@ -69,6 +71,11 @@ class Prepared:
     parts: Function = _nothing
     fractions: Split = field(default_factory=Split)
 
+    @cached_property
+    def memo(self) -> Memo:
+        """What is computed of it once."""
+        return Memo()
+
     @property
     def shares(self) -> tuple[tuple[int, ...], ...]:
         """Of each integral, one per pole."""
@@ -95,9 +102,6 @@ class Prepared:
         return self.cosine_at + 2 * len(self.cosines)
 
 
-_KNOWN: dict[tuple[int, Any], Prepared] = {}
-
-
 def motion_of(system: System) -> Quadratures:
     """The declared motion of a system; ``DefinitionError`` where it has none."""
     if system.motion is not None:
@@ -114,11 +118,10 @@ def motion_of(system: System) -> Quadratures:
 def prepared(system: System, values: Mapping[Any, Any]) -> Prepared:
     """The motion of a system ready for numbers like ``values``, which give the parameters."""
     motion = motion_of(system)
-    gone = {s: e for factor, s, e in _critical(system, motion) if _is_zero(factor, values)}
-    key = (id(motion), frozenset(gone.items()))
-    if key not in _KNOWN or _KNOWN[key].system.motion is not motion:
-        _KNOWN[key] = _prepare(system, motion, gone)
-    return _KNOWN[key]
+    critical = motion.memo.once("critical", lambda: _critical(system, motion))
+    gone = {s: e for factor, s, e in critical if _is_zero(factor, values)}
+    what = ("prepared", frozenset(gone.items()))
+    return motion.memo.once(what, lambda: _prepare(system, motion, gone))
 
 
 def _is_zero(factor: Any, values: Mapping[Any, Any]) -> bool:
@@ -127,22 +130,17 @@ def _is_zero(factor: Any, values: Mapping[Any, Any]) -> bool:
     return bool(vanishes(factor.xreplace({s: exact(values[s]) for s in factor.free_symbols})))
 
 
-_CRITICAL: dict[int, tuple[Quadratures, list[tuple[Any, Any, Any]]]] = {}
-
-
 def _critical(system: System, motion: Quadratures) -> list[tuple[Any, Any, Any]]:
     """Polynomials in the parameters whose vanishing sends a pole to infinity, each with a parameter
     and what it is then."""
-    if id(motion) not in _CRITICAL or _CRITICAL[id(motion)][0] is not motion:
-        own = {p.symbol for p in system.parameters if p.symbol.is_Symbol}
-        found: dict[Any, tuple[Any, Any, Any]] = {}
-        for place in (*motion.poles, *motion.others):
-            for factor in _factors(sp.fraction(sp.together(place))[1], own):
-                known = _solved_for(factor, sorted(own & factor.free_symbols, key=str)[::-1])
-                if known is not None:
-                    found.setdefault(known, (factor, *known))
-        _CRITICAL[id(motion)] = (motion, list(found.values()))
-    return _CRITICAL[id(motion)][1]
+    own = {p.symbol for p in system.parameters if p.symbol.is_Symbol}
+    found: dict[Any, tuple[Any, Any, Any]] = {}
+    for place in (*motion.poles, *motion.others):
+        for factor in _factors(sp.fraction(sp.together(place))[1], own):
+            known = _solved_for(factor, sorted(own & factor.free_symbols, key=str)[::-1])
+            if known is not None:
+                found.setdefault(known, (factor, *known))
+    return list(found.values())
 
 
 def _factors(below: Any, own: set[Any]) -> list[Any]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import sympy as sp
@@ -33,10 +32,13 @@ class Composition:
     sense: int
 
 
-@cache
 def composition(own: Prepared) -> Composition | None:
     """How the coordinates in space of a motion turn its frame; proved.  None where they do not in
     this way."""
+    return own.memo.once("composition", lambda: _composition(own))
+
+
+def _composition(own: Prepared) -> Composition | None:
     space = own.motion.space
     if space is None:
         return None

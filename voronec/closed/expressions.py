@@ -7,7 +7,6 @@ coordinates are symbols, each of which has its own accurate value along the moti
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import sympy as sp
@@ -15,7 +14,7 @@ import sympy as sp
 from voronec.algebra.symbols import velocity
 from voronec.closed.compiled_motion import Prepared
 
-__all__ = ["Reading", "reading"]
+__all__ = ["Reading", "reading", "velocities_in_doubles"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +33,12 @@ class Reading:
     velocities: tuple[Any, ...]
 
 
-@cache
 def reading(own: Prepared) -> Reading:
     """The velocities of a prepared motion."""
+    return own.memo.once("reading", lambda: _reading(own))
+
+
+def _reading(own: Prepared) -> Reading:
     motion, symbols = own.motion, [*own.level, own.motion.x]
     meaning: dict[Any, Any] = {}
     for i, trace in enumerate(motion.traces):
@@ -67,3 +69,12 @@ def _lifted(expr: Any, x: Any, moving: set[Any], kept: dict[Any, Any]) -> Any:
     if not expr.free_symbols & moving and expr.free_symbols and expr.is_polynomial(x):
         return kept.setdefault(expr, sp.Dummy(f"polynomial{len(kept)}"))
     return expr.func(*(_lifted(a, x, moving, kept) for a in expr.args)) if expr.args else expr
+
+
+def velocities_in_doubles(own: Prepared) -> Any:
+    """The velocities of the equations as a function of arrays, in the order of a reading."""
+    read = reading(own)
+    return own.memo.once(
+        "velocities in doubles",
+        lambda: sp.lambdify(read.symbols, list(read.expressions), "numpy", cse=True),
+    )

@@ -14,7 +14,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.bernstein import evaluated
 from voronec.closed.clock import pieces
-from voronec.closed.expressions import reading
+from voronec.closed.expressions import reading, velocities_in_doubles
 from voronec.closed.space_coordinates import BLOCK, read_circles
 from voronec.closed.upright_view import Seen, wrapped
 from voronec.declaration.reading import doubles
@@ -256,7 +256,7 @@ class Timed:
             # less whole turns: the sines of late angles lose nothing
             values += [self.coordinate(q, False) for q in reading(own).coordinates]
             values += [self._valued(p) for p in form.ready.polynomials]
-            found = _velocities(own)(*values)
+            found = velocities_in_doubles(own)(*values)
         names = map(plain_name, form.system.velocities)
         return {n: np.broadcast_to(e, self.grid.shape).astype(float)
                 for n, e in zip(names, found, strict=True)}  # fmt: skip
@@ -270,17 +270,6 @@ class Timed:
                 rate = rate / apart[i]
             found.append(rate)
         return found
-
-
-_FUNCTIONS: dict[int, tuple[Any, Any]] = {}
-
-
-def _velocities(own: Any) -> Any:
-    if id(own) not in _FUNCTIONS or _FUNCTIONS[id(own)][0] is not own:
-        read = reading(own)
-        function = sp.lambdify(read.symbols, list(read.expressions), "numpy", cse=True)
-        _FUNCTIONS[id(own)] = (own, function)
-    return _FUNCTIONS[id(own)][1]
 
 
 MANY = 10_000

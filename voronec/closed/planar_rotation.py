@@ -8,6 +8,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.closed.arithmetic import ball, compiled, precise
+from voronec.closed.compiled_motion import Prepared
 from voronec.closed.grid import turned
 from voronec.closed.space import Attitude
 
@@ -56,37 +57,32 @@ def _rolling(form: ClosedForm, bits: int) -> tuple[Any, ...]:
     assert plane is not None
     rates = dict(zip(form.system.coordinates, form.steady(bits), strict=True))
     (x, y), start = plane.place, [form.exact(q)(bits) for q in plane.place]
+    own = form.problem.prepared
+    turning = own.memo.once("turning", lambda: _turning(own))
     with precise(bits):
-        spin = sum((rates[q] * c for q, c in _turning(form.problem).items()), ball(0))
+        spin = sum((rates[q] * c for q, c in turning.items()), ball(0))
     return x, y, *start, rates[x], rates[y], spin
 
 
-def _turning(problem: Problem) -> dict[Any, int]:
+def _turning(own: Prepared) -> dict[Any, int]:
     """The angles that turn the vector in the plane, and how often each does.
 
     Where an angle alone grows and the vector turns, at any state, what the vector is made of
     besides does not move with the variable at rest.
     """
-    own = problem.prepared
-    key = id(own)
-    if key not in _KNOWN or _KNOWN[key][0] is not own:
-        plane = own.motion.plane
-        assert plane is not None
-        a, b = plane.direction
-        slopes = [sp.diff(e, q) for q in own.motion.angles for e in (a, b)]
-        found = {}
-        with precise(BITS):
-            given = [ball(sp.Rational(sp.prime(i + 20), sp.prime(i + 41)))
-                     for i in range(len(own.inputs))]  # fmt: skip
-            first, second, *moved = compiled([a, b, *slopes], own.inputs)(given)
-            for i, q in enumerate(own.motion.angles):
-                along, across = moved[2 * i : 2 * i + 2]
-                times = round(float((first * across - second * along)
-                                    / (first * first + second * second)))  # fmt: skip
-                if (along + times * second).contains(0) and (across - times * first).contains(0):
-                    found[q] = times
-        _KNOWN[key] = (own, found)
-    return _KNOWN[key][1]
-
-
-_KNOWN: dict[int, tuple[Any, dict[Any, int]]] = {}
+    plane = own.motion.plane
+    assert plane is not None
+    a, b = plane.direction
+    slopes = [sp.diff(e, q) for q in own.motion.angles for e in (a, b)]
+    found = {}
+    with precise(BITS):
+        given = [ball(sp.Rational(sp.prime(i + 20), sp.prime(i + 41)))
+                 for i in range(len(own.inputs))]  # fmt: skip
+        first, second, *moved = compiled([a, b, *slopes], own.inputs)(given)
+        for i, q in enumerate(own.motion.angles):
+            along, across = moved[2 * i : 2 * i + 2]
+            times = round(float((first * across - second * along)
+                                / (first * first + second * second)))  # fmt: skip
+            if (along + times * second).contains(0) and (across - times * first).contains(0):
+                found[q] = times
+    return found

@@ -148,11 +148,8 @@ class Problem:
     def exact(self, expr: Any) -> Callable[[int], Any]:
         """An expression in constants, parameters and the start, at any number of bits."""
         symbols = (*self.prepared.inputs, *self.prepared.motion.constants)
-        key = ("compiled", expr)
-        known = _COMPILED.setdefault(id(self.prepared), (self.prepared, {}))[1]
-        if key not in known:
-            known[key] = compiled([expr], symbols)
-        function = known[key]
+        what = ("compiled", expr)
+        function = self.prepared.memo.once(what, lambda: compiled([expr], symbols))
 
         def at(bits: int) -> Any:
             with precise(bits):
@@ -345,9 +342,6 @@ class Problem:
                     f"system '{name}': the start {q} = {self.values[q]} is a pole of the "
                     "coordinates; start elsewhere, or turn the coordinates"
                 )
-
-
-_COMPILED: dict[int, tuple[Prepared, dict[Any, Any]]] = {}
 
 
 def _short(expr: Any) -> str:

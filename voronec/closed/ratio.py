@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -75,8 +74,11 @@ class Ratio:
         return self.above.value(problem, x, bits) / self.below.value(problem, x, bits)
 
 
-@cache
 def ratios(own: Prepared) -> Sequence[Ratio]:
     """The cosine of each trace, and the clock."""
+    return own.memo.once("ratios", lambda: _ratios(own))
+
+
+def _ratios(own: Prepared) -> Sequence[Ratio]:
     given = (*(t.cosine for t in own.motion.traces), own.motion.clock)
     return [Ratio.of(e.xreplace(dict(own.gone)), own) for e in given]

@@ -90,22 +90,21 @@ class Attitude:
     def machines(self) -> tuple[Function, Function, Function]:
         """Compiled: inputs to frame and vector, entries to coordinates, turned coordinates to the
         frame."""
-        key = id(self.space)
-        if key not in _MACHINES:
-            frame, vector, own = self.space.frame, self.space.vector, self.coordinates
-            foreign = frame.free_symbols - {*own}
-            if foreign:
-                raise DefinitionError(
-                    f"the frame in space holds '{min(foreign, key=str)}', which is not among the "
-                    f"coordinates in space {', '.join(map(str, own))}"
-                )
-            _MACHINES[key] = (
-                self.space,
-                compiled([*frame, *vector], self.problem.prepared.inputs),
-                compiled(self.space.coordinates.values(), tuple(self.space.entries)),
-                compiled(list(frame), own),
+        return self.problem.prepared.memo.once("frame in space", self._compiled)
+
+    def _compiled(self) -> tuple[Function, Function, Function]:
+        frame, vector, own = self.space.frame, self.space.vector, self.coordinates
+        foreign = frame.free_symbols - {*own}
+        if foreign:
+            raise DefinitionError(
+                f"the frame in space holds '{min(foreign, key=str)}', which is not among the "
+                f"coordinates in space {', '.join(map(str, own))}"
             )
-        return _MACHINES[key][1:]
+        return (
+            compiled([*frame, *vector], self.problem.prepared.inputs),
+            compiled(self.space.coordinates.values(), tuple(self.space.entries)),
+            compiled(list(frame), own),
+        )
 
     def start(self, bits: int) -> tuple[list[Any], list[Any]]:
         """Frame (9, row by row) and vector (3) at the start."""
@@ -237,9 +236,6 @@ class Attitude:
             n = len(dots)
             left = arb_mat(n, n, flat[: n * n])
             return list(left.solve(arb_mat(n, 1, flat[n * n :])).entries())
-
-
-_MACHINES: dict[int, tuple[Any, Function, Function, Function]] = {}
 
 
 def times(matrix: Sequence[Any], vector: Sequence[Any]) -> list[Any]:

@@ -9,7 +9,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
-from voronec.closed.upright_view import once, wrapped
+from voronec.closed.upright_view import wrapped
 
 if TYPE_CHECKING:
     from voronec.closed.closed_form import ClosedForm
@@ -107,7 +107,7 @@ def _angle(y: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 def _reader(space: Any) -> Any:
     """From a turn (9, row by row), then cosine and sine of each coordinate, turned upright."""
-    return once(space, "circles", lambda: _read(space))
+    return space.memo.once("circles", lambda: _read(space))
 
 
 def _read(space: Any) -> Any:
@@ -124,7 +124,7 @@ def _read(space: Any) -> Any:
 
 
 def _plain_reader(space: Any) -> Any:
-    return once(
-        space, "coordinates",
+    return space.memo.once(
+        "coordinates",
         lambda: sp.lambdify(tuple(space.entries), list(space.coordinates.values()), "numpy"),
     )  # fmt: skip

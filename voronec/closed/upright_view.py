@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import sympy as sp
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.bernstein import evaluated
-from voronec.closed.expressions import reading
+from voronec.closed.expressions import reading, velocities_in_doubles
 
 if TYPE_CHECKING:
     from voronec.closed.closed_form import ClosedForm
 
-__all__ = ["Seen", "once", "wrapped"]
+__all__ = ["Seen", "wrapped"]
 
 TURN = 2 * np.pi
 
@@ -103,7 +102,7 @@ class Seen:
         values += [self.coordinate(q) for q in reading(own).coordinates]
         values += [evaluated(p, *self._weights) for p in form.ready.polynomials]
         with np.errstate(all="ignore"):
-            found = _velocities(own)(*values)
+            found = velocities_in_doubles(own)(*values)
         names = map(plain_name, form.system.velocities)
         return {n: np.broadcast_to(e, x.shape) for n, e in zip(names, found, strict=True)}
 
@@ -126,23 +125,3 @@ class Seen:
 def wrapped(angle: np.ndarray) -> np.ndarray:
     """In (-pi, pi]."""
     return np.asarray(angle - TURN * np.ceil(angle / TURN - 0.5))
-
-
-def _velocities(own: Any) -> Any:
-    read = reading(own)
-    return once(
-        own,
-        "velocities",
-        lambda: sp.lambdify(read.symbols, list(read.expressions), "numpy", cse=True),
-    )
-
-
-_FUNCTIONS: dict[Any, tuple[Any, Any]] = {}
-
-
-def once(owner: Any, what: str, make: Callable[[], Any]) -> Any:
-    """What is made for an owner, made when it is first asked for."""
-    key = (id(owner), what)
-    if key not in _FUNCTIONS or _FUNCTIONS[key][0] is not owner:
-        _FUNCTIONS[key] = (owner, make())
-    return _FUNCTIONS[key][1]

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import names_in, plain_name
 from voronec.declaration.reading import expression, mapping, several, shown
 from voronec.errors import DefinitionError
@@ -56,6 +58,11 @@ class Space:
     vector: sp.ImmutableMatrix
     coordinates: Mapping[Any, Any]
     entries: sp.ImmutableMatrix
+
+    @cached_property
+    def memo(self) -> Memo:
+        """What is computed of it once."""
+        return Memo()
 
     def __post_init__(self) -> None:
         for name, shape in (("frame", (3, 3)), ("vector", (3, 1)), ("entries", (3, 3))):
@@ -191,6 +198,11 @@ class Quadratures:
         traces = several(self.traces, "traces", "Trace(u, v, cosine)", Trace)
         object.__setattr__(self, "traces", traces)
         self._check()
+
+    @cached_property
+    def memo(self) -> Memo:
+        """What is computed of it once."""
+        return Memo()
 
     def _check(self) -> None:
         _check_degree(self.quartic, self.x, MOST, "the quartic")

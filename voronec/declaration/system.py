@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
 from sympy.logic.boolalg import Boolean
 
+from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import (
     functions_of_time,
     is_symbolic_name,
@@ -237,6 +239,11 @@ class System:
         found = set().union(*map(functions_of_time, held))
         found -= {*self.coordinates, *(frame.ambient if frame is not None else ())}
         return tuple(dict.fromkeys([*declared, *functions, *sorted(found, key=str)]))
+
+    @cached_property
+    def memo(self) -> Memo:
+        """What is computed of it once."""
+        return Memo()
 
     @property
     def coordinates(self) -> tuple[sp.Expr, ...]:

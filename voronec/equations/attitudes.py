@@ -36,8 +36,6 @@ from voronec.errors import EngineLimit, VoronecError
 
 __all__ = ["EulerAngles", "angles_without_chart", "euler_angles", "with_attitude_charts"]
 
-_KEPT, _ANGLES = "_with_attitude_charts", "_euler_angles"
-"""Where equations keep what was made of them here."""
 SEED = 20
 """Of the points at which the kinetic energy is looked at."""
 DEGENERATE = 1e-9
@@ -72,21 +70,14 @@ def euler_angles(equations: VoronecEquations) -> tuple[EulerAngles, ...]:
 
     Found by numbers; that the system is regular at the poles ``with_attitude_charts`` decides.
     """
-    known = equations.__dict__.get(_ANGLES)
-    if known is None:
-        known = equations.__dict__[_ANGLES] = tuple(_recognised(equations.definition))
-    found: tuple[EulerAngles, ...] = known
-    return found
+    return equations.memo.once("Euler angles", lambda: tuple(_recognised(equations.definition)))
 
 
 def with_attitude_charts(equations: VoronecEquations) -> VoronecEquations | None:
     """The equations with charts that are regular at the poles of Euler's angles, beside those that
     the system declares; None where there are no such angles but those that declared charts turn,
     or where the system is not regular there."""
-    if _KEPT not in equations.__dict__:
-        equations.__dict__[_KEPT] = _charted(equations)
-    found: VoronecEquations | None = equations.__dict__[_KEPT]
-    return found
+    return equations.memo.once("attitude charts", lambda: _charted(equations))
 
 
 def angles_without_chart(equations: VoronecEquations) -> tuple[EulerAngles, ...]:

@@ -32,7 +32,6 @@ from voronec.errors import DefinitionError, EngineLimit, VoronecError
 
 __all__ = ["Motions", "VectorField"]
 
-_KEPT = "_motions"
 BITS = 192
 """The precision of ranks."""
 
@@ -224,10 +223,7 @@ class Motions:
     def of(cls, system: System | VoronecEquations) -> Motions:
         """Derive the equations; what is made here is kept with them."""
         equations = system if isinstance(system, VoronecEquations) else derive(system)
-        known: Motions | None = equations.__dict__.get(_KEPT)
-        if known is None:
-            known = equations.__dict__[_KEPT] = cls(equations)
-        return known
+        return equations.memo.once("motions", lambda: cls(equations))
 
     @property
     def system(self) -> System:

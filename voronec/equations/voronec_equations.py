@@ -19,6 +19,7 @@ import sympy as sp
 
 from voronec.algebra.door import Door
 from voronec.algebra.generators import holds_far_multiples
+from voronec.algebra.memo import Memo
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.shape import operations
 from voronec.algebra.symbols import plain_name, velocity
@@ -137,8 +138,6 @@ def _curvature(eqs: VoronecEquations, fibre: list[str], base: list[str]) -> dict
     return table
 
 
-_KEPT = "_equations"
-"""Where a system keeps its equations once they are derived."""
 SHORT = 1500
 """Normal forms that cost no more operations are taken without looking for a shorter form."""
 LARGE = 2000
@@ -165,6 +164,11 @@ class VoronecEquations:
     definition: Definition
     raw: Derivation
     exact: Derivation
+
+    @cached_property
+    def memo(self) -> Memo:
+        """What is computed of it once."""
+        return Memo()
 
     @property
     def door(self) -> Door:
@@ -421,14 +425,14 @@ def derive(system: System) -> VoronecEquations:
     definition makes no sense.
     """
     require_system(system)
-    known: VoronecEquations | None = system.__dict__.get(_KEPT)
-    if known is None:
-        definition = read(system)
-        raw, exact = Derivation(definition, False), Derivation(definition, True)
-        _ = raw.connection
-        check_added(raw)
-        check_inertia(raw)
-        known = VoronecEquations(system, definition, raw, exact)
-        # a system is a value that does not change, and so are its equations
-        system.__dict__[_KEPT] = known
-    return known
+    # a system is a value that does not change, and so are its equations
+    return system.memo.once("equations", lambda: _derived(system))
+
+
+def _derived(system: System) -> VoronecEquations:
+    definition = read(system)
+    raw, exact = Derivation(definition, False), Derivation(definition, True)
+    _ = raw.connection
+    check_added(raw)
+    check_inertia(raw)
+    return VoronecEquations(system, definition, raw, exact)

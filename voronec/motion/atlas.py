@@ -38,10 +38,6 @@ __all__ = [
 ]
 
 
-_KEPT = "_equations_in_charts"
-"""Where equations keep those in their system's charts."""
-
-
 @dataclass(frozen=True)
 class KeptChart:
     """One chart on the variables that are kept.
@@ -139,12 +135,13 @@ def kept_charts(equations: VoronecEquations, form: FirstOrderForm) -> tuple[Kept
 
 def _equations_in(equations: VoronecEquations, name: str) -> VoronecEquations:
     """The equations in a chart, derived once."""
-    known: dict[str, VoronecEquations] = equations.__dict__.setdefault(_KEPT, {})
-    if name not in known:
+
+    def derived() -> VoronecEquations:
         near = equations.system.charts[name].near
         scenes = {"default": Scene(initial=near)} if near else {}
-        known[name] = derive(replace(system_in(equations.system, name), scenes=scenes))
-    return known[name]
+        return derive(replace(system_in(equations.system, name), scenes=scenes))
+
+    return equations.memo.once(("chart", name), derived)
 
 
 def own_singular(charts: tuple[KeptChart, ...]) -> Any:

@@ -146,15 +146,12 @@ def _checked(problem: Problem) -> ClosedForm:
     return ClosedForm(problem)
 
 
-_ALLOWED: dict[int, tuple[System, Any]] = {}
-"""The parameters that were last found good, of each system: many motions share theirs."""
-
-
 def _require_allowed(system: System, given: Mapping[str, Any]) -> None:
     """Parameters within their ranges, and such as a body can have."""
     key = tuple(sorted((n, type(x).__name__, x) for n, x in given.items() if _plain(x)))
     whole = len(key) == len(given)
-    if whole and _ALLOWED.get(id(system)) == (system, key):
+    good: list[Any] = system.memo.once("good parameters", list)  # the last; many motions share them
+    if whole and key in good:
         return
     for parameter in system.parameters:
         value = given.get(parameter.name, parameter.value)
@@ -166,7 +163,7 @@ def _require_allowed(system: System, given: Mapping[str, Any]) -> None:
                 raise DefinitionError(f"system '{system.name}': {error}") from None
     require_possible(system, given)
     if whole:
-        _ALLOWED[id(system)] = (system, key)
+        good[:] = [key]
 
 
 def _plain(value: Any) -> bool:

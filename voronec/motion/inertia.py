@@ -14,7 +14,6 @@ __all__ = ["require_inertia"]
 
 PLACES, AWAY = 3, 0.3
 """At the start and so many places about it, so far apart, the mass matrix is looked at."""
-_KEPT = "_regular_without"
 SINGULAR = 1e-12
 """The least eigenvalue of a singular mass matrix, in units of its largest."""
 
@@ -30,7 +29,7 @@ def require_inertia(
     was found regular stays so, and is kept with the equations.
     """
     zero = [p.name for p in equations.system.parameters if constants.get(p.name) == 0]
-    regular = equations.__dict__.setdefault(_KEPT, set())
+    regular = equations.memo.once("regular without", set)
     if not zero or not equations.system.velocities or frozenset(zero) in regular:
         return
     if not _singular(equations, constants, state, time):

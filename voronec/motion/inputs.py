@@ -20,7 +20,7 @@ import sympy as sp
 
 from voronec.algebra.symbols import names_in, plain_name, time, velocity
 from voronec.algebra.text import formula
-from voronec.declaration.claims import right_of
+from voronec.declaration.claims import right_of, without_claims
 from voronec.declaration.reading import expression, mapping, shown
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
@@ -30,9 +30,6 @@ from voronec.motion.steppers.signals import Signal, Signals
 from voronec.motion.tables import Table
 
 __all__ = ["Drive", "drive"]
-
-_KEPT = "_driven"
-"""Where a system keeps itself with inputs replaced."""
 
 
 @dataclass(frozen=True)
@@ -257,20 +254,24 @@ def _driven(
     What was claimed of the original is not claimed of it, but for integrals: those with an input in
     them only where that does not jump.
     """
-    kept: dict[Any, System] = original.__dict__.setdefault(_KEPT, {})
-    if shape in kept:
-        return kept[shape]
+    what = ("driven", shape)
+    return original.memo.once(what, lambda: _with_meaning(original, meaning, symbols, moving))
 
+
+def _with_meaning(
+    original: System, meaning: Mapping[sp.Expr, sp.Expr], symbols: Sequence[sp.Symbol], moving: bool
+) -> System:
     def on(expr: Any) -> Any:
         return expr.xreplace(meaning)
 
     jumping = {*meaning} if moving else set()
     integrals = {name: right_of(e) for name, e in original.integrals.items()}
+    kept = {n: on(e) for n, e in integrals.items() if not names_in(e) & jumping}
     frame = original.frame
     if frame is not None:
         frame = replace(frame, expressions=tuple(map(on, frame.expressions)))
     constants = [p for p in original.parameters if isinstance(p.symbol, sp.Symbol)]
-    kept[shape] = replace(
+    return replace(
         original,
         lagrangian=on(original.lagrangian),
         constraints=tuple(map(on, original.constraints)),
@@ -280,9 +281,9 @@ def _driven(
         ),
         frame=frame,
         parameters=(*constants, *map(Parameter, symbols)),
-        integrals={n: on(e) for n, e in integrals.items() if not names_in(e) & jumping},
         invariants={n: on(e) for n, e in original.invariants.items()},
-        inputs=(), measure=None, multiplier=None, poisson=None, essential=(), integrable="",
-        cases={}, equations={}, undecided={}, charts={}, motion=None,
-    )  # fmt: skip
-    return kept[shape]
+        inputs=(),
+        charts={},
+        motion=None,
+        **without_claims() | {"integrals": kept},
+    )

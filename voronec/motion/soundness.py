@@ -171,7 +171,6 @@ LONG = 100_000
 to make them ready would take longer than a run."""
 REGULAR = 1e12
 """The condition number of a mass matrix below which accelerations mean something."""
-_KEPT = "_original_rates"
 UNIT = 2.0**-52
 """The relative spacing of doubles."""
 MOST, FEW, EACH = 128, 12, 4
@@ -393,9 +392,7 @@ def original_rates(
     makes of them stays with the equations.
     """
     form = equations.raw.form
-    if _KEPT not in equations.__dict__:
-        equations.__dict__[_KEPT] = _evaluator(form)
-    evaluate = equations.__dict__[_KEPT]
+    evaluate = equations.memo.once("original rates", lambda: _evaluator(form))
     if evaluate is None:
         return None
     width, n = len(form.rates), len(form.velocities)

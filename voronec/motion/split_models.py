@@ -240,7 +240,6 @@ AT_POLE = 1e-6
 """Coordinates are singular where a chart's ``singular`` is below it, as in ``blind``."""
 ON_RELATIONS, NEWTON = 1e-9, 12
 """Places are on the relations where these leave less; so many steps lead there, or none do."""
-_KEPT = "_divisors"
 
 
 def numbers(program: Program, time: Any, state: Sequence[Any], values: Sequence[Any]) -> list[Any]:
@@ -342,7 +341,7 @@ class SplitGround:
         kept with the system.
         """
         key = (form.coordinates, tuple(sorted(self.constants.items())))
-        kept = self.home.system.__dict__.setdefault(_KEPT, {})
+        kept: dict[Any, Any] = self.home.system.memo.once("divisors", dict)
         left = (without_factors(f, self._poles) for f in divisors(form) if f not in self._others)
         found = [f for f in dict.fromkeys(left) if f not in self._others and not f.is_Number]
         fresh = [f for f in found if (f, key) not in kept]

@@ -112,16 +112,10 @@ def title(trace: Trace) -> str:
     return trace.title or f"({plain_name(trace.colatitude)}, {plain_name(trace.longitude)})"
 
 
-_KNOWN: dict[int, tuple[Quadratures, Declared]] = {}
-
-
 def declared(system: System) -> Declared:
     """The traces of a system; ``DefinitionError`` where it declares no motion, or no trace."""
     motion = motion_of(system)
-    kept = _KNOWN.get(id(motion))
-    if kept is None or kept[0] is not motion:
-        kept = _KNOWN[id(motion)] = (motion, _read(system, motion))
-    return kept[1]
+    return motion.memo.once("traces", lambda: _read(system, motion))
 
 
 def _read(system: System, motion: Quadratures) -> Declared:

@@ -8,7 +8,6 @@ Rows of A that depend on others are left out: the accelerations do not feel them
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -235,9 +234,6 @@ GUARD = 25
 DOUBLINGS = 5
 """How often the precision is doubled before an answer is given up."""
 
-_plans: OrderedDict[int, tuple[System, Plan]] = OrderedDict()
-_PLANS_KEPT = 32
-
 
 @dataclass(frozen=True)
 class Reactions:
@@ -367,10 +363,5 @@ def _agreed(before: Solution, after: Solution, digits: int, lower: int) -> Solut
 
 
 def _plan(system: System) -> Plan:
-    """The plan of a system, made once; kept with the system, so that its id stays its own."""
-    kept = _plans.get(id(system))
-    if kept is None:
-        kept = _plans[id(system)] = (system, make_plan(system))
-        if len(_plans) > _PLANS_KEPT:
-            _plans.popitem(last=False)
-    return kept[1]
+    """The plan of a system, made once."""
+    return system.memo.once("plan of the referee", lambda: make_plan(system))

@@ -113,7 +113,7 @@ def smallest_model(
     invariants alone suffice, coordinates are weighed only in a ``thorough`` search: they hold the
     same products, and sines besides.  Outputs that are ``followed`` are not read off as angles.
     """
-    kept = motions.__dict__.setdefault(_KEPT, {})
+    kept: dict[Any, Any] = motions.equations.memo.once("smallest models", dict)
     key = (tuple(wanted.items()), tuple(integrals.items()), thorough, frozenset(followed))
     if key not in kept:
         if len(kept) >= MOST:
