@@ -12,6 +12,8 @@ import voronec as vo
 from voronec import DefinitionError, Equation, Fibration, Frame, System, time, velocity
 from voronec.algebra.door import Door
 
+pytestmark = pytest.mark.slow
+
 q, r, v = dynamicsymbols("q r v")
 x, y, z, w, a, b, m = sp.symbols("x y z w a b m")
 DQ, DR = q.diff(time), r.diff(time)

@@ -13,6 +13,8 @@ from voronec import DefinitionError, EngineLimit, time, velocity
 from voronec.algebra.door import Door
 from voronec.algebra.symbols import is_symbolic_name, plain_name
 
+pytestmark = pytest.mark.slow
+
 x, y, z = sp.symbols("x y z")
 f, g = sp.Function("f"), sp.Function("g")
 p, r = dynamicsymbols("p r")

@@ -101,6 +101,7 @@ quick = settings(
 )
 
 
+@pytest.mark.slow
 @quick
 @given(st.lists(terms, min_size=1, max_size=2))
 def test_every_form_has_the_values_of_what_went_in(exprs):
@@ -136,6 +137,7 @@ plain = fractions(x, y, f(x), sp.exp(y), sp.Integer(3))
 wavy = fractions(x, sp.sin(x), sp.cos(x), sp.sqrt(y), sp.sin(2 * x), sp.tan(x / 2))
 
 
+@pytest.mark.slow
 @quick
 @given(plain, plain, plain)
 def test_equal_fractions_get_one_canonical_form(p, q, r):
@@ -143,6 +145,7 @@ def test_equal_fractions_get_one_canonical_form(p, q, r):
         assert len(set(canonical(Door().inward_all(pair)))) == 1
 
 
+@pytest.mark.slow
 @quick
 @given(wavy, wavy, wavy)
 def test_the_difference_of_equal_things_is_zero(p, q, r):
@@ -154,6 +157,7 @@ def test_the_difference_of_equal_things_is_zero(p, q, r):
         assume(False)
 
 
+@pytest.mark.slow
 @quick
 @given(plain, st.one_of(plain, wavy))
 def test_a_form_is_settled(p, q):
@@ -264,6 +268,7 @@ numbers = st.integers(-5, 5)
 monomials = st.tuples(*[st.integers(0, 3)] * 4, numbers)
 
 
+@pytest.mark.slow
 @quick
 @given(st.lists(monomials, min_size=1, max_size=5), monomials, st.tuples(numbers, numbers, numbers))
 def test_forms_modulo_a_relation_agree_on_it(many, below, place):

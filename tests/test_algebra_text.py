@@ -142,6 +142,7 @@ def test_no_door_of_the_package_runs_text(tmp_path, monkeypatch):
     assert not any(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_text_is_a_number_for_python_as_for_the_command_line():
     sleigh = vo.load("sleigh")
     text = vo.integrate(sleigh, initial={"w": "-pi/2", "v": "1/3"}, times=[0, 1])
@@ -154,6 +155,7 @@ def test_text_is_a_number_for_python_as_for_the_command_line():
     assert subprocess.run(command, env={**os.environ}, capture_output=True).returncode == 0
 
 
+@pytest.mark.slow
 def test_the_package_holds_no_way_to_run_text():
     """``eval`` and SymPy's readers of text occur nowhere; ``exec`` where programs are printed."""
     programs = {

@@ -17,6 +17,8 @@ from voronec.algebra.text import in_doubles
 from voronec.equations.program.printing import Dialect, code, text
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 
+pytestmark = pytest.mark.slow
+
 x, m, u = sp.symbols("x m u")
 HUGE = sp.exp(sp.exp(sp.Integer(700000000)))
 

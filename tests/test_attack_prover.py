@@ -12,6 +12,8 @@ import voronec
 from voronec import Verdict
 from voronec.algebra.verdicts import Witness
 
+pytestmark = pytest.mark.slow
+
 x = sp.Symbol("x")
 
 

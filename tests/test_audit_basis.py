@@ -14,6 +14,8 @@ from voronec.audit import Check, Display, Section, Sentence, Study, Verdict
 from voronec.audit.cache import Basis
 from voronec.proof import verdict_store as sources
 
+pytestmark = pytest.mark.slow
+
 FILES = {
     "__init__.py": "",
     "paper.py": """

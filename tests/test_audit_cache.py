@@ -12,6 +12,8 @@ from voronec.audit import Cache, Display, Paper, Section, Study, audit_paper
 from voronec.audit import cache as cache_module
 from voronec.audit.cache import Basis
 
+pytestmark = pytest.mark.slow
+
 
 def paper(made, *latex):
     def studies(_):

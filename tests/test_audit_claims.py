@@ -17,6 +17,8 @@ from voronec.audit import (
     audit_paper,
 )
 
+pytestmark = pytest.mark.slow
+
 a, b, p = sp.symbols("a b p")
 P, B = sp.symbols("P B", positive=True)
 UP = Range("up", "a>1", {a: 1 + P, b: B}, (P, B))

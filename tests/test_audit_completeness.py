@@ -17,6 +17,8 @@ from voronec.audit import audit_paper as audited
 from voronec.audit.run import Work, items
 from voronec.audit.transcript import Transcript, formulas_by_label
 
+pytestmark = pytest.mark.slow
+
 x, y, z, xdot, ydot, zdot, xdd = sp.symbols("x y z xdot ydot zdot xdd")
 CONSTRAINT = Check(constrains=1)
 

@@ -31,6 +31,8 @@ from voronec.audit.run import audit_section
 from voronec.audit.transcript import formulas_by_label
 from voronec.declaration.catalogue import load_paper
 
+pytestmark = pytest.mark.slow
+
 # Without the search for a correction, which takes longer than all the proofs.
 EXPECTED = {
     2: "convention",

@@ -18,6 +18,8 @@ from voronec.audit.formula import Formula
 from voronec.audit.latex.reader import read
 from voronec.audit.verify import verify
 
+pytestmark = pytest.mark.slow
+
 x, y, w, m, c, M = sp.symbols("x y w m c M")
 g = sp.Function("g")
 

@@ -15,6 +15,8 @@ from voronec.audit.correction.edits import single_changes
 from voronec.audit.correction.missing import repairs
 from voronec.audit.latex.vocabulary import Vocabulary
 
+pytestmark = pytest.mark.slow
+
 v, w, a, m, J, u = sp.symbols("v omega a m J u")
 W = velocity(w)
 SLEIGH = Motion(

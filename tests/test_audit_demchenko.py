@@ -15,6 +15,8 @@ from voronec.audit import Display, Paper, audit_paper
 from voronec.audit.transcript import Transcript
 from voronec.declaration.catalogue import load_paper
 
+pytestmark = pytest.mark.slow
+
 VORONEC, BALL = 0, 1
 
 

@@ -8,6 +8,8 @@ import pytest
 from voronec.audit import audit_paper
 from voronec.declaration.catalogue import load_paper
 
+pytestmark = pytest.mark.slow
+
 BODY = "The Voronec principle and rolling of a body over a surface"
 GYROSCOPE = "Rolling of a body with a gyroscope"
 QUADRATURES = "Solving the system in terms of elliptic functions and elliptic integrals"

@@ -19,6 +19,8 @@ from voronec.audit.run import audit_section
 from voronec.audit.transcript import formulas_by_label
 from voronec.declaration.catalogue import load_paper
 
+pytestmark = pytest.mark.slow
+
 OUTER, INNER, SHELL = RANGES
 STUDY = level().study({})
 

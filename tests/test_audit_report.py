@@ -19,6 +19,8 @@ from voronec.audit.page.witness_points import readable, short
 from voronec.cli import main as voronec
 from voronec.cli.files import wanted_folder
 
+pytestmark = pytest.mark.slow
+
 POINT = {"x": "1/3", "I_1": "7/10"}
 WITNESS = {
     "point": POINT,

@@ -14,6 +14,8 @@ from voronec.audit.run import audit_section
 from voronec.audit.transcript import formulas_by_label
 from voronec.declaration.catalogue import load_paper
 
+pytestmark = pytest.mark.slow
+
 LABELS = formulas_by_label(load_paper("demchenko").sections)
 """Sentences refer to formulas of other sections."""
 

@@ -30,6 +30,8 @@ from voronec.audit.transcript import Transcript, formulas_by_label
 from voronec.declaration.catalogue import load_paper
 from voronec.errors import DefinitionError
 
+pytestmark = pytest.mark.slow
+
 
 def degree(_: Study, __: Range, *, n: int, sort: bool) -> Verdict:
     """A made-up decision."""

@@ -23,6 +23,8 @@ from voronec.audit.page.html import audit_page
 from voronec.audit.transcript import Transcript
 from voronec.declaration.catalogue import load_paper
 
+pytestmark = pytest.mark.slow
+
 DICTIONARY = Path(__file__).resolve().parent.parent / "systems" / "demchenko" / "dictionary"
 REPORT = DICTIONARY.parents[2] / "docs" / "audit" / "demchenko"
 SMALL = 2

@@ -30,6 +30,8 @@ from voronec.kinematics import (
     point_velocity,
 )
 
+pytestmark = pytest.mark.slow
+
 R, r, shift = sp.symbols("R r shift", positive=True)
 I1, I3, k = sp.symbols("I1 I3 k", positive=True)
 EXPLICIT = {

@@ -14,6 +14,8 @@ from voronec.audit.run import audit_section
 from voronec.audit.transcript import Transcript, formulas_by_label
 from voronec.declaration.catalogue import load_paper
 
+pytestmark = pytest.mark.slow
+
 load_paper("demchenko")  # makes the folder of systems importable
 
 from voronec.systems.demchenko.dictionary import inversion, weierstrass  # noqa: E402

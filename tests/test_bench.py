@@ -26,6 +26,8 @@ from voronec.accuracy.bench.runs import CONTENDERS, contenders
 from voronec.accuracy.bench.work_precision_picture import plot_work_precision
 from voronec.equations.program import Program, compiled
 
+pytestmark = pytest.mark.slow
+
 q, p = sp.symbols("q p")
 SPRING = vo.System(
     name="two-springs",

@@ -13,6 +13,8 @@ import sympy as sp
 
 import voronec as vo
 
+pytestmark = pytest.mark.slow
+
 DIGITS = 40
 # [Meijaard2007, table 2], to the digits printed there.
 PUBLISHED = {

@@ -53,6 +53,7 @@ def time_to(end, start, speed, integral):
     return mp.quad(slowness, sorted({mp.mpf(start), mp.mpf(0), mp.mpf(end)}))
 
 
+@pytest.mark.slow
 @METHODS
 @pytest.mark.parametrize("start", [0, -1.5])
 @pytest.mark.parametrize("kind", FORCES)

@@ -17,6 +17,8 @@ from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, choose, guarded
 from voronec.proof.relations.charts import check_charts
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def demchenko():

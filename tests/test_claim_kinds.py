@@ -24,6 +24,8 @@ from voronec import (
 from voronec.equations.vector_field import Motions
 from voronec.proof.cases import specialised
 
+pytestmark = pytest.mark.slow
+
 x, y, phi, psi = sp.symbols("x y phi psi")
 v, w = sp.symbols("v w")
 m, k = sp.symbols("m k")

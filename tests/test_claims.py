@@ -48,6 +48,7 @@ DECLARING = ("chaplygin-ball", "nonholonomic-particle", "rubber-ball-on-sphere",
 """They declare claims of every kind, some of them in cases."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DECLARING)
 def test_no_declared_claim_is_left_out(name):
     system = vo.load(name)
@@ -63,6 +64,7 @@ def test_no_declared_claim_is_left_out(name):
     assert kinds.count("descent") == bool(system.invariants)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [n for n in vo.names() if vo.load(n).undecided])
 def test_what_is_declared_undecided_is_true_in_numbers(name):
     admitted = [c for c in check_claims(derived(name)) if c.reason]
@@ -78,6 +80,7 @@ MOVING = (
 """In coordinates, Euler angles, quasi-velocities, on a group, and with the time."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MOVING)
 def test_a_claim_that_is_off_is_refuted_at_a_point(name):
     """With a coordinate added to the energy, the rate is that coordinate's."""
@@ -107,6 +110,7 @@ def with_measure(system, factor):
     return verdict_on(system, measure=claimed, invariants=system.invariants)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MEASURED)
 def test_a_density_times_an_integral_is_a_density_and_times_another_function_is_none(name):
     system, motions = vo.load(name), Motions(derived(name))
@@ -209,6 +213,7 @@ def quaternion_ball():
     )
 
 
+@pytest.mark.slow
 def test_claims_in_redundant_coordinates_hold_on_the_relations():
     ball = quaternion_ball()
     assert [c.verdict.status for c in check_claims(ball)] == ["proved"] * 3

@@ -18,6 +18,8 @@ from voronec.proof.claims import check_claims
 from voronec.proof.quadratures import check_motion
 from voronec.proof.relations.charts import check_charts
 
+pytestmark = pytest.mark.slow
+
 x, y, z, q, r, phi, u, h, p, j, c, g, m, k, w, v, eps = sp.symbols(
     "x y z q r phi u h p j c g m k w v eps"
 )

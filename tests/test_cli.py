@@ -15,6 +15,8 @@ from command_line import Call, refused
 
 import voronec as vo
 
+pytestmark = pytest.mark.slow
+
 # -- the whole ---------------------------------------------------------------------------------
 
 

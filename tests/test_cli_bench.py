@@ -14,6 +14,8 @@ from voronec.accuracy.bench.call_stages import OTHER, STAGES
 from voronec.accuracy.bench.contender import NotHere
 from voronec.accuracy.bench.runs import CONTENDERS
 
+pytestmark = pytest.mark.slow
+
 FILE = """
 import sympy as sp
 import voronec as vo

@@ -25,6 +25,8 @@ from voronec.proof.check.run import _Worker
 from voronec.proof.check.unit import units_of
 from voronec.proof.verdict_store import Store
 
+pytestmark = pytest.mark.slow
+
 SLED = """
 import sympy as sp
 from voronec import Fibration, Limit, Relation, Scene, Square, System, velocity

@@ -9,6 +9,8 @@ import pytest
 
 from voronec.cli import main
 
+pytestmark = pytest.mark.slow
+
 SOURCE = """
 import sympy as sp
 from voronec import Fibration, Scene, System, velocity

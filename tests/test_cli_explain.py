@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from command_line import Call, refused
 
+pytestmark = pytest.mark.slow
+
 
 def test_it_says_what_is_kept_and_why(call: Call) -> None:
     answer = call("explain", "sleigh", "--outputs", "phi")

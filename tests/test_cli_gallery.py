@@ -11,6 +11,8 @@ from command_line import Call, refused
 
 from voronec.closed.classes import search as finding
 
+pytestmark = pytest.mark.slow
+
 
 def test_rows_say_figure_class_on_both_spheres_and_start(call: Call) -> None:
     answer = call("gallery", "demchenko", "--only", "D1")

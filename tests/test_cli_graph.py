@@ -15,6 +15,8 @@ from voronec.motion.pictures.layered_layout import layered
 from voronec.proof.check import Inventory, graph
 from voronec.proof.diagram_picture import diagram_figure
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(autouse=True)
 def own_store(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:

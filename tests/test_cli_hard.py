@@ -12,6 +12,8 @@ from command_line import Call, refused
 from voronec.accuracy.hard import CASES, run
 from voronec.accuracy.hard.trial import TOLERANCES
 
+pytestmark = pytest.mark.slow
+
 
 def test_cases_are_listed_without_running_any(call: Call) -> None:
     answer = call("hard", "--list")

@@ -14,6 +14,8 @@ import pytest
 from command_line import Call, refused
 from signals import hears_ctrl_c
 
+pytestmark = pytest.mark.slow
+
 SHEET = """
 import sympy
 from voronec.audit import Display, Paper, Section, Study

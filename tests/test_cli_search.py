@@ -11,6 +11,8 @@ from command_line import Call, refused
 from voronec.algebra.text import formula
 from voronec.proof import search
 
+pytestmark = pytest.mark.slow
+
 
 def test_what_is_found_is_printed_with_its_proof_and_the_statement(call: Call) -> None:
     answer = call("search", "integrals", "chaplygin-ball", "--again", "--degree", "1")

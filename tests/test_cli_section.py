@@ -10,6 +10,8 @@ import pytest
 
 from voronec.cli import main
 
+pytestmark = pytest.mark.slow
+
 OSCILLATOR = """
 import sympy as sp
 from voronec import Fibration, Parameter, Scene, System, velocity

@@ -11,6 +11,8 @@ from voronec.accuracy.hard.cases import CASES
 from voronec.accuracy.hard.reference import _in_closed_form, reference
 from voronec.accuracy.hard.trial import attempt
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def equations():

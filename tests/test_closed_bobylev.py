@@ -10,6 +10,8 @@ from flint import arb, ctx
 
 import voronec as vo
 
+pytestmark = pytest.mark.slow
+
 R = sp.Rational
 OBLATE, PROLATE, ROUND = R(3, 5), R(3, 10), R(2, 5)
 MOMENTS = {

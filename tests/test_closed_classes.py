@@ -20,6 +20,8 @@ from voronec.closed.classes.trace_classes import LABELS, classify, label_of
 from voronec.closed.classes.trace_polynomials import declared
 from voronec.motion.closed_form import closed_form
 
+pytestmark = pytest.mark.slow
+
 R = sp.Rational
 BALL, SPHERE = "on the ball", "on the sphere"
 THREE_FIFTHS = sp.acos(R(3, 5))

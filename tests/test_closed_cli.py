@@ -12,6 +12,8 @@ from command_line import Call, refused
 
 import voronec as vo
 
+pytestmark = pytest.mark.slow
+
 
 def test_run_evaluates_the_motion_in_closed_form(call: Call, tmp_path: Path) -> None:
     answer = call("run", "demchenko", "--method", "closed-form", "--times", "4:11", "--json")

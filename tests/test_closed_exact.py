@@ -11,6 +11,8 @@ from voronec.closed.arithmetic import angle, ball, compiled, exact, precise, roo
 from voronec.closed.decide import vanishes
 from voronec.closed.rotation_numbers import Turn, _fraction
 
+pytestmark = pytest.mark.slow
+
 R = sp.Rational
 x, y = sp.symbols("x y")
 

@@ -13,6 +13,8 @@ from voronec.closed.decide import vanishes
 from voronec.elliptic import Integral, Numbers, invert
 from voronec.elliptic.roots import isolations
 
+pytestmark = pytest.mark.slow
+
 R = sp.Rational
 x = sp.Symbol("x")
 

@@ -58,6 +58,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_enclosures_contain_an_integration_in_many_digits(ball, case):
     changes, parameters = CASES[case]
@@ -73,6 +74,7 @@ def test_enclosures_contain_an_integration_in_many_digits(ball, case):
         assert apart(name, found[name], run[name][-1]) < 3e-21, name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_doubles_agree_with_the_enclosure_near_and_far(ball, case):
     changes, parameters = CASES[case]
@@ -120,6 +122,7 @@ HARD = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", HARD)
 def test_doubles_keep_their_digits_where_formulas_cancel(ball, case):
     changes, parameters = HARD[case]
@@ -141,6 +144,7 @@ def test_a_start_at_a_floating_number_is_that_number(ball):
     assert not tenth.overlaps(near)
 
 
+@pytest.mark.slow
 def test_velocities_of_coordinates_are_a_start_too(ball):
     form = vo.closed_form(ball, initial=START)
     rates = {vo.velocity(q): r for q, r in zip(ball.coordinates[:3], (R(1, 3), R(1, 7), -1),
@@ -161,6 +165,7 @@ def test_an_exact_start_far_from_doubles_keeps_its_digits(ball):
     assert arb(0) < abs(difference) < arb("1e-29")
 
 
+@pytest.mark.slow
 def test_the_trajectory_of_the_method_holds_what_others_hold(ball):
     wanted = ("u", "v1", "x", "n", "energy", "reaction 1")
     times = np.linspace(0, 6, 121)

@@ -21,6 +21,8 @@ import pytest
 import voronec as vo
 from voronec.closed.classes.trace_classes import classify
 
+pytestmark = pytest.mark.slow
+
 TOOLS = Path(__file__).resolve().parent.parent / "tools"
 REFERENCES = json.loads((TOOLS / "closed-references.json").read_text("utf-8"))
 ANGLES = ("u", "v", "u1", "v1", "theta")

@@ -13,6 +13,8 @@ import voronec as vo
 from voronec.closed.special import elementary, linearised, precessions, remarkable
 from voronec.closed.special.family import upright
 
+pytestmark = pytest.mark.slow
+
 R = sp.Rational
 m, A, R1, R2, M, k = sp.symbols("m A R1 R2 M k")
 u, s, tau, n = sp.symbols("u s tau n")

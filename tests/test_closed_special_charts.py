@@ -13,6 +13,8 @@ import voronec as vo
 from voronec.closed.special import bifurcation_set, chart_of, precessions, pseudo_regular
 from voronec.closed.special.family import upright
 
+pytestmark = pytest.mark.slow
+
 R = sp.Rational
 u = sp.Symbol("u")
 

@@ -24,6 +24,7 @@ def ball():
     return vo.load("demchenko")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("late", [0, 10**6])
 @pytest.mark.parametrize("case", PERIODIC)
 def test_many_times_give_what_few_give(ball, case, late):

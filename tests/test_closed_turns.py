@@ -17,6 +17,8 @@ import voronec as vo
 from voronec.closed.floor_sums import certain_floor_sum, first_doubt, floor_sum
 from voronec.closed.passages import tally
 
+pytestmark = pytest.mark.slow
+
 TOOLS = Path(__file__).resolve().parent.parent / "tools"
 ANGLES = ("v", "v1", "theta")
 STRAIGHT = {"u": sp.pi / 2, "s": R(1, 2), "u1": 1, "v1": R(1, 3)}

@@ -19,6 +19,8 @@ from voronec.audit.run import audit_section
 from voronec.audit.transcript import Transcript, formulas_by_label
 from voronec.declaration.catalogue import load_paper
 
+pytestmark = pytest.mark.slow
+
 TOOLS = Path(__file__).resolve().parent.parent / "tools"
 STALE = "run: python tools/build_audit.py"
 

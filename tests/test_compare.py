@@ -16,6 +16,8 @@ from voronec.declaration import catalogue
 from voronec.proof.comparison import Derived, compare, read_derived
 from voronec.proof.comparison.side_by_side import read_expression
 
+pytestmark = pytest.mark.slow
+
 STORED = Path(__file__).parent / "derivations"
 OWN = [e.name for e in catalogue.entries()[0] if e.distribution == catalogue.OWN]
 

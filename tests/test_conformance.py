@@ -19,6 +19,8 @@ from voronec.proof.check.unit import units_of
 from voronec.proof.check.work import Bench, examine
 from voronec.testing import STATEMENTS, conformance
 
+pytestmark = pytest.mark.slow
+
 PLUGIN = Path(__file__).parent / "plugin_package"
 STOCK = Inventory.of()
 OWN = [e.name for e in catalogue.entries()[0] if e.distribution == catalogue.OWN]

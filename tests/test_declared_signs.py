@@ -10,6 +10,8 @@ import sympy as sp
 import voronec as vo
 from voronec.errors import DefinitionError
 
+pytestmark = pytest.mark.slow
+
 k, m, a, b = sp.symbols("k m a b", positive=True)
 x, y, z = sp.symbols("x y z")
 below = sp.Symbol("n", negative=True)

@@ -212,6 +212,7 @@ def test_limits_to_different_values_are_not_compared():
         decide([off, far], vo.Square(("off",), ("far",)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "chain",
     [

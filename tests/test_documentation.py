@@ -14,6 +14,8 @@ import voronec
 from voronec.cli import main
 from voronec.cli.arguments import command_parser
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 BLOCKS = [

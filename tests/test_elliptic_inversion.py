@@ -8,6 +8,8 @@ from voronec.elliptic import ends_of, invert
 from voronec.elliptic.roots import power
 from voronec.elliptic.sums import Sums
 
+pytestmark = pytest.mark.slow
+
 POLES = {"1": 1, "-2": -1}
 MOMENTS = ("0", "0.3", "-2.9", "13.77")
 

@@ -68,6 +68,7 @@ def test_elementary_motions_satisfy_their_equations_and_start_where_they_must(na
     assert worst_residual(solution, MOMENTS) < 1e-17
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MULTIPLE)
 def test_integrals_of_elementary_motions_are_those_of_their_integrands_over_time(name):
     solution = invert(MULTIPLE[name][1])

@@ -14,6 +14,8 @@ from voronec.elliptic import invert
 from voronec.elliptic.many_times import Sample
 from voronec.elliptic.panels import Panels
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(autouse=True)
 def _bits():

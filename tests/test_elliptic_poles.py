@@ -10,6 +10,8 @@ from flint import acb, arb, ctx
 from voronec.elliptic import Integral, Numbers, Pole, ends_of, invert
 from voronec.errors import DefinitionError, EngineLimit
 
+pytestmark = pytest.mark.slow
+
 MOMENTS = ("0", "0.3", "-2.9", "13.77")
 PAIRS = (("0.3", "0.2"), ("-1", "0.3"), ("0.5", "-0.1"), ("0.95", "-0.1"), ("-0.4", "0.1"))
 

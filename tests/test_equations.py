@@ -71,6 +71,7 @@ ORIENTATIONS = [
 TURN = dict(zip(omega, (1, Q(-2, 3), 3), strict=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("at", ORIENTATIONS, ids=str)
 def test_a_quaternion_has_no_chart_edge(at):
     agree(FREE, dict(zip(q, at, strict=True)) | TURN)
@@ -90,6 +91,7 @@ def test_a_rigid_body_in_quaternions_obeys_euler():
     assert eqs.force.free_symbols <= set(omega) and eqs.mass.free_symbols == set()
 
 
+@pytest.mark.slow
 def test_a_ball_in_quaternions_rolls_with_growth_three_five():
     spin = space_rotation() * sp.Matrix(body_turn())
     system = System(
@@ -135,6 +137,7 @@ ENTRIES = System(
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("at", ORIENTATIONS[:2] + ORIENTATIONS[-1:], ids=str)
 def test_rotation_matrix_entries_have_no_chart_edge(at):
     rotation = space_rotation().xreplace(dict(zip(q, map(sp.sympify, at), strict=True)))

@@ -16,6 +16,8 @@ from voronec.motion.steppers import run
 from voronec.motion.steppers import step_loop as marching
 from voronec.motion.steppers.step_loop import root
 
+pytestmark = pytest.mark.slow
+
 DOUBLES = ("scipy", "lsoda", *(["heyoka"] if find_spec("heyoka") else []))
 doubles = pytest.mark.parametrize("method", DOUBLES)
 every = pytest.mark.parametrize("method", [*DOUBLES, "flint"])

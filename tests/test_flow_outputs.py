@@ -16,6 +16,8 @@ from voronec.motion.observables import followed, watched
 from voronec.motion.reactions import Multipliers
 from voronec.motion.vocabulary import Vocabulary
 
+pytestmark = pytest.mark.slow
+
 x, y, z, phi, v, w, m, a, J, g = sp.symbols("x y z phi v w m a J g")
 Dx, Dy, Dz, Dphi = map(vo.velocity, (x, y, z, phi))
 GRID = np.linspace(0.0, 3.0, 31)

@@ -17,6 +17,8 @@ from voronec.equations.vector_field import Motions
 from voronec.motion.model.denominators import with_positive_denominators
 from voronec.proof.relations.charts import check_charts
 
+pytestmark = pytest.mark.slow
+
 SPIN = (0.5, 1.0, 1.0)
 
 

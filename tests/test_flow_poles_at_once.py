@@ -12,6 +12,8 @@ from voronec.equations.attitudes import angles_without_chart, with_attitude_char
 from voronec.equations.vector_field import Motions
 from voronec.proof.relations.charts import check_charts
 
+pytestmark = pytest.mark.slow
+
 FIRST, SECOND = sp.symbols("phi theta psi"), sp.symbols("alpha beta chi")
 u, v = sp.symbols("u v")
 SPINS = sp.symbols("omega1:4"), sp.symbols("W1:4")

@@ -22,6 +22,8 @@ from voronec.motion.steppers import choice
 from voronec.motion.steppers import integer_taylor as digits
 from voronec.motion.steppers.run import Problem
 
+pytestmark = pytest.mark.slow
+
 x, phi, g, k = sp.symbols("x phi g k")
 Dx, Dphi = map(vo.velocity, (x, phi))
 

@@ -11,6 +11,8 @@ import sympy as sp
 import voronec as vo
 from voronec.motion.sections import starts_alike, suggested
 
+pytestmark = pytest.mark.slow
+
 x, y, w = sp.symbols("x y w")
 xdot, ydot = vo.velocity(x), vo.velocity(y)
 

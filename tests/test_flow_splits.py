@@ -19,6 +19,8 @@ import voronec as vo
 from voronec import velocity
 from voronec.motion.divisors import divisors
 
+pytestmark = pytest.mark.slow
+
 
 def multiplier_motion(system: vo.System, start: Mapping[str, float], times: np.ndarray) -> Any:
     """Coordinates (N, k) at times (k,), from coordinates and all their velocities by name."""

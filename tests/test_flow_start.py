@@ -59,6 +59,7 @@ def test_coordinates_are_moved_to_the_nearest_point_on_request() -> None:
     assert "moved by 0.25 onto the relations (x from 0.75 to 0.6, z from 1 to 0.8)" in traj.notes[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("far", [(2.5, 0.5, 1.0), (0.3, 0.1, 0.8), (4.0, 3.0, -9.0), (9.0, 7.0, 2)])
 def test_the_nearest_point_is_nearer_than_all_others(far: tuple[float, ...]) -> None:
     start = dict(zip((x, y, z), far, strict=True))
@@ -201,6 +202,7 @@ def test_velocities_of_coordinates_at_a_pole_whose_sine_is_rounding() -> None:
     assert np.abs(np.subtract(*ends)).max() < 1e-4
 
 
+@pytest.mark.slow
 def test_velocities_of_coordinates_are_met_where_a_pivot_of_the_elimination_is_rounding() -> None:
     """At u = pi/2 the constraints of a ball were solved by cos(u) = 6e-17: quotients by it are
     finite, and mean nothing; the declared velocities follow from those of the coordinates."""
@@ -216,6 +218,7 @@ def test_velocities_of_coordinates_are_met_where_a_pivot_of_the_elimination_is_r
         assert abs(run[name][1] - same[name][1]) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pole", [0.0, np.pi])
 def test_a_pole_of_angles_in_a_divisor_that_is_none_of_theirs(pole: float) -> None:
     """A ball on a paraboloid divides by sin(beta) (c r cos(beta) sin(phi - alpha) - sin(beta)); it

@@ -19,6 +19,7 @@ def ball() -> vo.VoronecEquations:
     return vo.derive(vo.load("chaplygin-ball"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])
 def test_a_ball_in_other_units(ball: vo.VoronecEquations, method: str) -> None:
     truth = vo.integrate(ball, times=TIMES, outputs=("x", "omega1"), tol=1e-20)
@@ -37,6 +38,7 @@ def test_a_ball_in_other_units(ball: vo.VoronecEquations, method: str) -> None:
     assert max(steps) <= 1.05 * min(steps)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])
 def test_motions_of_many_sizes_at_once(ball: vo.VoronecEquations, method: str) -> None:
     """An ensemble of balls, and a section, whose units of length differ from motion to motion."""
@@ -167,6 +169,7 @@ def test_a_sleigh_in_units_far_apart_takes_the_same_steps() -> None:
         assert run["phi"][-1] == pytest.approx(0.05 * (np.exp(8) - 1), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_terms_that_cancel_in_every_state_show_as_well() -> None:
     """A roller racer comes to run in a circle, phidot falls to 1e-13: its rate is the difference of
     terms of order 100, at every angle of the joint, and rounding of these is not to be resolved."""

@@ -11,6 +11,8 @@ from voronec.equations.program import Block
 from voronec.motion.steppers.angle_states import _angles
 from voronec.motion.steppers.heyoka_stepper import Winding
 
+pytestmark = pytest.mark.slow
+
 a, b, v = se.symbols("a b v")
 
 

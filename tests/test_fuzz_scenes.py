@@ -14,7 +14,10 @@ import voronec as vo
 
 x, phi, y = sp.symbols("x phi y")
 xdot = vo.velocity(x)
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="the referee is compiled")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(shutil.which("gcc") is None, reason="the referee is compiled"),
+]
 
 
 def motion(system, q, v, times, tolerance=3e-17, precision="long double"):

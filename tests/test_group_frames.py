@@ -13,6 +13,8 @@ import voronec as vo
 from voronec import DefinitionError, Equation, Fibration, Frame, Measure, Scene, System, velocity
 from voronec.kinematics import BodyVelocity, Rotation, skew, skew_entries, wedge_square
 
+pytestmark = pytest.mark.slow
+
 Q = sp.Rational
 x, y, z, a = sp.symbols("x y z a")
 w1, w2, w3 = w = sp.symbols("w1:4")

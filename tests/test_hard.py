@@ -23,6 +23,8 @@ from voronec.accuracy.hard.run import trials
 from voronec.accuracy.hard.table import cells, tally
 from voronec.accuracy.hard.trial import TOLERANCES, attempt, judged
 
+pytestmark = pytest.mark.slow
+
 x, w = sp.symbols("x w")
 Dx = vo.velocity(x)
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "hard-cases.md"

@@ -20,6 +20,8 @@ from sympy.physics.mechanics import dynamicsymbols
 import voronec as vo
 from voronec import DefinitionError, Fibration, Frame, System, Table, time, velocity
 
+pytestmark = pytest.mark.slow
+
 x, tau, m = sp.symbols("x tau m")
 q, r, u, v = dynamicsymbols("q r u v")
 DX, DQ, DR = velocity(x), q.diff(time), r.diff(time)

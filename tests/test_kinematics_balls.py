@@ -9,6 +9,8 @@ import voronec as vo
 from voronec import DefinitionError, prove_equal
 from voronec.kinematics import RollingBall, Surface, contact_momentum
 
+pytestmark = pytest.mark.slow
+
 R1, R2, m = sp.symbols("R1 R2 m")
 inertia = sp.symbols("I1:4")
 offset = sp.symbols("a1:4")

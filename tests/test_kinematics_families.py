@@ -19,6 +19,8 @@ from voronec.kinematics import (
 )
 from voronec.kinematics.carried import form_values
 
+pytestmark = pytest.mark.slow
+
 r, b, M, A, C, k = sp.symbols("r b M A C k")
 moments = sp.symbols("P1:4")
 TABLE = {r: 3, b: 1, M: 2, moments: ("0.5", "0.6", "0.8"), k: "0.25"}

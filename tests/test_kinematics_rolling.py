@@ -13,6 +13,8 @@ from sympy.physics.mechanics import dynamicsymbols
 from voronec import DefinitionError, prove_equal, velocity
 from voronec.kinematics import RollingContact, Surface
 
+pytestmark = pytest.mark.slow
+
 u, v, u1, v1, theta = NAMES = sp.symbols("u v u1 v1 theta")
 DOTS = tuple(map(velocity, NAMES))
 R1, R2 = sp.symbols("R1 R2")

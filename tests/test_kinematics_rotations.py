@@ -42,6 +42,7 @@ def on_shell(rotation):
     return [*rotation.relations, *moving]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sequence", SEQUENCES)
 def test_an_euler_chart_is_a_rotation_that_turns_with_its_rates(sequence):
     rotation = Rotation.euler(sequence, *ANGLES)

@@ -12,6 +12,8 @@ from sympy.physics.mechanics import dynamicsymbols
 from voronec import DefinitionError, prove_equal, time, velocity
 from voronec.kinematics import Surface
 
+pytestmark = pytest.mark.slow
+
 u, v = sp.symbols("u v")
 a, b, c, R = sp.symbols("a b c R")
 f, g = sp.Function("f"), sp.Function("g")

@@ -15,6 +15,8 @@ from voronec.motion.model import Model, smallest, smallest_model
 from voronec.motion.numeric_model import numbers_at
 from voronec.motion.steppers import heyoka_stepper
 
+pytestmark = pytest.mark.slow
+
 # -- equal to the full model -----------------------------------------------------------------------
 
 CASES = [

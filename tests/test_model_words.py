@@ -21,6 +21,7 @@ def test_the_text_names_every_variable_with_its_reason() -> None:
     assert "integrals that can be followed: energy" in text
 
 
+@pytest.mark.slow
 def test_every_coordinate_and_velocity_has_a_role() -> None:
     for name in ("demchenko", "ball-on-sphere", "snakeboard", "bicycle"):
         system = vo.load(name)
@@ -46,6 +47,7 @@ def test_the_picture_has_the_cycles_together_and_the_dropped_apart() -> None:
     assert networkx.is_directed_acyclic_graph(graph)
 
 
+@pytest.mark.slow
 def test_boxes_lie_in_the_picture_and_not_on_each_other() -> None:
     for name in ("snakeboard", "bicycle", "ball-on-sphere"):
         figure = model_figure(

@@ -14,6 +14,8 @@ import voronec as vo
 from voronec import DefinitionError, Fibration, Frame, Parameter, System, velocity
 from voronec.equations.referee import multiplier_acceleration, reaction_forces
 
+pytestmark = pytest.mark.slow
+
 x, y, z, phi, theta, psi = sp.symbols("x y z phi theta psi")
 m, g, a, J, R, length = sp.symbols("m g a J R l")
 v, w = sp.symbols("v w")

@@ -21,6 +21,8 @@ import voronec as vo
 from voronec.cli import main
 from voronec.declaration.bibliography import read_entries
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[1]
 PLUGIN = ROOT / "tests" / "plugin_package"
 SHIPPED = ("pyproject.toml", "README.md", "LICENSE", "voronec", "systems", "docs")

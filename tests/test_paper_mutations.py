@@ -9,6 +9,8 @@ from tool_modules import tool
 import voronec as vo
 from voronec.audit import Check, Display, Motion, Section, Study
 
+pytestmark = pytest.mark.slow
+
 latex_errors = tool("latex_errors")
 english_errors = tool("english_errors")
 paper_trials = tool("paper_trials")

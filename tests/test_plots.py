@@ -14,6 +14,8 @@ from voronec.closed.pictures.style import INK, PALE
 from voronec.motion.pictures.run_pictures import drawing
 from voronec.motion.pictures.time_plots import plot_trajectory, quantity_label
 
+pytestmark = pytest.mark.slow
+
 theta1, omega, energy = sp.symbols("theta1 omega E")
 PENDULUM = vo.System(
     name="pendulum-to-draw",

@@ -31,6 +31,8 @@ from voronec.equations.program import (
 )
 from voronec.errors import DefinitionError, EngineLimit
 
+pytestmark = pytest.mark.slow
+
 x, y, z, u, v, w, a, b, t = se.symbols("x y z u v w a b t")
 
 

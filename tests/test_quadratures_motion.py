@@ -10,6 +10,8 @@ import sympy as sp
 
 import voronec as vo
 
+pytestmark = pytest.mark.slow
+
 GRID = np.linspace(0.0, 3.0, 6001)
 STEP = GRID[1] - GRID[0]
 MOTIONS = (

@@ -12,6 +12,8 @@ import voronec as vo
 from voronec.equations.vector_field import Motions
 from voronec.proof.quadratures import Ground, statements
 
+pytestmark = pytest.mark.slow
+
 SYSTEMS = ("demchenko", "zhukovsky-ball", "bobylev-ball")
 POLES = ["pole", "residues"]
 OFF = sp.Rational(1, 7)

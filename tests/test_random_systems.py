@@ -16,6 +16,8 @@ import voronec as vo
 from voronec import Fibration, Frame, Parameter, System, time, velocity
 from voronec.algebra.tape import Tape
 
+pytestmark = pytest.mark.slow
+
 Q = sp.Rational
 r1, r2, r3, s1, s2 = sp.symbols("r1 r2 r3 s1 s2")
 k = sp.Symbol("k", positive=True)

@@ -106,6 +106,7 @@ def test_lagranges_top_keeps_its_spin():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [n for n in vo.names() if vo.load(n).invariants])
 def test_every_declared_descent_is_one(name):
     check_descent(vo.load(name))

@@ -9,6 +9,8 @@ import sympy as sp
 
 import voronec as vo
 
+pytestmark = pytest.mark.slow
+
 x, y, a = sp.symbols("x y a")
 X, Y = vo.velocity(x), vo.velocity(y)
 METHODS = ("scipy", "lsoda", "heyoka", "flint")

@@ -9,6 +9,8 @@ from voronec.equations.vector_field import Motions
 from voronec.proof.relations.decision import check_relation
 from voronec.proof.relations.orders import vanishes
 
+pytestmark = pytest.mark.slow
+
 x, y, q, h = sp.symbols("x y q h")
 m, k, w = sp.symbols("m k w")
 DX, DQ = vo.velocity(x), vo.velocity(q)

@@ -15,6 +15,8 @@ from voronec.closed.pictures.phase_picture import Level, phase_figure, phase_lev
 from voronec.errors import DefinitionError
 from voronec.motion.pictures.run_pictures import save
 
+pytestmark = pytest.mark.slow
+
 x, c = sp.symbols("x c")
 WELLS = c - (x**2 - sp.Rational(1, 4)) ** 2
 """Two wells: points of rest at x = 1/2 and -1/2 for c = 0, a separatrix at x = 0 for c = 1/16."""

@@ -24,6 +24,8 @@ from voronec.closed.pictures.sphere_picture import SphereTrace, traces_figure
 from voronec.errors import DefinitionError
 from voronec.motion.pictures.run_pictures import save
 
+pytestmark = pytest.mark.slow
+
 TIMES = np.linspace(0, 6 * np.pi, 6001)
 
 

@@ -14,6 +14,8 @@ from voronec import Fibration, System, velocity
 from voronec.algebra.bounded import bounded
 from voronec.algebra.door import Door
 
+pytestmark = pytest.mark.slow
+
 x = sp.Symbol("x")
 v = velocity(x)
 METHODS = pytest.mark.parametrize("method", ["scipy", "heyoka", "flint"])

@@ -14,6 +14,8 @@ from voronec.equations.vector_field import Motions
 from voronec.proof.search import gradings, search, searches
 from voronec.proof.search.question import Question
 
+pytestmark = pytest.mark.slow
+
 gamma = sp.symbols("gamma1:4")
 omega = sp.symbols("omega1:4")
 inertia = sp.symbols("I1:4")

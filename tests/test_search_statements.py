@@ -10,6 +10,8 @@ from voronec import velocity
 from voronec.algebra.door import Door
 from voronec.proof.search.independence import Independence
 
+pytestmark = pytest.mark.slow
+
 x, y, z, a, mu = sp.symbols("x y z a mu")
 f = sp.Function("f")
 

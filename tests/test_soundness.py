@@ -17,6 +17,8 @@ from voronec.motion.fallback import first_success
 from voronec.motion.steppers import choice
 from voronec.motion.steppers import heyoka_stepper as taylor
 
+pytestmark = pytest.mark.slow
+
 x, u = sp.symbols("x u")
 m, length, g = sp.symbols("m l g")
 OSCILLATOR = vo.System(

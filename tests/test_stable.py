@@ -64,6 +64,7 @@ def taylor_of(program):
     return lambda _t, state, _parameters: function(np.array(state))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("force", CASES, ids=str)
 def test_every_emitter_has_the_digits_of_many_digits(force, tmp_path):
     made, written = vo.derive(system(force)), {}
@@ -113,6 +114,7 @@ def test_friction_against_the_slip_has_its_direction_in_any_unit(unit, method):
     assert float(run["y"][-1]) == pytest.approx(-0.8 * 4.5 * unit, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["scipy", "heyoka", "flint"])
 def test_a_soft_wall_throws_back(method):
     """A force from the potential log(1 + exp(k x))/k, steep and flat to the last digit outside."""

@@ -10,6 +10,8 @@ from voronec.algebra.door import Door
 from voronec.equations.program import Program
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 
+pytestmark = pytest.mark.slow
+
 x, y, t = sp.Symbol("x"), sp.Symbol("y"), vo.time
 Dx, Dy = vo.velocity(x), vo.velocity(y)
 METHODS = ("heyoka", "scipy", "lsoda", "flint", "auto")

@@ -12,6 +12,8 @@ import pytest
 from voronec.declaration.bibliography import citation
 from voronec.proof.check import Inventory, Result
 
+pytestmark = pytest.mark.slow
+
 TOOLS = Path(__file__).resolve().parent.parent / "tools"
 STALE = "run: python tools/build_pages.py"
 

@@ -16,6 +16,8 @@ from voronec.equations.vector_field import Motions
 from voronec.proof.claims import check_claims
 from voronec.proof.relations.decision import check_relation
 
+pytestmark = pytest.mark.slow
+
 PLANE = ("gyroscopic-ball-on-plane", "bobylev-ball", "zhukovsky-ball", "homogeneous-ball")
 SPHERE = (
     "ball-on-sphere",

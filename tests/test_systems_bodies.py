@@ -19,6 +19,8 @@ from voronec.kinematics import ConvexBody, RollingContact, Surface, SurfaceForms
 from voronec.proof.claims import check_claims
 from voronec.proof.relations.decision import check_relation
 
+pytestmark = pytest.mark.slow
+
 ELLIPSOIDS = (
     "ellipsoid-on-plane",
     "gyroscopic-ellipsoid-on-plane",

@@ -13,6 +13,8 @@ from voronec.declaration.catalogue import entry_of, members, names
 from voronec.equations.vector_field import Motions
 from voronec.proof.relations.decision import check_relation
 
+pytestmark = pytest.mark.slow
+
 Q = sp.Rational
 FAMILIES = {
     "chaplygin-ball-in-rn": "chaplygin-ball",

@@ -17,6 +17,8 @@ from voronec.equations.vector_field import Motions
 from voronec.proof.claims import check_claims
 from voronec.proof.relations.decision import check_relation
 
+pytestmark = pytest.mark.slow
+
 ON_SPHERES = (
     "rubber-ball-on-sphere",
     "rubber-ball-eps-minus-one",

@@ -16,6 +16,8 @@ from voronec.equations.vector_field import Motions
 from voronec.proof.claims import check_claims
 from voronec.proof.relations.decision import check_relation
 
+pytestmark = pytest.mark.slow
+
 SLEIGHS = ("sleigh", "growing-sleigh", "sleigh-in-time", "sleigh-on-turntable")
 TABLES = ("ball-on-turntable", "ball-on-turntable-in-time")
 CARRIAGES = ("vertical-disc", "falling-disc", "two-wheeled-carriage", "snakeboard")

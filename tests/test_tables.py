@@ -17,6 +17,8 @@ from voronec.motion.methods import METHODS, Method
 from voronec.motion.steppers import Problem, Stepper
 from voronec.motion.steppers.scipy_stepper import dop853
 
+pytestmark = pytest.mark.slow
+
 FILE = """
 import sympy as sp
 import voronec as vo

@@ -125,6 +125,7 @@ def test_every_formula_of_the_papers_is_typeset(section):
         assert "$" not in prose(readable(claim.quotation))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("section", SECTIONS)
 def test_every_formula_of_the_papers_compiles_wherever_it_is_marked(section):
     for formula in Transcript(section).formulas():

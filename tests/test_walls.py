@@ -21,6 +21,8 @@ from voronec.algebra.branches import product_of
 from voronec.algebra.simple_zeros import has_simple_zeros
 from voronec.proof.claims import check_claims
 
+pytestmark = pytest.mark.slow
+
 x, y, q, p, k, m, mu = sp.symbols("x y q p k m mu")
 v, w = vo.velocity(x), vo.velocity(y)
 t = vo.time

@@ -14,6 +14,8 @@ from voronec.cli.files import create, delivery, wanted_folder
 from voronec.declaration.whole_files import draft, replace_file, workshop
 from voronec.errors import DefinitionError
 
+pytestmark = pytest.mark.slow
+
 KILLED = """
 import os, signal, sys
 from pathlib import Path
