@@ -253,3 +253,8 @@ def test_a_motion_that_passes_a_pole_is_marked(method):
     assert list(found.ends) == ["failed", "complete"]
     assert "its equations are singular, or nearly" in str(found.errors[0])
     assert not (found.start[found.t > 1] == 0).any()
+
+
+def test_a_plane_without_a_real_value_is_refused(oscillator):
+    with pytest.raises(vo.DefinitionError, match="has no real value along the motion"):
+        vo.section(oscillator, sp.sqrt(-(x**2) - 1), crossings=1)

@@ -136,3 +136,40 @@ def test_a_soft_wall_throws_back(method):
 
         passed = time_from(mp.mpf(-1)) + time_from(mp.mpf(float(run["x"][-1])))
     assert float(passed) == pytest.approx(4, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", "sech csch asec acsc asech acsch acoth".split())
+def test_reciprocal_functions_have_the_values_of_mpmath(name):
+    """In both routes, in generated Python and in a run."""
+    at = sp.Rational(1, 2) if name in ("sech", "csch", "asech", "acsch") else sp.Rational(3, 2)
+    q = sp.Symbol("q")
+    force = getattr(sp, name)(q)
+    system = System(
+        name=name, fibration=Fibration(q), lagrangian=velocity(q) ** 2 / 2, forces={q: force}
+    )
+    with mp.workdps(40):
+        truth = getattr(mp, name)(mp.mpf(at.p) / at.q)
+    point = {q: at, velocity(q): 0}
+    found = vo.derive(system).acceleration(point, 30)[q]
+    other = vo.multiplier_acceleration(system, point, 30)[q]
+    assert abs(found - sp.Float(truth, 40)) < 1e-28 and abs(other - found) < 1e-28
+    space: dict = {}
+    exec(vo.derive(system).python(), space)
+    assert space["rhs"](0.0, [float(at), 0.0], [])[1] == pytest.approx(float(truth), rel=1e-15)
+    assert vo.prove_equal(sp.sech(q) ** 2, 1 - sp.tanh(q) ** 2).proved
+
+
+@pytest.mark.parametrize("at", [0.0, 0.3, 1.0, -1.0])
+@pytest.mark.parametrize(("k", "n"), [(2, 3), (1, 2), (4, 6), (2, 4)])
+def test_ratios_of_hyperbolic_cosines_do_not_overflow(k, n, at):
+    """cosh(500 k x)/cosh(500 n x), neither argument a multiple of the other, in doubles."""
+    q = sp.Symbol("q")
+    force = sp.cosh(500 * k * q) / sp.cosh(500 * n * q)
+    system = System(
+        name="ratio", fibration=Fibration(q), lagrangian=velocity(q) ** 2 / 2, forces={q: force}
+    )
+    program = Program.of(vo.derive(system).form)
+    found = compiled(program, scalar=True)[0](0.0, [at, 0.0], [])[1]
+    with mp.workdps(30):
+        truth = mp.cosh(500 * k * mp.mpf(at)) / mp.cosh(500 * n * mp.mpf(at))
+    assert found == pytest.approx(float(truth), rel=1e-12, abs=1e-300)

@@ -13,7 +13,7 @@ hyperbolic functions are sums of exponentials too.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import comb, gcd
+from math import comb, gcd, lcm
 from typing import Any
 
 import symengine as se
@@ -84,7 +84,7 @@ def _quotient(expr: Any) -> Any | None:
     if not _below(factors):
         return None
     found = [w for f in factors for w in _arguments(f.args[0] if _is_power(f) else f)]
-    argument = min(found, key=_size)
+    argument = _unit(found)
     rest, top, bottom = [], {0: se.Integer(1)}, {0: se.Integer(1)}
     for factor in factors:
         base, power = (factor.args[0], int(factor.args[1])) if _is_power(factor) else (factor, 1)
@@ -134,6 +134,14 @@ def _arguments(expr: Any) -> list[Any]:
             elif _is_exponential(factor):
                 found.append(factor.args[1])
     return [w for w in found if w.free_symbols]
+
+
+def _unit(arguments: Sequence[Any]) -> Any:
+    """The largest w of which all arguments are whole multiples, where they are of the least one."""
+    least = min(arguments, key=_size)
+    ratios = [a / least for a in arguments]
+    fractions = [int(r.q) for r in ratios if isinstance(r, se.Rational)]
+    return least / lcm(*fractions)
 
 
 def _size(argument: Any) -> tuple[float, str]:

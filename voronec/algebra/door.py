@@ -32,6 +32,11 @@ _FUNCTIONS = {
         "log sign floor atan2"
     ).split()
 }
+_RECIPROCALS = {"sech": se.cosh, "csch": se.sinh}
+_OF_RECIPROCALS = {
+    "asec": se.acos, "acsc": se.asin, "asech": se.acosh, "acsch": se.asinh, "acoth": se.atanh
+}  # fmt: skip
+"""Functions that are 1/f(x), and those that are f(1/x)."""
 _NUMBERS = {
     sp.pi: se.pi,
     sp.E: se.E,
@@ -140,6 +145,10 @@ class Door:
         name = type(expr).__name__
         if name in _FUNCTIONS:
             return _FUNCTIONS[name](*[self._enter(a) for a in expr.args])
+        if name in _RECIPROCALS:
+            return 1 / _RECIPROCALS[name](self._enter(expr.args[0]))
+        if name in _OF_RECIPROCALS:
+            return _OF_RECIPROCALS[name](1 / self._enter(expr.args[0]))
         pieces = written_with_signs(expr)
         if pieces is not None:
             return self._enter(pieces)

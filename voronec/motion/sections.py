@@ -400,6 +400,11 @@ def _refuse_nothing(motions: Many, passages: Passages, surface: str, value: floa
         return
     for error in passages.errors.values():
         raise error
+    if np.isnan(passages.low).all():
+        raise DefinitionError(
+            f"system '{motions.vocabulary.equations.system.name}': {surface} has no real value "
+            "along the motion; choose another plane"
+        )
     nearest = int(np.nanargmin(np.maximum(passages.low, -passages.high)))
     low, high = passages.low[nearest] + value, passages.high[nearest] + value
     which = (

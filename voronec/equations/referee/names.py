@@ -35,6 +35,18 @@ _OPERATIONS = (
     sp.asin, sp.acos, sp.atan, sp.acot, sp.atan2, sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.asinh,
     sp.acosh, sp.atanh, sp.sign, sp.Abs, sp.floor, sp.Piecewise, ExprCondPair, Boolean,
 )  # fmt: skip
+
+
+def _inverse(x: sp.Expr) -> sp.Expr:
+    return 1 / x
+
+
+_RECIPROCALS = {
+    sp.sech: (_inverse, sp.cosh), sp.csch: (_inverse, sp.sinh), sp.asec: (sp.acos, _inverse),
+    sp.acsc: (sp.asin, _inverse), sp.asech: (sp.acosh, _inverse), sp.acsch: (sp.asinh, _inverse),
+    sp.acoth: (sp.atanh, _inverse),
+}  # fmt: skip
+"""What is written by the functions that are evaluated: f(g(x))."""
 _CASES = (sp.Heaviside, sp.Max, sp.Min)
 """What SymPy writes out in cases."""
 
@@ -97,6 +109,8 @@ def _in_cases(expr: sp.Expr) -> sp.Expr:
     """The expression with cases and floors for steps, limits and remainders."""
     expr = expr.replace(lambda e: isinstance(e, sp.Mod), lambda e: _remainder(*e.args))
     expr = expr.replace(lambda e: isinstance(e, (sp.frac, sp.ceiling)), _floored)
+    for kind, (outer, inner) in _RECIPROCALS.items():
+        expr = expr.replace(kind, lambda x, f=outer, g=inner: f(g(x)))
     return expr.replace(lambda e: isinstance(e, _CASES), lambda e: e.rewrite(sp.Piecewise))
 
 
@@ -129,7 +143,16 @@ def _refuse_rest(expr: sp.Expr) -> None:
                 f"the unknown function '{node}' has no value; numeric evaluation needs a formula "
                 "for it"
             )
-        known = (sp.Symbol, *_NUMBERS, *_OPERATIONS, *_CASES, sp.Mod, sp.frac, sp.ceiling)
+        known = (
+            sp.Symbol,
+            *_NUMBERS,
+            *_OPERATIONS,
+            *_RECIPROCALS,
+            *_CASES,
+            sp.Mod,
+            sp.frac,
+            sp.ceiling,
+        )
         if not isinstance(node, known):
             raise DefinitionError(
                 f"'{node}' of kind {type(node).__name__} has no real value; write it with "
