@@ -206,3 +206,26 @@ def test_a_file_that_holds_something_else_is_refused(
     file.write_text(text)
     with pytest.raises(vo.DefinitionError, match=message):
         read_derived(file)
+
+
+def test_signs_that_are_declared_are_stored_with_a_derivation() -> None:
+    """sqrt(m k^2) and k sqrt(m) are one rate where k is positive, in two files too."""
+    x, m, k = sp.symbols("x m k")
+    roots = (sp.sqrt(m * k**2), k * sp.sqrt(m))
+
+    def kept(force: sp.Expr, positive: bool) -> Derived:
+        system = vo.System(
+            name="pulled",
+            fibration=vo.Fibration((x,)),
+            lagrangian=vo.velocity(x) ** 2 / 2,
+            forces={x: force},
+            parameters=tuple(vo.Parameter(s, 1, positive=positive) for s in (m, k)),
+        )
+        text = Derived.of(vo.derive(system)).text()
+        return Derived.from_dict(json.loads(text), "here")
+
+    known, unknown = ([kept(r, positive) for r in roots] for positive in (True, False))
+    assert known[0].positive == ("m", "k") and compare(*known).equal
+    assert not compare(*unknown).equal
+    older = {k: v for k, v in unknown[0].as_dict().items() if k != "positive"}
+    assert Derived.from_dict(older, "here").positive == ()

@@ -9,6 +9,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.errors import DefinitionError
+from voronec.proof.relations.families import carried_back
 
 pytestmark = pytest.mark.slow
 
@@ -292,3 +293,11 @@ def test_exponentials_of_what_is_positive_are_above_one():
     assert vo.prove_equal(sp.sinh(below / 2), -root((sp.cosh(below) - 1) / 2)).proved
     assert vo.prove_equal(sp.sinh(x / 2), root((sp.cosh(x) - 1) / 2)).refuted
     assert vo.prove_equal(sp.sinh((a - b) / 2), root((sp.cosh(a - b) - 1) / 2)).refuted
+
+
+def test_signs_count_where_a_limit_is_carried_back():
+    """What vanishes by the signs of parameters need not be moved to zero."""
+    m, k, small = sp.symbols("m k small")
+    nothing = {"p": sp.sqrt(m * k**2) - k * sp.sqrt(m)}
+    assert carried_back(nothing, {"p": small}, small, [k > 0, m > 0]) == {}
+    assert carried_back(nothing, {"p": small}, small) != {}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import random
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -87,7 +87,7 @@ class Derived:
 
     An entry that a group does not list is zero.  A group that is missing was too long, or beyond
     the budget of the exact algebra.  A group on the invariants names them by itself.  ``points``
-    are pairs of a point and the accelerations there.
+    are pairs of a point and the accelerations there; ``positive`` is declared to be so.
     """
 
     name: str
@@ -95,6 +95,7 @@ class Derived:
     groups: Groups
     ideals: Mapping[str, list[str]]
     points: tuple[tuple[Mapping[str, str], Mapping[str, str]], ...] = ()
+    positive: tuple[str, ...] = ()
     equations: VoronecEquations | None = field(default=None, repr=False, compare=False)
 
     @classmethod
@@ -109,13 +110,14 @@ class Derived:
             groups | reduced,
             ideals | rules,
             tuple(_points(eqs)),
+            tuple(dict.fromkeys(_positive(eqs.system))),
             eqs,
         )
 
     def stored(self) -> Derived:
         """The compact form: without groups that are too long."""
         short = {k: g for k, g in self.groups.items() if sum(map(len, g.values())) <= LONGEST}
-        return Derived(self.name, self.facts, short, self.ideals, self.points, self.equations)
+        return replace(self, groups=short)
 
     def as_dict(self) -> dict[str, Any]:
         """What a file holds."""
@@ -125,6 +127,7 @@ class Derived:
             **self.facts,
             "groups": {k: dict(g) for k, g in self.groups.items()},
             "ideals": dict(self.ideals),
+            "positive": [*self.positive],
             "points": [{"at": dict(at), "acceleration": dict(a)} for at, a in self.points],
         }
 
@@ -143,11 +146,22 @@ class Derived:
             points = tuple((p["at"], p["acceleration"]) for p in data["points"])
             facts = {fact: data[fact] for fact in FACTS}
             groups = {k: dict(g) for k, g in data["groups"].items()}
-            return cls(data["system"], facts, groups, dict(data["ideals"]), points)
+            positive = tuple(data.get("positive", ()))  # older files say nothing of signs
+            return cls(data["system"], facts, groups, dict(data["ideals"]), points, positive)
         except (KeyError, TypeError, ValueError, AttributeError):
             raise DefinitionError(
                 f"{place} holds no derivation; make one by: voronec derive NAME --store FILE.json"
             ) from None
+
+
+def _positive(system: System) -> Iterator[str]:
+    """What is declared to be positive, in names of parameters."""
+    own = {p.symbol: sp.Symbol(p.name) for p in system.parameters}
+    yield from (p.name for p in system.parameters if p.is_positive)
+    for condition in system.conditions:
+        for part in condition.args if isinstance(condition, sp.And) else (condition,):
+            if isinstance(part, sp.StrictGreaterThan | sp.StrictLessThan):
+                yield plain_text((part.gts - part.lts).xreplace(own))
 
 
 def read_derived(path: str | Path) -> Derived:

@@ -171,11 +171,11 @@ def _entries(first: Derived, second: Derived, group: str) -> Iterator[Row]:
 
 def _conditions(side: Derived) -> list[Any]:
     """What is declared of the parameters of a system, in the symbols that entries are read in."""
+    signs = [read_expression(text) > 0 for text in side.positive]
     if side.equations is None:
-        return []
+        return signs
     system = side.equations.system
     own = {p.symbol: sp.Symbol(p.name) for p in system.parameters}
-    signs = [own[p.symbol] > 0 for p in system.parameters if p.is_positive]
     return [*signs, *(c.xreplace(own) for c in system.conditions)]
 
 

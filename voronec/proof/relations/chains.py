@@ -10,7 +10,7 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.conditions import moved_hypotheses
+from voronec.algebra.conditions import moved_hypotheses, parted
 from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import Verdict, decide_equal
 from voronec.declaration.relation import Relation, Square
@@ -236,8 +236,9 @@ def _carried_back(first: _Chain, second: _Chain) -> dict[Any, Any]:
     small = sp.Symbol(str(second.small))
     values = {str(p): sympified(e) for p, e in first.parameters.items() if p.is_Symbol}
     scaled = {str(p): sympified(e) for p, e in second.scaled.items()}
-    family = carried_back(values, scaled, small)
     own = {str(p): p for p in first.start.parameters}
+    ranges = (c for c in parted(first.hypotheses)[1] if {*map(str, c.free_symbols)} <= own.keys())
+    family = carried_back(values, scaled, small, [sp.sympify(c) for c in ranges])
     if family is None or not own.keys() >= family.keys():
         raise DefinitionError(
             f"the chain that comes to '{second.start.system.name}' fixes a parameter that the "

@@ -7,7 +7,7 @@ what it was; where none does, the chain has no meaning, as one that fixes p.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -78,9 +78,11 @@ def _plain(expr: sp.Expr) -> sp.Expr:
     return expr.xreplace({s: sp.Symbol(str(s)) for s in expr.free_symbols})
 
 
-def carried_back(values: Values, scaled: Values, small: sp.Symbol) -> Values | None:
+def carried_back(
+    values: Values, scaled: Values, small: sp.Symbol, known: Sequence[Any] = ()
+) -> Values | None:
     """Parameters of the start, as functions of the small one, for which those of the end follow a
-    limit; of several families, the first by name.
+    limit; of several families, the first by name.  ``known`` are signs of those parameters.
 
     Where the end has a parameter at its limit already, nothing has to move.
     """
@@ -90,22 +92,24 @@ def carried_back(values: Values, scaled: Values, small: sp.Symbol) -> Values | N
         target = scale.xreplace(here)
         if name not in values:
             return None
-        if not _equal(values[name], _at_zero(target, small)):
+        if not _equal(values[name], _at_zero(target, small), known):
             wanted[name] = target
     first = [*(n for n in values if n in scaled), *(n for n in values if n not in scaled)]
-    return _moved([(values[n], wanted[n]) for n in first], {})
+    return _moved([(values[n], wanted[n]) for n in first], {}, known)
 
 
-def _moved(pairs: list[tuple[sp.Expr, sp.Expr]], found: dict[str, sp.Expr]) -> Values | None:
+def _moved(
+    pairs: list[tuple[sp.Expr, sp.Expr]], found: dict[str, sp.Expr], known: Sequence[Any]
+) -> Values | None:
     """Values of symbols that make all pairs equal."""
     moving = {sp.Symbol(n): v for n, v in found.items()}
     for value, wanted in pairs:
-        if _equal(value.xreplace(moving), wanted):
+        if _equal(value.xreplace(moving), wanted, known):
             continue
         unknown = sp.Dummy()
         for name in sorted({s.name for s in value.free_symbols} - {*found}):
             root = _root(value.xreplace({**moving, sp.Symbol(name): unknown}), wanted, unknown)
-            solution = None if root is None else _moved(pairs, {**found, name: root})
+            solution = None if root is None else _moved(pairs, {**found, name: root}, known)
             if solution is not None:
                 return solution
         return None
@@ -117,15 +121,15 @@ def _root(value: sp.Expr, wanted: sp.Expr, unknown: sp.Dummy) -> sp.Expr | None:
     above, below = sp.fraction(sp.together(value))
     equation = sp.expand(above - wanted * below)
     slope = equation.diff(unknown)
-    if slope.has(unknown) or _equal(slope, sp.Integer(0)):
+    if slope.has(unknown) or _equal(slope, sp.Integer(0), ()):
         return None
     return sp.cancel(-equation.xreplace({unknown: sp.Integer(0)}) / slope)
 
 
-def _equal(left: sp.Expr, right: sp.Expr) -> bool:
+def _equal(left: sp.Expr, right: sp.Expr, known: Sequence[Any]) -> bool:
     if left.has(sp.zoo, sp.nan) or right.has(sp.zoo, sp.nan):
         return bool(left == right)
-    return prove_equal(left, right).proved
+    return prove_equal(left, right, known).proved
 
 
 def _at_zero(expr: sp.Expr, small: sp.Symbol) -> Any:
