@@ -49,9 +49,8 @@ s, tau, n = body.T * omega
 upward = sp.cos(u)
 axial = k + excess * omega[2]  # K
 rho = sp.sqrt(1 + 4 * beta * upward**2)
-horizontal = (ball.contact.attitude * whole.xreplace(dict(zip(normal, ball.normal, strict=True))))[
-    :2
-]
+in_ball = whole.xreplace(dict(zip(normal, ball.normal, strict=True)))
+horizontal = tuple(ball.contact.attitude[:2, :] * in_ball)
 quartic = (
     (h2 - C5**2 / A - Q * L**2) / P
     + 2 * C5 * (Q * L + k) / (A * P) * z

@@ -25,7 +25,7 @@ inertia, kappa = sp.symbols("I1:4"), sp.symbols("kappa1:4")
 
 ball = kinematics.BalancedBall.on_plane(R, m, inertia, kappa)
 motion = ball.rubber
-u, v, _ = ball.ball.base
+u, v, _ = ball.base
 w1, w2 = motion.velocities
 
 SYSTEM = ball.rubber_system(
@@ -48,7 +48,7 @@ SYSTEM = ball.rubber_system(
         "default": Scene(
             initial={u: "1/5", v: 1, w1: "1/10", w2: "1/20"},
             times=(0.0, 40.0),
-            outputs=(*ball.ball.fibre, u, v),
+            outputs=(*ball.fibre, u, v),
             caption="The gyroscope bends the path of the contact.",
         ),
     },

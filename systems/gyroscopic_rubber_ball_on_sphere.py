@@ -26,8 +26,8 @@ inertia, kappa = sp.symbols("I1:4"), sp.symbols("kappa1:4")
 
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, inertia, kappa)
 motion = ball.rubber
-u, v, _ = ball.ball.base
-u1, v1 = ball.ball.fibre
+u, v, _ = ball.base
+u1, v1 = ball.fibre
 w1, w2 = motion.velocities
 
 SYSTEM = ball.rubber_system(

@@ -24,8 +24,8 @@ R2, m = sp.symbols("R2 m")
 inertia = sp.symbols("I1:4")
 
 ball = kinematics.BalancedBall.on_sphere(-R2 / 2, R2, m, inertia)
-u, v, _ = ball.ball.base
-u1, v1 = ball.ball.fibre
+u, v, _ = ball.base
+u1, v1 = ball.fibre
 w1, w2 = ball.rubber.velocities
 
 SYSTEM = ball.rubber_system(

@@ -22,7 +22,7 @@ inertia = sp.symbols("I1:4")
 
 ball = kinematics.BalancedBall.on_plane(R, m, inertia)
 motion = ball.rubber
-u, v, _ = ball.ball.base
+u, v, _ = ball.base
 w1, w2 = motion.velocities
 printed = motion.momentum_equation(motion.multiplier(motion.momentum))
 
@@ -40,7 +40,7 @@ SYSTEM = ball.rubber_system(
         "default": Scene(
             initial={u: "6/5", w1: "1/20", w2: "1/5"},
             times=(0.0, 10.0),
-            outputs=(*ball.ball.fibre, u, v),
+            outputs=(*ball.fibre, u, v),
             caption="The contact wanders over the plane.",
         ),
     },

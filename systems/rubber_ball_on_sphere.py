@@ -22,8 +22,8 @@ inertia = I1, I2, I3 = sp.symbols("I1:4")
 
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, inertia)
 motion = ball.rubber
-u, v, _ = ball.ball.base
-u1, v1 = ball.ball.fibre
+u, v, _ = ball.base
+u1, v1 = ball.fibre
 w1, w2 = motion.velocities
 printed = motion.momentum_equation(motion.multiplier(motion.momentum))
 start, seen = {u: "6/5", u1: 1, w1: "1/20", w2: "1/5"}, (u, v, u1, v1)

@@ -37,9 +37,8 @@ S1, S2 = P * C5 / A, -k * (2 * A + D) / (2 * A)
 S = S0 + S1 * z + S2 * z**2
 N = C5 - k * z
 W = h2 - N**2 / A
-horizontal = (ball.contact.attitude * whole.xreplace(dict(zip(normal, ball.normal, strict=True))))[
-    :2
-]
+in_ball = whole.xreplace(dict(zip(normal, ball.normal, strict=True)))
+horizontal = tuple(ball.contact.attitude[:2, :] * in_ball)
 rolled = sp.Matrix([sp.sin(u) * velocity(v), -velocity(u), N / A])  # (s, tau, n) again
 vertical = A * n + k * sp.cos(u)
 MOTION = Quadratures(

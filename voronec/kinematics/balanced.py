@@ -179,6 +179,16 @@ class BalancedBall:
         return cls(RollingBall.on_plane(radius, mass, inertia), radius, None, kappa)
 
     @property
+    def base(self) -> tuple[sp.Expr, ...]:
+        """(u, v, theta), Neumann's coordinates of the ball."""
+        return self.ball.base
+
+    @property
+    def fibre(self) -> tuple[sp.Expr, ...]:
+        """(u1, v1) on the sphere, or (x, y) in the plane: the contact."""
+        return self.ball.fibre
+
+    @property
     def carried(self) -> sp.Expr:
         """D = m R2^2."""
         return sp.sympify(self.ball.mass * self.radius**2)
