@@ -56,6 +56,23 @@ def test_the_marks_of_slots_are_no_part_of_the_print() -> None:
     assert verdict_of(SENTENCE) == ("proved", "4, True")
 
 
+def in_pairs(_: Study, __: Range, *, letters: tuple[str, ...]) -> Verdict:
+    """A decision that takes no other number of letters."""
+    first, second = letters
+    return Verdict("proved" if first != second else "refuted", "two letters")
+
+
+def test_what_a_decision_cannot_take_is_undecided_and_its_own_fault_an_error() -> None:
+    sentence = Sentence("of @letters:names{$a$ and $b$}", in_pairs)
+    assert verdict_of(sentence)[0] == "proved"
+    verdict, said = verdict_of(replace(sentence, quotation="of $a$, $b$, and $c$"))
+    assert verdict == "undecided"
+    assert "cannot take what stands in a slot" in said
+    assert "too many values" in said
+    with pytest.raises(DefinitionError, match="too many values"):
+        verdict_of(Sentence("of @letters:names{$a$, $b$, and $c$}", in_pairs))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "verdict", "said"),
     [

@@ -144,3 +144,4 @@ def test_every_kind_of_premise_of_a_system_is_changed():
     assert {f"{x} doubled in its definition" for x in ("s", "tau", "n")} < set(found)
     assert all(changed != system for changed in found.values())
     assert found["a sign turned in constraint 1"].constraints != system.constraints
+    assert "the Lagrangian times 1 + u1^2" in found

@@ -1,14 +1,15 @@
 """Premises of a paper's derived systems changed one at a time, and what is proved all the same.
 
     python tools/change_premises.py [--paper NAME] [--section K] [--seconds S] [--system NAME]
+                                    [--premise WORDS]
 
-A premise is a parameter in the Lagrangian, a velocity in it, a force, a constraint, or the
-definition of a quasi-velocity of a system that the dictionaries of a section derive.  Each is
-changed (doubled, or a sign turned), and the records that name the system as their source are
-audited again.  Printed are how many of them fail, which are proved all the same though what is
-derived beside them has changed, and which fail with no premise of the system they name: such a
-record is true whatever the system does, or it was compared with the print.  Then the exit status
-is 1.
+A premise is a parameter in the Lagrangian, a velocity in it, that no place of the fibre is marked
+out by it, a force, a constraint, or the definition of a quasi-velocity of a system that the
+dictionaries of a section derive. Each is changed (doubled, or a sign turned), and the records that
+name the system as their source are audited again. Printed are how many of them fail, which are
+proved all the same though what is derived beside them has changed, and which fail with no premise
+of the system they name: such a record is true whatever the system does, or it was compared with the
+print. Then the exit status is 1.
 """
 
 from __future__ import annotations
@@ -78,19 +79,23 @@ def main() -> int:
             rest = {r for r, told in before.items() if told.good and told.names(name)}
             if not rest or chosen.system not in ("", name):
                 continue
-            wrong += _changed(chosen.paper, k, system, before, rest)
+            wrong += _changed(chosen, k, system, before, rest)
             if chosen.seconds and time.process_time() - begun > chosen.seconds:
                 print(f"stopped after {chosen.seconds:.0f} s")
                 return int(wrong > 0)
     return int(wrong > 0)
 
 
-def _changed(paper: str, k: int, system: vo.System, before: Verdicts, names: set[str]) -> int:
+def _changed(
+    chosen: argparse.Namespace, k: int, system: vo.System, before: Verdicts, names: set[str]
+) -> int:
     """Change the premises of one system; how many of the records that name it never fail, or are
     proved all the same though what is derived has changed."""
     never, count = set(names), 0
     for premise in premises(system):
-        after = _after(paper, k, premise, names)
+        if chosen.premise not in premise.what:
+            continue
+        after = _after(chosen.paper, k, premise, names)
         fail = {n for n in names if n not in after or not after[n].good}
         good = {n for n in names - fail if before[n].verdict == "proved"}
         same = [n for n in good if after[n].derived != before[n].derived]
@@ -110,6 +115,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--paper", default="demchenko")
     parser.add_argument("--section", type=int, default=0, help="its number; 0 for all")
     parser.add_argument("--system", default="", help="one of those that the sections derive")
+    parser.add_argument("--premise", default="", help="words in what is changed; all by default")
     parser.add_argument("--seconds", type=float, default=0.0, help="of CPU; 0 for no limit")
     return parser.parse_args()
 
@@ -129,7 +135,7 @@ Change = tuple[str, dict[str, Any]]
 
 
 def _energies(system: vo.System) -> Iterator[Change]:
-    """Parameters and velocities in the Lagrangian, and forces."""
+    """Parameters and velocities in the Lagrangian, its symmetry along the fibre, and forces."""
     energy = system.lagrangian
     symbols = {getattr(p, "symbol", p) for p in system.parameters}
     dots = [velocity(q) for q in system.fibration.base]
@@ -137,6 +143,8 @@ def _energies(system: vo.System) -> Iterator[Change]:
         if energy.has(symbol):
             changed = energy.xreplace({symbol: 2 * symbol})
             yield f"{symbol} doubled in the Lagrangian", {"lagrangian": changed}
+    for place in system.fibration.fibre[:1]:
+        yield f"the Lagrangian times 1 + {place}^2", {"lagrangian": energy * (1 + place**2)}
     for place, force in list(system.forces.items())[:1]:
         yield f"the force on {place} doubled", {"forces": {**system.forces, place: 2 * force}}
 

@@ -132,8 +132,11 @@ def judge_sentence(sentence: Sentence, bench: Bench) -> FormulaRecord:
         decide = _bound(sentence.decide, sentence.read(bench.labels))
         finding = by_range(study, sentence.within, decide)
         derived = asked(sentence.derived, study) if sentence.derived is not None else None
-    except HookError:
-        raise
+    except HookError as error:
+        if sentence.as_printed:
+            raise
+        fault = f"its decision cannot take what stands in a slot: {error}"
+        return FormulaRecord("", "undecided", fault, says=says)
     except SENSELESS as error:
         return FormulaRecord("", "undecided", str(error), says=says)
     record = FormulaRecord("", "proved", method_of(finding), derived, says=says)

@@ -65,8 +65,7 @@ class Sentence:
 
     def __post_init__(self) -> None:
         if not self.quotation:
-            printed = "".join(p.printed if isinstance(p, Slot) else p for p in self._parts)
-            object.__setattr__(self, "quotation", printed)
+            object.__setattr__(self, "quotation", self._printed)
         if (self.decide is None) != bool(self.unaudited):
             raise DefinitionError(f"{self._place}: give it a decision, or say why there is none")
         if self.decide is not None:
@@ -76,6 +75,16 @@ class Sentence:
     def _parts(self) -> tuple[str | Slot, ...]:
         """The text cut at its slots."""
         return tuple(_cut(self.text))
+
+    @property
+    def _printed(self) -> str:
+        """The text without its marks."""
+        return "".join(p.printed if isinstance(p, Slot) else p for p in self._parts)
+
+    @property
+    def as_printed(self) -> bool:
+        """Whether what is judged is the print from which the slots were made."""
+        return self.quotation == self._printed
 
     @cached_property
     def slots(self) -> tuple[Slot, ...]:
@@ -97,8 +106,7 @@ class Sentence:
         )
         found = re.fullmatch(pattern, words)
         if found is None:
-            printed = "".join(p.printed if isinstance(p, Slot) else p for p in self._parts)
-            start = _common(words, _single(printed))
+            start = _common(words, _single(self._printed))
             raise DefinitionError(
                 f"it reads '{words[max(0, start - SHOWN // 2) : start + SHOWN]}', which is not the "
                 "sentence that is decided here"

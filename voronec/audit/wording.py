@@ -22,12 +22,12 @@ _MARKUP = (
     (r"\\eqref\{([^}]*)\}", r"(\1)"),
     (r"\\ref\{([^}]*)\}", r"\1"),
     (r"\\cite\{([^}]*)\}", r"[\1]"),
-    (r"\\(?:emph|text)\{([^{}]*)\}", r"\1"),
+    (r"\\(?:emph|text|caption)\{([^{}]*)\}", r"\1"),
     (r"\\label\{[^}]*\}|\\begin\{aligned\}|\\end\{aligned\}", ""),
     (r"\\footnote\{", " (footnote: "),
     (r"\s*\$\$\s*", " $ "),
     (r"\\begin\{(?:equation|eqnarray)\*?\}|\\end\{(?:equation|eqnarray)\*?\}", "$"),
-    (r"\\(?:item|medskip)\b", ""),
+    (r"\\(?:begin|end)\{itemize\}|\\(?:item|medskip)\b", ""),
 )
 """Commands of running text, and what stands for them where words are read."""
 

@@ -9,8 +9,9 @@ from ..sentences.kinds_of_motion import SENTENCES
 
 
 def studies(_: Transcript) -> dict[str, Study]:
-    """The motion on a level of the integrals."""
-    return {"level": level().study({})}
+    """The motion on a level of the integrals; for captions, the text alone."""
+    text = Study({}, source="the text that refers to the figure")
+    return {"level": level().study({}), "text": text}
 
 
 KINDS_OF_MOTION = Section(

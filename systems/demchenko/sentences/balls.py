@@ -28,7 +28,7 @@ from ..dictionary.chaplygin_balls import (
 )
 from ..dictionary.gyroscopic_balls import is_demchenkos, on_the_plane, rotor_is_kappa
 from ..dictionary.rubber_balls import is_veselovas
-from .claims import agreed, all_of, constant, denied, equals, holds, values
+from .claims import agreed, all_of, both_sides, constant, denied, equals, holds, values
 
 INTEGRALS = ("F_1", "F_2", "F_3", "F_4")
 NAMED = {r.name.split()[0]: r for r in CONFIGURATIONS}
@@ -199,7 +199,7 @@ def double_shell(
 ) -> vo.Verdict:
     """A shell whose radius is twice that of the sphere."""
     relation, number = epsilon_of(epsilon, study)
-    left, right = values(radii, study)
+    left, right = both_sides(radii, study)
     ratio = sp.solve(left - right, R1)
     if len(ratio) != 1 or relation != "=":
         return vo.Verdict("undecided", "not one value of epsilon")
@@ -231,8 +231,8 @@ def multiplier(study: Study, _: Range, *, how: str, constraint: Quoted) -> vo.Ve
 def keeps(study: Study, where: Range, *, sort: str, density: Quoted) -> vo.Verdict:
     """Whether the flow has the printed density, on the constraint."""
     whole = study.context
-    left, printed = density.tree(study).parts
-    weight = evaluate(printed, study)
+    left = density.tree(study).parts[0]
+    _, weight = both_sides(density, study)
     from ..dictionary.rubber_balls import AREA
 
     found = vo.prove_equal(vo.divergence(weight * AREA, whole.flow), 0, study.relations)

@@ -18,6 +18,7 @@ __all__ = [
     "AXES",
     "agreed",
     "all_of",
+    "both_sides",
     "constant",
     "denied",
     "equals",
@@ -96,6 +97,15 @@ def constant(word: str) -> bool:
 def values(formula: Quoted, study: Study) -> list[Any]:
     """The values of the parts of a formula under a dictionary."""
     return [evaluate(part, study) for part in formula.tree(study).parts]
+
+
+def both_sides(formula: Quoted, study: Study) -> tuple[Any, Any]:
+    """The values of the two sides of an equation."""
+    tree = formula.tree(study)
+    if tree.relations != ("=",):
+        raise vo.DefinitionError(f"'{formula.latex}' is no equation of two sides")
+    left, right = (sp.sympify(evaluate(part, study)) for part in tree.parts)
+    return left, right
 
 
 def value(name: str | Quoted, study: Study) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import product
 from typing import Any
 
@@ -109,10 +110,30 @@ def without_loss(study: Study, where: Range, *, case: int, gap: Interval) -> vo.
     mirrored = own.X.subs({x: -x, C5: -C5}, simultaneous=True)
     chosen = LARGEST[:2] if case == 1 else LARGEST[2:]
     return all_of(
-        agreed({gap.low, gap.high}, set(chosen), f"ends of interval {case}"),
         agreed(gap.variable, "x", "what lies in it"),
-        lambda: chained(("X(-x) for -C_5 is X(x)", vo.prove_equal(mirrored, own.X))),
+        chained(("X(-x) for -C_5 is X(x)", vo.prove_equal(mirrored, own.X))),
+        lambda: between(chosen, gap),
     )
+
+
+def between(roots: tuple[str, ...], *intervals: Interval) -> vo.Verdict:
+    """Whether intervals lie between two roots, the larger of which is given first: without their
+    ends, since a root that coincides with one of them is a case of its own."""
+    ends = {frozenset((i.low, i.high)) for i in intervals}
+    turned = [i for i in intervals if (i.low, i.high) == roots]
+    found = all_of(
+        agreed(ends, {frozenset(roots)}, "the ends of the interval in which x runs"),
+        agreed({i.closed for i in intervals}, {(False, False)}, "whether its ends belong to it"),
+    )
+    if not found.proved or not turned:
+        return found
+    about = f"{roots[0]} > {roots[1]}, so that no number lies in ({roots[0]}, {roots[1]})"
+    return vo.Verdict("refuted", f"{about}; with the ends exchanged it is true")
+
+
+def upright(_: Study) -> str:
+    """The interval as it must be printed, as LaTeX."""
+    return r"(x^{IV},x^{I})"
 
 
 def two_roots(study: Study, where: Range, *, count: int, order: Quoted) -> vo.Verdict:
@@ -157,12 +178,11 @@ def trace_cases(
 ) -> vo.Verdict:
     """How many roots phi can have between two values of x: its degree is the most."""
     degree = int(sp.Poly(level().phi, x).degree())
-    ends = {frozenset((i.low, i.high)) for i in (one, two, three)}
     return all_of(
         agreed({first, second, third}, set(range(degree + 1)), "numbers of roots of phi"),
         agreed(cases, degree + 1, "cases"),
-        agreed(ends, {frozenset(LARGEST[:2])}, "the interval in which x runs"),
-        lambda: turns(study, where),
+        turns(study, where),
+        between(LARGEST[:2], one, two, three),
     )
 
 
@@ -171,9 +191,9 @@ def on_the_fixed_sphere(
 ) -> vo.Verdict:
     """The polynomial in the rate of v_1, whose sign is that of the rate."""
     return all_of(
-        agreed({gap.low, gap.high}, set(LARGEST[:2]), "the interval in which x runs"),
         agreed(polynomial, ("F(x)",), "the numerator in the rate of v_1"),
-        lambda: turns(study, where),
+        turns(study, where),
+        between(LARGEST[:2], gap),
     )
 
 
@@ -207,12 +227,42 @@ def smooth(
     return found if not found.proved else denied(not singular, regular_at_poles(study, where))
 
 
+def captioned(_: Study, __: Range, *, curve: tuple[str, ...], figure: str) -> vo.Verdict:
+    """Which curve the text announces where it refers to a figure."""
+    said = announced("".join(f" {sentence.quotation}" for sentence in TEXT))
+    label = one_of(figure, {name: name for name in said})
+    return agreed(curve, (said[label],), "the curve for which the text refers to this figure")
+
+
+def announced(text: str) -> dict[str, str]:
+    """Label of each figure -> the curve that is named for it: of several figures in a row, the
+    last ones that are named before them."""
+    found: dict[str, str] = {}
+    for words, figures in re.findall(
+        rf"((?:(?!{FIGURE}).)+)((?:{FIGURE}(?:\s*and\s*)?)+)", text, re.S
+    ):
+        labels = re.findall(r"\{([^}]*)\}", figures)
+        curves = re.findall(r"\$([A-E](?:_\d)?)\$", words)
+        found |= dict(zip(labels, curves[-len(labels) :], strict=True))
+    return found
+
+
+FIGURE = r"Figure\s*\\ref\{[^}]*\}"
+"""How the text refers to a figure."""
+OF_THE_THESIS = "that the dissertation has it there is quoted, and the figure is not in the LaTeX"
+
+
+def caption(text: str) -> Sentence:
+    """What stands under a figure."""
+    return Sentence(text, captioned, "text", cited=OF_THE_THESIS)
+
+
 def sides_of(formula: Quoted) -> list[str]:
     """Both sides of an equation as they are printed."""
     return formula.latex.strip("$").replace(" ", "").split("=")
 
 
-SENTENCES = (
+TEXT = (
     Sentence(
         r"@how:quantifier{In  general}, the polynomial $X$ can have @least:number{zero}, "
         r"@middle:number{two}, or @most:number{four} real roots.",
@@ -233,6 +283,7 @@ SENTENCES = (
         "Without loosing the generality, Demchenko works with the @case:number{first} case: "
         r"@gap:interval{$x\in (x^{I}, x^{IV})$}.",
         without_loss,
+        derived=upright,
     ),
     Sentence(
         "In the case of @count:number{two} real roots, he again denotes them as "
@@ -256,19 +307,23 @@ The situation in this case is presented as curve $A$, see Figure \ref{fig:slika4
 @two:interval{$(x^{I}, x^{IV})$}.
 The situation in this case is presented as curve $B$, see Figure \ref{fig:slika5}.
 \item [3)] The polynomial $\phi(x)$ has @third:number{two} roots in the interval
-@three:interval{$(x^{I}, x^{IV})$}.""",
+@three:interval{$(x^{I}, x^{IV})$}.
+The situation in this case is presented as curves $C$, $C_1$ and $C_2$,  see  Figure \ref{fig:slika6} and Figure \ref{fig:slika7}.""",
         trace_cases,
+        derived=upright,
     ),
     Sentence(
         "The trajectories of the point $M$ on the fixed sphere are similar, where the number of "
         r"roots of the polynomial @polynomial:names{$F(x)$} in the interval "
         r"@gap:interval{$(x^{I}, x^{IV})$} now discriminates cases $A$, $B$, and $C$.",
         on_the_fixed_sphere,
+        derived=upright,
     ),
     Sentence(
         r"If  @roots:names{$x^{I}$} or @other:names{$x^{IV}$} coincides with one of the roots of "
         r"the polynomial @polynomial:names{$\psi(x)$}, then the curves on the movable and fixed "
-        "sphere have the form $D$",
+        r"sphere have the form $D$: $D_1$ see Figure \ref{fig:slika8}, $D_2$ see Figure "
+        "\\ref{fig:slika9}\nand $D_3$ see Figure \\ref{fig:slika10}.",
         cusps,
     ),
     Sentence(
@@ -277,5 +332,36 @@ The situation in this case is presented as curve $B$, see Figure \ref{fig:slika5
         r"Figure \ref{fig:slika11} and $E_2$ see  Figure \ref{fig:slika12}. In these cases the "
         "curves on the @sphere:word{fixed} sphere do @singular:affirmed{not posses} singularities.",
         smooth,
+    ),
+)
+
+SENTENCES = (
+    *TEXT,
+    caption(
+        r"\caption{Demchenko: Figure 4 p. 53: the curve @curve:names{$A$}.}\label{@figure:word{fig:slika4}}"
+    ),
+    caption(
+        r"\caption{Figure 5, p. 53: the curve @curve:names{$B$}.}\label{@figure:word{fig:slika5}}"
+    ),
+    caption(
+        r"\caption{Demchenko: Figure 6 p. 53: the curve @curve:names{$C_1$}.}\label{@figure:word{fig:slika6}}"
+    ),
+    caption(
+        r"\caption{Demchenko: Figure 7, p. 53: the curve @curve:names{$C_2$}.}\label{@figure:word{fig:slika7}}"
+    ),
+    caption(
+        r"\caption{Demchenko: Figure 8 p. 56: the curve @curve:names{$D_1$}.}\label{@figure:word{fig:slika8}}"
+    ),
+    caption(
+        r"\caption{Demchenko: Figure 9, p. 56: the curve @curve:names{$D_2$}.}\label{@figure:word{fig:slika9}}"
+    ),
+    caption(
+        r"\caption{Demchenko: Figure 10 p. 57: the curve @curve:names{$D_3$}.}\label{@figure:word{fig:slika10}}"
+    ),
+    caption(
+        r"\caption{Demchenko: Figure 11, p. 57: the curve @curve:names{$E_1$}.}\label{@figure:word{fig:slika11}}"
+    ),
+    caption(
+        r"\caption{Demchenko: Figure 12, p. 58: the curve @curve:names{$E_2$}.}\label{@figure:word{fig:slika12}}"
     ),
 )

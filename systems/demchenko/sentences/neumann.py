@@ -11,7 +11,18 @@ from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
 from voronec.audit.meaning import evaluate
 
 from ..dictionary.surfaces import BASE, COORDINATES, QUASI, SLIP, typeset, vector
-from .claims import AXES, agreed, all_of, denied, equals, imposed, left_sides, residuals, value
+from .claims import (
+    AXES,
+    agreed,
+    all_of,
+    both_sides,
+    denied,
+    equals,
+    imposed,
+    left_sides,
+    residuals,
+    value,
+)
 
 FIXED_AXES = {r"\mathbf u_1": 0, r"\mathbf v_1": 1, r"\mathbf n_1": 2}
 HANDS = {"negative": -1, "left-handed": -1, "positive": 1, "right-handed": 1}
@@ -25,8 +36,9 @@ def handed(study: Study, _: Range, *, sort: str) -> vo.Verdict:
 
 def usual_sign(study: Study, _: Range, *, product: Quoted, differs: str) -> vo.Verdict:
     """In a frame of negative orientation the usual product of x and y is -z."""
-    found = equals(((gap, 0) for gap in residuals(product, study)), "by the usual product")
-    return denied(not one_of(differs, {"differs": True, "agrees": False}), found)
+    left, right = both_sides(product, study)
+    sign = one_of(differs, {"differs": -1, "agrees": 1})
+    return equals(zip(left, sign * right, strict=True), "by the usual product")
 
 
 def neumann_angle(

@@ -19,7 +19,7 @@ from ..dictionary.kinds_of_motion import (
     signed,
 )
 from ..dictionary.quadratures import GAMMA, h, level, x
-from .claims import agreed, all_of, constant, denied, equals, residuals, value
+from .claims import agreed, all_of, both_sides, constant, denied, equals, residuals, value
 
 POLYNOMIALS = {r"\phi": "phi", r"\psi": "psi", "F": "F", r"\theta": "theta", "X": "X"}
 
@@ -51,19 +51,13 @@ def never_changes(
 ) -> vo.Verdict:
     """C_5 and x_0 along the motion, by the state."""
     given = level().integrals
-    left, right = (sp.sympify(part).xreplace(given) for part in _parts(definition, study))
+    left, right = (part.xreplace(given) for part in both_sides(definition, study))
     other = sp.sympify(value(centre[0], study)).xreplace(given)
     rates = [level().rate(e) for e in (left, other)]
     return all_of(
         equals([(left, right)], "both sides by the state"),
         denied(constant(sort), equals(((rate, 0) for rate in rates), "their rates")),
     )
-
-
-def _parts(formula: Quoted, study: Study) -> list[Any]:
-    from .claims import values
-
-    return values(formula, study)
 
 
 def elimination(
