@@ -76,7 +76,9 @@ def test_claims_hold_in_the_ranges_in_which_they_are_true(
     middle = [everywhere] * 9
     assert found[QUADRATURES.title] == [outer, *middle, outer]
     nowhere = ("refuted",) * 3
-    assert found[KINDS_OF_MOTION.title] == [everywhere] * 2 + [nowhere] + [everywhere] * 7
+    kinds = [*[everywhere] * 2, nowhere, nowhere, *[everywhere] * 2, nowhere, nowhere]
+    captions: list[tuple[str, ...]] = [()] * 9
+    assert found[KINDS_OF_MOTION.title] == [*kinds, everywhere, everywhere, *captions]
     special = [(), everywhere, everywhere, outer, nowhere, nowhere, everywhere, outer]
     assert found[SPECIAL_SOLUTIONS.title] == [*special, *[everywhere] * 3]
     displayed = formulas(records[SPECIAL_SOLUTIONS.title], "display")
