@@ -6,6 +6,7 @@ is a result and no failure.
 
 from __future__ import annotations
 
+import re
 import shutil
 from argparse import Namespace
 from pathlib import Path
@@ -84,4 +85,13 @@ def _figures(name: str, workshop: Path) -> list[Any]:
     progress(f"{name}: integrating the scene 'default'")
     path = workshop / "trace.svg"
     save(drawing(integrate(system, scene="default")), path)
+    path.write_text(rounded(path.read_text("utf-8")), "utf-8")
     return [Figure(path, system.scenes["default"].caption)]
+
+
+def rounded(svg: str) -> str:
+    """A picture with its paths to a hundredth of a point: finer ones show nowhere, and are a third
+    of the page that carries them."""
+    path = re.compile(r'(?<=\sd=")[^"]*')
+    number = re.compile(r"\d+\.\d{3,}")
+    return path.sub(lambda d: number.sub(lambda n: f"{float(n[0]):.2f}", d[0]), svg)
