@@ -214,6 +214,9 @@ COMPOSED = {
         sp.cos((y - sp.atan(x)) / 2) * sp.cos((y + sp.atan(x)) / 2),
         sp.cos(y) / 2 + 1 / (2 * sp.sqrt(x**2 + 1)),
     ),
+    "half angles in an exponent": (
+        (p + 1) ** (sp.tan(y / 2) + 1), (p + 1) * (p + 1) ** ((1 - sp.cos(y)) / sp.sin(y)),
+    ),
     "a product of exponentials above one": (
         sp.sinh((p + q) / 2), sp.sqrt((sp.cosh(p + q) - 1) / 2),
     ),
@@ -539,3 +542,10 @@ def test_what_is_no_number_has_no_sign_and_no_angle():
     assert found.refuted and at["x"] * at["z"] > 0  # 0 against 1 where x = 1/2
     u = sp.sin(2 * sp.acos(x))
     assert not prove_equal(sp.sin(2 * sp.atan2(u, u)), 1).refuted
+
+
+def test_a_letter_for_an_exponent_does_not_make_its_base_positive():
+    n = sp.Symbol("n", integer=True)
+    sides = x ** sp.Abs(n), sp.Abs(x) ** sp.Abs(n)
+    assert not prove_equal(*sides).proved
+    assert not prove_equal(x ** sp.floor(y), sp.Abs(x) ** sp.floor(y)).proved

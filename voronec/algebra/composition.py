@@ -68,14 +68,17 @@ def _are_congruent(
     a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces: bool
 ) -> bool:
     """The same with one letter for equal arguments of functions."""
-    known = [*relations, *(() if in_pieces else _real_where([a, b], _whole(relations)))]
+    whole = _whole(relations)
+    if whole:  # a letter for an exponent would not be a whole number any more
+        return False
+    known = [*relations, *(() if in_pieces else _real_where([a, b], whole))]
     forms = Composition(known)
 
     def proves(left: Any, right: Any) -> bool:
         return _tried(left, right, [*known, *congruence.conditions], INNER_WORK, in_pieces)
 
-    for whole in (True, False):
-        congruence = Congruence(proves, forms.is_positive, whole)
+    for in_whole in (True, False):
+        congruence = Congruence(proves, forms.is_positive, in_whole)
         left, right = congruence.lettered([a, b], known)
         given = [*known, *congruence.conditions]
         if congruence.changed and _tried(left, right, given, work_limit, in_pieces):

@@ -88,7 +88,9 @@ class Congruence:
         if isinstance(expr, se.Pow) and expr.args[0] == se.E:
             return se.exp(self._sum(expr.args[1]))
         if isinstance(expr, se.Pow) and not isinstance(expr.args[1], se.Integer):
-            return se.Pow(self._replaced(expr.args[0]), self._rewritten(expr.args[1]))
+            base, exponent = expr.args
+            symbolic = not exponent.is_Number
+            return se.Pow(self._replaced(base), self._sum(exponent) if symbolic else exponent)
         if isinstance(expr, _INNER):
             return expr.func(*[self._replaced(a) for a in expr.args])
         return expr.func(*[self._rewritten(a) for a in expr.args])
@@ -179,11 +181,12 @@ def _arguments(exprs: Sequence[Any]) -> Iterator[Any]:
     for node in nodes(exprs):
         if not node.args or is_atom(node):
             continue
-        if isinstance(node, TRIGONOMETRIC) or (isinstance(node, se.Pow) and node.args[0] == se.E):
+        power = isinstance(node, se.Pow)
+        if isinstance(node, TRIGONOMETRIC) or (power and not node.args[1].is_Number):
             angle = node.args[-1]
             yield angle
             yield from (t for t, _ in _terms(angle) if _holds_functions(t))
-        elif isinstance(node, se.Pow) and not isinstance(node.args[1], se.Integer):
+        if power and not isinstance(node.args[1], se.Integer) and node.args[0] != se.E:
             yield node.args[0]
         elif isinstance(node, _INNER):
             yield from node.args
