@@ -127,40 +127,49 @@ class BodyOfRevolution:
         coordinates, by the names of the invariants that they are, bound by ``relations``.
         The equations close in cosines and sines of u, theta, u1, and these.
         """
+        own = {
+            **self._placed(),
+            **self._claims(further),
+            "fibration": Fibration(
+                ATTITUDE.coordinates,
+                (*PLACE, *self.rolled, *further.values()),
+                tuple(relations),
+            ),
+        }
+        return joined(own, declared)
+
+    def _placed(self) -> dict[str, Any]:
+        """Frame, Lagrangian and constraints of the body whose place and contact are carried."""
         place, surface = sp.Matrix(PLACE), self.contact.body
         omega = surface.frame * sp.Matrix(SPINS)
         moved = place.applyfunc(velocity) + omega.cross(place)
         inertia = (self.equatorial, self.equatorial, self.axial)
         rotor = self.rotor * self.axis.dot(sp.Matrix(SPINS))
-        u, u1, theta = surface.coordinates[0], self.contact.fixed.coordinates[0], self.contact.theta
-        seen = {
-            f"{name}_{q}": function(q)
-            for q in (u, theta, u1)
-            for name, function in (("cos", sp.cos), ("sin", sp.sin))
-        }
-        invariants = {**seen, **further}
-        named = {function: sp.Symbol(name) for name, function in invariants.items()}
-        own = {
-            "fibration": Fibration(
-                ATTITUDE.coordinates,
-                (*place, *self.rolled, *further.values()),
-                tuple(relations),
-            ),
-            "frame": Frame.quasi(
-                dict(zip(SPINS, surface.frame.T * ATTITUDE.body_rates, strict=True))
-            ),
+        rates = surface.frame.T * ATTITUDE.body_rates
+        return {
+            "frame": Frame.quasi(dict(zip(SPINS, rates, strict=True))),
             "lagrangian": kinetic_energy(self.mass, moved, inertia, omega) + rotor,
             "constraints": (
                 *(velocity(q) - rate for q, rate in self.rolled.items()),
                 *(moved + omega.cross(sp.Matrix(surface.position))),
             ),
-            "invariants": invariants,
-            "equations": {
-                "momentum": Equation(
-                    self.momentum.xreplace(named), self.momentum_rate.xreplace(named)
-                )
-            },
-            "integrals": {"energy": self.momentum.dot(sp.Matrix(SPINS)).xreplace(named) / 2},
-            "essential": (u, theta, u1, *further.values(), *SPINS),
         }
-        return joined(own, declared)
+
+    def _claims(self, further: Mapping[str, sp.Expr]) -> dict[str, Any]:
+        """The invariants in which the equations close, and claims by their names."""
+        body, fixed = self.contact.body, self.contact.fixed
+        angles = (body.coordinates[0], self.contact.theta, fixed.coordinates[0])
+        seen = {
+            f"{name}_{q}": function(q)
+            for q in angles
+            for name, function in (("cos", sp.cos), ("sin", sp.sin))
+        }
+        invariants = {**seen, **further}
+        named = {function: sp.Symbol(name) for name, function in invariants.items()}
+        rate = self.momentum_rate.xreplace(named)
+        return {
+            "invariants": invariants,
+            "equations": {"momentum": Equation(self.momentum.xreplace(named), rate)},
+            "integrals": {"energy": self.momentum.dot(sp.Matrix(SPINS)).xreplace(named) / 2},
+            "essential": (*angles, *further.values(), *SPINS),
+        }
