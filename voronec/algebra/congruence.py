@@ -19,6 +19,7 @@ import symengine as se
 from voronec.algebra.generators import TRIGONOMETRIC
 from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import SHARP
 from voronec.algebra.tape import Tape
 
 __all__ = ["Congruence"]
@@ -27,7 +28,6 @@ MOST = 40
 """How many arguments are compared."""
 LARGEST_RATIO = 64
 """Numerators and denominators of ratios of arguments that are looked for."""
-BITS = 240
 _ONE = se.Integer(1)
 _INNER = (se.log, se.asin, se.acos, se.atan, se.atan2, se.asinh, se.acosh, se.atanh)
 """Functions beside roots that are taken of the same expression where arguments are equal."""
@@ -65,7 +65,7 @@ class Congruence:
         parts = [_ONE, *dict.fromkeys(_arguments(exprs))]
         if not 1 < len(parts) <= MOST:
             return [*exprs]
-        samples = sample_evaluable(Tape(parts), relations, BITS)
+        samples = sample_evaluable(Tape(parts), relations, SHARP)
         if not samples:
             return [*exprs]
         columns = zip(*(values for _, values in samples), strict=True)

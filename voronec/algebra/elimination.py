@@ -14,13 +14,12 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import decide_zero
 from voronec.errors import EngineLimit
 
 __all__ = ["Solution", "solve_linear"]
-
-BITS = 192
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ def _shadowed(
 ) -> list[_Row]:
     entries = [e for row in rows for e in row] + [e for row in right for e in row]
     tape = Tape(entries)
-    samples = sample_evaluable(tape, relations, BITS, count=1)
+    samples = sample_evaluable(tape, relations, GENERIC, count=1)
     if not samples:
         raise EngineLimit("no point was found at which the linear equations have real values")
     point, shadows = samples[0]
@@ -106,7 +105,7 @@ def _shadowed(
     wide = len(right[0]) if right else 0
     at_near = shadows
     if near is not None:
-        at_near = tape.arb({a: near.get(str(a), value) for a, value in point.items()}, BITS)
+        at_near = tape.arb({a: near.get(str(a), value) for a, value in point.items()}, GENERIC)
     border = len(rows) * width
     return [
         _Row(

@@ -9,13 +9,11 @@ import symengine as se
 
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
 __all__ = ["determinant", "is_product"]
-
-
-BITS = 192
 
 
 def is_product(
@@ -27,7 +25,7 @@ def is_product(
     """Whether a column is proved to be matrix . vector; most that are not fail at one point."""
     pairs = zip(column, matrix, strict=True)
     differences = [c - se.Add(*map(se.Mul, row, vector)) for c, row in pairs]
-    for _, values in sample_evaluable(Tape(differences), relations, BITS, count=1):
+    for _, values in sample_evaluable(Tape(differences), relations, GENERIC, count=1):
         if any(not value.contains(0) for value in values):
             return False
     try:

@@ -8,13 +8,11 @@ from typing import Any
 import flint
 
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import SHARP
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
 __all__ = ["generic_rank", "independent_rows", "proved_rank"]
-
-
-BITS = 256
 
 
 def generic_rank(rows: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -> int:
@@ -26,11 +24,11 @@ def generic_rank(rows: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -
     entries = [e for row in rows for e in row]
     if not entries:
         return 0
-    samples = sample_evaluable(Tape(entries), relations, BITS)
+    samples = sample_evaluable(Tape(entries), relations, SHARP)
     if not samples:
         raise EngineLimit("no point was found at which all entries of a matrix have real values")
     tables = ([v[i : i + width] for i in range(0, len(v), width)] for _, v in samples)
-    return max((proved_rank(table, BITS) for table in tables), default=0)
+    return max((proved_rank(table, SHARP) for table in tables), default=0)
 
 
 def independent_rows(rows: Sequence[Sequence[Any]], bits: int) -> list[int]:

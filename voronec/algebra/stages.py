@@ -24,6 +24,7 @@ import symengine as se
 
 from voronec.algebra.graphs import is_atom
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.ring import Ring
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
@@ -169,9 +170,6 @@ def _divided(powers: dict[Any, int], by: Any) -> dict[Any, int]:
     return {f: e - (f == by) for f, e in powers.items() if e > (f == by)}
 
 
-BITS = 192
-
-
 class StagedElimination:
     """rows * x = right with a row for each unknown or more; rows to spare must be dependent.
 
@@ -188,7 +186,7 @@ class StagedElimination:
         self._pivots: list[tuple[int, int]] = []
         shadows = self._shadows(relations)
         open_rows = list(range(len(rows)))
-        with flint.ctx.workprec(BITS):
+        with flint.ctx.workprec(GENERIC):
             while (choice := self._choice(open_rows, shadows)) is not None:
                 self._pivots.append(choice)
                 open_rows.remove(choice[0])
@@ -216,8 +214,8 @@ class StagedElimination:
         definitions = self._stages.definitions
         atoms = Tape([*definitions.values(), *entries]).atoms
         free = [a for a in atoms if a not in definitions]
-        for point, _ in sample_evaluable(Tape(free), relations, BITS):
-            values = iter(self._stages.at(point, entries, BITS))
+        for point, _ in sample_evaluable(Tape(free), relations, GENERIC):
+            values = iter(self._stages.at(point, entries, GENERIC))
             shadows = [{j: next(values) for j in row} for row in self._left]
             if all(s.is_finite() for row in shadows for s in row.values()):
                 return shadows

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
+from voronec.algebra.precision import FIRST
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.bernstein import Bernstein, evaluated, inner
 from voronec.closed.ratio import Polynomial, ratios
@@ -35,7 +36,6 @@ STEP = 0.125
 POINTS = 8
 LARGE = 16.0
 """A factor of a logarithm or an angle beyond which the closed terms are not used."""
-BITS = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ class Summed:
     @cached_property
     def needed(self) -> bool:
         """Whether closed terms cancel: the factor of a logarithm or an angle is large."""
-        constants = self.form.solution.constants(BITS)
+        constants = self.form.solution.constants(FIRST)
         sizes = [abs(complex(one.logs[self.j])) for one in constants.strains]
         sizes += [abs(float(one.shares[self.j])) for one in constants.phases]
         return constants.half is not None and max(sizes, default=0.0) > LARGE
@@ -70,7 +70,7 @@ class Summed:
 
     @cached_property
     def _step(self) -> float:
-        return STEP / float(self.form.solution.constants(BITS).scale)
+        return STEP / float(self.form.solution.constants(FIRST).scale)
 
     def _between(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         nodes, weights = np.polynomial.legendre.leggauss(POINTS)

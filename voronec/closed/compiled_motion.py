@@ -14,11 +14,12 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.memo import Memo
+from voronec.algebra.precision import SHARP
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import sympified
 from voronec.closed.arithmetic import Function, ball, compiled, exact, precise
 from voronec.closed.decide import vanishes
-from voronec.closed.fractions import BITS, Split, ascending, split
+from voronec.closed.fractions import Split, ascending, split
 from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
@@ -244,7 +245,7 @@ def _example(raw: Prepared) -> list[Any]:
     """Values of the symbols of a level, of a motion whose numbers are fractions of primes."""
     plain = {s: sp.Rational(sp.prime(i + 20), sp.prime(i + 41)) for i, s in enumerate(raw.inputs)}
     known = {s: e.xreplace(plain) for s, e in raw.gone.items()}
-    with precise(BITS):
+    with precise(SHARP):
         given = [ball({**plain, **known}[s]) for s in raw.inputs]
         count = len(raw.system.parameters)
         return [*given[len(given) - count :], *raw.starting(given)[:-2]]

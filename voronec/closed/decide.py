@@ -16,6 +16,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.precision import PROOF
 from voronec.algebra.verdicts import prove_equal
 from voronec.closed.arithmetic import ball, compiled, precise
 
@@ -28,8 +29,6 @@ _RATIOS = {
     sp.sec: lambda a: 1 / sp.cos(a),
     sp.csc: lambda a: 1 / sp.sin(a),
 }
-BITS = 512
-"""At which a conjugate is told from zero."""
 MOST = 6
 """Roots that are taken out, one after the other."""
 
@@ -54,7 +53,7 @@ def _decided(value: sp.Expr, step: sp.Rational, left: int) -> bool | None:
     a, b = _by_root(value, root)
     if b == 0:
         return _decided(a, step, left - 1)
-    with precise(BITS):
+    with precise(PROOF):
         (other,) = compiled([a - b * root], [_ANGLE])([ball(step)])
     if other.contains(0):
         return None

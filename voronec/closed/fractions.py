@@ -13,16 +13,15 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.precision import SHARP
 from voronec.algebra.text import sympified
 from voronec.closed.arithmetic import Function, ball, compiled, precise
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["BITS", "Split", "ascending", "split"]
+__all__ = ["Split", "ascending", "split"]
 
 MOST = 6
 """Of numerators and denominators of rates, at most."""
-BITS = 256
-"""Of the motion off which shares are read."""
 NEAR = 2.0**-100
 """A share is this near to a whole number, as a check."""
 
@@ -104,7 +103,7 @@ def _term(term: Any, x: Any, level: tuple[Any, ...], example: list[Any]) -> Term
     parts = []
     for value in (above, below):
         row = list(ascending(value, x, MOST))
-        with precise(BITS):
+        with precise(SHARP):
             seen = compiled(row, level)(example)
         while len(row) > 1 and seen[len(row) - 1].contains(0):
             row.pop()
@@ -132,7 +131,7 @@ def _sum(rows: Any) -> tuple[Any, ...]:
 
 def _settled(row: tuple[Any, ...], level: tuple[Any, ...], example: list[Any]) -> tuple[Any, ...]:
     """The coefficients; those that vanish identically as 0."""
-    with precise(BITS):
+    with precise(SHARP):
         seen = compiled(row, level)(example)
     return tuple(
         sp.Integer(0) if value.contains(0) and sp.cancel(e) == 0 else e
@@ -145,7 +144,7 @@ def _shares(
     example: list[Any],
 ) -> tuple[tuple[int, ...], ...]:  # fmt: skip
     """Residues over weights."""
-    with precise(BITS):
+    with precise(SHARP):
         flat = compiled([e for pole in poles for e in pole], level)(example)
         places = list(zip(flat[::2], flat[1::2], strict=True))
         found = []
@@ -197,7 +196,7 @@ def _vanishes(
 
     if not below.has(x):
         return False
-    with precise(BITS):
+    with precise(SHARP):
         value = compiled([below.xreplace({x: place})], level)([acb(e) for e in example])[0]
     return bool(acb(value).contains(0))
 

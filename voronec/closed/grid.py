@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
+from voronec.algebra.precision import SHARP
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.bernstein import evaluated
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 __all__ = ["clocked", "sampled", "steadily", "tabulated"]
 
 
-BITS = 256
 PIECE = 26
 """Bits of the pieces of a factor: products of two are exact."""
 SPLIT = float(2**27 + 1)
@@ -37,14 +37,14 @@ def steadily(
 ) -> dict[str, np.ndarray]:
     """Coordinates and velocities; angles continuous (``whole``) or modulo a turn."""
     system, problem = form.system, form.problem
-    given = dict(zip(problem.prepared.inputs, problem.given(BITS), strict=True))
+    given = dict(zip(problem.prepared.inputs, problem.given(SHARP), strict=True))
     plane, found = form.quadratures.plane, {}
     straight = plane.place if plane is not None else ()
-    for q, rate in zip(system.coordinates, form.steady(BITS), strict=True):
+    for q, rate in zip(system.coordinates, form.steady(SHARP), strict=True):
         if whole or q in straight:
             found[plain_name(q)] = float(given[q]) + float(rate) * grid
         else:
-            with precise(BITS):
+            with precise(SHARP):
                 turn = _part(given[q])
             found[plain_name(q)] = 2 * np.pi * turned(rate, grid) + turn
     if form.wheels:
@@ -57,8 +57,8 @@ def steadily(
     if own is not None and not own.upright and in_space & {*names}:
         from voronec.closed.space_coordinates import read_frame
 
-        start = np.array([float(e) for e in own.start(BITS)[0]]).reshape(3, 3)
-        found |= read_frame(form, _frames(start, own.spin(BITS), grid), grid, names, whole)
+        start = np.array([float(e) for e in own.start(SHARP)[0]]).reshape(3, 3)
+        found |= read_frame(form, _frames(start, own.spin(SHARP), grid), grid, names, whole)
     return found
 
 
@@ -70,11 +70,11 @@ def _steady_velocities(
     values = [given[v] for v in form.system.velocities]
     read = reading(form.problem.prepared)
     if read.coordinates:
-        rates = dict(zip(form.system.coordinates, form.steady(BITS), strict=True))
-        with precise(BITS):
+        rates = dict(zip(form.system.coordinates, form.steady(SHARP), strict=True))
+        with precise(SHARP):
             moved: dict[Any, Any] = dict.fromkeys(read.coordinates, ball(0))
             start = [_part(given[q]) for q in read.coordinates]
-            numbers: list[Any] = [float(x) for x in form.resting(moved, BITS)]
+            numbers: list[Any] = [float(x) for x in form.resting(moved, SHARP)]
         for q, turn in zip(read.coordinates, start, strict=True):
             numbers[read.symbols.index(q)] = 2 * np.pi * turned(rates[q], grid) + turn
         values = sp.lambdify(read.symbols, list(read.expressions), "numpy", cse=True)(*numbers)
@@ -90,7 +90,7 @@ def _part(angle: Any) -> float:
 
 def turned(rate: Any, grid: np.ndarray) -> np.ndarray:
     """rate t in turns, less whole ones, however late: products of short pieces are exact."""
-    with precise(BITS):
+    with precise(SHARP):
         rest, pieces = rate / (2 * ball(1).pi()), []
         for _ in range(4):
             size = float(abs(rest))
@@ -112,7 +112,7 @@ def turned(rate: Any, grid: np.ndarray) -> np.ndarray:
 
 def _frames(start: np.ndarray, spin: Any, grid: np.ndarray) -> Any:
     """E0 exp(t Omega^) on the grid, entries as arrays."""
-    with precise(BITS):
+    with precise(SHARP):
         squared = sum((c * c for c in spin), ball(0))
         size = squared.sqrt() if squared > 0 else ball(0)
         axis = [float(c / size) for c in spin] if size > 0 else [0.0, 0.0, 1.0]

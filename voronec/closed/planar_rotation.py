@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
+from voronec.algebra.precision import SHARP
 from voronec.closed.arithmetic import ball, compiled, precise
 from voronec.closed.compiled_motion import Prepared
 from voronec.closed.grid import turned
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["rolled", "rolled_in_balls", "velocities"]
 
-BITS = 256
-
 
 def velocities(problem: Problem, bits: int) -> list[Any]:
     """Of all coordinates at the start, by frame and constraints."""
@@ -30,7 +29,7 @@ def velocities(problem: Problem, bits: int) -> list[Any]:
 def rolled(form: ClosedForm, grid: np.ndarray) -> dict[Any, np.ndarray]:
     """The place on a grid of times: with W its velocity at the start and w the rate at which that
     turns, place = start + (2/w) sin(w t/2) W turned by w t/2."""
-    x, y, first, second, a, b, spin = _rolling(form, BITS)
+    x, y, first, second, a, b, spin = _rolling(form, SHARP)
     half = 2 * np.pi * turned(spin / 2, grid)
     length = 2 * np.sin(half) / float(spin) if float(spin) else grid
     cosine, sine, a, b = np.cos(half), np.sin(half), float(a), float(b)
@@ -75,7 +74,7 @@ def _turning(own: Prepared) -> dict[Any, int]:
     a, b = plane.direction
     slopes = [sp.diff(e, q) for q in own.motion.angles for e in (a, b)]
     found = {}
-    with precise(BITS):
+    with precise(SHARP):
         given = [ball(sp.Rational(sp.prime(i + 20), sp.prime(i + 41)))
                  for i in range(len(own.inputs))]  # fmt: skip
         first, second, *moved = compiled([a, b, *slopes], own.inputs)(given)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from voronec.algebra.precision import SHARP
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
 
@@ -16,7 +17,6 @@ __all__ = ["Turn", "turns_of"]
 
 DIGITS = 50
 """To so many a rational fraction is recognised."""
-BITS = 200
 MOST = 1000
 """Denominators up to this."""
 
@@ -37,8 +37,8 @@ def turns_of(form: ClosedForm) -> dict[str, Turn]:
     """The turns of all angles by name; none where there is no period."""
     if form.rests:
         return {}
-    with precise(BITS):
-        advances = form.solution.constants(BITS).advances
+    with precise(SHARP):
+        advances = form.solution.constants(SHARP).advances
         if advances is None:
             return {}
         pairs = zip(form.quadratures.angles, advances, strict=False)

@@ -13,6 +13,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.precision import FIRST, PROOF
 from voronec.algebra.symbols import velocity
 from voronec.closed.arithmetic import Function, ball, compiled, precise
 from voronec.closed.problem import Problem
@@ -46,8 +47,7 @@ def _frame(a: sp.Expr, b: sp.Expr, c: sp.Expr) -> sp.Matrix:
     return sp.Matrix.vstack(second.cross(third), second, third)
 
 
-DECIDING = 64
-LADDER = (DECIDING, 512, 2048)
+LADDER = (FIRST, PROOF, 4 * PROOF)
 MOST = 1 << 12
 """Bits at which the start is computed, at most."""
 SPARE = 24
@@ -183,11 +183,9 @@ class Attitude:
     @cached_property
     def branches(self) -> list[tuple[int, int]]:
         """(sign, half turns) of each coordinate: value = sign (value read off) + turns pi."""
-        with precise(DECIDING):
-            read = self.machines[1](self.start(DECIDING)[0])
-            given = dict(
-                zip(self.problem.prepared.inputs, self.problem.given(DECIDING), strict=True)
-            )
+        with precise(FIRST):
+            read = self.machines[1](self.start(FIRST)[0])
+            given = dict(zip(self.problem.prepared.inputs, self.problem.given(FIRST), strict=True))
             pi = ball(1).pi()
             found = []
             colatitudes = {t.colatitude for t in self.problem.prepared.motion.traces}

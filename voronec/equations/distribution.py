@@ -13,6 +13,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import NESTED
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import decide_zero
@@ -23,7 +24,6 @@ from voronec.errors import EngineLimit
 __all__ = ["Distribution", "grow"]
 
 Field = tuple[Any, ...]
-BITS = 320
 NODES = 15_000
 """Fields of more nodes are not bracketed again: symengine would not come to an end."""
 
@@ -110,7 +110,7 @@ def _standing(
 
 def _witnessed(exprs: Sequence[Any], relations: Sequence[Any]) -> bool:
     """Whether ball arithmetic shows one of the expressions to be nonzero somewhere."""
-    samples = sample_evaluable(Tape(exprs), relations, BITS)
+    samples = sample_evaluable(Tape(exprs), relations, NESTED)
     return any(not value.contains(0) for _, values in samples for value in values)
 
 
@@ -200,9 +200,9 @@ class _RankOracle:
 
     def _independent(self, rows: Sequence[Sequence[Any]]) -> list[int]:
         tape = Tape([e for row in rows for e in row])
-        samples = sample_evaluable(tape, self._relations, BITS, count=1)
+        samples = sample_evaluable(tape, self._relations, NESTED, count=1)
         if not samples:
             raise EngineLimit("no point was found at which the distribution is defined")
         values, width = samples[0][1], len(rows[0])
         table = [values[i * width : (i + 1) * width] for i in range(len(rows))]
-        return independent_rows(table, BITS)
+        return independent_rows(table, NESTED)

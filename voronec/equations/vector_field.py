@@ -20,6 +20,7 @@ from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import determinant, is_product
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import sympified
@@ -31,9 +32,6 @@ from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 
 __all__ = ["Motions", "VectorField"]
-
-BITS = 192
-"""The precision of ranks."""
 
 
 @dataclass(frozen=True)
@@ -207,9 +205,9 @@ class VectorField:
             return ()
         slopes = [r.diff(q) for r in self.relations for q in self.positions]
         width = len(self.positions)
-        for _, values in sample_evaluable(Tape(slopes), self.hypotheses, BITS, count=1):
+        for _, values in sample_evaluable(Tape(slopes), self.hypotheses, GENERIC, count=1):
             rows = [values[i : i + width] for i in range(0, len(values), width)]
-            return tuple(self.relations[i] for i in independent_rows(rows, BITS))
+            return tuple(self.relations[i] for i in independent_rows(rows, GENERIC))
         raise EngineLimit("no point was found on the relations between the variables")
 
 

@@ -21,6 +21,7 @@ from voronec.algebra.door import Door
 from voronec.algebra.generators import holds_far_multiples
 from voronec.algebra.memo import Memo
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.shape import operations
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.tape import Tape
@@ -147,8 +148,6 @@ seems to hold coordinates in vain, which only a normal form proves."""
 LONG = 10
 """A normal form with so many times the nodes of the raw form is too long for numbers, where it is
 not short in itself: SHORT nodes."""
-BITS = 160
-"""The precision in which it is seen whether a coordinate is held in vain."""
 
 
 @dataclass(frozen=True)
@@ -408,10 +407,10 @@ def _holds_in_vain(form: FirstOrderForm) -> bool:
     if form.relations:
         return False
     tape = Tape([*form.force, *(e for row in form.mass for e in row)])
-    for point, values in sample_evaluable(tape, bits=BITS, count=1):
+    for point, values in sample_evaluable(tape, bits=GENERIC, count=1):
         for q in form.coordinates:
             if q in point:
-                moved = tape.arb({**point, q: point[q] + flint.fmpq(1, 7)}, BITS)
+                moved = tape.arb({**point, q: point[q] + flint.fmpq(1, 7)}, GENERIC)
                 if all(a.overlaps(b) for a, b in zip(values, moved, strict=True)):
                     return True
     return False

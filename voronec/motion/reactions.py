@@ -19,6 +19,7 @@ import numpy as np
 import symengine as se
 
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import sympified
@@ -29,8 +30,6 @@ __all__ = ["Multipliers"]
 
 DEPENDENT = 1e-11
 """A singular value below this part of the largest counts as zero."""
-BITS = 192
-"""The precision of ranks at generic points."""
 PART = 1e-8
 """A multiplier with a larger part in a vector that A^T annihilates is not unique."""
 
@@ -164,11 +163,11 @@ def _check_unique(d: Definition) -> None:
     if len(forms) == count:
         return
     tape = Tape([entry for form in forms for entry in form])
-    for _, values in sample_evaluable(tape, d.relations, BITS, count=1):
+    for _, values in sample_evaluable(tape, d.relations, GENERIC, count=1):
         rows = [values[i : i + width] for i in range(0, len(values), width)]
-        rank = len(independent_rows(rows, BITS))
+        rank = len(independent_rows(rows, GENERIC))
         for k in range(count):
-            if len(independent_rows(rows[:k] + rows[k + 1 :], BITS)) == rank:
+            if len(independent_rows(rows[:k] + rows[k + 1 :], GENERIC)) == rank:
                 raise DefinitionError(
                     f"system '{d.system.name}': 'reaction {k + 1}' is not unique, because "
                     f"constraint {k + 1} depends on the others and the relations; "

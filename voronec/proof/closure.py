@@ -10,6 +10,7 @@ from typing import Any
 
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import proved_rank
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
@@ -18,8 +19,6 @@ from voronec.equations.vector_field import Motions, VectorField
 from voronec.proof.decision import Decision
 
 __all__ = ["decide_essential", "foreign_rate"]
-
-BITS = 192
 
 
 def decide_essential(motions: Motions, variables: Sequence[Any]) -> Decision:
@@ -70,10 +69,10 @@ def _refuted(
     unit = [[int(a == b) for b in field.variables] for a in own]
     slopes = [e.diff(b) for e in (*field.relations, rate) for b in field.variables]
     width = len(field.variables)
-    for _, values in sample_evaluable(Tape(slopes), field.hypotheses, BITS):
+    for _, values in sample_evaluable(Tape(slopes), field.hypotheses, GENERIC):
         rows = [values[i : i + width] for i in range(0, len(values), width)]
         given = [[0 * values[0] + e for e in row] for row in unit] + rows[:-1]
-        if proved_rank([*given, rows[-1]], BITS) > proved_rank(given, BITS):
+        if proved_rank([*given, rows[-1]], GENERIC) > proved_rank(given, GENERIC):
             why = f"the rate of '{x}' changes with '{met[0]}', by rank at a point"
             return Verdict("refuted", why)
     return Verdict("undecided", f"the rate of '{x}' seems to be free of '{met[0]}' (no proof)")

@@ -20,6 +20,7 @@ from voronec.algebra.arguments import POINT, accepts
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import generic_rank, independent_rows
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
@@ -33,8 +34,6 @@ from voronec.proof.decision import Decision, all_zero, zero_everywhere
 from voronec.proof.walls import across_walls
 
 __all__ = ["decide_measure", "defect", "divergence", "measured_field"]
-
-BITS = 192
 
 
 @accepts(flow=POINT)
@@ -210,7 +209,7 @@ def _transverse(field: VectorField, relations: Sequence[Any]) -> list[Any]:
     """Variables along which the relations change independently."""
     slopes = [r.diff(q) for q in field.positions for r in relations]
     width = len(relations)
-    for _, values in sample_evaluable(Tape(slopes), field.hypotheses, BITS, count=1):
+    for _, values in sample_evaluable(Tape(slopes), field.hypotheses, GENERIC, count=1):
         rows = [values[i : i + width] for i in range(0, len(values), width)]
-        return [field.positions[i] for i in independent_rows(rows, BITS)]
+        return [field.positions[i] for i in independent_rows(rows, GENERIC)]
     raise EngineLimit("no point was found on the relations between the variables")

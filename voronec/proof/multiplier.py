@@ -24,6 +24,7 @@ import sympy as sp
 
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, decide_zero
@@ -33,8 +34,6 @@ from voronec.proof.decision import Decision, all_zero, zero_everywhere
 from voronec.proof.walls import across_walls
 
 __all__ = ["decide_multiplier"]
-
-BITS = 192
 
 
 def decide_multiplier(motions: Motions, multiplier: sp.Expr) -> Decision:
@@ -121,9 +120,9 @@ def _moved(field: VectorField, rows: Sequence[Sequence[Any]]) -> list[int]:
     """As many coordinates as velocities, with independent rates; none where there are not."""
     width = len(rows[0]) if rows else 0
     tape = Tape([e for row in rows for e in row])
-    for _, values in sample_evaluable(tape, field.hypotheses, BITS, count=1):
+    for _, values in sample_evaluable(tape, field.hypotheses, GENERIC, count=1):
         table = [values[i : i + width] for i in range(0, len(values), width)]
-        found = independent_rows(table, BITS)
+        found = independent_rows(table, GENERIC)
         return found if len(found) == width else []
     raise EngineLimit("no point was found on the relations between the coordinates")
 

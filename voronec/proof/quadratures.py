@@ -20,6 +20,7 @@ from voronec.algebra.angles import Angles
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.normal import quotient
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, witness_at
@@ -115,8 +116,6 @@ HIGHEST = 2
 """The degree of the polynomial that is left of a rate without its poles."""
 SAMPLES = 12
 """At how many states the sign of the clock is looked at."""
-BITS = 192
-"""The precision in which residues are read off."""
 
 
 def decide_residues(ground: Ground, rate: sp.Expr) -> Verdict:
@@ -185,7 +184,7 @@ def _shares(ground: Ground, poles: Sequence[_Pole]) -> dict[_Pole, int]:
     """The poles at which the fraction has one, each place once; and how many weights the residue
     is there, -1, 0 or 1, as numbers suggest."""
     seen = [ground.at_level(e) for p in poles for e in (p.place, p.bottom, p.share)]
-    for _, values in sample_evaluable(Tape(seen), ground.field.hypotheses, BITS, count=1):
+    for _, values in sample_evaluable(Tape(seen), ground.field.hypotheses, GENERIC, count=1):
         found: dict[_Pole, int] = {}
         places: list[Any] = []
         for i, pole in enumerate(poles):

@@ -23,6 +23,7 @@ from voronec.algebra.branches import Branches, Wall, bounds_of, has_branches, is
 from voronec.algebra.conditions import domain_of, moved_hypotheses, parted
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import consistent, sample_point
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.roots import ring_over
 from voronec.algebra.signs import known_sign
 from voronec.algebra.tape import Tape
@@ -32,7 +33,6 @@ from voronec.errors import DefinitionError, EngineLimit, shown
 
 __all__ = ["across_walls"]
 
-BITS = 160
 _SEEDS = 24
 """How many states are looked for on a wall."""
 _TRIES = 4
@@ -257,7 +257,7 @@ class _Ground:
         for seed in range(1, 2 * _SEEDS, 2):
             try:
                 point = self._point(tape, bound, seed)
-                values = tape.arb(point, BITS)
+                values = tape.arb(point, GENERIC)
             except EngineLimit:
                 continue
             if not all(v.is_finite() for v in values):
@@ -274,8 +274,8 @@ class _Ground:
                 point = self._point(tape, hypotheses, seed)
             except EngineLimit:
                 continue
-            (value,) = tape.arb(point, BITS)
-            if value.is_finite() and consistent(tape.atoms, point, BITS):
+            (value,) = tape.arb(point, GENERIC)
+            if value.is_finite() and consistent(tape.atoms, point, GENERIC):
                 yield value
 
     def _point(self, tape: Tape, hypotheses: Sequence[Any], seed: int) -> dict[Any, Any]:
@@ -290,8 +290,8 @@ class _Ground:
         at = {a: se.Integer(int(v.p)) / se.Integer(int(v.q)) for a, v in known.items()}
         rest = [h for h in moved_hypotheses(hypotheses, at) if h != 0]
         free = [a for a in tape.atoms if a not in at]
-        point = {**sample_point(free, rest, seed, BITS), **known}
-        if not domain_of(tuple(conditions)).admits(point, BITS):
+        point = {**sample_point(free, rest, seed, GENERIC), **known}
+        if not domain_of(tuple(conditions)).admits(point, GENERIC):
             raise EngineLimit("conditions do not hold where these variables vanish")
         return point
 

@@ -14,14 +14,13 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.precision import FIRST
 from voronec.closed.arithmetic import precise
 from voronec.closed.classes.trace_polynomials import Curve
 from voronec.closed.problem import Problem
 from voronec.errors import EngineLimit
 
 __all__ = ["Tally", "remainder", "tally"]
-
-BITS = 64
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,7 @@ class Tally:
 
 def tally(problem: Problem, curve: Curve) -> Tally | None:
     """The counts of a trace; None where its cosine has no value on this level."""
-    if not all(problem.exact(c)(BITS).is_finite() for c in curve.cosine):
+    if not all(problem.exact(c)(FIRST).is_finite() for c in curve.cosine):
         return None
     search = _Search(problem, curve)
     if problem.rests:
@@ -92,7 +91,7 @@ class _Search:
         cosine = offset + slope * x
         pole = next((s for s in (1, -1) if self.problem.sign(cosine - s) == 0), 0)
         still = pole != 0 or self.problem.sign(self.curve.above_at(x)) == 0
-        place = float(self.problem.place(BITS))
+        place = float(self.problem.place(FIRST))
         return Tally(rest=True, still=still, ends=(place, place), poles=(pole, pole),
                      tilt=self.problem.sign(slope) or 1)  # fmt: skip
 
@@ -123,7 +122,7 @@ class _Search:
                 tilt=tilt or 1,
             )  # fmt: skip
 
-        return resolved(tried, BITS)
+        return resolved(tried, FIRST)
 
     def _values(self, expressions: Sequence[Any], bits: int) -> list[Any]:
         return [self.problem.exact(e)(bits) for e in expressions]

@@ -11,8 +11,6 @@ from voronec.proof.relations.statemap import StateMap
 
 __all__ = ["kinds_of", "state_rank"]
 
-BITS = 256
-
 
 def kinds_of(statemap: StateMap) -> tuple[str, ...]:
     """The words that apply, the most telling one first.
