@@ -24,7 +24,7 @@ from voronec.audit import (
     Verdict,
     audit_paper,
 )
-from voronec.audit.judge import Bench, judge_sentence
+from voronec.audit.judge import SectionContext, judge_sentence
 from voronec.audit.run import audit_section
 from voronec.audit.transcript import Transcript, formulas_by_label
 from voronec.declaration.catalogue import load_paper
@@ -186,7 +186,7 @@ def told(record: FormulaRecord) -> tuple[Any, ...]:
 @pytest.mark.parametrize("section", [KINDS_OF_MOTION, SPECIAL_SOLUTIONS], ids=lambda s: s.title)
 def test_every_slot_of_these_sections_decides(section: Section) -> None:
     transcript = Transcript(section)
-    bench = Bench(transcript, section.studies(transcript))
+    bench = SectionContext(transcript, section.studies(transcript))
     survived = set()
     for sentence in section.sentences:
         found = told(judge_sentence(sentence, bench))

@@ -16,7 +16,7 @@ from voronec.errors import DefinitionError
 from voronec.proof.check import Inventory
 from voronec.proof.check.record import told
 from voronec.proof.check.unit import units_of
-from voronec.proof.check.work import Bench, examine
+from voronec.proof.check.work import Derivations, examine
 from voronec.testing import STATEMENTS, conformance
 
 pytestmark = pytest.mark.slow
@@ -32,7 +32,7 @@ test_conformance = conformance(*OWN, *RELATED, statements=SINGLE)
 
 # Relations and squares one by one, each once, and not for each of its systems.
 UNITS = [u for u in units_of(STOCK) if u.kind != "system"]
-BENCH = Bench()
+BENCH = Derivations()
 
 
 @pytest.mark.parametrize("unit", UNITS, ids=lambda u: f"{u.kind} {u.name}")

@@ -11,7 +11,7 @@ import sympy as sp
 from command_line import Call, refused
 
 import voronec as vo
-from voronec.closed.pictures.phase_picture import Level, phase_figure, phase_levels
+from voronec.closed.pictures.phase_picture import PhaseLevel, phase_figure, phase_levels
 from voronec.errors import DefinitionError
 from voronec.motion.pictures.run_pictures import save
 
@@ -62,7 +62,7 @@ def test_only_the_interval_of_the_motion_is_marked() -> None:
 
 
 def test_curves_of_a_portrait_obey_the_equation() -> None:
-    level = Level((0.25, 0.0, -1.0), "motion")
+    level = PhaseLevel((0.25, 0.0, -1.0), "motion")
     (_, below) = phase_figure([level]).axes
     (curve,) = [line for line in below.lines if len(line.get_xdata()) > 100]
     place, rate = curve.get_data()

@@ -12,7 +12,7 @@ from bench_rows import Row
 
 import voronec as vo
 from voronec.accuracy.bench import ask, at_error
-from voronec.accuracy.bench.level import Level, level
+from voronec.accuracy.bench.level import BenchLevel, level
 from voronec.accuracy.bench.peers.lambdified import RIGHT_SIDES
 
 __all__ = ["ROWS"]
@@ -120,7 +120,7 @@ def _apart(found: np.ndarray, exact: np.ndarray) -> float:
     return float(np.abs(found - exact).max())
 
 
-def _states(at: Level, spins: dict[str, np.ndarray]) -> list[np.ndarray]:
+def _states(at: BenchLevel, spins: dict[str, np.ndarray]) -> list[np.ndarray]:
     """The first few starts in the variables of a level."""
     names = [str(s) for s in at.field.variables]
     rows = []
@@ -131,7 +131,7 @@ def _states(at: Level, spins: dict[str, np.ndarray]) -> list[np.ndarray]:
 
 
 def _loop(
-    at: Level, kind: str, spins: dict[str, np.ndarray], grid: np.ndarray, exact: np.ndarray
+    at: BenchLevel, kind: str, spins: dict[str, np.ndarray], grid: np.ndarray, exact: np.ndarray
 ) -> list[tuple[float, float]]:
     """(error, CPU seconds) of scipy on a few starts, at several tolerances."""
     from scipy.integrate import solve_ivp
@@ -203,7 +203,7 @@ def _seconds_a_point(ball: Any, tol: float, starts: int) -> float:
     return best
 
 
-def _events(at: Level, kind: str, exact: Any) -> list[tuple[float, float]]:
+def _events(at: BenchLevel, kind: str, exact: Any) -> list[tuple[float, float]]:
     """(error, CPU seconds a point) of scipy's events over the same crossings."""
     from scipy.integrate import solve_ivp
 

@@ -11,7 +11,7 @@ import numpy as np
 from bench_rows import SPAN, Row
 
 import voronec as vo
-from voronec.accuracy.bench import Question, Reference, ask, at_error, difference
+from voronec.accuracy.bench import BenchMotion, Reference, ask, at_error, difference
 from voronec.accuracy.bench.peers.handwritten import BY_HAND, start_values
 from voronec.accuracy.bench.runs import contenders
 from voronec.equations.program import Program, hoisted, taylor_system
@@ -64,7 +64,7 @@ class Prepared:
         )
 
 
-def smallest(question: Question) -> Prepared:
+def smallest(question: BenchMotion) -> Prepared:
     """The smallest model of a question's outputs, as on a fine grid: angles are read off."""
     form = question.equations.raw.form
     start = np.array([question.initial[str(s)] for s in (*form.coordinates, *form.velocities)])
@@ -154,7 +154,7 @@ def minimal() -> Iterator[Row]:
     )
 
 
-def _demchenko_by_hand(question: Question) -> Reference:
+def _demchenko_by_hand(question: BenchMotion) -> Reference:
     """u and v by a program of its own kind, at the tolerance that drifts least."""
     import heyoka as hy
 
@@ -165,7 +165,7 @@ def _demchenko_by_hand(question: Question) -> Reference:
     return Reference(question.grid, values, 1e-12, ("by hand", ""))
 
 
-def _worst(question: Question, values: Mapping[str, Any], exact: Reference) -> float:
+def _worst(question: BenchMotion, values: Mapping[str, Any], exact: Reference) -> float:
     return max(
         float(difference(values[n], exact.values[n], n in question.angles).max())
         for n in question.outputs
@@ -173,7 +173,7 @@ def _worst(question: Question, values: Mapping[str, Any], exact: Reference) -> f
 
 
 def _whole(
-    question: Question, program: Program, every: Prepared, tol: float
+    question: BenchMotion, program: Program, every: Prepared, tol: float
 ) -> dict[str, np.ndarray]:
     integrator = every.integrator(tol)
     integrator.time, integrator.state[:] = 0.0, every.start

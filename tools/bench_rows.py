@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import voronec as vo
-from voronec.accuracy.bench import Bench, Point, Question, Reference, ask, measure, reference
+from voronec.accuracy.bench import Bench, BenchMotion, Point, Reference, ask, measure, reference
 from voronec.accuracy.bench.runs import contenders
 
 __all__ = ["ROWS", "Row", "ball", "measured", "rows_of", "table"]
@@ -56,7 +56,7 @@ def table(rows: list[Row]) -> str:
 
 
 @cache
-def ball() -> tuple[Question, Reference]:
+def ball() -> tuple[BenchMotion, Reference]:
     """The ball on a sphere over T = 1000, and its motion by two independent runs."""
     question = ask(vo.load("ball-on-sphere"), time=SPAN)
     return question, reference(question, 1e-12)

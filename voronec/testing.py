@@ -31,7 +31,7 @@ from voronec.proof.check import Inventory, Result
 from voronec.proof.check.record import told
 from voronec.proof.check.run import broken
 from voronec.proof.check.unit import Unit, units_of
-from voronec.proof.check.work import Bench, examine
+from voronec.proof.check.work import Derivations, examine
 from voronec.proof.comparison import is_general, random_point
 
 __all__ = [
@@ -163,7 +163,7 @@ def _stock(file: str) -> Inventory:
     return Inventory.of([file] if file else [])
 
 
-_BENCH = Bench()
+_BENCH = Derivations()
 
 
 @cache

@@ -19,11 +19,11 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import decide_zero
 from voronec.errors import EngineLimit
 
-__all__ = ["Solution", "solve_linear"]
+__all__ = ["LinearSolution", "solve_linear"]
 
 
 @dataclass(frozen=True)
-class Solution:
+class LinearSolution:
     """The outcome of an elimination of rows * x = right.
 
     ``values[j][c]`` solves for unknown j and column c of the right side; ``free`` are the unknowns
@@ -54,7 +54,7 @@ def solve_linear(
     prefer: int = 0,
     near: Mapping[str, Any] | None = None,
     share: float = 0.0,
-) -> Solution:
+) -> LinearSolution:
     """Solve rows * x = right exactly, for any number of right sides; rows may be redundant.
 
     The first ``prefer`` rows are used before the others, so that what reduces to zero is, where
@@ -84,7 +84,7 @@ def solve_linear(
     pivots = {column for column, _ in done}
     free = tuple(j for j in range(unknowns) if j not in pivots)
     width = len(right[0]) if right else 0
-    return Solution(
+    return LinearSolution(
         _back_substitute(done, unknowns, width), free, tuple(dependent), tuple(contradictory)
     )
 

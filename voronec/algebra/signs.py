@@ -30,7 +30,7 @@ from voronec.errors import DefinitionError, EngineLimit, shown
 
 __all__ = [
     "RELATIONS",
-    "Question",
+    "Inequality",
     "known_sign",
     "mirrored",
     "prove_inequality",
@@ -44,7 +44,7 @@ _TIES = 60
 
 
 @dataclass(frozen=True)
-class Question:
+class Inequality:
     """Whether ``left relation right``, in symengine; ``positive`` are names of symbols."""
 
     left: Any
@@ -212,7 +212,7 @@ def prove_inequality(
     left, right = door.inward(a), door.inward(b)
     above = {str(door.inward(s)) for s in positive}
     above |= {plain_name(s) for s in symbols if s.is_positive}
-    question = Question(left, RELATIONS[relation], right, frozenset(above))
+    question = Inequality(left, RELATIONS[relation], right, frozenset(above))
     try:
         ring = Ring([left, right], (), PROOF_LIMIT)
         difference = ring.fraction(left - right)

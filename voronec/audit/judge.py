@@ -27,15 +27,15 @@ from voronec.audit.slots import Labels, tight
 from voronec.audit.structure import free_indices, marks, mentions, new_names
 from voronec.audit.study import Range, Study, UnknownRate
 from voronec.audit.transcript import Transcript
-from voronec.audit.verify import Finding, by_range, verify
+from voronec.audit.verify import FormulaOutcome, by_range, verify
 from voronec.audit.wording import loose_index, method_of, ranges_of, readable, with_note, witness_of
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["Bench", "judge_formula", "judge_sentence"]
+__all__ = ["SectionContext", "judge_formula", "judge_sentence"]
 
 
 @dataclass(frozen=True)
-class Bench:
+class SectionContext:
     """What the formulas of one section are checked with.
 
     ``corrects``: corrections are sought; ``prints``: what was derived is printed beside a verdict.
@@ -122,7 +122,7 @@ class Bench:
         return found
 
 
-def judge_sentence(sentence: Sentence, bench: Bench) -> FormulaRecord:
+def judge_sentence(sentence: Sentence, bench: SectionContext) -> FormulaRecord:
     """A sentence of the running text: the ranges of the parameters in which it holds."""
     says = readable(sentence.quotation)
     if sentence.decide is None:
@@ -161,7 +161,7 @@ def _bound(decide: Callable[..., Verdict], slots: Mapping[str, Any]) -> Decision
 
 
 def judge_formula(
-    formula: Formula, check: Check, bench: Bench
+    formula: Formula, check: Check, bench: SectionContext
 ) -> tuple[FormulaRecord, Chain | None]:
     """A formula under the dictionaries of its section, and its tree where it can be read."""
     if check.role == "words":
@@ -187,7 +187,7 @@ def judge_formula(
     return replace(record, says=check.says, source=_source(record, check, bench)), chain
 
 
-def _source(record: FormulaRecord, check: Check, bench: Bench) -> str:
+def _source(record: FormulaRecord, check: Check, bench: SectionContext) -> str:
     """What the derived side was made from, where the verdict comes of a comparison with it."""
     if record.verdict not in ("proved", "convention", "misprint", "cited"):
         return ""
@@ -198,7 +198,7 @@ def _source(record: FormulaRecord, check: Check, bench: Bench) -> str:
 
 
 def _unreadable(
-    formula: Formula, check: Check, bench: Bench, error: DefinitionError
+    formula: Formula, check: Check, bench: SectionContext, error: DefinitionError
 ) -> FormulaRecord:
     """What cannot be read as printed is a misprint where a small change makes it true."""
     found = _made_true(formula, check, bench, f"it cannot be read as printed ({error})")
@@ -207,7 +207,9 @@ def _unreadable(
     return found or FormulaRecord(formula.printed, "undecided", f"it cannot be read: {error}")
 
 
-def _senseless(formula: Formula, check: Check, bench: Bench, error: Exception) -> FormulaRecord:
+def _senseless(
+    formula: Formula, check: Check, bench: SectionContext, error: Exception
+) -> FormulaRecord:
     """The same for what has no value as printed, such as a name that nothing introduces."""
     found = None
     if isinstance(error, PRINTED) and not isinstance(error, UnknownRate):
@@ -218,7 +220,7 @@ def _senseless(formula: Formula, check: Check, bench: Bench, error: Exception) -
     return found or FormulaRecord(formula.printed, "undecided", str(error))
 
 
-def _meaningless(formula: Formula, check: Check, bench: Bench, error: Exception) -> str:
+def _meaningless(formula: Formula, check: Check, bench: SectionContext, error: Exception) -> str:
     """What is wrong with a formula that no dictionary could give a value; else nothing.
 
     A name that other formulas have, too, is one that the dictionary lacks: no fault of the print.
@@ -244,7 +246,9 @@ PRINTED = (DefinitionError, TypeError, ValueError, AttributeError)
 """What may be wrong in print: a name, a vector in the place of a number; no limit of the engine."""
 
 
-def _made_true(formula: Formula, check: Check, bench: Bench, fault: str) -> FormulaRecord | None:
+def _made_true(
+    formula: Formula, check: Check, bench: SectionContext, fault: str
+) -> FormulaRecord | None:
     """The record of a misprint, where a small change makes true what says nothing as printed."""
     study = bench.study(check)
     correction = bench.correction(formula, check, study, senseless=True)
@@ -282,7 +286,7 @@ def _closed_witness(printed: str, check: Check, study: Study) -> dict[str, Any] 
 
 
 def _elsewhere(
-    record: FormulaRecord, formula: Formula, check: Check, bench: Bench
+    record: FormulaRecord, formula: Formula, check: Check, bench: SectionContext
 ) -> FormulaRecord:
     """A proved formula under the further dictionaries; what fails there takes over."""
     good = ("proved", "definition")
@@ -300,7 +304,7 @@ NOTHING_LESS = Verdict("proved", "")
 
 
 def _judged(
-    formula: Formula, chain: Chain, check: Check, study: Study, bench: Bench
+    formula: Formula, chain: Chain, check: Check, study: Study, bench: SectionContext
 ) -> FormulaRecord:
     printed = formula.printed
     if check.role == "condition" and check.value is None and check.truth is None:
@@ -345,7 +349,7 @@ def _judged(
     return replace(FormulaRecord(printed, verdict, method, derived), ranges=ranges_of(finding))
 
 
-def _said_before(formula: Formula, chain: Chain, study: Study, bench: Bench) -> str:
+def _said_before(formula: Formula, chain: Chain, study: Study, bench: SectionContext) -> str:
     """Where a formula of a display repeats one before it; else nothing."""
     for other in bench.transcript.formulas():
         if other.display is not formula.display or other.position >= formula.position:
@@ -359,7 +363,7 @@ def _said_before(formula: Formula, chain: Chain, study: Study, bench: Bench) -> 
     return ""
 
 
-def _unused(formula: Formula, chain: Chain, check: Check, bench: Bench) -> str:
+def _unused(formula: Formula, chain: Chain, check: Check, bench: SectionContext) -> str:
     """A name that a definition introduces and nothing else has; else nothing."""
     names = sorted(new_names(chain, bench.study(check)))
     if not bench.settled or any(bench.mentioned(x, formula, check, anywhere=True) for x in names):
@@ -424,9 +428,9 @@ def _refuted(
     chain: Chain,
     check: Check,
     study: Study,
-    finding: Finding,
+    finding: FormulaOutcome,
     derived: str | None,
-    bench: Bench,
+    bench: SectionContext,
 ) -> FormulaRecord:
     """Not an identity as printed: another reading, another convention, or a misprint."""
     record = FormulaRecord(formula.printed, "misprint", "", derived, witness=witness_of(finding))

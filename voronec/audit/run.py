@@ -11,7 +11,7 @@ from voronec.audit.cache import Basis, Cache
 from voronec.audit.consistency import Examined, defined, families, with_uses
 from voronec.audit.formula import Formula
 from voronec.audit.hooks import asked
-from voronec.audit.judge import Bench, judge_formula, judge_sentence
+from voronec.audit.judge import SectionContext, judge_formula, judge_sentence
 from voronec.audit.paper import Paper, Section
 from voronec.audit.record import Audit, Record, called, worst
 from voronec.audit.sentence import Sentence
@@ -185,7 +185,7 @@ class Work:
         return Transcript(self.section)
 
     @cached_property
-    def bench(self) -> Bench:
+    def bench(self) -> SectionContext:
         """The dictionaries, with the names that the section defines."""
         found = self.studies or asked(self.section.studies, self.transcript)
         where = f"section '{self.section.title}'"
@@ -195,7 +195,7 @@ class Work:
             if not isinstance(study, Study):
                 raise DefinitionError(f"{where}: the study '{name}' is a {type(study).__name__}")
         studies = {n: _with_definitions(s, self.transcript) for n, s in found.items()}
-        bench = Bench(self.transcript, studies, self.labels, self.corrects, self.prints)
+        bench = SectionContext(self.transcript, studies, self.labels, self.corrects, self.prints)
         bench.refuse_unknown(where)
         return bench
 

@@ -72,7 +72,7 @@ class Reference:
 
 
 @dataclass(frozen=True)
-class Kind:
+class SlotKind:
     """One kind of slot: what it may look like (a pattern), and how its print is read."""
 
     looks: str
@@ -205,16 +205,18 @@ def _reference(printed: str, labels: Labels) -> Reference:
 
 _WORDS, _MATH = r"[^$]*?", r"\$[^$]*\$"
 
-KINDS: dict[str, Kind] = {
-    "number": Kind(r"[^$]*?|\$\d+\$", _number),
-    "quantifier": Kind(_WORDS, lambda printed, _: one_of(printed.lower(), _QUANTIFIERS)),
-    "affirmed": Kind(_WORDS, _affirmed),
-    "stability": Kind(_WORDS, lambda printed, _: one_of(printed.lower(), _STABILITY)),
-    "relation": Kind(r".*?", lambda printed, _: one_of(printed.lower(), _RELATIONS)),
-    "word": Kind(_WORDS, lambda printed, _: printed.lower()),
-    "formula": Kind(rf"{_MATH}|\$\$[^$]*\$\$|\\begin.*?\\end\{{\w+\*?\}}", lambda p, _: Quoted(p)),
-    "names": Kind(rf"{_MATH}(?:(?:,| and|, and) {_MATH})*", _names),
-    "interval": Kind(_MATH, _interval),
-    "reference": Kind(r"\\(?:eq)?ref\{[^}]*\}", _reference),
+KINDS: dict[str, SlotKind] = {
+    "number": SlotKind(r"[^$]*?|\$\d+\$", _number),
+    "quantifier": SlotKind(_WORDS, lambda printed, _: one_of(printed.lower(), _QUANTIFIERS)),
+    "affirmed": SlotKind(_WORDS, _affirmed),
+    "stability": SlotKind(_WORDS, lambda printed, _: one_of(printed.lower(), _STABILITY)),
+    "relation": SlotKind(r".*?", lambda printed, _: one_of(printed.lower(), _RELATIONS)),
+    "word": SlotKind(_WORDS, lambda printed, _: printed.lower()),
+    "formula": SlotKind(
+        rf"{_MATH}|\$\$[^$]*\$\$|\\begin.*?\\end\{{\w+\*?\}}", lambda p, _: Quoted(p)
+    ),
+    "names": SlotKind(rf"{_MATH}(?:(?:,| and|, and) {_MATH})*", _names),
+    "interval": SlotKind(_MATH, _interval),
+    "reference": SlotKind(r"\\(?:eq)?ref\{[^}]*\}", _reference),
 }
 """``affirmed``: words with or without a denial; ``names``: a list; the rest as they are called."""

@@ -22,11 +22,11 @@ from voronec.audit.structure import integrand, says_nothing
 from voronec.audit.study import Range, Study, key_of
 from voronec.errors import EngineLimit
 
-__all__ = ["Finding", "by_range", "verify"]
+__all__ = ["FormulaOutcome", "by_range", "verify"]
 
 
 @dataclass(frozen=True)
-class Finding:
+class FormulaOutcome:
     """The outcome for a whole formula; ``comparison`` is the one that decided it.
 
     ``ranges`` are the outcomes by ranges of the parameters, where that matters; the first range is
@@ -58,50 +58,50 @@ UNSIGNED = Verdict(
 )
 
 
-def verify(chain: Chain, check: Check, study: Study) -> Finding:
+def verify(chain: Chain, check: Check, study: Study) -> FormulaOutcome:
     """Compare a formula for all values of its free indices; the first failure decides."""
     if check.decide is not None:
         return by_range(study, check.within, check.decide)
     unsaid = _unsaid(chain, study) if check.stationary else ""
     if unsaid:
-        return Finding(Verdict("refuted", unsaid))
+        return FormulaOutcome(Verdict("refuted", unsaid))
     finding = _compared(chain, check, study)
     if finding.verdict.proved and says_nothing(chain):
-        return Finding(EMPTY, None, finding.count)
+        return FormulaOutcome(EMPTY, None, finding.count)
     gaps = list(_inequalities(chain, study))
     if not gaps or not finding.verdict.proved:
-        return finding if finding.count or check.role == "definition" else Finding(NOTHING)
+        return finding if finding.count or check.role == "definition" else FormulaOutcome(NOTHING)
     ordered = by_range(study, check.within, lambda _, where: _ordered(gaps, where))
     if not study.ranges and ordered.verdict.refuted:
-        return Finding(UNSIGNED)
+        return FormulaOutcome(UNSIGNED)
     return ordered if finding.count == 0 else replace(ordered, count=finding.count + len(gaps))
 
 
-def by_range(study: Study, within: Sequence[str], decide: Decision) -> Finding:
+def by_range(study: Study, within: Sequence[str], decide: Decision) -> FormulaOutcome:
     """The outcome of a decision for each range of the parameters, or for the one of no name."""
     ranges = [r for r in study.ranges if not within or r.name in within] or [Range()]
     outcomes = tuple((r, asked(decide, study, r)) for r in ranges)
     for _, outcome in outcomes:
         if not isinstance(outcome, Verdict):
             raise HookError(f"'{decide.__name__}' returns no Verdict")
-    return Finding(outcomes[0][1], None, 1, outcomes if study.ranges else (), study.scope)
+    return FormulaOutcome(outcomes[0][1], None, 1, outcomes if study.ranges else (), study.scope)
 
 
-def _compared(chain: Chain, check: Check, study: Study) -> Finding:
+def _compared(chain: Chain, check: Check, study: Study) -> FormulaOutcome:
     count = 0
-    doubt: Finding | None = None
+    doubt: FormulaOutcome | None = None
     for comparison in comparisons(chain, check, study):
         count += 1
         verdict = _equal(comparison, check, study)
         if verdict.refuted:
-            return Finding(verdict, comparison, count)
+            return FormulaOutcome(verdict, comparison, count)
         if verdict.undecided:
-            doubt = doubt or Finding(verdict, comparison, count)
+            doubt = doubt or FormulaOutcome(verdict, comparison, count)
     if doubt is not None:
         return doubt
     if count == 0:
-        return Finding(Verdict("proved", "nothing is claimed beyond the definition"))
-    return Finding(Verdict("proved", "zero in exact normal form"), None, count)
+        return FormulaOutcome(Verdict("proved", "nothing is claimed beyond the definition"))
+    return FormulaOutcome(Verdict("proved", "zero in exact normal form"), None, count)
 
 
 def _ordered(gaps: Sequence[tuple[Any, str, Any]], where: Range) -> Verdict:

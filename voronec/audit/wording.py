@@ -14,7 +14,7 @@ from voronec.audit.latex.nodes import Chain
 from voronec.audit.record import FormulaRecord
 from voronec.audit.structure import free_indices, names_constant
 from voronec.audit.study import Range, Study
-from voronec.audit.verify import Finding
+from voronec.audit.verify import FormulaOutcome
 
 __all__ = ["loose_index", "method_of", "ranges_of", "readable", "with_note", "witness_of"]
 
@@ -39,7 +39,9 @@ def readable(quotation: str) -> str:
     return " ".join(quotation.split())
 
 
-def method_of(finding: Finding, chain: Chain | None = None, check: Check | None = None) -> str:
+def method_of(
+    finding: FormulaOutcome, chain: Chain | None = None, check: Check | None = None
+) -> str:
     """How the verdict was found, in words."""
     # Where there are ranges, each has its own reasons with it.
     parts = [_where(finding) if finding.ranges else finding.verdict.method]
@@ -58,7 +60,7 @@ def method_of(finding: Finding, chain: Chain | None = None, check: Check | None 
     return "; ".join(parts)
 
 
-def _where(finding: Finding) -> str:
+def _where(finding: FormulaOutcome) -> str:
     """In which ranges a claim holds, and in which not."""
     good = [r.name for r, v in finding.ranges if v.proved]
     bad = [r.name for r, v in finding.ranges if v.refuted]
@@ -82,7 +84,7 @@ def _listed(names: list[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
-def ranges_of(finding: Finding) -> tuple[dict[str, Any], ...]:
+def ranges_of(finding: FormulaOutcome) -> tuple[dict[str, Any], ...]:
     """The outcome for each range of the parameters, as a record holds it."""
     return tuple(_range(where, verdict) for where, verdict in finding.ranges)
 
@@ -117,7 +119,7 @@ def _values(witness: Witness) -> dict[str, Any]:
     return {"point": point, "printed": witness.left, "derived": witness.right}
 
 
-def witness_of(finding: Finding) -> dict[str, Any] | None:
+def witness_of(finding: FormulaOutcome) -> dict[str, Any] | None:
     """The point at which a formula is false, and its two sides there."""
     comparison, witness = finding.comparison, finding.verdict.witness
     if witness is None:

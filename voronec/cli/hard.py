@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from voronec.accuracy.hard import Finding, HardCase
+    from voronec.accuracy.hard import CaseResult, HardCase
 
 __all__ = ["execute"]
 
@@ -72,12 +72,12 @@ def _methods(names: Sequence[str]) -> tuple[str, ...]:
 
 def _run(
     cases: Sequence[HardCase], methods: tuple[str, ...], as_json: bool
-) -> tuple[list[Finding], bool]:
+) -> tuple[list[CaseResult], bool]:
     """The findings, and whether Ctrl-C ended the run."""
     from voronec.accuracy.hard.run import trials
     from voronec.accuracy.hard.table import head, lines
 
-    findings: list[Finding] = []
+    findings: list[CaseResult] = []
     try:
         for finding in trials(cases, methods, progress):
             progress("")
@@ -92,7 +92,7 @@ def _run(
     return findings, False
 
 
-def _tell(findings: Sequence[Finding], folder: Path | None, as_json: bool) -> None:
+def _tell(findings: Sequence[CaseResult], folder: Path | None, as_json: bool) -> None:
     from voronec.accuracy.hard.table import data, summary
 
     if as_json:

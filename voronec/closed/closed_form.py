@@ -12,6 +12,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.arguments import COUNT, FLAG, require
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import sympified
 from voronec.closed.arithmetic import ball, precise
@@ -21,7 +22,7 @@ from voronec.closed.compiled_motion import ascending
 from voronec.closed.expressions import reading
 from voronec.closed.grid import sampled
 from voronec.closed.planar_rotation import velocities
-from voronec.closed.problem import Problem
+from voronec.closed.problem import InversionProblem
 from voronec.closed.request import exact_instant
 from voronec.closed.rotation_numbers import Turn, turns_of
 from voronec.closed.rounded_constants import Ready
@@ -37,9 +38,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ClosedForm"]
 
-DECIDING = 128
-"""Bits at which the branch of an angle is read."""
-
 
 @dataclass(frozen=True, eq=False)
 class ClosedForm:
@@ -49,7 +47,7 @@ class ClosedForm:
     one time; the cost of both does not depend on the time.  The time counts from the start.
     """
 
-    problem: Problem
+    problem: InversionProblem
 
     @property
     def system(self) -> System:
@@ -94,7 +92,7 @@ class ClosedForm:
     @cached_property
     def constants(self) -> Mapping[str, float]:
         """The constants of the motion by name."""
-        level = self.problem.level(DECIDING)[len(self.system.parameters) :]
+        level = self.problem.level(GENERIC)[len(self.system.parameters) :]
         names = map(plain_name, self.quadratures.constants)
         return MappingProxyType(dict(zip(names, map(float, level), strict=True)))
 
@@ -102,7 +100,7 @@ class ClosedForm:
     def kind(self) -> str:
         """What the functions are: ``trigonometric``, ``hyperbolic``, ``rational``,
         ``exponential``, or ``rest``."""
-        return "rest" if self.rests else str(self.solution.constants(DECIDING).kind)
+        return "rest" if self.rests else str(self.solution.constants(GENERIC).kind)
 
     @property
     def period(self) -> float:
@@ -112,14 +110,14 @@ class ClosedForm:
             return float("inf")
         if self.quadratures.clock == 1:
             return float(self.solution.period)
-        advances = self.solution.constants(DECIDING).advances
+        advances = self.solution.constants(GENERIC).advances
         return float("inf") if advances is None else float(advances[self.clock.number])
 
     @property
     def ends(self) -> tuple[float, float]:
         """The least and the greatest value of the variable, or their limits."""
         if self.rests:
-            x = float(self.problem.place(DECIDING))
+            x = float(self.problem.place(GENERIC))
             return x, x
         low, high = self.solution.ends
         return low, high
@@ -151,7 +149,7 @@ class ClosedForm:
 
     @cached_property
     def _flat(self) -> bool:
-        return self.rests and not self.problem.source(DECIDING).factors
+        return self.rests and not self.problem.source(GENERIC).factors
 
     @cached_property
     def turns(self) -> Mapping[str, Turn]:
@@ -235,8 +233,8 @@ class ClosedForm:
         turned = self.attitude is not None and not self.attitude.upright
         if turned and self.attitude is not None and trace in self.attitude.coordinates:
             return 1, 0
-        with precise(DECIDING):
-            halves = self.problem.exact(trace)(DECIDING) / ball(1).pi()
+        with precise(GENERIC):
+            halves = self.problem.exact(trace)(GENERIC) / ball(1).pi()
             whole = int(np.floor(float(halves)))
         return (1, whole // 2) if whole % 2 == 0 else (-1, (whole + 1) // 2)
 

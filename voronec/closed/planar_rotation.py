@@ -15,12 +15,12 @@ from voronec.closed.space import Attitude
 
 if TYPE_CHECKING:
     from voronec.closed.closed_form import ClosedForm
-    from voronec.closed.problem import Problem
+    from voronec.closed.problem import InversionProblem
 
 __all__ = ["rolled", "rolled_in_balls", "velocities"]
 
 
-def velocities(problem: Problem, bits: int) -> list[Any]:
+def velocities(problem: InversionProblem, bits: int) -> list[Any]:
     """Of all coordinates at the start, by frame and constraints."""
     found: list[Any] = Attitude(problem, problem.prepared.motion.space).rates(bits)  # type: ignore[arg-type]
     return found

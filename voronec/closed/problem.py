@@ -19,7 +19,7 @@ from voronec.closed.compiled_motion import Prepared
 from voronec.closed.decide import vanishes
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Problem", "squarefree"]
+__all__ = ["InversionProblem", "squarefree"]
 
 
 Factors = tuple[tuple[tuple[Any, ...], int], ...]
@@ -47,7 +47,7 @@ def _balls(degree: int, of: int) -> Function:
     return compiled(_chain(degree)[of], _symbols(degree))
 
 
-def squarefree(problem: Problem, values: Sequence[Any]) -> Factors:
+def squarefree(problem: InversionProblem, values: Sequence[Any]) -> Factors:
     """Factors of the quartic with their multiplicities, from its coefficients as balls.
 
     Coefficients ascend; the last of each is not zero.  A constant factor stands alone; there are
@@ -101,7 +101,7 @@ def _without(poly: Sequence[Any], root: Any) -> list[Any]:
     return found[::-1]
 
 
-def _nonzero(problem: Problem, expr: Any) -> bool:
+def _nonzero(problem: InversionProblem, expr: Any) -> bool:
     return problem.sign(expr) != 0
 
 
@@ -112,7 +112,7 @@ BEYOND = (4000, 16000)
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class InversionProblem:
     """A motion ready to be inverted.
 
     ``values`` gives every symbol of ``prepared.inputs``: an exact number (int, float, mpmath's or

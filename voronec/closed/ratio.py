@@ -15,7 +15,7 @@ from voronec.closed.fractions import ascending
 
 if TYPE_CHECKING:
     from voronec.closed.closed_form import ClosedForm
-    from voronec.closed.problem import Problem
+    from voronec.closed.problem import InversionProblem
 
 __all__ = ["Polynomial", "Ratio", "ratios"]
 
@@ -33,13 +33,13 @@ class Polynomial:
         degree = int(sp.degree(sp.expand(value), x)) if value.has(x) else 0
         return cls(compiled(ascending(value, x, degree), own.level))
 
-    def row(self, problem: Problem, bits: int) -> list[Any]:
+    def row(self, problem: InversionProblem, bits: int) -> list[Any]:
         """The coefficients as balls."""
         level = problem.level(bits)
         with precise(bits):
             return self.coefficients(level)
 
-    def value(self, problem: Problem, x: Any, bits: int) -> Any:
+    def value(self, problem: InversionProblem, x: Any, bits: int) -> Any:
         """At one value of the variable."""
         total = ball(0)
         for c in reversed(self.row(problem, bits)):
@@ -69,7 +69,7 @@ class Ratio:
         bend = sp.diff(p, x) * q - p * sp.diff(q, x)
         return cls(*(Polynomial.of(e, own) for e in (p, q, q - p, q + p, bend)))
 
-    def value(self, problem: Problem, x: Any, bits: int) -> Any:
+    def value(self, problem: InversionProblem, x: Any, bits: int) -> Any:
         """At one value of the variable."""
         return self.above.value(problem, x, bits) / self.below.value(problem, x, bits)
 

@@ -16,7 +16,7 @@ import sympy as sp
 from voronec.algebra.precision import FIRST, PROOF
 from voronec.algebra.symbols import velocity
 from voronec.closed.arithmetic import Function, ball, compiled, precise
-from voronec.closed.problem import Problem
+from voronec.closed.problem import InversionProblem
 from voronec.declaration.quadratures import Space
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -58,7 +58,7 @@ SPARE = 24
 class Attitude:
     """How one motion lies in space."""
 
-    problem: Problem
+    problem: InversionProblem
     space: Space
     _kept: dict[Any, Any] = field(default_factory=dict, repr=False)
 

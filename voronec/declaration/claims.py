@@ -24,7 +24,7 @@ __all__ = [
     "Assertion",
     "Case",
     "Corrected",
-    "Declared",
+    "DeclaredClaim",
     "Equation",
     "Measure",
     "Poisson",
@@ -37,6 +37,7 @@ __all__ = [
     "without_claims",
 ]
 
+ASSERTION = "Assertion(kind, expressions, decide)"
 THEOREMS = ("Euler-Jacobi",)
 """What ``integrable`` may name."""
 
@@ -195,7 +196,7 @@ class Case:
             object.__setattr__(self, part, value)
 
 
-class Kind(NamedTuple):
+class ClaimKind(NamedTuple):
     """A kind of claim: the field that holds it, in a system or a case, and how it is read.
 
     ``entry`` shows what a field holds that has claims by their names.  A claim that stands alone
@@ -211,7 +212,7 @@ class Kind(NamedTuple):
     empty: Any = None
 
 
-class Declared(NamedTuple):
+class DeclaredClaim(NamedTuple):
     """A claim as it is declared; ``place`` is what messages call it, ``key`` what ``undecided``
     does."""
 
@@ -222,7 +223,7 @@ class Declared(NamedTuple):
     value: Any
 
 
-def declared_claims(holder: Any) -> Iterator[Declared]:
+def declared_claims(holder: Any) -> Iterator[DeclaredClaim]:
     """The claims of a system or a case, in the order of ``KINDS``; the descent is none of them."""
     for kind in KINDS:
         held: Any = getattr(holder, kind.field, None)
@@ -230,9 +231,9 @@ def declared_claims(holder: Any) -> Iterator[Declared]:
             for name, claim in held.items():
                 own = right_of(claim)
                 label = own.kind if isinstance(own, Assertion) else kind.name
-                yield Declared(label, name, f"{label} '{name}'", name, claim)
+                yield DeclaredClaim(label, name, f"{label} '{name}'", name, claim)
         elif held not in (None, (), ""):
-            yield Declared(kind.name, kind.title(held), kind.place, kind.name, held)
+            yield DeclaredClaim(kind.name, kind.title(held), kind.place, kind.name, held)
 
 
 def without_claims() -> dict[str, Any]:
@@ -346,24 +347,24 @@ def _names(things: Iterable[Any]) -> str:
 
 
 KINDS = (
-    Kind("integral", "integrals", expression, "'name': expression"),
-    Kind("equation", "equations", _equation, "'name': Equation(function, rate)"),
-    Kind("assertion", "assertions", _assertion, "'name': Assertion(kind, expressions, decide)"),
-    Kind(
+    ClaimKind("integral", "integrals", expression, "'name': expression"),
+    ClaimKind("equation", "equations", _equation, "'name': Equation(function, rate)"),
+    ClaimKind("assertion", "assertions", _assertion, f"'name': {ASSERTION}"),
+    ClaimKind(
         "measure", "measure", lambda value, place: _claimed(value, place, _measure),
         title=lambda _: "density", place="the measure",
     ),
-    Kind(
+    ClaimKind(
         "multiplier", "multiplier", expression,
         title=lambda _: "reducing multiplier", place="the multiplier",
     ),
-    Kind(
+    ClaimKind(
         "poisson", "poisson", _poisson, title=lambda claim: _names(claim.variables), place="poisson"
     ),
-    Kind(
+    ClaimKind(
         "essential", "essential", lambda value, place: several(value, place, "symbol"),
         title=_names, place="essential", empty=(),
     ),
-    Kind("integrable", "integrable", lambda value, _: value, place="integrable", empty=""),
+    ClaimKind("integrable", "integrable", lambda value, _: value, place="integrable", empty=""),
 )  # fmt: skip
 """Every kind of claim that a system declares, in the order in which they are decided."""

@@ -16,7 +16,7 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.elimination import Solution, solve_linear
+from voronec.algebra.elimination import LinearSolution, solve_linear
 from voronec.algebra.verdicts import decide_zero
 from voronec.equations.group_frame import GroupFrame
 from voronec.errors import DefinitionError
@@ -181,7 +181,7 @@ def solve_fibre(
     ideal: Sequence[Any],
     near: Mapping[str, Any] | None = None,
     share: float = 0.0,
-) -> tuple[FibreSolution, Solution | None]:
+) -> tuple[FibreSolution, LinearSolution | None]:
     """Solve the constraints, with differentiated relations, for the fibre velocities.
 
     ``ideal`` are the relations themselves.  The elimination comes along for whoever asks what is

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.bench.level import Level, level
-from voronec.accuracy.bench.question import Question
+from voronec.accuracy.bench.level import BenchLevel, level
+from voronec.accuracy.bench.question import BenchMotion
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
 from voronec.motion import integrate
 
@@ -51,7 +51,7 @@ class Reference:
     note: str = ""
 
 
-def reference(question: Question, needed: float = NEEDED) -> Reference:
+def reference(question: BenchMotion, needed: float = NEEDED) -> Reference:
     """The motion of a question, to ``needed`` or better on the part of its grid that is returned.
 
     Where the system declares its motion in closed form, that is the reference, on any grid, and
@@ -78,7 +78,7 @@ def reference(question: Question, needed: float = NEEDED) -> Reference:
     return best
 
 
-def _in_closed_form(question: Question, needed: float) -> Reference | None:
+def _in_closed_form(question: BenchMotion, needed: float) -> Reference | None:
     """The enclosed motion, where there is one and an independent run agrees with it."""
     if question.system.motion is None:
         return None
@@ -102,7 +102,7 @@ def _in_closed_form(question: Question, needed: float) -> Reference | None:
     return replace(found, t=question.grid, values=values, note=note)
 
 
-def _enclosed(question: Question) -> Mapping[str, np.ndarray]:
+def _enclosed(question: BenchMotion) -> Mapping[str, np.ndarray]:
     trajectory = integrate(
         question.equations, question.bare, times=question.grid, method="closed-form",
         outputs=[question.expressions[n] for n in question.outputs],
@@ -114,7 +114,7 @@ def _enclosed(question: Question) -> Mapping[str, np.ndarray]:
 
 
 def agreed(
-    question: Question, runs: Sequence[tuple[str, Mapping[str, np.ndarray]]], needed: float
+    question: BenchMotion, runs: Sequence[tuple[str, Mapping[str, np.ndarray]]], needed: float
 ) -> Reference | None:
     """The reference that two runs make, cut where they part; None where they part at once."""
     (first, one), (second, two) = runs
@@ -153,7 +153,7 @@ def difference(values: Any, exact: Any, angle: bool) -> np.ndarray:
     return np.abs(apart) / (size if size > 0 else 1.0)
 
 
-def _routes(question: Question, digits: int) -> tuple[Route, Route]:
+def _routes(question: BenchMotion, digits: int) -> tuple[Route, Route]:
     """The two most different runs there are."""
     levels = _levels(question)
     own = [_heyoka_route(at, question, digits) for at in levels]
@@ -173,14 +173,14 @@ def _routes(question: Question, digits: int) -> tuple[Route, Route]:
     )
 
 
-def _levels(question: Question) -> list[Level]:
+def _levels(question: BenchMotion) -> list[BenchLevel]:
     found = [level(question, "coordinates")]
     with suppress(VoronecError):
         found.append(level(question, "invariants"))
     return found
 
 
-def _heyoka_route(at: Level, question: Question, digits: int) -> Route | None:
+def _heyoka_route(at: BenchLevel, question: BenchMotion, digits: int) -> Route | None:
     from voronec.accuracy.bench.multiprecision import precise_outputs, why_not
 
     if why_not(at) is not None:
@@ -189,7 +189,7 @@ def _heyoka_route(at: Level, question: Question, digits: int) -> Route | None:
     return name, lambda: precise_outputs(at, question.grid, digits)
 
 
-def _flint_routes(question: Question, digits: int) -> list[Route]:
+def _flint_routes(question: BenchMotion, digits: int) -> list[Route]:
     """Runs by our own arbitrary-precision integrator: of the smallest model, of the full one."""
 
     def run(full: bool, extra: int) -> Mapping[str, np.ndarray]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.bench.question import Question
+from voronec.accuracy.bench.question import BenchMotion
 from voronec.errors import VoronecError
 
 __all__ = ["Contender", "NotHere", "Outcome", "timed", "without"]
@@ -55,7 +55,7 @@ class Contender:
     name: str
     about: str
     tolerances: tuple[float, ...]
-    prepare: Callable[[Question], Run]
+    prepare: Callable[[BenchMotion], Run]
     knob: str = "tolerance"
 
 

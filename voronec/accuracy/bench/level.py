@@ -11,7 +11,7 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
-from voronec.accuracy.bench.question import Question
+from voronec.accuracy.bench.question import BenchMotion
 from voronec.algebra.text import sympified
 from voronec.declaration.claims import right_of
 from voronec.equations.derivation import FirstOrderForm
@@ -19,7 +19,7 @@ from voronec.equations.program import Program, compiled
 from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit, VoronecError
 
-__all__ = ["Level", "level", "lowest"]
+__all__ = ["BenchLevel", "level", "lowest"]
 
 DIGITS = 60
 """With how many digits the start on the invariants is computed from the doubles given."""
@@ -28,7 +28,7 @@ NOTHING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Level:
+class BenchLevel:
     """The equations of a question on ``coordinates`` or on ``invariants``.
 
     ``program`` computes the derivative of the state (n,), and as extras the outputs, then the
@@ -72,7 +72,7 @@ def drift(values: np.ndarray) -> float:
     return float(np.abs(values - values[0]).max() / size)
 
 
-def level(question: Question, name: str) -> Level:
+def level(question: BenchMotion, name: str) -> BenchLevel:
     """The question on a level; ``EngineLimit`` where it or an output has no meaning there."""
     if name == "invariants" and not question.system.invariants:
         raise EngineLimit(f"system '{question.system.name}' declares no invariants")
@@ -86,7 +86,7 @@ def level(question: Question, name: str) -> Level:
             continue
         integrals.append(key)
     program = Program.of(_form(field), wanted)
-    return Level(
+    return BenchLevel(
         field=field,
         program=program,
         start=_start(question, field),
@@ -96,7 +96,7 @@ def level(question: Question, name: str) -> Level:
     )
 
 
-def lowest(question: Question) -> Level:
+def lowest(question: BenchMotion) -> BenchLevel:
     """The question on the invariants where that works, else on the coordinates."""
     try:
         return level(question, "invariants")
@@ -122,7 +122,7 @@ def _form(field: VectorField) -> FirstOrderForm:
     )
 
 
-def _start(question: Question, field: VectorField) -> tuple[Any, ...]:
+def _start(question: BenchMotion, field: VectorField) -> tuple[Any, ...]:
     names = {str(s): s for s in field.variables}
     if field.level == "coordinates":
         return tuple(mpmath.mpf(question.initial[name]) for name in names)
@@ -131,7 +131,7 @@ def _start(question: Question, field: VectorField) -> tuple[Any, ...]:
         return tuple(_value(question, numbers, name) for name in names)
 
 
-def _value(question: Question, numbers: Mapping[str, float], name: str) -> Any:
+def _value(question: BenchMotion, numbers: Mapping[str, float], name: str) -> Any:
     """A velocity as given, or an invariant computed from the coordinates."""
     system = question.system
     if name not in system.invariants:

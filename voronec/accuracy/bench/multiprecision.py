@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import symengine as se
 
-from voronec.accuracy.bench.level import Level
+from voronec.accuracy.bench.level import BenchLevel
 from voronec.equations.program import mpmath_source, taylor_system
 from voronec.errors import IntegrationError
 
@@ -19,7 +19,7 @@ GUARD = 5
 """Digits kept beyond those asked for."""
 
 
-def why_not(level: Level) -> str | None:
+def why_not(level: BenchLevel) -> str | None:
     """Why heyoka cannot run this exactly, or None where it can.
 
     Its expressions hold constants as doubles, so a fraction such as 1/3 would be rounded.
@@ -42,7 +42,7 @@ def _numbers(expr: Any) -> set[Any]:
     return set().union(*(_numbers(a) for a in expr.args)) if expr.args else set()
 
 
-def precise_outputs(level: Level, grid: np.ndarray, digits: int) -> dict[str, np.ndarray]:
+def precise_outputs(level: BenchLevel, grid: np.ndarray, digits: int) -> dict[str, np.ndarray]:
     """The outputs on the grid, arrays of mpmath numbers, evaluated in as many digits."""
     import mpmath
 
@@ -60,7 +60,7 @@ def precise_outputs(level: Level, grid: np.ndarray, digits: int) -> dict[str, np
         return {n: np.array([mpmath.mpf(r[place[n]]) for r in rows]) for n in level.outputs}
 
 
-def precise_states(level: Level, grid: np.ndarray, digits: int) -> list[list[str]]:
+def precise_states(level: BenchLevel, grid: np.ndarray, digits: int) -> list[list[str]]:
     """States on the grid as decimal texts, one list for each instant."""
     import heyoka as hy
     import mpmath

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, timed
-from voronec.accuracy.bench.question import Question
+from voronec.accuracy.bench.question import BenchMotion
 from voronec.algebra.symbols import plain_name
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.motion import Trajectory, integrate
@@ -32,7 +32,7 @@ COARSE_TO_FINE = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16)
 ROUNDED = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 2.3e-14)
 
 
-def _prepare(question: Question, method: str, full: bool) -> Run:
+def _prepare(question: BenchMotion, method: str, full: bool) -> Run:
     """A method of ours on the smallest model of the outputs, or on the full one."""
     wanted = tuple(question.expressions[n] for n in question.outputs)
     asked = (*wanted, *question.initial) if full else wanted
@@ -67,7 +67,7 @@ def _prepare(question: Question, method: str, full: bool) -> Run:
     return run
 
 
-def _evaluated(question: Question) -> float:
+def _evaluated(question: BenchMotion) -> float:
     """CPU time of evaluating the coordinates and velocities that the outputs hold."""
     system = question.system
     form = closed_form(question.equations, question.bare)
@@ -78,7 +78,7 @@ def _evaluated(question: Question) -> float:
     return timed(lambda: form.at(elapsed, names))[1]
 
 
-def _again(question: Question, asked: Sequence[Any], seen: Trajectory) -> Stepper | None:
+def _again(question: BenchMotion, asked: Sequence[Any], seen: Trajectory) -> Stepper | None:
     """The integrator of a motion that was seen, made once more, to be run many times; None where
     what it makes is not the same motion."""
     form, cost = question.equations.raw.form, seen.cost
@@ -98,14 +98,14 @@ def _again(question: Question, asked: Sequence[Any], seen: Trajectory) -> Steppe
     return None
 
 
-def _refuse_long(question: Question, first: float) -> None:
+def _refuse_long(question: BenchMotion, first: float) -> None:
     """Raise ``NotHere`` where arbitrary precision would keep everybody waiting."""
     seconds = first * (len(question.grid) - 1)
     if seconds > LONGEST:
         raise NotHere(f"would take about {seconds:.0f} s a run; take a shorter time")
 
 
-def _outcome(question: Question, trajectory: Trajectory, seconds: float) -> Outcome:
+def _outcome(question: BenchMotion, trajectory: Trajectory, seconds: float) -> Outcome:
     if trajectory.interrupted:
         raise KeyboardInterrupt
     values: Mapping[str, np.ndarray] = {

@@ -20,14 +20,14 @@ from voronec.errors import DefinitionError, VoronecError, did_you_mean
 from voronec.motion import integrate
 from voronec.motion.vocabulary import number
 
-__all__ = ["INSTANTS", "Question", "ask"]
+__all__ = ["INSTANTS", "BenchMotion", "ask"]
 
 INSTANTS = 101
 """How many instants the outputs are compared at."""
 
 
 @dataclass(frozen=True, eq=False)
-class Question:
+class BenchMotion:
     """One motion to be computed by many methods, and what is wanted of it.
 
     ``outputs`` are names, ``expressions`` what they mean in the user's symbols; ``angles`` those of
@@ -65,7 +65,7 @@ class Question:
         """A scene that asks for nothing in particular, so that the whole state is kept."""
         return Scene(initial=dict(self.initial), parameters=dict(self.parameters))
 
-    def until(self, end: float) -> Question:
+    def until(self, end: float) -> BenchMotion:
         """The same question on the part of the grid up to a time."""
         order = np.sign(self.grid[-1] - self.grid[0])
         return replace(self, grid=self.grid[order * (self.grid - end) <= 0])
@@ -79,7 +79,7 @@ def ask(
     parameters: Mapping[Any, Any] | None = None,
     initial: Mapping[Any, Any] | None = None,
     instants: int = INSTANTS,
-) -> Question:
+) -> BenchMotion:
     """The question of a scene: ``time`` is its length where the scene's own is not wanted.
 
     Without ``outputs`` the invariants and the velocities are compared, where the system descends
@@ -109,7 +109,7 @@ def ask(
     ).outputs  # fmt: skip
     symbols = (*equations.system.coordinates, *equations.system.velocities)
     expressions = _expressions(equations.system, wanted or symbols, names)
-    return Question(
+    return BenchMotion(
         equations=equations,
         scene=chosen,
         outputs=tuple(names),

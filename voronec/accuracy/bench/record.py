@@ -10,7 +10,7 @@ import numpy as np
 
 from voronec.accuracy.bench.agreement import Reference
 from voronec.accuracy.bench.equal_error import At, at_error
-from voronec.accuracy.bench.question import Question
+from voronec.accuracy.bench.question import BenchMotion
 from voronec.accuracy.bench.setup_time import SetupTime
 
 __all__ = ["AT", "Bench", "Measured", "Point"]
@@ -70,7 +70,7 @@ class Measured:
 class Bench:
     """Every method and tolerance measured on one question, against its reference."""
 
-    question: Question
+    question: BenchMotion
     reference: Reference
     methods: tuple[Measured, ...]
     machine: Mapping[str, str]

@@ -14,7 +14,7 @@ from voronec.accuracy.bench.agreement import NEEDED, Reference, difference, refe
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run
 from voronec.accuracy.bench.own_methods import OWN
 from voronec.accuracy.bench.peers import PEERS
-from voronec.accuracy.bench.question import Question
+from voronec.accuracy.bench.question import BenchMotion
 from voronec.accuracy.bench.record import Bench, Measured, Point
 from voronec.accuracy.bench.setup_time import SetupTime
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
@@ -40,7 +40,7 @@ def contenders(names: Sequence[str] = ()) -> tuple[Contender, ...]:
 
 
 def measure(
-    question: Question,
+    question: BenchMotion,
     methods: Sequence[str] = (),
     tolerances: Sequence[float] = (),
     needed: float = NEEDED,
@@ -87,7 +87,7 @@ def measure(
 
 def _measured(
     contender: Contender,
-    question: Question,
+    question: BenchMotion,
     exact: Reference,
     tolerances: Sequence[float],
     budget: float,
@@ -123,7 +123,7 @@ def _next_cost(points: Sequence[Point], span: float, setting: float) -> float:
     return done[-1].per_unit * span * growth
 
 
-def _point(run: Run, setting: float, question: Question, exact: Reference) -> Point:
+def _point(run: Run, setting: float, question: BenchMotion, exact: Reference) -> Point:
     try:
         outcome = run(setting)
     except VoronecError as failure:
@@ -145,7 +145,7 @@ def _point(run: Run, setting: float, question: Question, exact: Reference) -> Po
     )
 
 
-def _errors(outcome: Outcome, question: Question, exact: Reference) -> dict[str, float]:
+def _errors(outcome: Outcome, question: BenchMotion, exact: Reference) -> dict[str, float]:
     return {
         n: float(difference(outcome.values[n], exact.values[n], n in question.angles).max())
         for n in question.outputs

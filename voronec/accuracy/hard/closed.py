@@ -19,14 +19,14 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError
 from voronec.motion.vocabulary import Vocabulary
 
-__all__ = ["Problem", "problem"]
+__all__ = ["PreciseProblem", "problem"]
 
 DIGITS = 45
 """Digits of the initial data of a reference."""
 
 
 @dataclass(frozen=True)
-class Problem:
+class PreciseProblem:
     """An initial-value problem in many digits.
 
     ``kept`` are the positions, in the state of ``program``, of the states that the outputs need;
@@ -46,7 +46,7 @@ class Problem:
         return tuple(str(self.program.state[i]) for i in self.kept)
 
 
-def problem(case: HardCase, equations: VoronecEquations, raw: bool = False) -> Problem:
+def problem(case: HardCase, equations: VoronecEquations, raw: bool = False) -> PreciseProblem:
     """The closed problem of a case; ``raw`` takes the unsimplified form, an independent program."""
     vocabulary = Vocabulary.of(equations)
     constants = _numbers(case.scene.parameters)
@@ -66,7 +66,7 @@ def problem(case: HardCase, equations: VoronecEquations, raw: bool = False) -> P
     values = tuple(constants.get(str(p), mpmath.mpf(0)) for p in program.parameters)
     if missing and {*missing} & {str(s) for s in program.derivative.symbols}:
         raise DefinitionError(f"hard case '{case.name}': no value for {', '.join(missing)}")
-    return Problem(program, _closed(program), _angles(program), start, values)
+    return PreciseProblem(program, _closed(program), _angles(program), start, values)
 
 
 def _on_invariants(

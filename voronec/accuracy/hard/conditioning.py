@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from voronec.accuracy.hard.closed import Problem
+from voronec.accuracy.hard.closed import PreciseProblem
 from voronec.accuracy.hard.multiprecision import Passage
 
 __all__ = ["UNIT", "condition_numbers", "output_sizes", "sizes", "times"]
@@ -27,7 +27,7 @@ NOTHING = 1e-20
 """An output that stays below this is zero, and is compared absolutely: |o| is one."""
 
 
-def sizes(problem: Problem, states: np.ndarray) -> np.ndarray:
+def sizes(problem: PreciseProblem, states: np.ndarray) -> np.ndarray:
     """X_i of the kept states (k, n): see the module; shape (n,)."""
     largest = np.abs(states.astype(float)).max(axis=0)
     coordinates = len(problem.program.coordinates)
@@ -40,7 +40,7 @@ def sizes(problem: Problem, states: np.ndarray) -> np.ndarray:
     return result
 
 
-def condition_numbers(problem: Problem, passage: Passage) -> np.ndarray:
+def condition_numbers(problem: PreciseProblem, passage: Passage) -> np.ndarray:
     """kappa of every output at every instant of a passage; shape (k, m)."""
     scale = output_sizes(passage.outputs)
     size = sizes(problem, passage.states)

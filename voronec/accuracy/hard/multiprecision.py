@@ -9,7 +9,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.accuracy.hard.closed import DIGITS, Problem
+from voronec.accuracy.hard.closed import DIGITS, PreciseProblem
 from voronec.equations.program import taylor_extras, taylor_system
 from voronec.errors import IntegrationError
 
@@ -78,7 +78,7 @@ class Reel:
         )  # fmt: skip
 
 
-def reel(problem: Problem, arithmetic: str, tol: float, varied: bool = True) -> Reel:
+def reel(problem: PreciseProblem, arithmetic: str, tol: float, varied: bool = True) -> Reel:
     """The problem ready to run in ``quadruple`` or ``extended`` arithmetic, at a tolerance.
 
     Without ``varied`` there are no propagators, and a run is many times faster.  Raises
@@ -170,7 +170,7 @@ def _indices(hy: Any, expr: Any) -> list[int]:
 
 
 def _looking(
-    hy: Any, kind: Any, problem: Problem, variables: list[Any], values: np.ndarray
+    hy: Any, kind: Any, problem: PreciseProblem, variables: list[Any], values: np.ndarray
 ) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Outputs, their slopes by the kept states, and by the parameters, at a state."""
     outputs = list(taylor_extras(problem.program).values())

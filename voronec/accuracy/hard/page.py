@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from voronec.accuracy.hard.run import Finding
+from voronec.accuracy.hard.run import CaseResult
 from voronec.accuracy.hard.table import HEADINGS, TALLY, cells, summary, tally
 
 __all__ = ["page"]
@@ -78,7 +78,7 @@ grows 7.6-fold.
 """
 
 
-def page(findings: Sequence[Finding]) -> str:
+def page(findings: Sequence[CaseResult]) -> str:
     """The page as Markdown."""
     parts = [TOP, f"Of {summary(findings)}.\n", "## Method against case\n", _table(findings)]
     parts += ["", METHODS_TEXT, _grid([list(TALLY), *tally(findings)]), METHODS_READ]
@@ -86,7 +86,7 @@ def page(findings: Sequence[Finding]) -> str:
     return "\n".join(parts)
 
 
-def _table(findings: Sequence[Finding]) -> str:
+def _table(findings: Sequence[CaseResult]) -> str:
     rows = [["case", *HEADINGS]]
     for finding in findings:
         link = f"[{finding.case.name}](#{finding.case.name})"
@@ -100,11 +100,11 @@ def _grid(rows: Sequence[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(_plain(cell) for cell in row)} |" for row in ruled)
 
 
-def _cases(findings: Sequence[Finding]) -> str:
+def _cases(findings: Sequence[CaseResult]) -> str:
     return "\n".join(line for finding in findings for line in _case(finding))
 
 
-def _case(finding: Finding) -> list[str]:
+def _case(finding: CaseResult) -> list[str]:
     case, known = finding.case, finding.reference
     start, end = case.scene.times
     settings = [f"{k} = {x}" for k, x in {**case.scene.parameters, **case.scene.initial}.items()]

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.hard.closed import Problem
+from voronec.accuracy.hard.closed import PreciseProblem
 from voronec.accuracy.hard.conditioning import output_sizes, sizes, times
 from voronec.accuracy.hard.multiprecision import Passage, Reel
 from voronec.errors import IntegrationError
@@ -77,7 +77,7 @@ class Folded:
         """The outputs at the wanted instants."""
         return self.passage.outputs[list(self.places)]
 
-    def condition_numbers(self, problem: Problem) -> np.ndarray:
+    def condition_numbers(self, problem: PreciseProblem) -> np.ndarray:
         """kappa as in ``conditioning``, errors made after 0, 1, 2, 4, ... and all periods."""
         passage, scale = self.passage, output_sizes(self.passage.outputs)
         size = sizes(problem, passage.states)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from voronec.accuracy.hard.case import HardCase
-from voronec.accuracy.hard.closed import Problem, problem
+from voronec.accuracy.hard.closed import PreciseProblem, problem
 from voronec.accuracy.hard.conditioning import output_sizes, sizes
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import EngineLimit
@@ -64,7 +64,7 @@ def slopes(case: HardCase, equations: VoronecEquations, by: str) -> dict[str, np
     return {n: np.asarray((ahead[n] - behind[n]) / (2 * step), dtype=float) for n in ahead.outputs}
 
 
-def _data(asked: Problem) -> dict[str, Any]:
+def _data(asked: PreciseProblem) -> dict[str, Any]:
     """States at the start and parameters by name, as exact as SymPy holds them."""
     import sympy as sp
 
@@ -73,7 +73,9 @@ def _data(asked: Problem) -> dict[str, Any]:
     return {n: sp.Float(x, 40) for n, x in zip(names, numbers, strict=True)}
 
 
-def _weights(asked: Problem, case: HardCase, equations: VoronecEquations) -> dict[str, float]:
+def _weights(
+    asked: PreciseProblem, case: HardCase, equations: VoronecEquations
+) -> dict[str, float]:
     """The sizes of what may be in error: states that the outputs need, and parameters."""
     followed = integrate(equations, scene=case.scene, times=case.grid, outputs=asked.names)
     states = np.column_stack([followed[name] for name in asked.names])

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from voronec.accuracy.hard.case import ARITHMETICS, HardCase
-from voronec.accuracy.hard.closed import Problem, problem
+from voronec.accuracy.hard.closed import PreciseProblem, problem
 from voronec.accuracy.hard.conditioning import condition_numbers, output_sizes
 from voronec.accuracy.hard.multiprecision import reel
 from voronec.accuracy.hard.periodic import folded, period
@@ -122,7 +122,7 @@ def compute(case: HardCase, equations: VoronecEquations | None = None) -> Refere
     )
 
 
-def _run(case: HardCase, asked: Problem) -> tuple[np.ndarray, np.ndarray]:
+def _run(case: HardCase, asked: PreciseProblem) -> tuple[np.ndarray, np.ndarray]:
     """Outputs (k, m) and condition numbers (k, m)."""
     tol = TOLERANCES[case.arithmetic][0]
     machine = reel(asked, case.arithmetic, tol)
@@ -135,7 +135,7 @@ def _run(case: HardCase, asked: Problem) -> tuple[np.ndarray, np.ndarray]:
     return whole.outputs, whole.condition_numbers(asked)
 
 
-def _again(case: HardCase, own: VoronecEquations, asked: Problem) -> tuple[np.ndarray, str]:
+def _again(case: HardCase, own: VoronecEquations, asked: PreciseProblem) -> tuple[np.ndarray, str]:
     """The outputs once more, as independently as may be, and how."""
     if case.period and float(case.scene.times[1]) > FOLLOWED:
         tol = TOLERANCES[case.arithmetic][1]
@@ -161,7 +161,9 @@ def _again(case: HardCase, own: VoronecEquations, asked: Problem) -> tuple[np.nd
     return found, "against another tolerance"
 
 
-def _in_closed_form(case: HardCase, own: VoronecEquations, asked: Problem) -> np.ndarray | None:
+def _in_closed_form(
+    case: HardCase, own: VoronecEquations, asked: PreciseProblem
+) -> np.ndarray | None:
     """The outputs by the declared motion, where there is one that can be followed: where the vector
     in space is not upright, angles are continuous only on a fine grid."""
     if own.system.motion is None:

@@ -13,11 +13,11 @@ from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit
 from voronec.motion.methods import METHODS
 
-__all__ = ["Finding", "available", "trials"]
+__all__ = ["CaseResult", "available", "trials"]
 
 
 @dataclass(frozen=True, eq=False)
-class Finding:
+class CaseResult:
     """A case, its reference (None where no motion starts) and what every method made of it."""
 
     case: HardCase
@@ -39,7 +39,7 @@ def trials(
     cases: Sequence[HardCase],
     methods: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
-) -> Iterator[Finding]:
+) -> Iterator[CaseResult]:
     """The findings case by case, each as soon as it is there.
 
     ``methods`` are those wanted, ``auto`` and ``default`` among them or not; by default these two
@@ -59,7 +59,7 @@ def trials(
         try:
             known = reference(case, equations) if case.level else None
         except EngineLimit as limit:
-            yield Finding(case, None, (Trial(case.name, "-", "unjudged", reason=str(limit)),))
+            yield CaseResult(case, None, (Trial(case.name, "-", "unjudged", reason=str(limit)),))
             continue
         own = ("closed-form",) if case.level and equations.system.motion is not None else ()
         for method in methods or ("auto", "default", *available(case.methods), *own):
@@ -67,4 +67,4 @@ def trials(
                 continue
             say(f"{position + 1}/{len(cases)} {case.name}: {method} ...")
             found.append(attempt(case, equations, method, known))
-        yield Finding(case, known, tuple(found))
+        yield CaseResult(case, known, tuple(found))

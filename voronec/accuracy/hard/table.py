@@ -7,7 +7,7 @@ from statistics import median
 from typing import Any
 
 from voronec.accuracy.hard.case import HardCase
-from voronec.accuracy.hard.run import Finding
+from voronec.accuracy.hard.run import CaseResult
 from voronec.accuracy.hard.trial import Trial
 from voronec.motion.methods import METHODS
 
@@ -43,7 +43,7 @@ def head(cases: Sequence[HardCase]) -> str:
     return _aligned(_width(cases), "case", HEADINGS)
 
 
-def lines(finding: Finding, cases: Sequence[HardCase]) -> list[str]:
+def lines(finding: CaseResult, cases: Sequence[HardCase]) -> list[str]:
     """The rows of one case, aligned with those of the others."""
     width = _width(cases)
     return [_aligned(width, finding.case.name, cells(t)) for t in finding.trials]
@@ -58,7 +58,7 @@ def _aligned(width: int, name: str, row: Sequence[str]) -> str:
     return "  ".join([name.ljust(width), *inner, row[-1]])
 
 
-def data(finding: Finding) -> dict[str, Any]:
+def data(finding: CaseResult) -> dict[str, Any]:
     """One case for JSON."""
     case, known = finding.case, finding.reference
     return {
@@ -74,7 +74,7 @@ def data(finding: Finding) -> dict[str, Any]:
     }
 
 
-def summary(findings: Sequence[Finding]) -> str:
+def summary(findings: Sequence[CaseResult]) -> str:
     """What came out, in a line."""
     own = [t for f in findings for t in f.trials if t.automatic]
     counts = {v: sum(t.verdict == v for t in own) for v in ("met", "kept", "refused")}
@@ -86,7 +86,7 @@ def summary(findings: Sequence[Finding]) -> str:
     return f"the tool's own choice on {len(own)} cases: {told or 'none good'}; {silent}"
 
 
-def tally(findings: Sequence[Finding]) -> list[list[str]]:
+def tally(findings: Sequence[CaseResult]) -> list[list[str]]:
     """For every method: on how many cases it was tried, and what came out, with the worst."""
     groups: dict[str, list[Trial]] = {}
     for trial in (t for f in findings for t in f.trials):

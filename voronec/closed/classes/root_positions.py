@@ -17,7 +17,7 @@ import sympy as sp
 from voronec.algebra.precision import FIRST
 from voronec.closed.arithmetic import precise
 from voronec.closed.classes.trace_polynomials import Curve
-from voronec.closed.problem import Problem
+from voronec.closed.problem import InversionProblem
 from voronec.errors import EngineLimit
 
 __all__ = ["Tally", "remainder", "tally"]
@@ -55,7 +55,7 @@ class Tally:
     tilt: int = 1
 
 
-def tally(problem: Problem, curve: Curve) -> Tally | None:
+def tally(problem: InversionProblem, curve: Curve) -> Tally | None:
     """The counts of a trace; None where its cosine has no value on this level."""
     if not all(problem.exact(c)(FIRST).is_finite() for c in curve.cosine):
         return None
@@ -67,7 +67,7 @@ def tally(problem: Problem, curve: Curve) -> Tally | None:
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    problem: Problem
+    problem: InversionProblem
     curve: Curve
 
     @cached_property

@@ -23,10 +23,10 @@ from voronec.algebra.text import sympified
 from voronec.closed.classes.root_positions import remainder
 from voronec.closed.classes.survey import survey
 from voronec.closed.classes.trace_classes import classify
-from voronec.closed.classes.trace_polynomials import Curve, Declared, declared
+from voronec.closed.classes.trace_polynomials import Curve, DeclaredTraces, declared
 from voronec.closed.closed_form import ClosedForm
 from voronec.closed.compiled_motion import prepared
-from voronec.closed.problem import Problem
+from voronec.closed.problem import InversionProblem
 from voronec.closed.request import named
 from voronec.closed.space import turned_upright
 from voronec.declaration.scene import Scene
@@ -63,7 +63,7 @@ class Conditions:
 
 
 @cache
-def conditions(known: Declared, curve: Curve, label: str) -> Conditions:
+def conditions(known: DeclaredTraces, curve: Curve, label: str) -> Conditions:
     """What makes a motion start at a parallel, with cusps or poles as its class says."""
     parts = set(label.split("+"))
     wanted = [known.rate]
@@ -241,7 +241,7 @@ def held(system: System, given: Mapping[Any, Any]) -> dict[Any, Any]:
     return found
 
 
-def _impossible(known: Declared, curve: Curve, label: str, own: Mapping[Any, Any]) -> str:
+def _impossible(known: DeclaredTraces, curve: Curve, label: str, own: Mapping[Any, Any]) -> str:
     """Why no motion with these parameters is of a class, as far as degrees tell."""
     values = ", ".join(f"{plain_name(s)} = {v}" for s, v in own.items())
     slope = sp.cancel(curve.cosine[1].xreplace(dict(own)))
@@ -261,7 +261,7 @@ def _impossible(known: Declared, curve: Curve, label: str, own: Mapping[Any, Any
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    known: Declared
+    known: DeclaredTraces
     curve: Curve
     label: str
     fixed: Mapping[Any, Any]
@@ -367,7 +367,7 @@ class _Search:
 
 def formed(system: System, values: Mapping[Any, Any]) -> ClosedForm:
     """The closed form of exact values of all symbols of a start."""
-    return ClosedForm(Problem(prepared(system, values), dict(values)))
+    return ClosedForm(InversionProblem(prepared(system, values), dict(values)))
 
 
 def _span(found: Any) -> float:

@@ -22,10 +22,10 @@ from voronec.closed.classes.error_bounds import UNIT, Bounded, compiled
 from voronec.closed.classes.root_discs import Discs, degrees, discs
 from voronec.closed.classes.root_positions import tally
 from voronec.closed.classes.trace_classes import labelled
-from voronec.closed.classes.trace_polynomials import Curve, Declared, declared
+from voronec.closed.classes.trace_polynomials import Curve, DeclaredTraces, declared
 from voronec.closed.closed_form import ClosedForm
 from voronec.closed.compiled_motion import prepared
-from voronec.closed.problem import Problem
+from voronec.closed.problem import InversionProblem
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 
@@ -202,7 +202,7 @@ def _settled(system: System, row: list[Any], trace: str | None) -> tuple[str, in
     known = declared(system)
     curve = known.curve(trace)
     values = dict(zip(known.inputs, map(float, row), strict=True))
-    closed = ClosedForm(Problem(prepared(system, values), values))
+    closed = ClosedForm(InversionProblem(prepared(system, values), values))
     try:
         counts = tally(closed.problem, curve)
         if counts is None:
@@ -276,7 +276,7 @@ def survey(
 
 
 def arrays(
-    known: Declared, parameters: Mapping[Any, Any], initial: Mapping[Any, Any]
+    known: DeclaredTraces, parameters: Mapping[Any, Any], initial: Mapping[Any, Any]
 ) -> list[np.ndarray]:
     """Arrays of one length for every symbol of a start."""
     given = {plain_name(k): v for k, v in {**parameters, **initial}.items()}
@@ -297,12 +297,14 @@ class _Formulas:
 
 
 @cache
-def _formulas(known: Declared, curve: Curve) -> _Formulas:
+def _formulas(known: DeclaredTraces, curve: Curve) -> _Formulas:
     values = (*known.quartic, *curve.cosine, *curve.phi)
     return _Formulas(compiled(known.inputs, known.starting), compiled(known.level, values))
 
 
-def _surveyed(known: Declared, curve: Curve, values: list[np.ndarray], every_drift: bool) -> Survey:
+def _surveyed(
+    known: DeclaredTraces, curve: Curve, values: list[np.ndarray], every_drift: bool
+) -> Survey:
     formulas = _formulas(known, curve)
     own = values[len(values) - len(known.system.parameters) :]
     *constants, place, rate = formulas.starting(*values)

@@ -22,7 +22,7 @@ from voronec.declaration.quadratures import Quadratures, Trace
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 
-__all__ = ["Curve", "Declared", "declared", "title"]
+__all__ = ["Curve", "DeclaredTraces", "declared", "title"]
 
 DEGREE = 4
 
@@ -51,7 +51,7 @@ class Curve:
 
 
 @dataclass(frozen=True, eq=False)
-class Declared:
+class DeclaredTraces:
     """A system's motion, read for its traces.
 
     inputs
@@ -112,13 +112,13 @@ def title(trace: Trace) -> str:
     return trace.title or f"({plain_name(trace.colatitude)}, {plain_name(trace.longitude)})"
 
 
-def declared(system: System) -> Declared:
+def declared(system: System) -> DeclaredTraces:
     """The traces of a system; ``DefinitionError`` where it declares no motion, or no trace."""
     motion = motion_of(system)
     return motion.memo.once("traces", lambda: _read(system, motion))
 
 
-def _read(system: System, motion: Quadratures) -> Declared:
+def _read(system: System, motion: Quadratures) -> DeclaredTraces:
     if not motion.traces:
         raise DefinitionError(
             f"system '{system.name}': its motion declares no traces; write "
@@ -129,7 +129,7 @@ def _read(system: System, motion: Quadratures) -> Declared:
     starting = (*motion.constants.values(), motion.meaning, prepared(system, {}).rate)
     quartic = ascending(motion.quartic, motion.x, DEGREE)
     curves = tuple(_curve(motion, trace) for trace in motion.traces)
-    return Declared(system, inputs, (*own, *motion.constants), starting, quartic, curves)
+    return DeclaredTraces(system, inputs, (*own, *motion.constants), starting, quartic, curves)
 
 
 def _curve(motion: Quadratures, trace: Trace) -> Curve:

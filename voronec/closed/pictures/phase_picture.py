@@ -17,13 +17,13 @@ import sympy as sp
 from voronec.closed.pictures.style import INK, MARK, SOFT, STYLE
 from voronec.errors import DefinitionError
 
-__all__ = ["Level", "phase_figure", "phase_levels"]
+__all__ = ["PhaseLevel", "phase_figure", "phase_levels"]
 
 THIN, BAND = "#7d93ab", "#e7edf4"
 
 
 @dataclass(frozen=True)
-class Level:
+class PhaseLevel:
     """One level of a portrait.
 
     coefficients
@@ -78,7 +78,7 @@ def phase_levels(
     value: Any,
     place: float | None = None,
     count: int = 15,
-) -> tuple[Level, ...]:
+) -> tuple[PhaseLevel, ...]:
     """Levels of f around one value of a constant: those with double roots, and some between.
 
     quartic
@@ -98,15 +98,15 @@ def phase_levels(
         )
     critical = _critical(quartic, x, constant)
     levels = [
-        Level(_numbers(quartic, x, constant, c), "separatrix" if bend > 0 else "rest", at)
+        PhaseLevel(_numbers(quartic, x, constant, c), "separatrix" if bend > 0 else "rest", at)
         for c, at, bend in critical
     ]
     marks = [c for c, _, _ in critical]
     marks = sorted({*marks, float(value)})
     reach = (marks[-1] - marks[0]) or abs(marks[0]) or 1.0
     between = np.linspace(marks[0] - 0.5 * reach, marks[-1] + 0.9 * reach, count)
-    levels += [Level(_numbers(quartic, x, constant, c)) for c in between]
-    chosen = Level(_numbers(quartic, x, constant, value), "motion", None, place)
+    levels += [PhaseLevel(_numbers(quartic, x, constant, c)) for c in between]
+    chosen = PhaseLevel(_numbers(quartic, x, constant, value), "motion", None, place)
     if not chosen.own:
         at = "" if place is None else f" at {x} = {place:g}"
         raise DefinitionError(f"there is no motion with {constant} = {value}{at}: f < 0 there")
@@ -137,7 +137,9 @@ def _numbers(quartic: sp.Expr, x: sp.Symbol, constant: sp.Symbol, value: Any) ->
     return tuple(float(c) for c in reversed(poly.all_coeffs()))
 
 
-def phase_figure(levels: Sequence[Level], title: str = "", note: str = "", x: str = "x") -> Any:
+def phase_figure(
+    levels: Sequence[PhaseLevel], title: str = "", note: str = "", x: str = "x"
+) -> Any:
     """A matplotlib ``Figure``: f above, the plane (x, xdot) below, on one axis of x.
 
     levels
@@ -174,7 +176,7 @@ LOOK: dict[str, Any] = {
 }
 
 
-def _quartics(panel: Any, levels: Iterable[Level], x: str) -> None:
+def _quartics(panel: Any, levels: Iterable[PhaseLevel], x: str) -> None:
     """f for the motion and the separatrices, its roots, and where it is positive."""
     place = np.linspace(-1, 1, 801)
     tops = [0.0]
@@ -198,7 +200,7 @@ def _quartics(panel: Any, levels: Iterable[Level], x: str) -> None:
     panel.spines[["top", "right"]].set_visible(False)
 
 
-def _ovals(panel: Any, level: Level) -> None:
+def _ovals(panel: Any, level: PhaseLevel) -> None:
     """The curves xdot = +-sqrt(f), parametrised so that they are smooth at their ends."""
     if level.kind == "rest":
         panel.plot([level.double], [0], "o", color=INK, markersize=2.6, zorder=5)
@@ -217,7 +219,7 @@ def _ovals(panel: Any, level: Level) -> None:
         panel.plot([level.double], [0], "o", color=MARK, markersize=3.2, zorder=5)
 
 
-def _frame(panel: Any, levels: Sequence[Level], x: str) -> None:
+def _frame(panel: Any, levels: Sequence[PhaseLevel], x: str) -> None:
     """Axes, and the height that shows the separatrices and the motion whole."""
     place = np.linspace(-1, 1, 801)
     weighty = [level for level in levels if level.kind in ("motion", "separatrix")] or levels
@@ -229,7 +231,7 @@ def _frame(panel: Any, levels: Sequence[Level], x: str) -> None:
     panel.spines[["top", "right"]].set_visible(False)
 
 
-def _links(above: Any, below: Any, levels: Iterable[Level]) -> None:
+def _links(above: Any, below: Any, levels: Iterable[PhaseLevel]) -> None:
     """The roots, carried from one panel to the other; the interval of the motion."""
     from matplotlib.patches import ConnectionPatch
 

@@ -23,7 +23,7 @@ from voronec.equations.referee.plan import Plan, make_plan
 from voronec.equations.referee.point import Exact, at_precision, read_point
 from voronec.errors import DefinitionError
 
-__all__ = ["Reactions", "Solution", "multiplier_acceleration", "reaction_forces", "solve"]
+__all__ = ["MultiplierSolution", "Reactions", "multiplier_acceleration", "reaction_forces", "solve"]
 
 
 GIVEN = 1e-9
@@ -31,7 +31,7 @@ GIVEN = 1e-9
 
 
 @dataclass(frozen=True)
-class Solution:
+class MultiplierSolution:
     """Accelerations, reaction A^T lambda and multipliers (constraints, then relations).
 
     ``determined`` says of each multiplier whether it is unique; 0 stands where it is not.
@@ -48,7 +48,7 @@ class Solution:
         return [*self.accelerations, *self.reaction, *self.multipliers]
 
 
-def solve(plan: Plan, values: Mapping[str, Exact]) -> Solution:
+def solve(plan: Plan, values: Mapping[str, Exact]) -> MultiplierSolution:
     """Solve at mpmath's working precision; ``DefinitionError`` where there is no solution."""
     numbers = at_precision(values)
     _settle(plan, numbers)
@@ -158,7 +158,7 @@ def _check_consistency(plan: Plan, found: Elimination, verb: str) -> None:
             )
 
 
-def _solve_motion(plan: Plan, numbers: Mapping[str, Any], rows: list[Vector]) -> Solution:
+def _solve_motion(plan: Plan, numbers: Mapping[str, Any], rows: list[Vector]) -> MultiplierSolution:
     width = len(plan.dots)
     mass, force, right = _split(plan.dynamics(numbers), width * width, width)
     found = eliminate(rows, right, width)
@@ -187,7 +187,7 @@ def _solve_motion(plan: Plan, numbers: Mapping[str, Any], rows: list[Vector]) ->
     determined = _determined(rows, width) if found.leftover else (True,) * len(rows)
     unique = [m if d else mp.mpf(0) for m, d in zip(multipliers, determined, strict=True)]
     accelerations = _followed(plan, numbers, motion.solution[:width])
-    return Solution(accelerations, reaction, unique, determined)
+    return MultiplierSolution(accelerations, reaction, unique, determined)
 
 
 def _followed(plan: Plan, numbers: Mapping[str, Any], found: Vector) -> Vector:
@@ -305,7 +305,7 @@ def _labelled(things: tuple[sp.Expr, ...], numbers: Vector, digits: int) -> dict
     return {x: sp.Float(number, digits) for x, number in zip(things, numbers, strict=True)}
 
 
-def _confirmed(system: System, point: Mapping[Any, Any], digits: int) -> Solution:
+def _confirmed(system: System, point: Mapping[Any, Any], digits: int) -> MultiplierSolution:
     """A solution of which two precisions agree to the digits asked for."""
     require_digits(f"system '{system.name}'", digits)
     try:
@@ -320,7 +320,7 @@ def _confirmed(system: System, point: Mapping[Any, Any], digits: int) -> Solutio
         after = _attempt(plan, values, precision)
         if isinstance(before, DefinitionError) and isinstance(after, DefinitionError):
             raise DefinitionError(f"system '{system.name}': {after}")
-        if isinstance(before, Solution) and isinstance(after, Solution):
+        if isinstance(before, MultiplierSolution) and isinstance(after, MultiplierSolution):
             settled = _agreed(before, after, digits, precision // 2)
             if settled is not None:
                 return settled
@@ -331,7 +331,9 @@ def _confirmed(system: System, point: Mapping[Any, Any], digits: int) -> Solutio
     )
 
 
-def _attempt(plan: Plan, values: Mapping[str, Exact], precision: int) -> Solution | DefinitionError:
+def _attempt(
+    plan: Plan, values: Mapping[str, Exact], precision: int
+) -> MultiplierSolution | DefinitionError:
     """A failure at one precision is a value too: more digits may tell two ranks apart."""
     with mp.workdps(precision):
         try:
@@ -340,7 +342,9 @@ def _attempt(plan: Plan, values: Mapping[str, Exact], precision: int) -> Solutio
             return error
 
 
-def _agreed(before: Solution, after: Solution, digits: int, lower: int) -> Solution | None:
+def _agreed(
+    before: MultiplierSolution, after: MultiplierSolution, digits: int, lower: int
+) -> MultiplierSolution | None:
     """The later solution if the earlier one, made with ``lower`` digits, confirms it.
 
     A number that shrinks with the precision is zero: what was computed of it is rounding alone.
@@ -359,7 +363,7 @@ def _agreed(before: Solution, after: Solution, digits: int, lower: int) -> Solut
                 return None
     n = len(after.accelerations)
     end = n + len(after.reaction)
-    return Solution(settled[:n], settled[n:end], settled[end:], after.determined)
+    return MultiplierSolution(settled[:n], settled[n:end], settled[end:], after.determined)
 
 
 def _plan(system: System) -> Plan:

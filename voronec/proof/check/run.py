@@ -77,9 +77,9 @@ def results_of(
     if not units:  # nothing is imported for it
         return
     if jobs == 1:
-        from voronec.proof.check.work import Bench, examine
+        from voronec.proof.check.work import Derivations, examine
 
-        bench = Bench()
+        bench = Derivations()
         for unit in units:
             started(unit.name)
             yield examine(unit, bench)
@@ -165,9 +165,9 @@ def _serve(pipe: Any) -> None:
     """Examine the units that come through the pipe until it is closed."""
     # Ctrl-C goes to every process of the terminal; the first one decides what happens.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    from voronec.proof.check.work import Bench, examine
+    from voronec.proof.check.work import Derivations, examine
 
-    bench = Bench()
+    bench = Derivations()
     while True:
         try:
             unit = pipe.recv()

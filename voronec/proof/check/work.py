@@ -15,11 +15,11 @@ from voronec.proof.check.unit import Unit
 from voronec.proof.claims import Claim, check_claims
 from voronec.proof.verdict_store import engine_folder
 
-__all__ = ["Bench", "examine"]
+__all__ = ["Derivations", "examine"]
 
 
 @dataclass(frozen=True)
-class Bench:
+class Derivations:
     """What a process has derived so far, by the name of the system."""
 
     known: dict[str, tuple[Entry, Motions]] = field(default_factory=dict)
@@ -31,7 +31,7 @@ class Bench:
         return self.known[entry.name][1]
 
 
-def examine(unit: Unit, bench: Bench) -> Result:
+def examine(unit: Unit, bench: Derivations) -> Result:
     """The result of one unit; an error is a finding, too."""
     start = perf_counter()
     work = {"system": _system, "relation": _relation, "square": _square}[unit.kind]
@@ -59,7 +59,7 @@ def _failed(kind: str, name: str, error: Exception) -> Finding:
 Work = tuple[list[Finding], tuple[str, ...]]
 
 
-def _system(unit: Unit, bench: Bench) -> Work:
+def _system(unit: Unit, bench: Derivations) -> Work:
     from voronec.proof.quadratures import check_motion
     from voronec.proof.relations.charts import check_charts
 
@@ -73,7 +73,7 @@ def _system(unit: Unit, bench: Bench) -> Work:
     return findings, ()
 
 
-def _relation(unit: Unit, bench: Bench) -> Work:
+def _relation(unit: Unit, bench: Derivations) -> Work:
     from voronec.proof.relations.decision import check_relation
 
     relation = unit.entry.load_relations()[0][unit.position]
@@ -85,7 +85,7 @@ def _relation(unit: Unit, bench: Bench) -> Work:
     return [own, *carried], tuple(found.kinds)
 
 
-def _square(unit: Unit, bench: Bench) -> Work:
+def _square(unit: Unit, bench: Derivations) -> Work:
     from voronec.proof.relations.chains import check_square
 
     assert unit.square is not None

@@ -20,8 +20,8 @@ from voronec.accuracy.bench.contender import (
     timed,
     without,
 )
-from voronec.accuracy.bench.level import Level, level
-from voronec.accuracy.bench.question import Question
+from voronec.accuracy.bench.level import BenchLevel, level
+from voronec.accuracy.bench.question import BenchMotion
 from voronec.errors import VoronecError
 
 __all__ = ["BY_HAND", "HANDWRITTEN", "Handwritten", "ball", "demchenko", "start_values"]
@@ -149,14 +149,14 @@ BY_HAND: dict[str, Callable[[Values], Handwritten]] = {
 """Systems that somebody has written by hand, as functions of their parameters' values."""
 
 
-def start_values(question: Question) -> dict[str, float]:
+def start_values(question: BenchMotion) -> dict[str, float]:
     """Coordinates, velocities and invariants at the start, by name."""
     at = _level(question)
     named = dict(zip(map(str, at.field.variables), map(float, at.state), strict=True))
     return {**question.initial, **named}
 
 
-def _level(question: Question) -> Level:
+def _level(question: BenchMotion) -> BenchLevel:
     for name in ("invariants", "coordinates"):
         try:
             return level(question, name)
@@ -165,7 +165,7 @@ def _level(question: Question) -> Level:
     raise NotHere(str(last))
 
 
-def _prepare(question: Question) -> Run:
+def _prepare(question: BenchMotion) -> Run:
     if question.system.name not in BY_HAND:
         raise NotHere("nobody has written this system by hand")
     try:

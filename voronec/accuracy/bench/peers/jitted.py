@@ -16,8 +16,8 @@ import numpy as np
 import sympy as sp
 
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, timed, without
-from voronec.accuracy.bench.level import Level, lowest
-from voronec.accuracy.bench.question import Question
+from voronec.accuracy.bench.level import BenchLevel, lowest
+from voronec.accuracy.bench.question import BenchMotion
 from voronec.algebra.text import sympified
 from voronec.equations.program import Program, python_source
 
@@ -29,7 +29,7 @@ LONGEST = 20_000
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14)
 
 
-def _prepare(question: Question, ours: bool) -> Run:
+def _prepare(question: BenchMotion, ours: bool) -> Run:
     try:
         import numba
     except ImportError:
@@ -81,7 +81,7 @@ def right_hand_side(program: Program) -> Callable[..., None]:
     return found
 
 
-def sympy_right_hand_side(at: Level) -> Callable[..., None]:
+def sympy_right_hand_side(at: BenchLevel) -> Callable[..., None]:
     """The same function as a good hand makes it: SymPy's ``cse`` of rates, mass matrix and force,
     printed as Python, and an elimination in loops for the accelerations."""
     import math

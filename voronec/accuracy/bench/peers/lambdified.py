@@ -16,8 +16,8 @@ import numpy as np
 import sympy as sp
 
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, timed
-from voronec.accuracy.bench.level import Level, level
-from voronec.accuracy.bench.question import Question
+from voronec.accuracy.bench.level import BenchLevel, level
+from voronec.accuracy.bench.question import BenchMotion
 from voronec.algebra.text import sympified
 from voronec.equations.vector_field import VectorField
 from voronec.errors import VoronecError
@@ -31,7 +31,7 @@ LONGEST = 20_000
 RightSide = Callable[[float, np.ndarray], Any]
 
 
-def _prepare(question: Question, method: str, name: str, kind: str) -> Run:
+def _prepare(question: BenchMotion, method: str, name: str, kind: str) -> Run:
     try:
         at = level(question, name)
     except VoronecError as refusal:
@@ -56,7 +56,7 @@ def _prepare(question: Question, method: str, name: str, kind: str) -> Run:
     return run
 
 
-def _solved(at: Level) -> RightSide:
+def _solved(at: BenchLevel) -> RightSide:
     """Rates, mass and force by one call, the accelerations by ``numpy.linalg.solve``."""
     field, n = at.field, len(at.field.velocities)
     mass = [e for row in field.mass for e in row]
@@ -71,7 +71,7 @@ def _solved(at: Level) -> RightSide:
     return right
 
 
-def _written_out(at: Level) -> RightSide:
+def _written_out(at: BenchLevel) -> RightSide:
     """All derivatives by one call on floats; by ``_solved`` where they are too long to write."""
     derivatives = at.field.components
     if sum(len(str(e)) for e in derivatives) > LONGEST:
@@ -81,7 +81,7 @@ def _written_out(at: Level) -> RightSide:
     return lambda t, y: function(t, *y.tolist(), *constants)
 
 
-def _plain(at: Level) -> RightSide:
+def _plain(at: BenchLevel) -> RightSide:
     """As it comes: all derivatives in numpy's functions, common parts computed again."""
     derivatives = at.field.components
     if sum(len(str(e)) for e in derivatives) > LONGEST:
@@ -102,7 +102,7 @@ def _lambdified(
     )
 
 
-RIGHT_SIDES: dict[str, Callable[[Level], RightSide]] = {
+RIGHT_SIDES: dict[str, Callable[[BenchLevel], RightSide]] = {
     "solved": _solved,
     "written out": _written_out,
     "plain": _plain,

@@ -25,8 +25,8 @@ from voronec.accuracy.bench.contender import (
     timed,
     without,
 )
-from voronec.accuracy.bench.level import Level, level
-from voronec.accuracy.bench.question import Question
+from voronec.accuracy.bench.level import BenchLevel, level
+from voronec.accuracy.bench.question import BenchMotion
 from voronec.errors import VoronecError
 
 __all__ = ["BEST", "DEFAULT", "PHYSICS", "Setting", "model_text"]
@@ -86,7 +86,7 @@ def model_text(setting: Setting, step: float, mass: float, radius: float, moment
     )
 
 
-def _prepare(question: Question, setting: Setting) -> Run:
+def _prepare(question: BenchMotion, setting: Setting) -> Run:
     name = question.system.name
     if name not in MOMENTS:
         raise NotHere(f"only for a ball on a plane: {', '.join(MOMENTS)}")
@@ -133,7 +133,7 @@ def _prepare(question: Question, setting: Setting) -> Run:
     return run
 
 
-def _place(mujoco: Any, data: Any, at: Level, radius: float) -> None:
+def _place(mujoco: Any, data: Any, at: BenchLevel, radius: float) -> None:
     """Set the ball turning, its centre moving so that the contact rests.
 
     Only the vertical in the body is given by gamma; the heading is of no consequence.
