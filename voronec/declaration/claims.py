@@ -331,9 +331,7 @@ def _measure(value: Any, place: str) -> Measure:
 def _assertion(value: Any, place: str) -> Assertion:
     if isinstance(value, Assertion):
         return value
-    raise DefinitionError(
-        f"{place} is '{shown(value)}'; write Assertion(kind, expressions, decide)"
-    )
+    raise DefinitionError(f"{place} is '{shown(value)}'; write {ASSERTION}")
 
 
 def _poisson(value: Any, place: str) -> Poisson:
