@@ -16,7 +16,7 @@ slopes of such quotients is taken together:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import ceil, comb
 from typing import Any
 
@@ -167,34 +167,35 @@ def _slopes_within(factor: Any) -> Any:
 
 def _with_slopes(total: Any) -> Any:
     """A sum in which terms that cancel at w = 0 are slopes of quotients."""
-    found = _exponential_slope(list(total.args))
-    if found is None and any(isinstance(t, se.Mul) and _is_spread(t) for t in total.args):
-        terms = total.expand().args
-        found = _exponential_slope(list(terms)) if len(terms) <= SPREAD else None
+    found = _exponential_slope(total.args)
+    if found is None and len(total.args) <= SPREAD and any(map(_is_spread, total.args)):
+        found = _exponential_slope(total.expand().args)
     if found is not None:
         return found
-    terms = list(total.args)
+    left = dict.fromkeys(total.args)
     for term in total.args:
         for function, (partner, slope) in _slopes_in(term).items():
             rest = term / function
             other = -rest * partner
-            if term in terms and other in terms and term != other:
-                terms.remove(term)
-                terms.remove(other)
-                terms.append(rest * slope)
+            if term in left and other in left and term != other:
+                del left[term], left[other]
+                left[rest * slope] = None
                 break
-    return se.Add(*terms)
+    return se.Add(*left) if len(left) < len(total.args) else total
 
 
 def _is_spread(term: Any) -> bool:
     """Whether a term is an exponential times a sum, as normal forms have it."""
-    held = any(isinstance(f, se.Pow) and f.args[0] == se.E for f in term.args)
+    held = isinstance(term, se.Mul) and any(
+        isinstance(f, se.Pow) and f.args[0] == se.E for f in term.args
+    )
     return held and any(isinstance(f, se.Add) for f in term.args)
 
 
-def _exponential_slope(terms: list[Any]) -> Any | None:
+def _exponential_slope(terms: Sequence[Any]) -> Any | None:
     """A sum of terms in which c (w e^w - e^w + 1) or c (h e^2h - e^2h + h + 1) is one; None where
     neither is there."""
+    known = {*terms}
     for term in terms:
         for factor in term.args if isinstance(term, se.Mul) else (term,):
             if not (isinstance(factor, se.Pow) and factor.args[0] == se.E):
@@ -208,7 +209,7 @@ def _exponential_slope(terms: list[Any]) -> Any | None:
                     2 * c * half**3 * se.exp(half) * se.Function(SINHC_SLOPE)(half),
                 ),
             ):
-                if all(part in terms for part in parts):
+                if known.issuperset(parts):
                     return se.Add(*[t for t in terms if t not in parts], value)
     return None
 

@@ -124,13 +124,18 @@ def _with_differences(total: Any) -> Any:
         return total
     # the longest exponents first: what they are paired with is a part of them
     terms.sort(key=lambda term: -_length(term[1]))
+    left: dict[Any, list[Any]] = {}
+    for c, w in terms:
+        left.setdefault(c, []).append(w)
     kept = []
-    while terms:
-        c, w = terms.pop(0)
-        other = next((t for t in terms if t[0] == -c and _is_part(t[1], w)), None)
+    for c, w in terms:
+        if w not in left[c]:  # paired before
+            continue
+        left[c].remove(w)
+        other = next((u for u in left.get(-c, ()) if _is_part(u, w)), None)
         if other is not None:
-            terms.remove(other)
-            kept.append(c * se.exp(other[1]) * se.Function(EXPM1)(w - other[1]))
+            left[-c].remove(other)
+            kept.append(c * se.exp(other) * se.Function(EXPM1)(w - other))
         else:
             kept.append(c * se.exp(w))
     return se.Add(*kept)
@@ -138,17 +143,19 @@ def _with_differences(total: Any) -> Any:
 
 def _less_one(total: Any) -> Any:
     """A sum in which c cos w - c, c cosh w - c and c sqrt(n + x) - c sqrt(n) do not cancel."""
-    terms = list(total.args)
+    left = dict.fromkeys(total.args)
     for term in total.args:
         for factor in term.args if isinstance(term, se.Mul) else (term,):
             found = _from_zero(factor)
+            if found is None:
+                continue
             rest = term / factor
-            if found is not None and term in terms and -rest * found[0] in terms:
-                terms.remove(term)
-                terms.remove(-rest * found[0])
-                terms.append(rest * found[1])
+            other = -rest * found[0]
+            if term in left and other in left:
+                del left[term], left[other]
+                left[rest * found[1]] = None
                 break
-    return se.Add(*terms)
+    return se.Add(*left) if len(left) < len(total.args) else total
 
 
 def _from_zero(factor: Any) -> tuple[Any, Any] | None:
@@ -217,7 +224,7 @@ def _tangents(term: Any) -> list[Any]:
 
 def _in_powers(total: Any, tangent: Any) -> _Terms:
     """The coefficients of a sum in powers of a tangent; none where it is no polynomial in it."""
-    found: _Terms = {}
+    parts: dict[int, list[Any]] = {}
     for term in total.args:
         power, rest = 0, [se.Integer(1)]
         for factor in term.args if isinstance(term, se.Mul) else (term,):
@@ -229,8 +236,9 @@ def _in_powers(total: Any, tangent: Any) -> _Terms:
         coefficient = se.Mul(*rest)
         if tangent in coefficient.atoms(se.tanh):
             return {}
-        found[power] = found.get(power, se.Integer(0)) + coefficient
-    return found
+        parts.setdefault(power, []).append(coefficient)
+    # one sum for each power: sums that grow by a term at a time would cost its square
+    return {power: se.Add(*terms) for power, terms in parts.items()}
 
 
 def _without_root(terms: _Terms, end: int) -> _Terms | None:
