@@ -14,7 +14,7 @@ from plugins import install
 from voronec.declaration import catalogue
 from voronec.errors import DefinitionError
 from voronec.proof.check import Inventory
-from voronec.proof.check.record import told
+from voronec.proof.check.record import failure_line
 from voronec.proof.check.unit import units_of
 from voronec.proof.check.work import Derivations, examine
 from voronec.testing import STATEMENTS, conformance
@@ -38,7 +38,7 @@ BENCH = Derivations()
 @pytest.mark.parametrize("unit", UNITS, ids=lambda u: f"{u.kind} {u.name}")
 def test_every_relation_holds_and_every_square_commutes(unit):
     result = examine(unit, BENCH)
-    assert not [told(result, f) for f in result.failures]
+    assert not [failure_line(result, f) for f in result.failures]
 
 
 def test_nothing_declared_is_broken():

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from voronec.cli import main as voronec
 from voronec.declaration.bibliography import bibtex
-from voronec.proof.check import Inventory, Result, check_catalogue, told, user_store
+from voronec.proof.check import Inventory, Result, check_catalogue, failure_line, user_store
 from voronec.proof.system_page import index_page, system_page
 
 __all__ = ["FOLDER", "main", "pages", "read_results"]
@@ -56,7 +56,7 @@ def main() -> int:
     stock = Inventory.of()
     report = check_catalogue(stock=stock, store=user_store())
     for result, finding in report.failures:
-        print(told(result, finding))
+        print(failure_line(result, finding))
     results = [_lasting(r) for r in report.results]
     FOLDER.mkdir(exist_ok=True)
     for old in FOLDER.glob("*.md"):

@@ -28,7 +28,7 @@ from voronec.equations.referee import multiplier_acceleration
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.motion import integrate
 from voronec.proof.check import Inventory, Result
-from voronec.proof.check.record import told
+from voronec.proof.check.record import failure_line
 from voronec.proof.check.run import broken
 from voronec.proof.check.unit import Unit, units_of
 from voronec.proof.check.work import Derivations, examine
@@ -184,7 +184,7 @@ def _results(name: str, *kinds: str) -> list[Result]:
 
 
 def _pass(results: Sequence[Result]) -> None:
-    failures = [told(r, f) for r in results for f in r.failures]
+    failures = [failure_line(r, f) for r in results for f in r.failures]
     assert not failures, "\n".join(failures)
 
 

@@ -61,7 +61,7 @@ class SectionContext:
         study = self.studies[name or check.study or next(iter(self.studies))]
         if isinstance(check, Sentence) or not check.given:
             return study
-        return replace(study, given={**self._given(check, study), **study.given})
+        return replace(study, given={**self._stated_conditions(check, study), **study.given})
 
     def mentioned(
         self, name: str, formula: Formula, check: Check, index: bool = False, anywhere: bool = False
@@ -109,7 +109,7 @@ class SectionContext:
         for label in (label for check in checks for label in check.given):
             self.transcript.labelled(label)
 
-    def _given(self, check: Check, study: Study) -> dict[sp.Expr, sp.Expr]:
+    def _stated_conditions(self, check: Check, study: Study) -> dict[sp.Expr, sp.Expr]:
         """Conditions that the paper states as equations ``symbol = expression``."""
         found: dict[sp.Expr, sp.Expr] = {}
         for label in check.given:

@@ -20,7 +20,7 @@ __all__ = ["execute"]
 
 def execute(arguments: Namespace) -> int:
     """Check, print the table, tell the failures one by one; what Ctrl-C leaves is printed too."""
-    from voronec.proof.check import Inventory, check_catalogue, told, user_store
+    from voronec.proof.check import Inventory, check_catalogue, failure_line, user_store
 
     if arguments.jobs is not None and arguments.jobs < 1:
         raise DefinitionError(f"--jobs {arguments.jobs}: give a number from 1 upward")
@@ -38,7 +38,7 @@ def execute(arguments: Namespace) -> int:
         print("\n".join(_lines(report)))
         sys.stdout.flush()
     for result, finding in report.failures:
-        print(f"voronec: {told(result, finding)}", file=sys.stderr)
+        print(f"voronec: {failure_line(result, finding)}", file=sys.stderr)
     if report.stopped:
         raise KeyboardInterrupt
     return 0 if report.passed else 1

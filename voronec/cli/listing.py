@@ -44,7 +44,7 @@ def _row(stock: Inventory, entry: Entry) -> dict[str, Any]:
     summary = stock.contents.systems.get(entry.name)
     # A name that is hidden is a warning of the catalogue; the system that stands is sound.
     wrong = [t for t in stock.all_troubles if t.owner == entry.name and t.place == entry.place]
-    trouble = "; ".join(t.why if t.kind == "system" else _told(t) for t in wrong)
+    trouble = "; ".join(t.why if t.kind == "system" else _trouble_line(t) for t in wrong)
     if summary is None:
         return row | {"title": "", "claims": 0, "relations": 0, "scenes": [], "trouble": trouble}
     return row | {
@@ -56,7 +56,7 @@ def _row(stock: Inventory, entry: Entry) -> dict[str, Any]:
     }
 
 
-def _told(trouble: Trouble) -> str:
+def _trouble_line(trouble: Trouble) -> str:
     return f"{trouble.kind} '{trouble.name}' in {trouble.place}: {trouble.why}"
 
 

@@ -25,7 +25,7 @@ from voronec.closed.planar_rotation import velocities
 from voronec.closed.problem import InversionProblem
 from voronec.closed.request import exact_instant
 from voronec.closed.rotation_numbers import Turn, turns_of
-from voronec.closed.rounded_constants import Ready
+from voronec.closed.rounded_constants import RoundedConstants
 from voronec.closed.space import Attitude
 from voronec.closed.winding import Winding
 from voronec.declaration.quadratures import Quadratures
@@ -304,6 +304,6 @@ class ClosedForm:
             return first, second
 
     @cached_property
-    def ready(self) -> Ready:
+    def ready(self) -> RoundedConstants:
         """The numbers of an evaluation in doubles."""
-        return Ready(self)
+        return RoundedConstants(self)

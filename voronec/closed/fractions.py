@@ -80,8 +80,8 @@ def split(
     for row in both[count:]:
         _require_integrable(row, others, x, level, example)
     return Split(
-        quotients=tuple(_settled(q, level, example) for q in quotients[:count]),
-        slopes=tuple(_settled(q, level, example) for q in quotients[count:]),
+        quotients=tuple(_with_exact_zeros(q, level, example) for q in quotients[:count]),
+        slopes=tuple(_with_exact_zeros(q, level, example) for q in quotients[count:]),
         shares=_shares(both[:count], poles, x, level, example),
         foreign=foreign,
         meets=meets,
@@ -129,7 +129,9 @@ def _sum(rows: Any) -> tuple[Any, ...]:
     return tuple(sp.Add(*column) for column in zip(*rows, strict=True))
 
 
-def _settled(row: tuple[Any, ...], level: tuple[Any, ...], example: list[Any]) -> tuple[Any, ...]:
+def _with_exact_zeros(
+    row: tuple[Any, ...], level: tuple[Any, ...], example: list[Any]
+) -> tuple[Any, ...]:
     """The coefficients; those that vanish identically as 0."""
     with precise(SHARP):
         seen = compiled(row, level)(example)

@@ -17,7 +17,7 @@ from voronec.closed.bernstein import evaluated
 from voronec.closed.clock import pieces
 from voronec.closed.expressions import reading, velocities_in_doubles
 from voronec.closed.space_coordinates import BLOCK, read_circles
-from voronec.closed.upright_view import Seen, wrapped
+from voronec.closed.upright_view import UprightView, wrapped
 from voronec.declaration.reading import doubles
 from voronec.errors import EngineLimit
 
@@ -279,7 +279,7 @@ MANY = 10_000
 def tabulated(
     form: ClosedForm, grid: np.ndarray, plain: Sequence[str], circles: Sequence[Any], whole: bool
 ) -> Sequence[np.ndarray] | None:
-    """What ``Seen.rows`` gives, by a table; None where that is of no use."""
+    """What ``UprightView.rows`` gives, by a table; None where that is of no use."""
     if grid.size < MANY or not _repeats(form, plain):
         return None
     sample = form.solution.sample(grid)
@@ -405,7 +405,7 @@ def _moving(
     rows = tabulated(form, grid, turning, circles, whole)
     if rows is None:
         sample = form.solution.sample(grid)
-        rows = sample.each(lambda at: Seen(form, at, whole).rows(turning, circles))
+        rows = sample.each(lambda at: UprightView(form, at, whole).rows(turning, circles))
     found = dict(zip(plain, rows, strict=False))
     if circles:
         moved = dict(zip(winding, rows[len(plain) : len(turning)], strict=True)) if whole else None

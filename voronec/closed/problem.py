@@ -167,10 +167,10 @@ class InversionProblem:
         return int(self._once(("sign", read), lambda: self._sign(read)))
 
     def _sign(self, expr: Any) -> int:
-        told = self._told(expr, LADDER)
+        told = self._sign_from_balls(expr, LADDER)
         if told is None and self._is_exact(expr) and vanishes(self.spelled(expr)):
             return 0
-        told = self._told(expr, BEYOND) if told is None else told
+        told = self._sign_from_balls(expr, BEYOND) if told is None else told
         if told is not None:
             return told
         raise EngineLimit(
@@ -179,7 +179,7 @@ class InversionProblem:
             "Rational(1, 3)"
         )
 
-    def _told(self, expr: Any, ladder: Sequence[int]) -> int | None:
+    def _sign_from_balls(self, expr: Any, ladder: Sequence[int]) -> int | None:
         """The sign where balls of so many bits tell it."""
         at = self.exact(expr)
         for bits in ladder:
@@ -258,9 +258,9 @@ class InversionProblem:
             first = 5 + 2 * count
             integrals = tuple(
                 Integral(
-                    self._settled(table[first + 3 * j], j, 0),
-                    self._settled(table[first + 3 * j + 1], j, 1),
-                    self._settled(table[first + 3 * j + 2], j, 2),
+                    self._exact_coefficient(table[first + 3 * j], j, 0),
+                    self._exact_coefficient(table[first + 3 * j + 1], j, 1),
+                    self._exact_coefficient(table[first + 3 * j + 2], j, 2),
                     (*shares, *(residues[j] for _, residues in others)),
                 )
                 for j, shares in enumerate(own.shares)
@@ -309,7 +309,7 @@ class InversionProblem:
             found.append((place, row))
         return found
 
-    def _settled(self, value: Any, j: int, i: int) -> Any:
+    def _exact_coefficient(self, value: Any, j: int, i: int) -> Any:
         """A coefficient; exactly 0 where it is that."""
         if value.is_zero() or not value.contains(0):
             return value

@@ -14,20 +14,20 @@ from voronec.closed.arithmetic import ball, precise
 from voronec.closed.bernstein import Bernstein, bernstein, rounded
 from voronec.closed.compiled_motion import ascending
 from voronec.closed.expressions import reading
-from voronec.closed.upright_view import Seen
+from voronec.closed.upright_view import UprightView
 from voronec.elliptic.panels import Panels
 
 if TYPE_CHECKING:
     from voronec.closed.closed_form import ClosedForm
 
-__all__ = ["Ready"]
+__all__ = ["RoundedConstants"]
 
 FINE = 192
 """Bits of what is rounded to doubles."""
 
 
 @dataclass(frozen=True, eq=False)
-class Ready:
+class RoundedConstants:
     """Numbers of one motion; what nobody asks for is not computed."""
 
     form: ClosedForm
@@ -67,8 +67,8 @@ class Ready:
         return float(self.form.problem.place(FINE)), origin, direction
 
     def panels(self, plain: tuple[str, ...], circles: tuple[Any, ...], model: Any) -> Panels | None:
-        """Tables of ``Seen.rows``, with no whole half periods in them, nor whole turns in the
-        angles at the start."""
+        """Tables of ``UprightView.rows``, with no whole half periods in them, nor whole turns in
+        the angles at the start."""
         if (plain, circles) not in self.tables:
             velocities = {plain_name(v) for v in self.form.system.velocities}
             angles = {plain_name(q) for q in self.form.quadratures.angles}
@@ -77,7 +77,7 @@ class Ready:
             sizes += ["turn"] * (2 * len(circles))
 
             def work(at: Any) -> list[Any]:
-                return Seen(self.form, at, True, True).rows(plain, circles)
+                return UprightView(self.form, at, True, True).rows(plain, circles)
 
             self.tables[plain, circles] = Panels.of(model, work, sizes)
         return self.tables[plain, circles]

@@ -41,7 +41,7 @@ def read_circles(
     found = np.empty((len(own.coordinates), grid.size))
     for part in _blocks(grid.size):
         found[:, part] = read(*turn, *(c[part] for c in circles))
-    return _settled(form, found, grid, names, moved)
+    return _on_branches(form, found, grid, names, moved)
 
 
 def read_frame(
@@ -53,11 +53,11 @@ def read_frame(
     read = _plain_reader(own.space)
     found = read(*(np.ravel(entries[i][j]) for i in range(3) for j in range(3)))
     flat = np.array([np.broadcast_to(x, grid.size) for x in found], dtype=float)
-    settled = _settled(form, flat, np.ravel(grid), names, {} if whole else None)
+    settled = _on_branches(form, flat, np.ravel(grid), names, {} if whole else None)
     return {name: x.reshape(grid.shape) for name, x in settled.items()}
 
 
-def _settled(
+def _on_branches(
     form: ClosedForm,
     found: np.ndarray,
     grid: np.ndarray,

@@ -16,13 +16,13 @@ from voronec.closed.expressions import reading, velocities_in_doubles
 if TYPE_CHECKING:
     from voronec.closed.closed_form import ClosedForm
 
-__all__ = ["Seen", "wrapped"]
+__all__ = ["UprightView", "wrapped"]
 
 TURN = 2 * np.pi
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class UprightView:
     """Coordinates and velocities of a motion turned upright.
 
     Attributes:
@@ -45,7 +45,7 @@ class Seen:
             for n in plain
         ]
         # continuous angles have lost digits late; those that start small are of one period only
-        near = self if self.shifted else Seen(self.form, self.at, False)
+        near = self if self.shifted else UprightView(self.form, self.at, False)
         for q in circles:
             angle = near.coordinate(q)
             found += [np.cos(angle), np.sin(angle)]

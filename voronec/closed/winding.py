@@ -67,13 +67,13 @@ class NoWholeTurns(EngineLimit):
 
     def __init__(self, names: Sequence[Any], time: float | None) -> None:
         self.names, self.time = tuple(names), time
-        super().__init__(f"{told(names, time)}; ask for them modulo a turn")
+        super().__init__(f"{turnless_message(names, time)}; ask for them modulo a turn")
 
     def __reduce__(self) -> Any:
         return type(self), (self.names, self.time)
 
 
-def told(names: Sequence[Any], time: float | None, start: float = 0.0) -> str:
+def turnless_message(names: Sequence[Any], time: float | None, start: float = 0.0) -> str:
     """That angles have no number of whole turns beyond an instant, counted from the start."""
     own = " and ".join(map(plain_name, names))
     have = "have" if len(names) > 1 else "has"
@@ -233,7 +233,7 @@ class Winding:
             plain = dict(zip(own.coordinates, own.machines[1](own.start(bits)[0]), strict=True))
             read = plain[self.names[0]], plain[self.names[1]]
             first, second = self.turns(level, arb(0), self.upright(level, None, bits), read)
-            begun = [given - r for given, r in zip(self._given(bits), read, strict=True)]
+            begun = [given - r for given, r in zip(self._start_values(bits), read, strict=True)]
             halves = [_nearest(e / arb.pi()) for e in begun]
             return halves[0] - 2 * first, halves[1] - 2 * second
 
@@ -251,7 +251,7 @@ class Winding:
             moved = dict(zip(self.form.quadratures.angles, self.form.begin(bits), strict=True))
         return moved[self.names[0]], moved[self.names[1]]
 
-    def _given(self, bits: int) -> tuple[arb, ...]:
+    def _start_values(self, bits: int) -> tuple[arb, ...]:
         problem = self.form.problem
         values = dict(zip(problem.prepared.inputs, problem.given(bits), strict=True))
         return values[self.names[0]], values[self.names[1]]
@@ -364,7 +364,7 @@ class Winding:
         the contact, where that stays where it is."""
         own, problem = self.form.attitude, self.form.problem
         assert own is not None
-        v, b = self._given(bits)
+        v, b = self._start_values(bits)
         c = problem.exact(self.parts.colatitude)(bits)
         normal = [c.sin() * v.cos(), c.sin() * v.sin(), c.cos()]
         along = rotated(transposed(own.start(bits)[0]), normal)

@@ -113,7 +113,7 @@ class Arguments:
             "hyperbolic": self._hyperbolic,
             "rational": self._rational,
             "exponential": self._exponential,
-            "rest": self._rest,
+            "rest": self._units,
         }
         near, far = kinds[self.doubles.constants.kind]()
         mark = self.passing.mark()
@@ -200,7 +200,7 @@ class Arguments:
         fading, mean = np.exp(-2 * np.abs(z)), self.doubles.weights.mean
         return np.where(z > 0, mean * fading, mean), np.where(z > 0, 1.0, fading)
 
-    def _rest(self) -> Arrays:
+    def _units(self) -> Arrays:
         return np.ones_like(self.times), np.zeros_like(self.times)
 
 

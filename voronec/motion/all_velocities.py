@@ -18,7 +18,7 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.errors import DefinitionError
 from voronec.motion.exact_values import exact_number
 from voronec.motion.initial_state import coordinates_of, numbers_of
-from voronec.motion.request import Given
+from voronec.motion.request import StartData
 from voronec.motion.singular_directions import POLE, blind_directions, open_beyond
 from voronec.motion.split_models import SplitGround
 from voronec.motion.velocity_conditions import CONSISTENT
@@ -42,13 +42,13 @@ class WideStart:
 
     vocabulary: Vocabulary
     ground: SplitGround
-    given: Given
+    given: StartData
     wide: np.ndarray
     targets: tuple[str, ...]
 
     @classmethod
     def of(
-        cls, vocabulary: Vocabulary, ground: SplitGround, given: Given, project: bool
+        cls, vocabulary: Vocabulary, ground: SplitGround, given: StartData, project: bool
     ) -> WideStart:
         """Solve what is given; ``DefinitionError`` where it determines nothing, or contradicts."""
         old, new = (

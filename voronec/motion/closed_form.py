@@ -16,7 +16,7 @@ from voronec.closed.compiled_motion import motion_of
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_possible, require_system
 from voronec.errors import DefinitionError
-from voronec.motion.request import Given, Values, scene_of
+from voronec.motion.request import StartData, Values, scene_of
 from voronec.motion.vocabulary import Vocabulary, number
 
 if TYPE_CHECKING:
@@ -52,11 +52,11 @@ def closed_form(
 
     equations = system if isinstance(system, VoronecEquations) else derive(own)
     vocabulary = Vocabulary.of(equations)
-    given = Given.of(vocabulary, chosen, parameters, initial)
+    given = StartData.of(vocabulary, chosen, parameters, initial)
     return closed_from(vocabulary, given, Outset.of(vocabulary, given, 0.0, False))
 
 
-def closed_from(vocabulary: Vocabulary, given: Given, outset: Outset) -> ClosedForm:
+def closed_from(vocabulary: Vocabulary, given: StartData, outset: Outset) -> ClosedForm:
     """The same from what ``integrate`` has read."""
     system = vocabulary.equations.system
     motion_of(system)

@@ -14,7 +14,7 @@ import numpy as np
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed import ClosedForm
-from voronec.closed.winding import NoWholeTurns, passed_poles, told
+from voronec.closed.winding import NoWholeTurns, passed_poles, turnless_message
 from voronec.equations.program import Program
 from voronec.errors import DefinitionError
 from voronec.motion.closed_form import closed_from
@@ -22,7 +22,7 @@ from voronec.motion.methods import EXACT
 from voronec.motion.motion_start import Outset
 from voronec.motion.numeric_model import whole
 from voronec.motion.observables import Watch, observed, watched
-from voronec.motion.request import Given
+from voronec.motion.request import StartData
 from voronec.motion.state_probe import quantities
 from voronec.motion.trajectory import Cost, Trajectory
 from voronec.motion.vocabulary import Vocabulary
@@ -39,7 +39,7 @@ OFTEN = 20
 def evaluated_motion(
     vocabulary: Vocabulary,
     asked: Sequence[Any],
-    given: Given,
+    given: StartData,
     outset: Outset,
     grid: np.ndarray,
     tol: float,
@@ -116,12 +116,11 @@ class _Sight:
             t, states = self._states(grid, progress, True)
         except NoWholeTurns as error:
             t, states = self._states(grid, progress, False)
-            return t, states, (
-                f"{told(error.names, error.time, self.start)}; they are given modulo a turn",
-            )  # fmt: skip
+            lost = turnless_message(error.names, error.time, self.start)
+            return t, states, (f"{lost}; they are given modulo a turn",)
         passed = passed_poles(self.form, grid - self.start).items()
         return t, states, tuple(
-            f"{told(names, time, self.start)}; half a turn is counted there"
+            f"{turnless_message(names, time, self.start)}; half a turn is counted there"
             for time, names in passed
         )  # fmt: skip
 

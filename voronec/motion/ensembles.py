@@ -479,10 +479,10 @@ def _judged(
     if smooth and stepwise:  # steps of Taylor's method grow short there, others may go across
         filled.collapsed.extend(where[filled.motions.passes_divisor(filled.grid, rows, values)])
     filled.steps.append(steps)
-    filled.put(where, rows, _told(filled.motions, where, failed))
+    filled.put(where, rows, _errors_by_start(filled.motions, where, failed))
 
 
-def _told(
+def _errors_by_start(
     motions: Many, where: np.ndarray, failed: Mapping[int, IntegrationError]
 ) -> dict[int, VoronecError]:
     """The errors, saying which start they are about."""

@@ -20,7 +20,7 @@ from voronec.motion.model import Model, smallest_model
 from voronec.motion.motion_start import rates_at
 from voronec.motion.numeric_model import numbers_at
 from voronec.motion.reactions import Multipliers
-from voronec.motion.request import Given, outputs_of, scene_of
+from voronec.motion.request import StartData, outputs_of, scene_of
 from voronec.motion.vocabulary import Vocabulary, number
 
 __all__ = ["explain"]
@@ -58,7 +58,10 @@ def explain(
     start = None
     if chosen is not None or initial is not None:
         start = _start(
-            vocabulary, chosen, Given.of(vocabulary, chosen, parameters, initial), driven.constants
+            vocabulary,
+            chosen,
+            StartData.of(vocabulary, chosen, parameters, initial),
+            driven.constants,
         )
     elif parameters:
         raise DefinitionError(
@@ -85,7 +88,7 @@ def _wanted(vocabulary: Vocabulary, outputs: Sequence[Any]) -> dict[str, sp.Expr
 
 
 def _start(
-    vocabulary: Vocabulary, scene: Scene | None, given: Given, inputs: Mapping[str, Any]
+    vocabulary: Vocabulary, scene: Scene | None, given: StartData, inputs: Mapping[str, Any]
 ) -> dict[Any, float]:
     """Numbers of coordinates, velocities, parameters, time; what has no value is left out."""
     equations = vocabulary.equations

@@ -38,7 +38,7 @@ def first_success(ways: Iterable[Way], begin: float) -> Trajectory:
         try:
             found = way(errors[0] if errors else None)
             if found is not None:
-                return _told(found, errors)
+                return _with_failures(found, errors)
         except IntegrationError as error:
             errors.append(error)
         except (DefinitionError, EngineLimit):
@@ -53,7 +53,7 @@ def _reach(error: IntegrationError, begin: float) -> float:
     return reach if isfinite(reach) else 0.0
 
 
-def _told(trajectory: Trajectory, errors: list[IntegrationError]) -> Trajectory:
+def _with_failures(trajectory: Trajectory, errors: list[IntegrationError]) -> Trajectory:
     """The trajectory, with what failed before it."""
     failed = [e.trajectory.cost for e in errors if e.trajectory is not None]
     if not failed:

@@ -39,7 +39,7 @@ from voronec.motion.motion_start import Outset
 from voronec.motion.numeric_model import Modelled, modelled, whole
 from voronec.motion.observables import Watch, followed, observed
 from voronec.motion.poles import LAST, NearPole, PoleGuard
-from voronec.motion.request import Given, grid_of, outputs_of, scene_of
+from voronec.motion.request import StartData, grid_of, outputs_of, scene_of
 from voronec.motion.singular_directions import charted_directions
 from voronec.motion.soundness import Breach, Judge
 from voronec.motion.split_models import NEAR, SplitGround
@@ -145,7 +145,7 @@ def integrate(
     equations = driven.equations
     _refuse_unknown_functions(equations.system)
     vocabulary = Vocabulary.of(equations, driven.meaning)
-    given = Given.of(vocabulary, chosen, parameters, initial)
+    given = StartData.of(vocabulary, chosen, parameters, initial)
     given = replace(
         given, parameters={**given.parameters, **driven.parameters(float(grid[0]), float(grid[-1]))}
     )
@@ -193,7 +193,7 @@ class _Request:
     followed: bool
     method: str
     began: float
-    given: Given
+    given: StartData
     project: bool
 
     def in_any_split(self, way: Way) -> Way:

@@ -121,9 +121,9 @@ class Modes:
         change = Sides(answer, self.floor, still, self.cusps, self.saturated)
         made = replace(
             form,
-            rates=tuple(self._settled(e, change) for e in form.rates),
-            force=tuple(self._settled(e, change) for e in form.force),
-            mass=tuple(tuple(self._settled(e, change) for e in row) for row in form.mass),
+            rates=tuple(self._entry_on_sides(e, change) for e in form.rates),
+            force=tuple(self._entry_on_sides(e, change) for e in form.force),
+            mass=tuple(tuple(self._entry_on_sides(e, change) for e in row) for row in form.mass),
         )
         functions = {name: change(e) for name, e in self.functions.items()}
         floors = [self.floor(wall) for wall in change.walls if wall.whole]
@@ -135,7 +135,7 @@ class Modes:
         self._corners.append(found)
         return found
 
-    def _settled(self, expr: Any, change: Sides) -> Any:
+    def _entry_on_sides(self, expr: Any, change: Sides) -> Any:
         """An entry on the sides, without the factors that vanish on a wall both above and below."""
         expr = se.sympify(expr)
         found = change(expr)

@@ -22,7 +22,7 @@ from voronec.motion.initial_state import (
     parameter_values,
     start_of,
 )
-from voronec.motion.request import Given
+from voronec.motion.request import StartData
 from voronec.motion.singular_directions import (
     POLE,
     blind_directions,
@@ -72,7 +72,7 @@ def _are_rates(ground: SplitGround, q: np.ndarray, v: np.ndarray, w: np.ndarray)
     return bool((np.abs(off) <= CONSISTENT * size).all())
 
 
-def _at_rest(vocabulary: Vocabulary, ground: SplitGround, given: Given) -> np.ndarray:
+def _at_rest(vocabulary: Vocabulary, ground: SplitGround, given: StartData) -> np.ndarray:
     """The coordinates at the start, with velocities that are zero."""
     values = [
         numbers_of(vocabulary, part, ground.constants)
@@ -132,7 +132,7 @@ class Outset:
     def of(
         cls,
         vocabulary: Vocabulary,
-        given: Given,
+        given: StartData,
         time: float,
         project: bool,
         changing: Signals | None = None,

@@ -20,7 +20,7 @@ from voronec.errors import DefinitionError, did_you_mean
 from voronec.motion.initial_state import named
 from voronec.motion.vocabulary import Vocabulary, label, number
 
-__all__ = ["Given", "Values", "grid_of", "outputs_of", "quantity", "scene_of", "spread_starts"]
+__all__ = ["StartData", "Values", "grid_of", "outputs_of", "quantity", "scene_of", "spread_starts"]
 
 POINTS = 1001
 """How many points a scene's span is seen at."""
@@ -29,7 +29,7 @@ Values = Mapping[Any, Any]
 
 
 @dataclass(frozen=True)
-class Given:
+class StartData:
     """What is said of one start, by plain name: ``parameters``, and initial values, those of the
     scene (``scene_initial``) and those over them (``initial``)."""
 
@@ -44,7 +44,7 @@ class Given:
         scene: Scene | None,
         parameters: Values | None,
         initial: Values | None,
-    ) -> Given:
+    ) -> StartData:
         """Scene and arguments put together; ``DefinitionError`` for names nobody knows."""
         return cls(
             parameters={

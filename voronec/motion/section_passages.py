@@ -520,12 +520,14 @@ def _fail(
     if i is None:
         return
     time = passages.reached[i] if np.isfinite(passages.reached[i]) else motions.time
-    passages.errors[i] = _told(motions, i, reason, float(time), lanes.states[lane])
+    passages.errors[i] = _unfinished_error(motions, i, reason, float(time), lanes.states[lane])
     # a lane that is not finite would stop all others
     lanes.load(lane, motions.states[i], motions.values[i], motions.time)
 
 
-def _told(motions: Many, i: int, reason: str, time: float, state: np.ndarray) -> IntegrationError:
+def _unfinished_error(
+    motions: Many, i: int, reason: str, time: float, state: np.ndarray
+) -> IntegrationError:
     name = motions.vocabulary.equations.system.name
     return IntegrationError(
         f"system '{name}', start {i}: {reason} after t = {time:.12g}; ask for fewer crossings, or "
@@ -581,7 +583,7 @@ def _follow(motions: Many, watch: Watch, passages: Passages, tol: float, i: int)
                 return
     except IntegrationError as error:
         reason = str(error).partition(" after")[0]
-        passages.errors[i] = _told(
+        passages.errors[i] = _unfinished_error(
             motions, i, reason, float(error.time or 0.0), np.asarray(error.state)
         )
 

@@ -60,7 +60,7 @@ def charted_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
         return none
     if not any(_may_be_singular(ground, chart, wide) for chart in system.charts.values()):
         return none  # as of most starts: no slopes are derived
-    looked = [_seen(ground, chart, wide) for chart in system.charts.values()]
+    looked = [_distances(ground, chart, wide) for chart in system.charts.values()]
     own, there, slopes = max(looked, key=lambda found: found[1], default=(1.0, 0.0, none))
     if not own < POLE or not there > POLE:
         return none
@@ -89,7 +89,7 @@ def open_beyond(rows: np.ndarray, blind: np.ndarray) -> np.ndarray:
     return np.asarray(ways - blind @ (blind.T @ ways))
 
 
-def _seen(ground: SplitGround, chart: Chart, wide: np.ndarray) -> tuple[float, float, Any]:
+def _distances(ground: SplitGround, chart: Chart, wide: np.ndarray) -> tuple[float, float, Any]:
     """How far a wide state is from the singularities of the own coordinates and of a chart, 0 where
     the chart has no value, and df/dq."""
     d, system = ground.home.definition, ground.home.system

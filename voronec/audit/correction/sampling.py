@@ -85,12 +85,12 @@ class Sampler:
         key = (node, tuple(sorted(where.items())))
         known = self.cache.get(key)
         if known is None:
-            known = self.cache[key] = self._settled(node, where)
+            known = self.cache[key] = self._value_of(node, where)
         if isinstance(known, Exception):
             raise known
         return known
 
-    def _settled(self, node: Node, where: Where) -> Any:
+    def _value_of(self, node: Node, where: Where) -> Any:
         try:
             rule = _RULES.get(type(node))
             return self._symbolic(node, where) if rule is None else rule(node, where, self.value)

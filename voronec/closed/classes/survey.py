@@ -189,7 +189,7 @@ def classify_many(
     labels, reversals = found.labels.astype(object), found.reversals.copy()
     left = found.open
     for done, i in enumerate(left):
-        label, turns = _settled(system, [row[i] for row in values], trace)
+        label, turns = _exact_label(system, [row[i] for row in values], trace)
         labels[i] = label
         reversals[i] = turns
         if progress is not None and done % 50 == 0:
@@ -197,7 +197,7 @@ def classify_many(
     return replace(found, labels=labels, reversals=reversals)
 
 
-def _settled(system: System, row: list[Any], trace: str | None) -> tuple[str, int]:
+def _exact_label(system: System, row: list[Any], trace: str | None) -> tuple[str, int]:
     """Label and number of reversals of one motion."""
     known = declared(system)
     curve = known.curve(trace)

@@ -173,7 +173,7 @@ class _Globe:
         for line in _NET:
             self._line(panel, view, line, front, **style)
         for side, colour in ((1.0, self.ink), (-1.0, "white")):
-            x, y, depth = self._seen(view, np.array([[0, 0, side]]))[0]
+            x, y, depth = self._projection(view, np.array([[0, 0, side]]))[0]
             if (depth >= 0) == front:
                 panel.plot([x], [y], "o", color=colour, markeredgecolor=self.ink,
                            markersize=2.6 * width, markeredgewidth=0.6, alpha=max(alpha, 0.5),
@@ -184,19 +184,19 @@ class _Globe:
     ) -> None:
         style = {"color": self.ink, "linewidth": 1.1 * width, "alpha": alpha, "zorder": order}
         self._line(panel, view, self.curve, front, **style)
-        x, y, depth = self._seen(view, self.curve[:1])[0]
+        x, y, depth = self._projection(view, self.curve[:1])[0]
         if (depth >= 0) == front:  # where it began
             panel.plot([x], [y], "o", color="white", markeredgecolor=self.ink, alpha=alpha,
                        markersize=2.4 * width, markeredgewidth=0.7, zorder=order)  # fmt: skip
 
     def _line(self, panel: Any, view: View, points: np.ndarray, front: bool, **style: Any) -> None:
-        x, y, depth = self._seen(view, points).T
+        x, y, depth = self._projection(view, points).T
         kept = (depth >= 0) == front
         if kept.any():
             gap = np.where(kept, 0.0, np.nan)
             panel.plot(x + gap, y + gap, solid_joinstyle="round", **style)
 
-    def _seen(self, view: View, points: np.ndarray) -> np.ndarray:
+    def _projection(self, view: View, points: np.ndarray) -> np.ndarray:
         """(right, up, depth below or above the centre) of points on it."""
         turned = self.radius * points @ self.attitude.T
         seen = view.project(turned)

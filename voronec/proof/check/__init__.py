@@ -1,7 +1,7 @@
 """Everything that systems declare, checked: claims, relations, squares, and what is broken."""
 
 from voronec.proof.check.inventory import Inventory, Trouble, graph
-from voronec.proof.check.record import Finding, Report, Result, told
+from voronec.proof.check.record import Finding, Report, Result, failure_line
 from voronec.proof.check.run import check_catalogue, check_relation, known_results, user_store
 
 __all__ = [
@@ -12,8 +12,8 @@ __all__ = [
     "Trouble",
     "check_catalogue",
     "check_relation",
+    "failure_line",
     "graph",
     "known_results",
-    "told",
     "user_store",
 ]

@@ -121,14 +121,14 @@ class Report:
             "seconds": round(self.seconds, 3),
             "count": self.count(),
             **{f"{k}s": [r.as_dict() for r in self.of_kind(k)] for k in KINDS},
-            "failures": [told(r, f) for r, f in self.failures],
+            "failures": [failure_line(r, f) for r, f in self.failures],
         }
 
 
 KINDS = ("system", "relation", "square")
 
 
-def told(result: Result, finding: Finding) -> str:
+def failure_line(result: Result, finding: Finding) -> str:
     """A failure in one line: what, where, why."""
     what = f"{result.kind} '{result.name}'"
     if finding.name and finding.name != result.name:

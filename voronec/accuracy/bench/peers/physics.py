@@ -114,10 +114,10 @@ def _prepare(question: BenchMotion, setting: Setting) -> Run:
         def once() -> np.ndarray:
             mujoco.mj_resetData(model, data)
             _place(mujoco, data, at, p["R"])
-            rows = [_seen(mujoco, data)]
+            rows = [_state_of(mujoco, data)]
             for _ in question.grid[1:]:
                 mujoco.mj_step(model, data, each)
-                rows.append(_seen(mujoco, data))
+                rows.append(_state_of(mujoco, data))
             return np.array(rows)
 
         rows, seconds = timed(once)
@@ -150,7 +150,7 @@ def _place(mujoco: Any, data: Any, at: BenchLevel, radius: float) -> None:
     data.qvel[3:] = spin
 
 
-def _seen(mujoco: Any, data: Any) -> np.ndarray:
+def _state_of(mujoco: Any, data: Any) -> np.ndarray:
     turn = np.empty(9)
     mujoco.mju_quat2Mat(turn, data.qpos[3:7])
     return np.concatenate([turn[6:], data.qvel[3:]])
