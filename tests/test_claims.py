@@ -44,26 +44,6 @@ def verdict_on(system, **claims):
     return check_claims(replace(bare, **claims))[0].verdict
 
 
-DECLARING = ("chaplygin-ball", "nonholonomic-particle", "rubber-ball-on-sphere", "sleigh")
-"""They declare claims of every kind, some of them in cases."""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", DECLARING)
-def test_no_declared_claim_is_left_out(name):
-    system = vo.load(name)
-    kinds = [c.kind for c in check_claims(derived(name))]
-    holders = [system, *system.cases.values()]
-    assert kinds.count("integral") == sum(len(h.integrals) for h in holders)
-    assert kinds.count("equation") == sum(len(h.equations) for h in holders)
-    assert kinds.count("measure") == sum(h.measure is not None for h in holders)
-    assert kinds.count("integrable") == sum(bool(h.integrable) for h in holders)
-    assert kinds.count("multiplier") == sum(h.multiplier is not None for h in holders)
-    for kind in ("poisson", "essential"):
-        assert kinds.count(kind) == bool(getattr(system, kind))
-    assert kinds.count("descent") == bool(system.invariants)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [n for n in vo.names() if vo.load(n).undecided])
 def test_what_is_declared_undecided_is_true_in_numbers(name):

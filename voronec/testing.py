@@ -12,6 +12,7 @@ called by themselves, too: each takes the name of a system, or its file, and rai
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
@@ -22,6 +23,7 @@ from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.text import sympified
 from voronec.declaration.bibliography import bibtex
 from voronec.declaration.catalogue import Entry, entry_of, file_entry
+from voronec.declaration.claims import declared_claims
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.equations.referee import multiplier_acceleration
@@ -93,10 +95,16 @@ def references_are_known(name: str) -> None:
 
 
 def claims_hold(name: str) -> None:
-    """Every claim is proved, or listed as undecided with a reason; there is at least one."""
+    """Every claim is proved, or listed as undecided with a reason; there is at least one, and none
+    is left out."""
     results = _results(name, "system")
     _pass(results)
     assert any(r.findings for r in results), f"'{name}' claims nothing"
+    system = _entry(name).load()
+    holders = (system, *system.cases.values())
+    declared = Counter(claim.kind for holder in holders for claim in declared_claims(holder))
+    missing = declared - Counter(f.kind for r in results for f in r.findings)
+    assert not missing, f"'{name}': claims that nothing decided: {dict(missing)}"
 
 
 def relations_hold(name: str) -> None:
