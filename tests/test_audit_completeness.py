@@ -68,6 +68,20 @@ def test_what_is_positive_in_the_chart_may_be_a_factor() -> None:
     assert verdict_of(display, CONSTRAINT, study=chart) == "proved"
 
 
+@pytest.mark.parametrize(
+    ("printed", "verdict"), [("p=q", "proved"), ("(p,p)=(q,q)", "misprint"), ("q-p=0", "proved")]
+)
+def test_a_vector_says_as_much_as_its_components(printed: str, verdict: str) -> None:
+    """p - q has two components along axes that turn by x, and none along the third."""
+    slip = sp.Matrix([ydot - xdot * sp.sin(z), zdot - xdot * sp.cos(z), 0])
+    c, s = sp.cos(x), sp.sin(x)
+    turn = sp.Matrix([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    speed = sp.Matrix([xdot, 0, 0])
+    study = disc()
+    study = replace(study, names={**study.names, "p": turn * slip + speed, "q": speed})
+    assert verdict_of(f"${printed}$", Check(constrains=2), study=study) == verdict
+
+
 def test_a_constant_before_two_vectors_multiplies_their_product() -> None:
     a, b = (sp.Matrix(sp.symbols(f"{w}1:4")) for w in "ab")
     study = Study({"a": a, "b": b, "D": sp.Symbol("D")}, source="letters")

@@ -82,6 +82,11 @@ def test_one_change(printed, mended):
     assert flat(found.latex) == flat(mended)
 
 
+def test_what_is_added_and_taken_away_again_is_no_correction():
+    assert mend("Q+x-y=x") is None, "y+x-y=x is true, and says nothing of Q"
+    assert mend("x+3c-c=x+2c") is None or "c-c" not in mend("x+3c-c=x+2c").latex
+
+
 def flat(latex: str) -> str:
     return latex.replace(" ", "")
 

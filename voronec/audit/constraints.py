@@ -60,25 +60,33 @@ def _gradients(chain: Chain, study: Study) -> list[dict[sp.Expr, sp.Expr]]:
 def _rank(rows: list[dict[sp.Expr, sp.Expr]], wanted: int, study: Study) -> Verdict:
     """Whether so many of some gradients are independent everywhere."""
     columns = sorted({x for row in rows for x, slope in row.items() if slope != 0}, key=str)
-    minors = [
-        sp.Matrix([[row.get(x, 0) for x in chosen] for row in several]).det()
-        for several in combinations(rows, wanted)
-        for chosen in combinations(columns, wanted)
-    ]
     said = f"{wanted} independent condition" + "s" * (wanted > 1)
-    alive = shorten([m for m in minors if m != 0], study.relations)
-    alive = sorted((m for m in alive if m != 0), key=sp.count_ops)
+    table = sp.Matrix([[row.get(x, 0) for x in columns] for row in rows])
+    alive = _minors(table, wanted, study.relations)
     if not alive:
         return Verdict("refuted", f"with what stands before it there are not {said}")
     if any(_nowhere_zero(value, study) for value in alive) or _nowhere_zero(
-        _squares(alive, study.relations), study
+        shorten([sp.Add(*(m**2 if len(rows) == wanted else m for m in alive))], study.relations)[0],
+        study,
     ):
         return Verdict("proved", f"with what stands before it {said}")
     return Verdict("undecided", f"whether there are {said} everywhere is not decided")
 
 
-def _squares(values: list[Any], relations: tuple[Any, ...]) -> Any:
-    return shorten([sp.Add(*(value**2 for value in values))], relations)[0]
+def _minors(table: sp.Matrix, size: int, relations: tuple[Any, ...]) -> list[Any]:
+    """Those of all rows that do not vanish, the shortest first; with more rows, for each choice of
+    columns the sum of the squares: a principal minor of A^T A, whose entries are short where the
+    rows are components of vectors."""
+    if min(table.shape) < size:
+        return []
+    chosen = [list(c) for c in combinations(range(table.cols), size)]
+    if table.rows > size:
+        products = sp.Matrix(table.cols, table.cols, shorten(list(table.T * table), relations))
+        minors = [products.extract(c, c).det(method="berkowitz") for c in chosen]
+    else:
+        minors = [table[:, c].det() for c in chosen]
+    found = shorten(minors, relations)
+    return sorted((m for m in found if m != 0), key=sp.count_ops)
 
 
 def _nowhere_zero(value: Any, study: Study) -> bool:

@@ -71,7 +71,7 @@ NEUMANN = Section(
             r"""\begin{equation}\label{eq:nosliding1}
 \mathfrak v^1=\mathfrak v.
 \end{equation}""",
-            (ROLLING,),
+            (Check(study="rolling", constrains=2),),
         ),
         Display(
             r"""\begin{eqnarray}

@@ -352,7 +352,8 @@ class Correction:
 class _Case:
     """A formula to be mended; ``new`` are the names that it defines, ``terms`` what it adds.
 
-    ``empty`` says that it sets something equal to itself, ``legible`` that it can be read.
+    ``cancelled`` are those that it adds and takes away again; ``empty`` says that it sets something
+    equal to itself, ``legible`` that it can be read.
     """
 
     printed: str
@@ -360,6 +361,7 @@ class _Case:
     study: Study
     new: frozenset[str] = frozenset()
     terms: frozenset[Node] = frozenset()
+    cancelled: frozenset[Node] = frozenset()
     empty: bool = False
     legible: bool = False
 
@@ -381,7 +383,7 @@ class _Case:
             chain = read(latex, self.study.vocabulary)
             if says_nothing(chain) or any(holds_always(*link) for link in pairwise(chain.parts)):
                 return None  # true, but it says nothing
-            if not new_names(chain, self.study) <= self.new:
+            if not new_names(chain, self.study) <= self.new or _cancelled(chain) - self.cancelled:
                 return None
             finding = verify(chain, self.check, self.study)
             if not (finding.verdict.proved and finding.count):
@@ -435,6 +437,12 @@ def _terms(chain: Chain) -> frozenset[Node]:
     return frozenset([*sides, *(term for node in sums for _, term in node.terms)])
 
 
+def _cancelled(chain: Chain) -> frozenset[Node]:
+    """What a sum adds and takes away again."""
+    sums = [part for part in walk(chain) if isinstance(part, Sum)]
+    return frozenset(t for s in sums for sign, t in s.terms if (-sign, t) in s.terms)
+
+
 def _is_zero(term: Node, study: Study) -> bool:
     try:
         values = assignments(Chain((term,)), study)
@@ -449,7 +457,7 @@ def _case(printed: str, check: Check, study: Study) -> _Case:
     except VoronecError:
         return _Case(printed, check, study)
     new, empty = frozenset(new_names(chain, study)), says_nothing(chain)
-    return _Case(printed, check, study, new, _terms(chain), empty, True)
+    return _Case(printed, check, study, new, _terms(chain), _cancelled(chain), empty, True)
 
 
 def _ordered(formula: Formula, study: Study, spare: Spare) -> list[Change]:
