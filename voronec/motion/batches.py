@@ -15,10 +15,11 @@ import numpy as np
 
 from voronec.equations.program import Hoisted, Program, compiled, hoisted, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
-from voronec.motion.methods import FINEST, method_names
+from voronec.motion.methods import method_names
 from voronec.motion.steppers.first_step import STRIDE, openings, overlong_lanes
 from voronec.motion.steppers.run import COLLAPSE, INFINITE
 from voronec.motion.steppers.units import units_of_many
+from voronec.motion.tolerances import FINEST
 
 __all__ = [
     "PASSED",

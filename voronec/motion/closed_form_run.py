@@ -18,12 +18,12 @@ from voronec.closed.winding import NoWholeTurns, passed_poles, turnless_message
 from voronec.equations.program import Program
 from voronec.errors import DefinitionError
 from voronec.motion.closed_form import closed_from
-from voronec.motion.methods import EXACT
 from voronec.motion.motion_start import Outset
 from voronec.motion.numeric_model import whole
 from voronec.motion.observables import Watch, observed, watched
 from voronec.motion.request import StartData
 from voronec.motion.state_probe import quantities
+from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory
 from voronec.motion.vocabulary import Vocabulary
 

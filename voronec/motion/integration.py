@@ -33,7 +33,7 @@ from voronec.motion.divisors import Divisor
 from voronec.motion.events import Crossings, Event, spelled
 from voronec.motion.fallback import Way, first_success, other_method
 from voronec.motion.inputs import drive
-from voronec.motion.methods import CLOSED, EXACT
+from voronec.motion.methods import CLOSED
 from voronec.motion.mode_stepper import Switched, through_walls
 from voronec.motion.motion_start import Outset
 from voronec.motion.numeric_model import Modelled, modelled, whole
@@ -48,6 +48,7 @@ from voronec.motion.state_probe import Probe, quantities
 from voronec.motion.steppers import Problem, Run, Stepper
 from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.signals import Signals, in_kind
+from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory
 from voronec.motion.vocabulary import Vocabulary
 

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
+from voronec.motion.tolerances import EXACT, FINEST
+
 if TYPE_CHECKING:
     from voronec.motion.steppers.run import Problem, Stepper
 
-__all__ = ["CLOSED", "EXACT", "METHODS", "Method", "method_names"]
+__all__ = ["CLOSED", "METHODS", "Method", "method_names"]
 
-EXACT = 1e-16
-"""Doubles have nothing to offer below this tolerance."""
-FINEST = 2.3e-14
-"""scipy refuses finer relative tolerances."""
 CLOSED = "closed-form"
 """Evaluates a declared motion; it takes no steps, and is no integrator."""
 

@@ -15,7 +15,8 @@ from voronec.accuracy.hard.reference import Reference
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion import Trajectory, integrate
-from voronec.motion.methods import EXACT, METHODS
+from voronec.motion.methods import METHODS
+from voronec.motion.tolerances import EXACT
 
 __all__ = ["FLOOR", "ROUNDINGS", "Trial", "attempt", "bound"]
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from voronec.equations.program import compiled
-from voronec.motion.methods import FINEST
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
 from voronec.motion.steppers.step_loop import Halted, Levels, Stride, march
 from voronec.motion.steppers.units import natural_units
+from voronec.motion.tolerances import FINEST
 
 __all__ = ["dop853", "estimated_steps", "lsoda"]
 

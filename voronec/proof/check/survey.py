@@ -12,7 +12,7 @@ from voronec.declaration.claims import declared_claims
 from voronec.declaration.relation import Relation, Square
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, did_you_mean
-from voronec.proof.check.inventory import Contents, Edge, Face, Summary, Trouble
+from voronec.proof.check.contents import Contents, Edge, Face, Summary, Trouble
 from voronec.proof.relations.diagram import diagram, squares_of
 
 __all__ = ["survey"]

@@ -1,0 +1,8 @@
+"""The finest tolerances that make sense."""
+
+__all__ = ["EXACT", "FINEST"]
+
+EXACT = 1e-16
+"""Doubles have nothing to offer below this tolerance."""
+FINEST = 2.3e-14
+"""scipy refuses finer relative tolerances."""
