@@ -191,8 +191,10 @@ def _source(record: FormulaRecord, check: Check, bench: SectionContext) -> str:
     """What the derived side was made from, where the verdict comes of a comparison with it."""
     if record.verdict not in ("proved", "convention", "misprint", "cited"):
         return ""
-    several = [bench.study(check, name).origin for name in ("", *check.also)]
-    return check.source or "; ".join(dict.fromkeys(s for s in several if s))
+    several = [check.source] if check.source else []
+    names = ("",) if several else ("", *check.also)
+    several += [bench.study(check, name).origin for name in names]
+    return "; ".join(dict.fromkeys(s for s in several if s))
 
 
 def _unreadable(
