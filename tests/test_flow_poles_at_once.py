@@ -137,3 +137,13 @@ def test_rates_that_are_infinite_at_a_pole_tell_no_units(off: float) -> None:
     )  # fmt: skip
     for name in ("x", "y"):
         assert run[name][2] - run[name][1] == pytest.approx(run[name][1] - run[name][0], abs=1e-13)
+
+
+def test_a_pole_that_doubles_miss_is_one() -> None:
+    """sin(pi) is 1e-16: beyond it no chart leads here, and the motion went off in some direction,
+    without a word, while the invariants went another way."""
+    body = vo.load("ellipsoid-on-sphere")
+    start = {"phi": -0.2, "theta": 1.1, "psi": 0.2, "u": np.pi, "v": 0.0, "p": 0.8}
+    start |= {"omega1": 0.6, "omega2": 0.9, "omega3": -0.15}
+    with pytest.raises(vo.IntegrationError, match="not defined at the initial point"):
+        vo.integrate(body, initial=start, times=[0, 0.1], outputs=("u", "v"))

@@ -19,6 +19,8 @@ __all__ = ["Probe", "quantities", "quiet", "rates_along"]
 
 SINGULAR = 1e-13
 """A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
+INFINITE = 1e14
+"""Rates of coordinates this many times the largest coordinate or velocity are divisions by zero."""
 NEARLY = 1e-6
 """The same in units of the start's diagonal, for naming the cause where a run broke down."""
 
@@ -83,7 +85,10 @@ class Probe:
                 f"system '{self.name}': the equations are not defined for {meaningless}; change "
                 "these parameters"
             )
-        if not np.isfinite(np.array(slope, dtype=float)).all():
+        rates = np.abs(np.array(slope, dtype=float))
+        # sin(pi) is no zero in doubles, nor are rates of angles infinite that are divided by it
+        turning = rates[: len(self.form.coordinates)] > INFINITE * np.abs(start).max(initial=0.0)
+        if not np.isfinite(rates).all() or turning.any():
             raise self._nowhere("the equations are not defined", start)
 
     def suspect(self, start: np.ndarray) -> Suspect | None:
