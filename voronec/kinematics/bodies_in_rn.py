@@ -9,6 +9,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.text import sympified
 from voronec.declaration.claims import Case, Equation, Measure
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import real_text
@@ -96,7 +97,7 @@ class BodyInRn:
         """R1/(R1 + R2), or 1."""
         if self.fixed is None:
             return sp.Integer(1)
-        return sp.sympify(self.fixed / (self.fixed + self.radius))
+        return sympified(self.fixed / (self.fixed + self.radius))
 
     @property
     def velocities(self) -> tuple[sp.Symbol, ...]:

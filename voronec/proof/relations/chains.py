@@ -238,7 +238,7 @@ def _carried_back(first: _Chain, second: _Chain) -> dict[Any, Any]:
     scaled = {str(p): sympified(e) for p, e in second.scaled.items()}
     own = {str(p): p for p in first.start.parameters}
     ranges = (c for c in parted(first.hypotheses)[1] if {*map(str, c.free_symbols)} <= own.keys())
-    family = carried_back(values, scaled, small, [sp.sympify(c) for c in ranges])
+    family = carried_back(values, scaled, small, [sympified(c) for c in ranges])
     if family is None or not own.keys() >= family.keys():
         raise DefinitionError(
             f"the chain that comes to '{second.start.system.name}' fixes a parameter that the "
