@@ -139,3 +139,21 @@ def test_paths_of_a_picture_are_rounded_and_nothing_else_is():
 
     svg = '<path d="M 1.23456 20 \nL 0.5 7.999999" id="a1.23456"/><use scale(0.015625)/>'
     assert rounded(svg) == '<path d="M 1.23 20 \nL 0.5 8.00" id="a1.23456"/><use scale(0.015625)/>'
+
+
+def test_the_end_is_a_screenful(call: Call, sheet: str) -> None:
+    answer = call("regenerate", sheet, "--out", "report")
+    lines = answer.out.splitlines()
+    assert answer.status == 0 and len(lines) < 25
+    assert lines[0] == "A sheet" and "  All: 1 proved, 1 misprint" in lines
+    place = lines.index("wrong in print")
+    assert lines[place + 1].startswith("  display 2: ")
+    assert any("open report/report.html" in line.replace("\\", "/") for line in lines)
+    assert "erratum" not in answer.out and "--details" in answer.out
+
+
+def test_details_are_printed_where_they_are_asked_for(call: Call, sheet: str) -> None:
+    for words in (("--details",), ("--label", "double")):
+        answer = call("regenerate", sheet, *words)
+        assert "(double)" in answer.out and "wrong in print" not in answer.out
+    assert "erratum 1: display 2" in call("regenerate", sheet, "--details").out

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from html import escape
 from typing import Any
 
 import sympy as sp
@@ -12,7 +13,7 @@ from sympy.core.function import AppliedUndef
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
 from voronec.algebra.text import sympified
 
-__all__ = ["latex_of", "plain_text", "symbol_latex"]
+__all__ = ["caret_text", "html_table", "latex_of", "plain_text", "symbol_latex"]
 
 _GREEK = (
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau "
@@ -63,3 +64,19 @@ def plain_text(expr: Any) -> str:
     motions = expr.atoms(AppliedUndef, sp.Derivative)
     bare = {f: sp.Symbol(plain_name(f)) for f in motions if is_symbolic_name(getattr(f, "expr", f))}
     return str(expr.xreplace(bare))
+
+
+def caret_text(expr: Any) -> str:
+    """The same for people: powers as ``x^2``."""
+    return plain_text(expr).replace("**", "^")
+
+
+def html_table(caption: str, rows: Iterable[tuple[str, str]]) -> str:
+    """A table of two columns for a notebook: words, and what may hold formulas between dollars."""
+    lines = "".join(
+        f'<tr><th style="text-align:left">{escape(name)}</th>'
+        f'<td style="text-align:left">{escape(value)}</td></tr>'
+        for name, value in rows
+        if value
+    )
+    return f"<table><caption>{escape(caption)}</caption>{lines}</table>"

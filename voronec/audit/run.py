@@ -24,6 +24,7 @@ from voronec.errors import DefinitionError, did_you_mean
 __all__ = ["Item", "Work", "audit_paper", "audit_section", "items"]
 
 Progress = Callable[[str, str], None]
+Stage = Callable[[str, Sequence[Record]], None]
 
 
 def audit_paper(
@@ -31,6 +32,7 @@ def audit_paper(
     progress: Progress | None = None,
     cache: Cache | None = None,
     label: str | None = None,
+    stage: Stage | None = None,
 ) -> Audit:
     """A verdict for every formula of a paper.
 
@@ -43,6 +45,8 @@ def audit_paper(
         of a display or a section, or what a record is called on the page ("text 3"): audit only
         the sections that have it, and return only what is called so; an unknown one raises
         ``DefinitionError``.
+    stage
+        called with the title of each section and its records, when it is done.
     """
     sections = paper.sections if label is None else _sections_with(paper, label)
     # What verdicts rest on is looked at before any is made: sources may be edited meanwhile.
@@ -52,7 +56,10 @@ def audit_paper(
     records: list[Record] = []
     for section, basis, key in zip(sections, bases, keys, strict=True):
         shelf = None if cache is None or basis is None else _Shelf(cache, basis, key)
-        records += audit_section(section, progress, shelf, labels)
+        found = audit_section(section, progress, shelf, labels)
+        records += found
+        if stage is not None:
+            stage(section.title, found)
     if label is not None:
         records = [r for r in records if label in (r.label, r.called, _label_of(paper, r.section))]
     return Audit(paper.name, paper.title, tuple(records), paper.references, paper.authors)

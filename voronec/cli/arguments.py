@@ -100,6 +100,9 @@ def _regenerate(commands: Any) -> None:
     parser.add_argument(
         "--label", metavar="L", help="only this label, or what the page calls 'text 3'"
     )
+    parser.add_argument(
+        "--details", action="store_true", help="print a line a record, and every erratum whole"
+    )
     parser.add_argument("--fresh", action="store_true", help="reuse no verdict of an earlier audit")
 
 

@@ -8,8 +8,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from voronec.algebra.columns import columns
 from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import columns, print_json, progress
+from voronec.cli.output import print_json, progress
 from voronec.cli.subject import resolve
 from voronec.cli.values import finite, pair, split_values
 from voronec.errors import DefinitionError

@@ -8,7 +8,8 @@ from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from voronec.cli.output import columns, print_json, progress
+from voronec.algebra.columns import columns
+from voronec.cli.output import print_json, progress
 from voronec.cli.subject import is_file
 from voronec.errors import DefinitionError
 

@@ -7,7 +7,8 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from voronec.cli.output import columns, print_json, progress
+from voronec.algebra.columns import columns
+from voronec.cli.output import print_json, progress
 from voronec.cli.subject import resolve
 
 if TYPE_CHECKING:

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from voronec.cli.output import columns, plain, print_json
+from voronec.algebra.columns import columns
+from voronec.cli.output import plain, print_json
 from voronec.cli.subject import entry_of_name, is_file, resolve
 
 if TYPE_CHECKING:

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from voronec.algebra.columns import columns
 from voronec.algebra.symbols import plain_name
 from voronec.cli.files import delivery, refuse_file, wanted_folder
-from voronec.cli.output import columns, plain, print_json, progress
+from voronec.cli.output import plain, print_json, progress
 from voronec.cli.subject import resolve
 from voronec.cli.values import pair, split_values
 from voronec.errors import DefinitionError, did_you_mean

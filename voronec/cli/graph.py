@@ -8,7 +8,8 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from voronec.cli.output import columns, print_json, progress, warn
+from voronec.algebra.columns import columns
+from voronec.cli.output import print_json, progress, warn
 from voronec.declaration.whole_files import replace_file
 from voronec.errors import DefinitionError
 

@@ -6,8 +6,9 @@ import sys
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
+from voronec.algebra.columns import columns
 from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import columns, print_json, progress, warn
+from voronec.cli.output import print_json, progress, warn
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:

@@ -8,7 +8,8 @@ from __future__ import annotations
 from argparse import Namespace
 from typing import TYPE_CHECKING, Any
 
-from voronec.cli.output import columns, print_json, warn
+from voronec.algebra.columns import columns
+from voronec.cli.output import print_json, warn
 from voronec.declaration.catalogue import Entry, entries, names, papers
 
 if TYPE_CHECKING:

@@ -6,8 +6,9 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from voronec.algebra.columns import columns
 from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import columns, print_json, progress, warn
+from voronec.cli.output import print_json, progress, warn
 from voronec.cli.subject import resolve
 from voronec.cli.values import (
     first_scene,

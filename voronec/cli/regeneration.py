@@ -9,6 +9,8 @@ from __future__ import annotations
 import re
 import shutil
 from argparse import Namespace
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,14 +22,15 @@ from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
     from voronec.audit import Audit
+    from voronec.audit.record import Record
 
 __all__ = ["execute"]
 
 
 def execute(arguments: Namespace) -> int:
-    """Audit, print the table, and write the report where a folder is given."""
+    """Audit, tell of each section when it is done and of the errors at the end, and write the
+    report where a folder is given."""
     from voronec.audit import Cache, Paper, audit_paper
-    from voronec.audit.page.report import audit_table
 
     folder = None if arguments.out is None else wanted_folder(arguments.out)
     paper = (
@@ -40,8 +43,10 @@ def execute(arguments: Namespace) -> int:
     cache = None if arguments.fresh else Cache.of_user()
     files: list[Path] = []
     failure: DefinitionError | None = None
+    stage = None if arguments.json or arguments.label else _Sections(paper.title)
+    progress(f"{paper.name}: deriving what the paper speaks of ...")
     try:
-        audit = audit_paper(paper, _announce, cache, arguments.label)
+        audit = audit_paper(paper, _announce, cache, arguments.label, stage)
         try:
             files = [] if folder is None else _write(audit, arguments.paper, folder)
         except DefinitionError as error:  # the verdicts are told all the same
@@ -51,12 +56,54 @@ def execute(arguments: Namespace) -> int:
     if arguments.json:
         print_json(audit.as_list())
     else:
-        print(audit_table(audit, shutil.get_terminal_size((100, 24)).columns), end="")
-        if files:
-            print("\nwrote " + ", ".join(str(f) for f in files))
+        print(_found(audit, arguments), end="")
+        print(_next(arguments, folder, files))
     if failure is not None:
         raise failure
     return 1 if audit.count()["undecided"] else 0
+
+
+class _Sections:
+    """Tells of each section when it is done, in a line below the title of the paper."""
+
+    def __init__(self, paper: str) -> None:
+        self._heading = f"{paper}\nevery formula is derived and compared with print:"
+
+    def __call__(self, title: str, records: Sequence[Record]) -> None:
+        progress("")
+        if self._heading:
+            print(self._heading)
+            self._heading = ""
+        counts = Counter(r.verdict for r in records)
+        told = ", ".join(f"{n} {verdict}" for verdict, n in counts.items())
+        print(f"  {title}: {told or 'nothing to prove'}", flush=True)
+
+
+def _found(audit: Audit, arguments: Namespace) -> str:
+    """The errors on one screen, or, of a single label or where details are wanted, all."""
+    from voronec.audit.page.report import audit_summary, audit_table
+
+    width = shutil.get_terminal_size((100, 24)).columns
+    whole = arguments.label or arguments.details
+    return "\n" + (audit_table if whole else audit_summary)(audit, width)
+
+
+def _next(arguments: Namespace, folder: Path | None, files: list[Path]) -> str:
+    """Where the page is, and what to do now."""
+    command = f"voronec regenerate {arguments.paper}"
+    lines = [""]
+    if folder is not None and files:
+        others = ", ".join(f.name for f in files if f.suffix != ".html")
+        lines.append(f"open {folder / 'report.html'}: each formula, derived and as printed")
+        lines.append(f"beside it: {others}")
+    elif not arguments.label:
+        lines.append(f"{command} --out DIR writes a page with all of it")
+    if not (arguments.label or arguments.details):
+        lines.append(f"{command} --details prints a line a formula; --label L one of them whole")
+    if arguments.paper in names():
+        lines.append(f"voronec derive {arguments.paper} prints the equations; voronec run "
+                     f"{arguments.paper} integrates and draws a motion")  # fmt: skip
+    return "\n".join(lines)
 
 
 def _announce(place: str, verdict: str) -> None:

@@ -6,8 +6,9 @@ import sys
 from argparse import Namespace
 from typing import TYPE_CHECKING, Any
 
+from voronec.algebra.columns import columns
 from voronec.algebra.text import formula
-from voronec.cli.output import columns, plain, print_json, progress
+from voronec.cli.output import plain, print_json, progress
 from voronec.cli.subject import resolve
 from voronec.errors import DefinitionError
 

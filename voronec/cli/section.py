@@ -8,9 +8,10 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from voronec.algebra.columns import columns
 from voronec.algebra.text import formula
 from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import columns, print_json, progress, warn
+from voronec.cli.output import print_json, progress, warn
 from voronec.cli.subject import resolve
 from voronec.cli.values import (
     BETWEEN,

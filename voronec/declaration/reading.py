@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Iterable, Mapping, Set
 from contextlib import suppress
 from types import MappingProxyType
@@ -174,6 +175,14 @@ def mapping(things: Any, place: str, entry: str) -> Mapping[Any, Any]:
             f"{place} = {shown(things)} is not a mapping; write {place}={{{entry}}} or leave it out"
         )
     return MappingProxyType(dict(things))
+
+
+def _frozen(things: dict[Any, Any]) -> MappingProxyType[Any, Any]:
+    return MappingProxyType(things)
+
+
+# read-only mappings are what declarations and results are made of, and Python pickles none
+copyreg.pickle(MappingProxyType, lambda things: (_frozen, (dict(things),)))
 
 
 def texts_read(things: Mapping[Any, Any], role: str) -> Mapping[Any, Any]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,6 +20,7 @@ from voronec.algebra.symbols import (
     velocity,
 )
 from voronec.algebra.text import sympified
+from voronec.algebra.typeset import html_table, latex_of
 from voronec.declaration.charts import Chart
 from voronec.declaration.claims import (
     KINDS,
@@ -51,7 +52,7 @@ from voronec.errors import DefinitionError, did_you_mean
 __all__ = ["System", "bare", "require_possible", "require_system", "system_in"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class System:
     """A nonholonomic system: the contract between a plugin and the engine.
 
@@ -244,6 +245,33 @@ class System:
     def memo(self) -> Memo:
         """What is computed of it once."""
         return Memo()
+
+    def __repr__(self) -> str:
+        names = (", ".join(map(plain_name, part)) for part in (self.coordinates, self.velocities))
+        return "System({!r}, coordinates=({}), velocities=({}))".format(self.name, *names)
+
+    def _repr_html_(self) -> str:
+        """For notebooks: what is declared, in formulas."""
+
+        def typeset(exprs: Iterable[Any]) -> str:
+            shown = (latex_of(e, self.coordinates, self.velocities) for e in exprs)
+            return ", ".join(f"${e}$" for e in shown)
+
+        rows = [
+            ("coordinates", typeset(self.coordinates)),
+            ("velocities", typeset(self.velocities)),
+            ("Lagrangian", typeset([self.lagrangian])),
+            ("constraints, which vanish", typeset(self.constraints)),
+        ]
+        rows += [(f"force along {plain_name(q)}", typeset([e])) for q, e in self.forces.items()]
+        for parameter in self.parameters:
+            value = "" if parameter.value is None else f" = {parameter.value}"
+            rows.append((f"{parameter.name}{value}", parameter.meaning or "a parameter"))
+        return html_table(self.title or self.name, rows)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is declared travels; what was derived from it is derived again."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @property
     def coordinates(self) -> tuple[sp.Expr, ...]:

@@ -8,15 +8,18 @@ numbers) and as exact normal forms (short, made where asked, given up where too 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import import_module
 from typing import Any
 
 import flint
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.columns import columns
 from voronec.algebra.door import Door
 from voronec.algebra.generators import holds_far_multiples
 from voronec.algebra.memo import Memo
@@ -25,7 +28,7 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.shape import operations
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.tape import Tape
-from voronec.algebra.typeset import latex_of, plain_text
+from voronec.algebra.typeset import caret_text, latex_of, plain_text
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.system import System, require_system
 from voronec.equations.curvature import (
@@ -48,8 +51,10 @@ __all__ = [
     "Curvature",
     "VoronecEquations",
     "derive",
+    "equation_rows",
     "equations_dict",
     "equations_latex",
+    "equations_lines",
 ]
 
 
@@ -68,6 +73,98 @@ def equations_latex(eqs: VoronecEquations) -> str:
 
 def _latex(eqs: VoronecEquations, expr: sp.Expr) -> str:
     return latex_of(expr, eqs.coordinates, eqs.velocities)
+
+
+WIDTH = 100
+"""Characters in a line, unless told."""
+
+
+def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
+    """What kind of system it is, the motion of the coordinates, the equations of motion and the
+    curvature, line by line.
+
+    Rows of mass * vdot = force that are wider than ``width`` are written entry by entry.  A system
+    too large for the exact normal form has no more than its kind.
+    """
+    system = eqs.system
+    lines = [f"{system.name}: {system.title}" if system.title else system.name, ""]
+    lines += columns(_facts(eqs))
+    if not eqs.in_normal_form:
+        return [
+            *lines,
+            "",
+            f"too large for the exact normal form: a program of {eqs.operations} operations, "
+            "printed by --python or --c",
+        ]
+    lines += ["", "motion of the coordinates"]
+    rates = zip(eqs.coordinates, eqs.rates, strict=True)
+    lines += equation_rows((f"d{caret_text(q)}/dt", caret_text(rate)) for q, rate in rates)
+    lines += ["", f"equations of motion, mass * d({_names(eqs)})/dt = force", *_motion(eqs, width)]
+    if eqs.has_coordinate_frame:
+        lines += ["", "curvature", *_curvature_rows(eqs)]
+    return lines
+
+
+def _facts(eqs: VoronecEquations) -> list[list[str]]:
+    count = len(eqs.system.constraints)
+    whole = ", ".join(f"{i + 1}" for i in eqs.integrable)
+    more = ", ..." if eqs.distribution.cut else ""
+    growth = "(" + ", ".join(map(str, eqs.growth)) + more + ")"
+    timed = ", the time included" if eqs.distribution.timed else ""
+    rows = [["kind", eqs.kind]]
+    rows.append(["growth vector", f"{growth} of {eqs.distribution.dimension}{timed}"])
+    if count:
+        none = "undecided" if eqs.distribution.cut else f"none of {count}"
+        rows.append(["integrable constraints", whole or none])
+    frame = eqs.system.frame
+    if frame is None or frame.is_group:
+        return [*rows, ["velocities", _names(eqs)]]
+    pairs = zip(frame.velocities, frame.expressions, strict=True)
+    return [*rows, *(["quasi-velocity", f"{caret_text(v)} = {caret_text(e)}"] for v, e in pairs)]
+
+
+def _motion(eqs: VoronecEquations, width: int) -> list[str]:
+    """The rows of mass * vdot = force; where they are too wide, the entries one by one."""
+    size = range(len(eqs.velocities))
+    rates = [f"d{caret_text(v)}/dt" for v in eqs.velocities]
+    left = [" + ".join(_terms(eqs.mass.row(i), rates)) or "0" for i in size]
+    rows = equation_rows(zip(left, map(caret_text, eqs.force), strict=True))
+    if all(len(row) < width for row in rows):
+        return rows
+    mass = [(i, j, eqs.mass[i, j]) for i in size for j in size if i <= j and eqs.mass[i, j] != 0]
+    pairs = [(f"mass[{i + 1}, {j + 1}]", caret_text(e)) for i, j, e in mass]
+    return equation_rows(pairs + [(f"force[{i + 1}]", caret_text(eqs.force[i])) for i in size])
+
+
+def _terms(row: Any, rates: list[str]) -> Iterator[str]:
+    for entry, rate in zip(row, rates, strict=True):
+        if entry == 1:
+            yield rate
+        elif entry != 0:
+            yield f"({caret_text(entry)})*{rate}" if entry.is_Add else f"{caret_text(entry)}*{rate}"
+
+
+def _names(eqs: VoronecEquations) -> str:
+    return ", ".join(caret_text(v) for v in eqs.velocities)
+
+
+def equation_rows(pairs: Iterable[tuple[str, str]]) -> list[str]:
+    """Left and right sides as aligned lines."""
+    return columns(([left, "= " + right] for left, right in pairs), "  ")
+
+
+def _curvature_rows(eqs: VoronecEquations) -> list[str]:
+    """The components A_ij^(nu) and A_i^(nu) that do not vanish, by the names of coordinates."""
+    base, fibres = eqs.definition.split
+    size, found = range(len(base)), []
+    for nu, fibre in enumerate(fibres):
+        entries = [(i, j, eqs.curvature[nu, i, j]) for i in size for j in size if i < j]
+        found += [
+            (f"A^{fibre}[{base[i]}, {base[j]}]", caret_text(e)) for i, j, e in entries if e != 0
+        ]
+        moving = [(i, eqs.curvature.time[nu, i]) for i in size]
+        found += [(f"A^{fibre}[{base[i]}]", caret_text(e)) for i, e in moving if e != 0]
+    return equation_rows(found) or ["  vanishes"]
 
 
 def equations_dict(eqs: VoronecEquations) -> dict[str, Any]:
@@ -150,7 +247,7 @@ LONG = 10
 not short in itself: SHORT nodes."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class VoronecEquations:
     """The Voronec equations of a system, mass * vdot = force, with what they are made of.
 
@@ -362,6 +459,26 @@ class VoronecEquations:
     def latex(self) -> str:
         """The equations as a LaTeX ``aligned`` block."""
         return equations_latex(self)
+
+    def show(self) -> None:
+        """Print the equations, with the kind of the system and the curvature; in a notebook they
+        are typeset."""
+        shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+        if shell is not None and shell.has_trait("kernel"):
+            import_module("IPython.display").display(self)
+        else:
+            print("\n".join(equations_lines(self)))
+
+    def __repr__(self) -> str:
+        return f"VoronecEquations({self.system.name!r}, velocities=({_names(self)}))"
+
+    def _repr_latex_(self) -> str | None:
+        """For notebooks; None, and then the short form is shown, where formulas are too long."""
+        return f"$\\displaystyle {self.latex()}$" if self.in_normal_form else None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Sent elsewhere, the system goes alone: there its equations are derived again."""
+        return derive, (self.system,)
 
     def python(self) -> str:
         """Python source of the first-order right-hand side."""

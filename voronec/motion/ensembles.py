@@ -41,7 +41,7 @@ BATCHES = 8
 """How many times a worker loads its lanes between two reports."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Ensemble:
     """Many motions of one system on one grid of times.
 
@@ -73,6 +73,12 @@ class Ensemble:
 
     def __len__(self) -> int:
         return len(self.finished)
+
+    def __repr__(self) -> str:
+        span = f"t={float(self.t[0]):.6g}..{float(self.t[-1]):.6g}, {len(self.t)} instants"
+        failed = f", {len(self.errors)} failed" if self.errors else ""
+        what = f"{len(self)} motions{failed}, {span}, outputs=({', '.join(self.outputs)})"
+        return f"Ensemble({self.system.name!r}, {what})"
 
 
 @accepts(

@@ -216,7 +216,7 @@ GRAZING = 1e-4
 """A crossing slower than this part of the quantity's largest rate is called near-tangent."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Section:
     """The points where motions pass through the surface ``plane`` = ``value``.
 
@@ -259,6 +259,12 @@ class Section:
 
     def __len__(self) -> int:
         return len(self.t)
+
+    def __repr__(self) -> str:
+        plane = f"{self.plane} = {self.value:.6g}"
+        points = f"{len(self)} points of {len(self.ends)} motions"
+        what = f"{plane}, {points}, outputs=({', '.join(self.outputs)})"
+        return f"Section({self.system.name!r}, {what})"
 
 
 @accepts(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import csv
 import os
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import mpmath
 import numpy as np
 
 from voronec.algebra.arguments import PATH, require
+from voronec.algebra.typeset import html_table
 from voronec.declaration.reading import instants
 from voronec.declaration.system import System
 from voronec.declaration.whole_files import draft
@@ -21,6 +22,10 @@ from voronec.motion.events import Crossings
 from voronec.motion.vocabulary import held_name
 
 __all__ = ["Cost", "Trajectory"]
+
+FEW = 12
+"""So many outputs are named where a trajectory is shown in short."""
+STAYED = "the motion between the instants stayed with the integrator when this was sent"
 
 
 @dataclass(frozen=True)
@@ -59,7 +64,7 @@ class Cost:
         )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """A motion on a grid of times; its arrays are read-only.
 
@@ -126,6 +131,60 @@ class Trajectory:
 
     def __len__(self) -> int:
         return len(self.t)
+
+    def __repr__(self) -> str:
+        span = f"t={float(self.t[0]):.6g}..{float(self.t[-1]):.6g}, {len(self.t)} instants"
+        names = ", ".join(self.outputs[:FEW]) + (", ..." if len(self.outputs) > FEW else "")
+        ends = (self.stopped and f"stopped by {self.stopped}", self.halted)
+        more = "".join(f", {word}" for word in ends if word)
+        return f"Trajectory({self.system.name!r}, {span}, outputs=({names}){more})"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: where outputs begin and end, and how well integrals are kept."""
+        rows = [
+            (name, f"from {float(self[name][0]):.10g} to {float(self[name][-1]):.10g}")
+            for name in self.outputs[:FEW]
+        ]
+        rows += [(f"drift of {name}", f"{float(x):.1e}") for name, x in self.drift.items()]
+        rows += [("cost", str(self.cost)), *(("note", note) for note in self.notes)]
+        return html_table(repr(self), rows)
+
+    def __copy__(self) -> Trajectory:
+        return self  # nothing of it can change
+
+    def __deepcopy__(self, _: Any) -> Trajectory:
+        return self
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what lies between the instants, which lives in the integrator."""
+        held = {f.name: getattr(self, f.name) for f in fields(self)}
+        if self.within is None:
+            return held
+        return {**held, "within": None, "notes": (*self.notes, STAYED)}
+
+    def plot(self, names: Sequence[str] | None = None) -> Any:
+        """Quantities against the time, by default the outputs, as a matplotlib ``Figure``: a
+        notebook shows it, ``figure.savefig("motion.pdf")`` writes it.
+
+        Raises ``DefinitionError`` for a name that the trajectory does not hold.
+        """
+        from voronec.motion.pictures.time_plots import plot_trajectory
+
+        return plot_trajectory(self, names, self.system.title or self.system.name)
+
+    def animate(self, path: str | os.PathLike[str]) -> Path:
+        """Write a film of the motion, ``FILE.gif``, or ``FILE.mp4`` where ffmpeg is installed.
+
+        There are films of balls that roll on a sphere; ``DefinitionError`` for other systems, and
+        where the trajectory does not hold all coordinates.
+        """
+        from voronec.motion.pictures.rolling_animation import check_film, film, rolling_of
+
+        require("animate", "path", path, PATH)
+        target = Path(path)
+        check_film(self.system, target)
+        film(rolling_of(self), target)
+        return target
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the times and outputs to ``path``: ``.csv``, or ``.npz`` with all that is known.

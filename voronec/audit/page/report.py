@@ -8,12 +8,12 @@ from pathlib import Path
 
 from voronec.audit.page.article import audit_latex
 from voronec.audit.page.html import Figure, audit_page
-from voronec.audit.page.table import audit_table
+from voronec.audit.page.table import audit_summary, audit_table
 from voronec.audit.record import Audit
 from voronec.declaration.whole_files import replace_file
 from voronec.errors import DefinitionError
 
-__all__ = ["Figure", "audit_json", "audit_table", "write_audit"]
+__all__ = ["Figure", "audit_json", "audit_summary", "audit_table", "write_audit"]
 
 
 def audit_json(audit: Audit) -> str:

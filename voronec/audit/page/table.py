@@ -8,12 +8,41 @@ from voronec.audit.page.phrases import about, convened, counted, ended, faults, 
 from voronec.audit.page.witness_points import short
 from voronec.audit.record import Audit, FormulaRecord, Record
 
-__all__ = ["audit_table"]
+__all__ = ["audit_summary", "audit_table"]
 
 NAME = 22
 """The widest name of a record that keeps the columns straight."""
+NEAR = 12
+"""Characters shown before and after a change where a line holds both readings."""
 SEVERAL = 8
 """At most so many formulas of one record are spelled out."""
+
+
+def audit_summary(audit: Audit, width: int = 100, most: int = 12) -> str:
+    """What was found, on one screen: the counts and, a line each, at most so many misprints.
+
+    Plain text, no line longer than ``width``.
+    """
+    lines = [_cut(line, width) for line in counted(audit)]
+    # of a record with several the first
+    wrong = {id(r): (r, f) for r, f in reversed([*with_verdict(audit, "misprint")])}
+    several = [*reversed(wrong.values())]
+    if several:
+        lines += ["", "wrong in print"]
+    for record, formula in several[:most]:
+        if formula.correction is None or not formula.struck:
+            what = formula.says or formula.printed
+        else:
+            (a, b), (c, d) = formula.struck[0], formula.changes[0]
+            old = _context(formula.printed, a, b, NEAR)
+            what = f"{old} -> {_context(formula.correction, c, d, NEAR)}"
+        lines.append(_cut_line(f"  {record.called}: {' '.join(what.split())}", width))
+    if len(several) > most:
+        lines.append(f"  and {len(several) - most} more")
+    undecided = [r.called for r in audit.records if r.verdict == "undecided"]
+    if undecided:
+        lines += ["", _cut(f"undecided: {', '.join(undecided)}", width)]
+    return "\n".join(lines) + "\n"
 
 
 def audit_table(audit: Audit, width: int = 100) -> str:
@@ -96,9 +125,9 @@ def _erratum(number: int, record: Record, formula: FormulaRecord, width: int) ->
     return lines + [_cut_line(f"  {line}", width) for line in _witness(formula)]
 
 
-def _context(latex: str, start: int, end: int) -> str:
+def _context(latex: str, start: int, end: int, around: int = 24) -> str:
     """The change with a little of what stands around it."""
-    a, b = max(0, start - 24), min(len(latex), end + 24)
+    a, b = max(0, start - around), min(len(latex), end + around)
     inner = " ".join(latex[a:b].split())
     return ("..." if a else "") + inner + ("..." if b < len(latex) else "")
 

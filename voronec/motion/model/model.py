@@ -46,7 +46,7 @@ class Candidate:
     chosen: bool = False
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Model:
     """The equations that a scene needs.
 
@@ -62,6 +62,10 @@ class Model:
     roles: tuple[Role, ...]
     candidates: tuple[Candidate, ...]
     frozen: Mapping[Any, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        states = ", ".join(map(str, self.states))
+        return f"Model({self.system.name!r}, in {self.level}, states=({states}))"
 
     @property
     def system(self) -> System:

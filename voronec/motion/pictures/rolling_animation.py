@@ -23,7 +23,7 @@ from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
     from voronec.declaration.system import System
-    from voronec.motion import Trajectory
+    from voronec.motion.pictures.motion_record import MotionRecord
 
 __all__ = [
     "Rolling",
@@ -228,7 +228,7 @@ def check_film(system: System, target: Path) -> None:
     _writer(target, 1)
 
 
-def rolling_of(trajectory: Trajectory) -> Rolling:
+def rolling_of(trajectory: MotionRecord) -> Rolling:
     """The ball of a trajectory in Neumann's coordinates u, v, u1, v1, theta, with radii R1, R2.
 
     Its attitude is R = B1 Q B^T, with the frames B1, B of both spheres and the turn Q(theta) about

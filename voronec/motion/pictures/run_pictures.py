@@ -12,12 +12,12 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from voronec.motion import Trajectory
+    from voronec.motion.pictures.motion_record import MotionRecord
 
 __all__ = ["drawing", "pictures", "save"]
 
 
-def pictures(trajectory: Trajectory) -> dict[str, Any]:
+def pictures(trajectory: MotionRecord) -> dict[str, Any]:
     """Matplotlib figures by name.
 
     ``plot``, of all outputs; ``path``, where there are outputs ``x`` and ``y``; ``drawing``, where
@@ -39,7 +39,7 @@ class _NotHeld(DefinitionError):
     """A drawing shows what the trajectory does not hold."""
 
 
-def drawing(trajectory: Trajectory) -> Any:
+def drawing(trajectory: MotionRecord) -> Any:
     """The system's own drawing, as a matplotlib figure.
 
     It is a function of the trajectory, or a mapping of titles to pairs of names (colatitude,
@@ -59,7 +59,7 @@ def drawing(trajectory: Trajectory) -> Any:
         raise DefinitionError(f"the drawing of system '{name}' failed: {what}") from error
 
 
-def _spheres(trajectory: Trajectory, titled: Mapping[str, Any]) -> Any:
+def _spheres(trajectory: MotionRecord, titled: Mapping[str, Any]) -> Any:
     """The traces that a trajectory holds; ``_NotHeld`` where it is none of them."""
     import numpy as np
 
@@ -90,7 +90,7 @@ def save(figure: Any, target: Path | BinaryIO, suffix: str = "") -> None:
         figure.savefig(target, dpi=150, metadata=dated.get(suffix), format=suffix[1:])
 
 
-def _path(trajectory: Trajectory) -> Any:
+def _path(trajectory: MotionRecord) -> Any:
     """The curve (x, y) in its plane; the dot is its start."""
     from matplotlib import rc_context
     from matplotlib.figure import Figure

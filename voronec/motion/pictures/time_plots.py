@@ -15,12 +15,12 @@ from voronec.closed.pictures.style import INK, STYLE, WIDTH
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
-    from voronec.motion import Trajectory
+    from voronec.motion.pictures.motion_record import MotionRecord
 
 __all__ = ["plot_trajectory", "quantity_label"]
 
 
-def quantity_label(trajectory: Trajectory, name: str) -> str:
+def quantity_label(trajectory: MotionRecord, name: str) -> str:
     """The mathtext of a quantity's name: ``thetadot`` becomes a dotted theta."""
     system = trajectory.system
     for thing in (*system.coordinates, *system.velocities):
@@ -42,7 +42,7 @@ LARGEST = 1e300
 
 
 def plot_trajectory(
-    trajectory: Trajectory, names: Sequence[str] | None = None, title: str | None = None
+    trajectory: MotionRecord, names: Sequence[str] | None = None, title: str | None = None
 ) -> Any:
     """Quantities against the time, one panel each, on one time axis.
 
@@ -76,7 +76,7 @@ def plot_trajectory(
     return figure
 
 
-def _curve(panel: Any, trajectory: Trajectory, name: str) -> None:
+def _curve(panel: Any, trajectory: MotionRecord, name: str) -> None:
     from matplotlib.ticker import MaxNLocator
 
     values = trajectory[name]

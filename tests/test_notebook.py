@@ -1,0 +1,128 @@
+"""Results in a notebook and on their way to another process: short forms, tables, pictures."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import voronec as vo
+
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, Any]:
+    sleigh = vo.load("sleigh")
+    equations = vo.derive(sleigh)
+    starts = [{"v": 1.0, "w": 0.1 * k} for k in range(3)]
+    return {
+        "system": sleigh,
+        "large system": vo.load("rattleback"),
+        "equations": equations,
+        "curvature": equations.curvature,
+        "trajectory": vo.integrate(equations, times=np.linspace(0, 2, 21)),
+        "ensemble": vo.ensemble(equations, starts, times=np.linspace(0, 2, 21)),
+        "section": vo.section(vo.load("ball-on-sphere"), "u1dot", crossings=3),
+        "model": vo.explain(sleigh),
+        "verdict": vo.prove_equal("x", "x + 1"),
+    }
+
+
+def test_every_result_is_short(results: dict[str, Any]) -> None:
+    for name, result in results.items():
+        assert len(repr(result)) < 400 and "\n" not in repr(result), name
+        own = result.system.name if hasattr(result, "system") else ""
+        assert own in repr(result)
+
+
+def test_formulas_of_a_notebook_are_those_of_the_system(results: dict[str, Any]) -> None:
+    table = results["system"]._repr_html_()
+    assert r"\dot{\phi}" in table and "centre of mass" in table and "<script" not in table
+    shown = results["equations"]._repr_latex_()
+    assert shown.startswith("$") and results["equations"].latex() in shown
+
+
+def test_what_a_user_wrote_is_text_in_a_table(results: dict[str, Any]) -> None:
+    import dataclasses
+
+    system = dataclasses.replace(results["system"], title="<script>alert(1)</script>")
+    assert "<script" not in system._repr_html_()
+
+
+def test_equations_are_shown_on_a_terminal(
+    results: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    results["equations"].show()
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("sleigh") and any(line.startswith("  dx/dt") for line in lines)
+
+
+def test_a_trajectory_draws_itself(results: dict[str, Any], tmp_path: Path) -> None:
+    motion = results["trajectory"]
+    figure = motion.plot(["v", "w"])
+    assert [panel.get_ylabel() for panel in figure.axes] == ["$v$", "$w$"]
+    assert np.array_equal(figure.axes[0].lines[0].get_ydata(), motion["v"])
+    with pytest.raises(vo.DefinitionError, match="speed"):
+        motion.plot(["speed"])
+    with pytest.raises(vo.DefinitionError, match="makes no film"):
+        motion.animate(tmp_path / "motion.gif")
+    assert not [*tmp_path.iterdir()]
+
+
+def test_a_film_of_a_ball_on_a_sphere(tmp_path: Path) -> None:
+    motion = vo.integrate(vo.load("demchenko"), times=np.linspace(0, 1, 4))
+    film = motion.animate(tmp_path / "ball.gif")
+    assert film.read_bytes().startswith(b"GIF8")
+
+
+def _same(one: Any, other: Any) -> None:
+    assert type(one) is type(other)
+    if isinstance(one, vo.VoronecEquations):
+        assert one.latex() == other.latex() and one.system == other.system
+    elif isinstance(one, vo.Trajectory | vo.Ensemble):
+        assert np.array_equal(one.t, other.t) and one.series.keys() == other.series.keys()
+        assert all(np.array_equal(one[name], other[name]) for name in one.series)
+    elif isinstance(one, vo.Section):
+        assert np.array_equal(one.points, other.points)
+    else:
+        assert repr(one) == repr(other)
+
+
+def test_results_are_pickled_and_copied(results: dict[str, Any]) -> None:
+    for result in results.values():
+        _same(pickle.loads(pickle.dumps(result)), result)
+        _same(copy.copy(result), result)
+        _same(copy.deepcopy(result), result)
+
+
+@pytest.mark.parametrize("name", sorted(vo.names()))
+def test_every_system_is_pickled(name: str) -> None:
+    system = vo.load(name)
+    found = pickle.loads(pickle.dumps(system))
+    assert found == system
+    with pytest.raises(TypeError):
+        found.scenes["other"] = None
+
+
+def test_what_lies_between_instants_stays_behind_and_says_so() -> None:
+    motion = vo.integrate(vo.load("sleigh"), times=np.linspace(0, 1, 5), dense=True)
+    assert copy.deepcopy(motion).at([0.3])["x"] == motion.at([0.3])["x"]
+    found = pickle.loads(pickle.dumps(motion))
+    assert np.array_equal(found["x"], motion["x"]) and any("stayed" in n for n in found.notes)
+    with pytest.raises(vo.DefinitionError, match="dense=True"):
+        found.at([0.3])
+
+
+def test_another_process_reads_a_motion(results: dict[str, Any], tmp_path: Path) -> None:
+    file = tmp_path / "motion.pickle"
+    file.write_bytes(pickle.dumps(results["trajectory"]))
+    code = "import pickle, sys; print(pickle.load(open(sys.argv[1], 'rb'))['x'][-1].hex())"
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(file)], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == float(results["trajectory"]["x"][-1]).hex()
