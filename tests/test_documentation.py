@@ -25,7 +25,9 @@ BLOCKS = [
 ]
 
 
-SHOWN = re.compile(r"^(?:    |\$ |.*/bin/|.*\\Scripts\\)?voronec (.*)$|`voronec ([^`]*)`", re.MULTILINE)
+SHOWN = re.compile(
+    r"^(?:    |\$ |.*(?:/bin/|\\Scripts\\))?voronec (.*)$|`voronec ([^`]*)`", re.MULTILINE
+)
 """A command in a block of code, fenced or indented, or between backticks."""
 
 
