@@ -247,3 +247,9 @@ def test_the_split_offered_works():
 def test_a_system_with_unknown_functions_has_no_motion_in_numbers(name):
     with pytest.raises(vo.DefinitionError, match="holds the unknown function"):
         vo.integrate(vo.load(name), times=[0, 1], initial={})
+
+
+@pytest.mark.parametrize("value", [-0.0, 0, False, ()])
+def test_a_theorem_is_named_by_a_text(value):
+    with pytest.raises(DefinitionError, match="names no theorem"):
+        vo.Case({}, integrable=value)

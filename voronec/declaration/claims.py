@@ -196,6 +196,13 @@ class Case:
             object.__setattr__(self, part, value)
 
 
+def _theorem(value: Any, place: str) -> str:
+    """The name of a theorem as it is given; whether it is known is the system's to say."""
+    if not isinstance(value, str):
+        raise DefinitionError(f"{place} is '{shown(value)}', which names no theorem; write a text")
+    return value
+
+
 class ClaimKind(NamedTuple):
     """A kind of claim: the field that holds it, in a system or a case, and how it is read.
 
@@ -363,6 +370,6 @@ KINDS = (
         "essential", "essential", lambda value, place: several(value, place, "symbol"),
         title=_names, place="essential", empty=(),
     ),
-    ClaimKind("integrable", "integrable", lambda value, _: value, place="integrable", empty=""),
+    ClaimKind("integrable", "integrable", _theorem, place="integrable", empty=""),
 )  # fmt: skip
 """Every kind of claim that a system declares, in the order in which they are decided."""
