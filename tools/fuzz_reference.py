@@ -24,6 +24,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 __all__ = ["Mechanics", "Motion", "Referee", "Unsupported", "mechanics_of"]
 
@@ -202,6 +203,9 @@ class Referee:
         L = self.switches.smooth(m.lagrangian)
         forces = [self.switches.smooth(f) for f in m.forces]
         rows = [*m.constraints, *(self._rate(r) for r in m.relations)]
+        unknown = {f for e in (L, *forces, *rows) for f in e.atoms(AppliedUndef)}
+        if unknown:
+            raise Unsupported(f"the unknown function {min(unknown, key=str)}")
         if any(r.has(sp.Abs, sp.sign, sp.Max, sp.Min, sp.Heaviside, sp.Piecewise) for r in rows):
             raise Unsupported("a constraint that is not smooth")
         momenta = [L.diff(v) for v in m.w]
