@@ -16,6 +16,7 @@ from voronec.audit.correction.mending import Search
 from voronec.audit.correction.missing import repairs
 from voronec.audit.formula import Formula
 from voronec.audit.latex.reader import read
+from voronec.audit.structure import are_multiples
 from voronec.audit.verify import verify
 
 pytestmark = pytest.mark.slow
@@ -172,6 +173,15 @@ def test_no_correction_is_claimed_where_none_is_proved():
 def test_a_formula_that_says_nothing_is_no_correction():
     assert mend("x=y") is None
     assert mend("P=w") is None
+
+
+def test_a_quantity_beside_a_multiple_of_itself_says_no_more_than_its_sign():
+    def link(latex: str) -> bool:
+        left, right = read(latex, STUDY.vocabulary).parts
+        return are_multiples(left, right)
+
+    assert link("2x>x") and link("x+y<2y+2x") and link("2x(x+y)>x^2+xy")
+    assert not (link("2x>0") or link("2x>y") or link("x+2y>x+y") or link("x^2>x"))
 
 
 def test_a_term_is_not_struck_by_a_derivative_that_is_zero():

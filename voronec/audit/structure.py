@@ -28,6 +28,7 @@ from voronec.audit.study import Study, key_of, spell
 from voronec.errors import DefinitionError
 
 __all__ = [
+    "are_multiples",
     "definitions_in",
     "free_indices",
     "free_names",
@@ -138,6 +139,14 @@ def new_names(chain: Chain, study: Study) -> set[str]:
 def holds_always(left: Node, right: Node) -> bool:
     """Whether two sides are equal whatever their letters mean."""
     return left == right or bool(sp.expand(_in_letters(left) - _in_letters(right)) == 0)
+
+
+def are_multiples(left: Node, right: Node) -> bool:
+    """Whether one side is a number times the other, neither zero, whatever their letters mean."""
+    a, b = (sp.expand(_in_letters(side)).as_coefficients_dict() for side in (left, right))
+    if not a or a.keys() != b.keys() or not any(a.values()):
+        return False
+    return len({value / b[term] for term, value in a.items()}) == 1
 
 
 def _in_letters(node: Node) -> Any:

@@ -46,6 +46,7 @@ from voronec.audit.latex.reader import read
 from voronec.audit.latex.tokens import Token, tokenize
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.structure import (
+    are_multiples,
     free_indices,
     free_names,
     holds_always,
@@ -383,6 +384,8 @@ class _Case:
             chain = read(latex, self.study.vocabulary)
             if says_nothing(chain) or any(holds_always(*link) for link in pairwise(chain.parts)):
                 return None  # true, but it says nothing
+            if any(are_multiples(*link) for link in pairwise(chain.parts)):
+                return None  # no more than the sign of a letter
             if not new_names(chain, self.study) <= self.new or _cancelled(chain) - self.cancelled:
                 return None
             finding = verify(chain, self.check, self.study)
