@@ -169,7 +169,7 @@ def _with_slopes(total: Any) -> Any:
     """A sum in which terms that cancel at w = 0 are slopes of quotients."""
     found = _exponential_slope(total.args)
     if found is None and len(total.args) <= SPREAD and any(map(_is_spread, total.args)):
-        found = _exponential_slope(total.expand().args)
+        found = _exponential_slope([part for term in total.args for part in _spread(term)])
     if found is not None:
         return found
     left = dict.fromkeys(total.args)
@@ -190,6 +190,15 @@ def _is_spread(term: Any) -> bool:
         isinstance(f, se.Pow) and f.args[0] == se.E for f in term.args
     )
     return held and any(isinstance(f, se.Add) for f in term.args)
+
+
+def _spread(term: Any) -> Sequence[Any]:
+    """The parts of a term that is an exponential times a sum: one sum, and not what is inside of
+    its terms, which may be as long as it likes."""
+    inner = (
+        next((f for f in term.args if isinstance(f, se.Add)), None) if _is_spread(term) else None
+    )
+    return [term] if inner is None else [term / inner * part for part in inner.args]
 
 
 def _exponential_slope(terms: Sequence[Any]) -> Any | None:
