@@ -149,7 +149,8 @@ def test_what_the_decider_imports_matters_and_nothing_else(tmp_path, monkeypatch
         "if TYPE_CHECKING:\n    from voronec.typed import T\n"
     )
     monkeypatch.setattr(sources, "engine_folder", lambda: tmp_path)
-    monkeypatch.setattr(sources, "_imports_of", sources._imports_of.__wrapped__)
+    for name in ("_imports_of", "_digest_of"):
+        monkeypatch.setattr(sources, name, getattr(sources, name).__wrapped__)
     digest = sources.engine_digest.__wrapped__
     before = digest(frozenset(("voronec.decider",)))
     with (tmp_path / file).open("a") as stream:
@@ -164,6 +165,7 @@ def test_what_a_file_takes_from_the_package_matters():
 
 @pytest.mark.parametrize("library", sources.LIBRARIES)
 def test_the_libraries_matter(monkeypatch, library):
+    monkeypatch.setattr(sources, "_platform", sources._platform.__wrapped__)
     digest = sources.engine_digest.__wrapped__
     before = digest(frozenset())
     known = sources.version

@@ -238,3 +238,15 @@ def test_a_pole_of_angles_in_a_divisor_that_is_none_of_theirs(pole: float) -> No
         initial = {**place, **pace, "beta": pole}
         run = vo.integrate(system, initial=initial, times=[0, 1])
         assert max(np.abs(run[name] - truth[name]).max() for name in paths) < 1e-10
+
+
+def test_a_start_at_the_origin_with_speeds_that_stay_is_no_division_by_zero() -> None:
+    x = sp.Symbol("x")
+    system = vo.System(
+        name="free", fibration=vo.Fibration(base=(x,)), lagrangian=vo.velocity(x) ** 2 / 2
+    )
+    for at in (0.0, 1e-25):
+        run = vo.integrate(
+            system, times=[0.0, 2.0], initial={x: at, vo.velocity(x): 1}, outputs=("x",)
+        )
+        assert run["x"][-1] == pytest.approx(2.0, rel=1e-12)

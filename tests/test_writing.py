@@ -170,3 +170,12 @@ def test_a_window_that_is_not_there_is_not_asked_for(tmp_path, monkeypatch):
     before = os.environ.get("MPLBACKEND")
     main(["cite", "sleigh"])
     assert os.environ.get("MPLBACKEND") == before
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such files there")
+def test_what_is_no_file_is_not_replaced(tmp_path):
+    pipe = tmp_path / "pipe.txt"
+    os.mkfifo(pipe)
+    with pytest.raises(DefinitionError, match="no file that could be replaced"):
+        replace_file(pipe, "text")
+    assert pipe.is_fifo() and [*tmp_path.iterdir()] == [pipe]

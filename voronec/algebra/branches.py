@@ -202,7 +202,8 @@ class Branches:
     def __post_init__(self) -> None:
         angles = [n for n in _nodes(self.expr) if isinstance(n, se.atan)]
         turned = {n: se.atan(self._without_roots_below(n.args[0])) for n in angles}
-        self.expr = self.expr.xreplace({n: t for n, t in turned.items() if n != t})
+        if any(n != t for n, t in turned.items()):  # else it is kept as it is written
+            self.expr = self.expr.xreplace(turned)
         for node in _nodes(self.expr):
             if node.free_symbols & self.moving:
                 self._look(node)

@@ -56,6 +56,10 @@ def draft(path: Path) -> Iterator[Path]:
     ``DefinitionError`` where it cannot be written; what is there then stays as it was.
     """
     try:
+        if path.exists() and not path.is_file():
+            raise DefinitionError(
+                f"'{path}' is no file that could be replaced; choose another name"
+            )
         with workshop(path.parent) as made:
             yield made / path.name
             os.replace(made / path.name, path)

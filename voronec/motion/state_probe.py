@@ -20,7 +20,11 @@ __all__ = ["Probe", "quantities", "quiet", "rates_along"]
 SINGULAR = 1e-13
 """A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
 INFINITE = 1e14
-"""Rates of coordinates this many times the largest coordinate or velocity are divisions by zero."""
+"""Rates of coordinates this many times the largest coordinate or velocity may be divisions by
+zero."""
+ASIDE, FALLEN = 1e-9, 1e-3
+"""They are where a state that is moved by the first part of its size, or of one, has rates below
+the second part of them."""
 NEARLY = 1e-6
 """The same in units of the start's diagonal, for naming the cause where a run broke down."""
 
@@ -86,10 +90,21 @@ class Probe:
                 "these parameters"
             )
         rates = np.abs(np.array(slope, dtype=float))
-        # sin(pi) is no zero in doubles, nor are rates of angles infinite that are divided by it
-        turning = rates[: len(self.form.coordinates)] > INFINITE * np.abs(start).max(initial=0.0)
-        if not np.isfinite(rates).all() or turning.any():
+        if not np.isfinite(rates).all() or self._is_infinite(start, rates):
             raise self._nowhere("the equations are not defined", start)
+
+    def _is_infinite(self, start: np.ndarray, rates: np.ndarray) -> bool:
+        """Whether rates of coordinates are infinite but for rounding, as sin(pi) is no zero.
+
+        Such rates are far larger than the state, and fall when that is moved a little.
+        """
+        count = len(self.form.coordinates)
+        turning = rates[:count] > INFINITE * np.abs(start).max(initial=0.0)
+        if not turning.any():
+            return False
+        beside = self._rhs(self.time, list(start + ASIDE * np.maximum(1.0, np.abs(start))))
+        moved = np.abs(np.array(beside[:count], dtype=float))
+        return bool((moved < FALLEN * rates[:count])[turning].any())
 
     def suspect(self, start: np.ndarray) -> Suspect | None:
         """Finds states with a singular mass matrix, or beyond one; None where it is constant, and
