@@ -78,6 +78,11 @@ def _derive(commands: Any) -> None:
     form = parser.add_mutually_exclusive_group()
     for name, printer in PRINTERS.items():
         form.add_argument(f"--{name}", action="store_true", help=printer.about)
+    parser.add_argument(
+        "--jacobian",
+        action="store_true",
+        help="print its derivatives by state and inputs, too",
+    )
     form.add_argument("--store", metavar="FILE.json", help="store the derivation, for 'compare'")
 
 

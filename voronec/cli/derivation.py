@@ -29,15 +29,18 @@ def execute(arguments: Namespace) -> int:
     from voronec.equations.voronec_equations import derive, equations_lines
     from voronec.proof.claims import check_claims
 
+    chosen = next((name for name in PRINTERS if getattr(arguments, name)), None)
+    _require_program(chosen, arguments.jacobian)
     system, _ = resolve(arguments.system)
     eqs = derive(system)
     if arguments.store is not None:
         return _store(eqs, Path(arguments.store), arguments.json)
-    for name, printer in PRINTERS.items():
-        if getattr(arguments, name):
-            text = printer.text(eqs)
-            print_json({name: text}) if arguments.json else print(text.rstrip("\n"))
-            return 0
+    if chosen is not None:
+        printer = PRINTERS[chosen]
+        write = printer.with_jacobian if arguments.jacobian else None
+        text = (write or printer.text)(eqs)
+        print_json({chosen: text}) if arguments.json else print(text.rstrip("\n"))
+        return 0
     motions = Motions(eqs)
     reduction = _reduction(motions)
     claims = check_claims(motions)
@@ -49,6 +52,13 @@ def execute(arguments: Namespace) -> int:
         lines = [*equations_lines(eqs, width), *_descent(eqs, reduction), *_claims(claims)]
         print("\n".join(lines))
     return 1 if any(claim.verdict.refuted for claim in claims) else 0
+
+
+def _require_program(chosen: str | None, jacobian: bool) -> None:
+    """Refuse ``--jacobian`` where nothing is printed that could hold it."""
+    if jacobian and (chosen is None or PRINTERS[chosen].with_jacobian is None):
+        able = ", ".join(f"--{n}" for n, p in PRINTERS.items() if p.with_jacobian is not None)
+        raise DefinitionError(f"--jacobian: it is printed with a program; add one of {able}")
 
 
 def _store(eqs: VoronecEquations, path: Path, as_json: bool) -> int:

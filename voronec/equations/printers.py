@@ -13,15 +13,27 @@ __all__ = ["PRINTERS", "Printer"]
 
 
 class Printer(NamedTuple):
-    """What is printed, in words, and the function from equations to text."""
+    """What is printed, in words, and the functions from equations to text: without the Jacobian
+    and, where that can be printed, with it."""
 
     about: str
     text: Callable[[VoronecEquations], str]
+    with_jacobian: Callable[[VoronecEquations], str] | None = None
+
+
+def _program(language: str, method: str) -> Printer:
+    return Printer(
+        f"the right-hand side as {language}",
+        methodcaller(method),
+        methodcaller(method, jacobian=True),
+    )
 
 
 PRINTERS: dict[str, Printer] = {
     "latex": Printer("the equations as LaTeX", methodcaller("latex")),
-    "python": Printer("the right-hand side as Python", methodcaller("python")),
-    "c": Printer("the right-hand side as C", methodcaller("c")),
+    "python": _program("Python", "python"),
+    "c": _program("C", "c"),
+    "javascript": _program("JavaScript", "javascript"),
+    "casadi": _program("Python on CasADi's expressions", "casadi"),
 }
 """By the option of ``voronec derive`` that asks for it."""

@@ -480,17 +480,40 @@ class VoronecEquations:
         """Sent elsewhere, the system goes alone: there its equations are derived again."""
         return derive, (self.system,)
 
-    def python(self) -> str:
-        """Python source of the first-order right-hand side."""
+    def python(self, jacobian: bool = False) -> str:
+        """Python source of the first-order right-hand side, on numpy; with its ``jacobian`` by
+        state and inputs where that is asked for."""
         from voronec.equations.program import Program, python_source
 
-        return python_source(Program.of(self.form))
+        return python_source(Program.of(self.form), jacobian)
 
-    def c(self) -> str:
-        """C99 source of the first-order right-hand side."""
+    def c(self, jacobian: bool = False) -> str:
+        """C99 source of the same."""
         from voronec.equations.program import Program, c_source
 
-        return c_source(Program.of(self.form))
+        return c_source(Program.of(self.form), jacobian)
+
+    def javascript(self, jacobian: bool = False) -> str:
+        """An ECMAScript module of the same, without dependencies."""
+        from voronec.equations.program import Program, javascript_source
+
+        return javascript_source(Program.of(self.form), jacobian)
+
+    def casadi(self, jacobian: bool = False) -> str:
+        """Python source of the same, on CasADi's expressions."""
+        from voronec.equations.program import Program, casadi_source
+
+        return casadi_source(Program.of(self.form), jacobian)
+
+    def to_casadi(self) -> Any:
+        """The right-hand side as a ``casadi.Function`` of ``t``, ``state`` (coordinates, then
+        velocities), ``parameters`` and ``inputs``, columns all; its result is ``derivative``.
+
+        CasADi differentiates it itself.  Raises ``DefinitionError`` where CasADi is not installed.
+        """
+        from voronec.equations.program import Program, casadi_function
+
+        return casadi_function(Program.of(self.form))
 
     def as_dict(self) -> dict[str, Any]:
         """Everything derived, as strings and numbers that JSON can hold."""

@@ -1,13 +1,22 @@
 """The straight-line program of a system, and its emitters.
 
 ``Program.of(form)`` shares common subexpressions and eliminates the mass matrix; the emitters write
-it as Python, C or mpmath source, as a compiled Python function, or as heyoka expressions.
+it as Python, C, JavaScript, CasADi or mpmath source, as a compiled Python function, or as heyoka
+expressions.  ``jacobian`` are its derivatives by state and inputs.
 """
 
 from voronec.equations.program.c import c_source
+from voronec.equations.program.casadi_function import casadi_function
 from voronec.equations.program.constants import Hoisted, hoisted
+from voronec.equations.program.jacobian import jacobian
+from voronec.equations.program.javascript import javascript_source
 from voronec.equations.program.low_rank import solved
-from voronec.equations.program.python import compiled, mpmath_source, python_source
+from voronec.equations.program.python import (
+    casadi_source,
+    compiled,
+    mpmath_source,
+    python_source,
+)
 from voronec.equations.program.straight import Block, Program
 from voronec.equations.program.taylor import taylor_extras, taylor_system
 
@@ -16,8 +25,12 @@ __all__ = [
     "Hoisted",
     "Program",
     "c_source",
+    "casadi_function",
+    "casadi_source",
     "compiled",
     "hoisted",
+    "jacobian",
+    "javascript_source",
     "mpmath_source",
     "python_source",
     "solved",

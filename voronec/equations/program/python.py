@@ -27,6 +27,7 @@ from voronec.algebra.numeric_functions import (
     SIZE,
     TANH_REST,
 )
+from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_of, parts_of
 from voronec.equations.program.printing import (
     FUNCTIONS,
     SLOPES,
@@ -41,7 +42,7 @@ from voronec.equations.program.printing import (
 )
 from voronec.equations.program.straight import Block, Program
 
-__all__ = ["WORDS", "compiled", "mpmath_source", "python_source"]
+__all__ = ["WORDS", "casadi_source", "compiled", "mpmath_source", "python_source"]
 
 Function = Callable[[Any, Any, Any], list[Any]]
 """``f(t, state, parameters)``."""
@@ -54,7 +55,12 @@ _NUMERIC |= {EXPM1: "expm1", LOG1P: "log1p", HYPOT: "hypot", SIZE: "fabs"}
 _QUOTIENTS = {"sinc": "sin", "sinhc": "sinh", "exprel": "expm1"}
 _QUOTIENTS |= {"log1p_ratio": "log1p", "atan_ratio": "atan"}
 """Names of sin(x)/x and the like in Python, and what is divided."""
-_HELPING = tuple("expm1 where exp sin cos sinh cosh tanh log1p atan arctan hyp0f1 hyp1f1".split())
+_CHOICES, _SIZES = {"numpy": "where", "casadi": "if_else"}, {"numpy": "abs", "casadi": "fabs"}
+"""Libraries where both ways of a choice are computed, and how they write it, and |x|."""
+_COLUMNS = ("vertsplit", "vertcat", "horzcat")
+_HELPING = tuple(
+    "expm1 where if_else fabs exp sin cos sinh cosh tanh log1p atan arctan hyp0f1 hyp1f1".split()
+)
 _IN_DIGITS = {
     SINC_SLOPE: "hyp0f1(mpf(5)/2, -x*x/4)/3",
     SINHC_SLOPE: "hyp0f1(mpf(5)/2, x*x/4)/3",
@@ -108,15 +114,25 @@ _DIGITS = _Flavour(
 )
 
 
-def python_source(program: Program) -> str:
+_MATRICES = _Flavour("casadi", _double(_PLAIN), "CasADi's numbers, SX, MX or DM, in columns")
+
+
+def python_source(program: Program, slopes: bool = False) -> str:
     """Python source of ``rhs(t, state, parameters)``, on numpy.
 
     ``state`` holds coordinates, then velocities; its entries may be floats or arrays of one shape.
     Where the system has inputs, their values, and those of the rates that occur, are one argument
     more.  The time derivatives come back as a list in the same order.  Where the program has extra
-    quantities, ``extras(t, state, parameters)`` computes them.
+    quantities, ``extras`` of the same arguments computes them; with ``slopes`` ``jacobian``
+    computes the derivatives of the rates by state and inputs, as a list of rows.
     """
-    return _module(program, _ARRAYS, alike=True)
+    return _module(program, _ARRAYS, alike=True, slopes=slopes)
+
+
+def casadi_source(program: Program, slopes: bool = False) -> str:
+    """Python source of the same functions on CasADi's expressions: columns go in, a column, and of
+    the Jacobian a matrix, comes back."""
+    return _module(program, _MATRICES, slopes=slopes)
 
 
 def mpmath_source(program: Program) -> str:
@@ -148,21 +164,14 @@ def _nothing(_t: Any, _state: Any, _parameters: Any) -> list[Any]:
     return []
 
 
-def _module(program: Program, flavour: _Flavour, alike: bool = False) -> str:
+def _module(program: Program, flavour: _Flavour, alike: bool = False, slopes: bool = False) -> str:
     dialect = flavour.dialect
-    reserved = {*keyword.kwlist, *_ARGUMENTS, "rhs", "extras", "mpf", "pi", *_HELPING}
+    reserved = {*keyword.kwlist, *_ARGUMENTS, *TITLES, "mpf", "pi", *_HELPING, *_COLUMNS}
     reserved |= {*dialect.words.values()}
-    inputs = [*program.state, *program.parameters, *program.inputs]
-    names = identifiers(inputs, reserved) | {program.time: "t"}
-    parts = [_function("rhs", "Time derivatives of the state.", program, program.derivative,
-                       names, dialect, [f"d({s})/dt" for s in program.state],
-                       alike)]  # fmt: skip
-    if program.names:
-        parts.append(_function("extras", f"Computes {', '.join(program.names)}.", program,
-                               program.extras, names, dialect, program.names,
-                               alike))  # fmt: skip
+    names = identifiers(arguments_of(program), reserved) | {program.time: "t"}
+    parts = [_function(p, program, names, flavour, alike) for p in parts_of(program, slopes)]
     body = "\n\n".join([*_helpers("".join(parts), flavour.library), *parts])
-    words = {*dialect.words.values(), "mpf", *_HELPING} - _QUOTIENTS.keys()
+    words = {*dialect.words.values(), "mpf", *_HELPING, *_COLUMNS} - _QUOTIENTS.keys()
     words -= {word for word, _ in SLOPES.values()}
     used = sorted(w for w in words if re.search(rf"\b{w}\(", body))
     used += ["pi"] if re.search(r"\bpi\b", body) else []
@@ -178,8 +187,8 @@ def _helpers(body: str, library: str) -> list[str]:
         if re.search(rf"\b{word}\(", body):
             function = _NUMPY[above] if library == "numpy" and above == "atan" else above
             value = f"{function}(x)/x if x else x + 1"
-            if library == "numpy":
-                value = f"where(x == 0, 1.0, {function}(x)/where(x == 0, 1.0, x))"
+            if choice := _CHOICES.get(library):
+                value = f"{choice}(x == 0, 1.0, {function}(x)/{choice}(x == 0, 1.0, x))"
             rows.append(_helper(word, f"{above}(x)/x", f"return {value}"))
     for name, (word, above) in SLOPES.items():
         if re.search(rf"\b{word}\(", body):
@@ -187,12 +196,12 @@ def _helpers(body: str, library: str) -> list[str]:
             steps = [f"return {_IN_DIGITS[name]}"]
             if library == "math":
                 steps = [f"return {series(name)} if abs(x) < {reach} else ({above})/x**{power}"]
-            elif library == "numpy":
+            elif choice := _CHOICES.get(library):
                 steps = [
-                    f"near = abs(x) < {reach}",
-                    "y = where(near, x, 0.0)",
-                    f"far = ({above})/where(near, 1.0, x)**{power}",
-                    f"return where(near, {series(name, 'y')}, far)",
+                    f"near = {_SIZES[library]}(x) < {reach}",
+                    f"y = {choice}(near, x, 0.0)",
+                    f"far = ({above})/{choice}(near, 1.0, x)**{power}",
+                    f"return {choice}(near, {series(name, 'y')}, far)",
                 ]
             rows.append(_helper(word, f"({above})/x**{power}", *steps))
     return rows
@@ -234,22 +243,26 @@ def _remark(text: str) -> str:
 
 
 def _function(
-    title: str, purpose: str, program: Program, block: Block, names: dict[Any, str],
-    dialect: Dialect, results: Sequence[str], alike: bool,
-) -> str:  # fmt: skip
+    part: Part, program: Program, names: dict[Any, str], flavour: _Flavour, alike: bool
+) -> str:
+    block, dialect = part.block, flavour.dialect
+    columnar = flavour is _MATRICES
     names = names | identifiers([n for n, _ in block.assignments], names.values())
-    arguments = _ARGUMENTS if program.inputs else _ARGUMENTS[:-1]
-    rows = [f"def {title}({', '.join(arguments)}):", f'    """{_remark(purpose)}"""']
-    groups = (program.state, program.parameters, program.inputs)
-    for group, argument in zip(groups, _ARGUMENTS[1:], strict=True):
+    groups = groups_of(program)
+    given = ", ".join(["t", *(argument for argument, _ in groups)])
+    rows = [f"def {part.title}({given}):", f'    """{_remark(part.purpose)}"""']
+    for argument, group in groups:
         if group:
             unpacked = ", ".join(names[s] for s in group) + ("," if len(group) == 1 else "")
-            rows.append(f"    {unpacked} = {argument}")
+            rows.append(f"    {unpacked} = " + (f"vertsplit({argument})" if columnar else argument))
     rows += [f"    {name} = {value}" for name, value in lines(block, dialect, names)]
-    rows.append("    return [")
-    for result, meaning in zip(block.results, results, strict=True):
-        value = text(result, dialect, names)
-        if alike and program.state and not _moves(result, block, program):
-            value = f"{value} + 0*{names[program.state[0]]}"  # of the shape of the others
+    values = [text(result, dialect, names) for result in block.results]
+    if alike and program.state:  # of the shape of the others
+        still = [not _moves(result, block, program) for result in block.results]
+        first = names[program.state[0]]
+        values = [f"{v} + 0*{first}" if s else v for v, s in zip(values, still, strict=True)]
+    rows.append("    return vertcat(" if columnar else "    return [")
+    ends = ("horzcat(", ")") if columnar else ("[", "]")
+    for value, meaning in part.written(values, *ends):
         rows.append(f"        {value},  # {_remark(meaning)}")
-    return "\n".join([*rows, "    ]"]) + "\n"
+    return "\n".join([*rows, "    )" if columnar else "    ]"]) + "\n"

@@ -26,7 +26,15 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
 
-__all__ = ["Block", "Program", "nested", "opened", "with_plain_roots"]
+__all__ = [
+    "Block",
+    "Program",
+    "fresh_names",
+    "nested",
+    "opened",
+    "shared",
+    "with_plain_roots",
+]
 
 
 def nested(expr: Any, constants: Iterable[Any]) -> Any:
@@ -208,14 +216,14 @@ def _program(form: FirstOrderForm, extras: tuple[tuple[str, Any], ...]) -> Progr
     for name, expr in zip(wanted, observed, strict=True):
         _check(f"'{name}'", [expr], [*known, *names])
     derivative = _derivative(form, tuple(known))
-    extra = _shared(observed, _fresh(known), form.stages)
+    extra = shared(observed, fresh_names(known), form.stages)
     if derivative.is_rough(form.parameters):
         form = with_plain_roots(form)
         derivative = _derivative(form, tuple(known))
     if extra.is_rough(form.parameters):
         form, still = with_plain_roots(form), frozenset(form.parameters)
         plain = [plain_roots(e, still) for e in observed]
-        extra = _shared(plain, _fresh(known), form.stages)
+        extra = shared(plain, fresh_names(known), form.stages)
     return Program(
         time=form.time,
         coordinates=tuple(form.coordinates),
@@ -285,10 +293,10 @@ def _derivative(form: FirstOrderForm, known: tuple[Any, ...]) -> Block:
     exprs, inner = stable_all(exprs), stable_all(e for _, e in form.stages)
 
     def written(change: Callable[[Any], Any]) -> Block:
-        fresh = _fresh(known)
+        fresh = fresh_names(known)
         stages = [(name, change(e)) for (name, _), e in zip(form.stages, inner, strict=True)]
-        shared = _shared([change(e) for e in exprs], fresh, stages)
-        return _eliminated(form, single, left, blocks, shared, fresh)
+        common = shared([change(e) for e in exprs], fresh, stages)
+        return _eliminated(form, single, left, blocks, common, fresh)
 
     plain = written(se.sympify)
     if plain.operations > NESTED:
@@ -299,10 +307,10 @@ def _derivative(form: FirstOrderForm, known: tuple[Any, ...]) -> Block:
 
 def _eliminated(
     form: FirstOrderForm, single: Mapping[int, Any], left: Sequence[int],
-    blocks: Sequence[Elimination], shared: Block, fresh: Iterator[Any],
+    blocks: Sequence[Elimination], common: Block, fresh: Iterator[Any],
 ) -> Block:  # fmt: skip
     """Shared subexpressions first; then the elimination, on their names."""
-    results, assignments = list(shared.results), list(shared.assignments)
+    results, assignments = list(common.results), list(common.assignments)
 
     def name(expr: Any) -> Any:
         if not expr.args:
@@ -320,7 +328,7 @@ def _eliminated(
     return _pruned(assignments, [*rates, *(vdot[i] for i in range(len(form.force)))])
 
 
-def _fresh(known: Iterable[Any]) -> Iterator[Any]:
+def fresh_names(known: Iterable[Any]) -> Iterator[Any]:
     """Symbols c0, c1, ... with a prefix that no known name shares."""
     taken = {str(s) for s in known}
     prefix = "c"
@@ -329,7 +337,7 @@ def _fresh(known: Iterable[Any]) -> Iterator[Any]:
     return (se.Symbol(f"{prefix}{i}") for i in count())
 
 
-def _shared(
+def shared(
     exprs: Sequence[Any], fresh: Iterator[Any], stages: Sequence[tuple[Any, Any]] = ()
 ) -> Block:
     """Common subexpressions of several expressions and of the stages they need, freshly named."""

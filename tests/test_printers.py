@@ -1,0 +1,289 @@
+"""Programs out: every language computes what the derivation says, with its Jacobian."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import shutil
+import subprocess
+from collections.abc import Callable, Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import symengine as se
+import sympy as sp
+
+import voronec as vo
+from voronec.equations.derivation import FirstOrderForm
+from voronec.equations.program import (
+    Program,
+    c_source,
+    casadi_source,
+    javascript_source,
+    mpmath_source,
+    python_source,
+)
+from voronec.errors import EngineLimit
+
+pytestmark = pytest.mark.slow
+
+Call = Callable[[str, list[list[float]]], np.ndarray]
+"""Of the name of a function and its arguments after the time 0.2; ``numpy`` shapes come back."""
+
+x, y, u, w, a, b, t = se.symbols("x y u w a b t")
+TIME = 0.2
+
+
+def forms() -> dict[str, FirstOrderForm]:
+    """Programs with every function there is, quotients near zero and at zero among them."""
+    smooth = (
+        se.tan(x) * u - a * se.atan2(y, 2 + x**2) + se.cot(2 + t) + se.asinh(w) ** 3,
+        (2 + x**2) ** se.Rational(2, 3) * se.exp(-y) - se.tanh(w * y) + se.log(3 + x**2) ** b,
+    )
+    cardinal = (
+        se.sin(x) / x + se.sinh(y) / y - (se.exp(u) - 1) / u + se.sqrt(x**2 + y**2 + a**2),
+        se.log(1 + w**2) * b + (1 - se.cos(x)) / x + se.Abs(y + 1) * w - se.acos(x / 3),
+    )
+    mass = ((2 + se.cos(x), b * se.sin(y) / 4), (b * se.sin(y) / 4, 3 + y**2))
+    made = {"smooth": (mass, smooth), "cardinal": (((1, 0), (0, a)), cardinal)}
+    return {
+        name: FirstOrderForm(
+            coordinates=(x, y), velocities=(u, w), parameters=(a, b), time=t, rates=(u + w, w * x),
+            mass=tuple(map(tuple, matrix)), force=force, definitions=(),
+            velocity_symbols=(se.Symbol("xdot"), se.Symbol("ydot")),
+        )
+        for name, (matrix, force) in made.items()
+    }  # fmt: skip
+
+
+def systems() -> dict[str, Program]:
+    names = "snakeboard", "falling-disc", "rattleback", "robot-with-two-trailers"
+    programs = {name: Program.of(vo.derive(vo.load(name)).form) for name in names}
+    return programs | {"driven": Program.of(vo.derive(driven()).form)}
+
+
+def driven() -> vo.System:
+    """A sleigh that is pushed and turned, and on a plane that is moved."""
+    px, py, phi, push, turn, m, inertia, reach = sp.symbols("x y phi push turn m J reach")
+    v, omega = sp.symbols("v omega")
+    dx, dy, dphi = map(vo.velocity, (px, py, phi))
+    return vo.System(
+        name="driven-sleigh",
+        fibration=vo.Fibration(base=(px, phi), fibre=(py,)),
+        frame=vo.Frame.quasi({v: dx * sp.cos(phi) + dy * sp.sin(phi), omega: dphi}),
+        lagrangian=m * (dx**2 + dy**2) / 2 + inertia * dphi**2 / 2
+        + m * reach * dphi * (dy * sp.cos(phi) - dx * sp.sin(phi)),
+        constraints=(dx * sp.sin(phi) - dy * sp.cos(phi) + turn,),
+        forces={px: push, phi: turn * push},
+        parameters=(m, inertia, reach),
+        inputs=(push, turn),
+    )  # fmt: skip
+
+
+def sized(program: Program) -> list[list[float]]:
+    """A state, parameters and inputs."""
+    rng = np.random.default_rng(5)
+    groups = [program.state, program.parameters] + ([program.inputs] if program.inputs else [])
+    return [list(0.3 + rng.random(len(group))) for group in groups]
+
+
+def truth(program: Program, given: list[list[float]]) -> tuple[np.ndarray, np.ndarray]:
+    """Rates, and their slopes by quotients of differences, all in 60 digits."""
+    space: dict[str, Any] = {}
+    exec(mpmath_source(program), space)
+    with mpmath.workdps(60):
+        exact = [[mpmath.mpf(e) for e in group] for group in given]
+        rates = space["rhs"](mpmath.mpf(TIME), *exact)
+        step, columns = mpmath.mpf(10) ** -20, []
+        for k, group in enumerate(exact):
+            for i in range(len(group)) if k != 1 else ():
+                sides = []
+                for sign in (1, -1):
+                    moved = [[*g] for g in exact]
+                    moved[k][i] += sign * step
+                    sides.append(space["rhs"](mpmath.mpf(TIME), *moved))
+                pairs = zip(*sides, strict=True)
+                columns.append([float((p - m) / (2 * step)) for p, m in pairs])
+    return np.array([float(r) for r in rates]), np.array(columns).T
+
+
+def numpy_call(program: Program, folder: Path) -> Call:
+    space: dict[str, Any] = {}
+    exec(python_source(program, slopes=True), space)
+    return lambda name, given: np.array(space[name](TIME, *given), dtype=float)
+
+
+def c_call(program: Program, folder: Path) -> Call:
+    if shutil.which("cc") is None:
+        pytest.skip("no C compiler")
+    (folder / "rhs.c").write_text(c_source(program, slopes=True))
+    flags = ["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-shared", "-fPIC"]
+    command = ["cc", *flags, str(folder / "rhs.c"), "-o", str(folder / "rhs.so"), "-lm"]
+    subprocess.run(command, check=True)
+    library = ctypes.CDLL(str(folder / "rhs.so"))
+    rows, columns = len(program.state), len(program.state) + len(program.inputs)
+
+    def call(name: str, given: list[list[float]]) -> np.ndarray:
+        shape = (rows, columns) if name == "jacobian" else (rows,)
+        result = (ctypes.c_double * int(np.prod(shape)))()
+        arrays = [(ctypes.c_double * max(1, len(g)))(*g) for g in given]
+        getattr(library, name)(ctypes.c_double(TIME), *arrays, result)
+        return np.array(result).reshape(shape)
+
+    return call
+
+
+def javascript_call(program: Program, folder: Path) -> Call:
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("no Node.js")
+    (folder / "rhs.mjs").write_text(javascript_source(program, slopes=True))
+
+    def call(name: str, given: list[list[float]]) -> np.ndarray:
+        arguments = ", ".join(map(json.dumps, given))
+        (folder / "main.mjs").write_text(
+            'import * as program from "./rhs.mjs";\n'
+            f"console.log(JSON.stringify(program.{name}({TIME}, {arguments})));\n"
+        )
+        command = [node, str(folder / "main.mjs")]
+        done = subprocess.run(command, check=True, capture_output=True, text=True)
+        return np.array(json.loads(done.stdout), dtype=float)
+
+    return call
+
+
+def casadi_call(program: Program, folder: Path) -> Call:
+    casadi = pytest.importorskip("casadi", reason="CasADi is not installed")
+    space: dict[str, Any] = {}
+    exec(casadi_source(program, slopes=True), space)
+
+    def call(name: str, given: list[list[float]]) -> np.ndarray:
+        symbols = [casadi.SX.sym("g", len(group)) for group in given]
+        made = casadi.Function(name, symbols, [casadi.SX(space[name](TIME, *symbols))])
+        found = np.array(made(*given))
+        return found[:, 0] if name == "rhs" else found
+
+    return call
+
+
+CALLS: Mapping[str, Callable[[Program, Path], Call]] = {
+    "numpy": numpy_call, "c": c_call, "javascript": javascript_call, "casadi": casadi_call,
+}  # fmt: skip
+
+
+def assert_close(found: np.ndarray, expected: np.ndarray) -> None:
+    assert found.shape == expected.shape
+    scale = 1 + np.abs(expected).max()
+    assert np.abs(found - expected).max() < 1e-13 * scale
+
+
+@pytest.mark.parametrize("language", CALLS)
+def test_programs_of_every_language_agree_with_many_digits(language: str, tmp_path: Path) -> None:
+    made = {name: Program.of(form) for name, form in forms().items()}
+    for name, program in (made | systems()).items():
+        given = sized(program)
+        rates, slopes = truth(program, given)
+        folder = tmp_path / name
+        folder.mkdir()
+        call = CALLS[language](program, folder)
+        assert_close(call("rhs", given), rates)
+        assert_close(call("jacobian", given), slopes)
+
+
+@pytest.mark.parametrize("language", CALLS)
+def test_quotients_and_their_slopes_have_values_where_they_divide_by_zero(
+    language: str, tmp_path: Path
+) -> None:
+    """sin(x)/x and the like at zero, and their slopes; from series, which share nothing."""
+    program = Program.of(forms()["cardinal"])
+    given = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.5]]
+    call = CALLS[language](program, tmp_path)
+    assert_close(call("rhs", given), np.array([0, 0, 2, -np.pi / 2]))
+    slopes = np.zeros((4, 4))
+    slopes[0, 2] = slopes[0, 3] = 1  # of u + w
+    slopes[2, 2] = -1 / 2  # of (exp(u) - 1)/u
+    slopes[3, 0] = 1 / 2 + 1 / 3  # of (1 - cos x)/x and acos(x/3)
+    slopes[3, 3] = 1  # of |y + 1| w
+    assert_close(call("jacobian", given), slopes)
+
+
+def test_programs_agree_with_the_derivation_in_balls() -> None:
+    """Another form of the equations, another evaluation: `acceleration` knows no program."""
+    system = vo.load("snakeboard")
+    eqs = vo.derive(system)
+    program = Program.of(eqs.form)
+    state, parameters = sized(program)
+    space: dict[str, Any] = {}
+    exec(eqs.python(), space)
+    found = space["rhs"](0.0, state, parameters)
+    point = dict(zip((*eqs.coordinates, *eqs.velocities), state, strict=True))
+    point |= dict(zip((p.symbol for p in system.parameters), parameters, strict=True))
+    at = {**point, vo.time: 0}
+    slopes = eqs.acceleration(at)
+    for q, rate in zip(eqs.coordinates, eqs.rates, strict=True):
+        # d2q/dt2 by the chain rule along the program
+        dots = dict(zip((*eqs.coordinates, *eqs.velocities), found, strict=True))
+        along = sum(rate.diff(s) * dot for s, dot in dots.items()).subs(point)
+        assert abs(float(along) - float(slopes[q])) < 1e-12
+
+
+def test_numpy_programs_take_arrays_of_states() -> None:
+    program = systems()["driven"]
+    space: dict[str, Any] = {}
+    exec(python_source(program, slopes=True), space)
+    state, parameters, inputs = sized(program)
+    states = np.array(state)[:, None] * np.linspace(0.5, 1, 7)
+    found = np.array(space["jacobian"](TIME, list(states), parameters, inputs))
+    assert found.shape == (len(state), len(state) + len(inputs), 7)
+    assert np.allclose(found[..., -1], space["jacobian"](TIME, state, parameters, inputs))
+
+
+def test_a_function_for_casadi_is_differentiated_by_casadi_as_by_us() -> None:
+    casadi = pytest.importorskip("casadi", reason="CasADi is not installed")
+    eqs = vo.derive(driven())
+    function = eqs.to_casadi()
+    program = Program.of(eqs.form)
+    given = sized(program)
+    assert function.name_in() == ["t", "state", "parameters", "inputs"]
+    assert_close(np.array(function(TIME, *given))[:, 0], truth(program, given)[0])
+    symbols = [casadi.MX.sym("g", len(g)) for g in given]
+    by_state = casadi.jacobian(function(TIME, *symbols), symbols[0])
+    ours: dict[str, Any] = {}
+    exec(eqs.casadi(jacobian=True), ours)
+    theirs = np.array(casadi.Function("j", symbols, [by_state])(*given))
+    mine = np.array(ours["jacobian"](TIME, *map(casadi.DM, given)))
+    assert_close(mine[:, : len(given[0])], theirs)
+    still = vo.derive(vo.load("sleigh")).to_casadi()  # without inputs their column is empty
+    assert still.size_in("inputs") == (0, 1) or still.size_in("inputs") == (0, 0)
+
+
+def test_without_casadi_a_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "casadi", None)
+    with pytest.raises(vo.DefinitionError, match=r"pip install 'voronec\[control\]'"):
+        vo.derive(vo.load("sleigh")).to_casadi()
+
+
+def test_a_jacobian_that_nobody_differentiates_is_refused() -> None:
+    form = forms()["cardinal"]
+    unknown = (se.log(1 + x) / x, se.Integer(0))
+    program = Program.of(FirstOrderForm(**{**vars(form), "force": unknown}))
+    with pytest.raises(EngineLimit, match="is not differentiated"):
+        python_source(program, slopes=True)
+
+
+def test_the_command_prints_every_language(capsys: pytest.CaptureFixture[str]) -> None:
+    from voronec.cli import main
+
+    for language in ("--python", "--c", "--javascript", "--casadi"):
+        assert main(["derive", "sleigh", language]) == 0
+        plain = capsys.readouterr().out
+        assert main(["derive", "sleigh", language, "--jacobian"]) == 0
+        assert "jacobian" in capsys.readouterr().out and "jacobian" not in plain
+    for line in (["derive", "sleigh", "--jacobian"], ["derive", "sleigh", "--latex", "--jacobian"]):
+        assert main(line) == 2
+        assert "add one of --python" in capsys.readouterr().err
+    assert find_spec("casadi") is None or "vertcat" in vo.derive(vo.load("sleigh")).casadi()

@@ -1,0 +1,126 @@
+"""The Jacobian of a straight-line program, by the chain rule along its assignments.
+
+With c_k = f_k(x, c_1, ..., c_(k-1)) the slopes are
+
+    dc_k/dx_j = df_k/dx_j + sum_(i<k) df_k/dc_i dc_i/dx_j
+
+(forward mode [GriewankWalther2008, ch. 3]), and only those that are not zero are written down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import lru_cache
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.numeric_functions import (
+    EXPM1,
+    EXPREL,
+    EXPREL_SLOPE,
+    HYPOT,
+    LOG1P,
+    SINC,
+    SINC_SLOPE,
+    SINHC,
+    SINHC_SLOPE,
+    SIZE,
+    numeric_name,
+)
+from voronec.equations.program.straight import Block, Program, fresh_names, shared
+from voronec.errors import EngineLimit
+
+__all__ = ["jacobian", "jacobian_columns"]
+
+
+def _slope_of(name: str, factor: int) -> Callable[[Any], tuple[Any]]:
+    return lambda w: (factor * w * se.Function(name)(w),)
+
+
+_SLOPES: dict[str, Callable[..., tuple[Any, ...]]] = {
+    SINC: _slope_of(SINC_SLOPE, -1),
+    SINHC: _slope_of(SINHC_SLOPE, 1),
+    EXPREL: lambda w: (se.Function(EXPREL_SLOPE)(w),),
+    EXPM1: lambda w: (se.exp(w),),
+    LOG1P: lambda w: (1 / (1 + w),),
+    HYPOT: lambda *sides: tuple(a / se.Function(HYPOT)(*sides) for a in sides),
+    SIZE: lambda w: (se.sign(w),),
+    "Abs": lambda w: (se.sign(w),),
+    "sign": lambda w: (se.Integer(0),),
+    "floor": lambda w: (se.Integer(0),),
+}
+"""The slopes of functions that programs alone know, in such functions, and of those with corners
+and jumps; SymEngine differentiates the others."""
+
+
+def jacobian_columns(program: Program) -> tuple[Any, ...]:
+    """What the columns of the Jacobian belong to: the entries of the state, then the inputs."""
+    return (*program.state, *program.inputs)
+
+
+@lru_cache(maxsize=32)
+def jacobian(program: Program) -> Block:
+    """The derivatives of the rates of the state, row by row: of each rate by every entry of the
+    state, then by every input.
+
+    At corners of |w| and jumps they are those beside it.  ``EngineLimit`` names a function that
+    nobody differentiates.
+    """
+    columns = jacobian_columns(program)
+    slopes: dict[Any, dict[Any, Any]] = {x: {x: se.Integer(1)} for x in columns}
+    assignments = list(program.derivative.assignments)
+    for name, expr in program.derivative.assignments:
+        slopes[name] = {}
+        for x, slope in _chained(se.sympify(expr), slopes).items():
+            if slope.args:
+                assignments.append((se.Symbol(f"d {name} / d {x}"), slope))
+                slope = assignments[-1][0]
+            slopes[name][x] = slope
+    rows = [_chained(se.sympify(e), slopes) for e in program.derivative.results]
+    entries = [row.get(x, se.Integer(0)) for row in rows for x in columns]
+    known = [program.time, *columns, *program.parameters]
+    return shared(entries, fresh_names(known), assignments)
+
+
+def _chained(expr: Any, slopes: dict[Any, dict[Any, Any]]) -> dict[Any, Any]:
+    """The slopes of an expression by the columns that it depends on."""
+    partials = _gradient(expr, {})
+    return _total([(partials[s], slopes[s]) for s in sorted(partials, key=str) if s in slopes])
+
+
+def _total(pairs: Iterable[tuple[Any, dict[Any, Any]]]) -> dict[Any, Any]:
+    """The sum of rows with factors."""
+    found: dict[Any, list[Any]] = {}
+    for factor, row in pairs:
+        for x, slope in row.items():
+            found.setdefault(x, []).append(factor * slope)
+    sums = {x: se.Add(*terms) for x, terms in found.items()}
+    return {x: total for x, total in sums.items() if total != 0}
+
+
+def _gradient(expr: Any, known: dict[Any, dict[Any, Any]]) -> dict[Any, Any]:
+    """The partial derivatives of an expression by its symbols."""
+    if isinstance(expr, se.Symbol):
+        return {expr: se.Integer(1)}
+    if not expr.args:
+        return {}
+    if expr not in known:
+        rows = [_gradient(a, known) for a in expr.args]
+        moving = [(i, row) for i, row in enumerate(rows) if row]
+        known[expr] = _total((_partial(expr, i), row) for i, row in moving)
+    return known[expr]
+
+
+def _partial(expr: Any, position: int) -> Any:
+    """The derivative of a sum, product, power or function by one of its arguments."""
+    name = numeric_name(expr) or type(expr).__name__
+    if name in _SLOPES:
+        return _SLOPES[name](*expr.args)[position]
+    if isinstance(expr, se.Add):
+        return se.Integer(1)
+    letters = [se.Symbol(f"argument {i}") for i in range(len(expr.args))]
+    slope = expr.func(*letters).diff(letters[position])
+    if slope.atoms(se.Derivative, se.Subs):
+        raise EngineLimit(f"the Jacobian: '{name}' is not differentiated; leave the Jacobian out")
+    return slope.xreplace(dict(zip(letters, expr.args, strict=True)))
