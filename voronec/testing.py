@@ -22,7 +22,7 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.text import sympified
 from voronec.declaration.bibliography import bibtex
-from voronec.declaration.catalogue import Entry, entry_of, file_entry
+from voronec.declaration.catalogue import Entry, entry_of, file_entry, is_file
 from voronec.declaration.claims import declared_claims
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
@@ -157,7 +157,7 @@ STATEMENTS: dict[str, Callable[[str], None]] = {
 
 
 def _entry(name: str) -> Entry:
-    return file_entry(name) if name.endswith(".py") else entry_of(name)
+    return file_entry(name) if is_file(name) else entry_of(name)
 
 
 @cache

@@ -27,6 +27,7 @@ from voronec.errors import DefinitionError, shown
 __all__ = [
     "FUNCTION_NAMES",
     "NOT_REAL",
+    "NotAFormula",
     "exact_number",
     "formula",
     "in_doubles",
@@ -76,6 +77,17 @@ _TOKEN = re.compile(
 )
 NOT_REAL = (sp.I, sp.nan, sp.zoo, sp.oo, -sp.oo)
 """Constants of SymPy that are no real numbers."""
+
+
+class NotAFormula(DefinitionError):
+    """A text that is no formula: ``why``, the sign ``near`` and its ``column``, from 1."""
+
+    def __init__(self, message: str, why: str, near: str, column: int) -> None:
+        super().__init__(message)
+        self.why, self.near, self.column = why, near, column
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.why, self.near, self.column)
 
 
 class _Value(NamedTuple):
@@ -368,9 +380,12 @@ class _Reader:
     def _wrong(self, what: str, token: _Token | None = None) -> NoReturn:
         token = token or self.token
         near = f" at column {token.at + 1} ('{shown(token.text)}')" if token.text else ""
-        raise DefinitionError(
+        raise NotAFormula(
             f"{self.place}: '{shown(self.text)}' is not a {self.kind}{near}: {what}; write one "
-            f"such as {'2*a*sin(x)/3' if self.kind == 'formula' else '2.5, 1/3'} or -pi/2"
+            f"such as {'2*a*sin(x)/3' if self.kind == 'formula' else '2.5, 1/3'} or -pi/2",
+            what,
+            token.text,
+            token.at + 1,
         )
 
 

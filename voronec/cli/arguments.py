@@ -155,7 +155,7 @@ def _compare(commands: Any) -> None:
         parser.add_argument(
             side,
             metavar="NAME|FILE",
-            help="a system, a Python file defining SYSTEM, or a .json of 'derive --store'",
+            help="a system, a .py or .toml file of one, or a .json of 'derive --store'",
         )
 
 
@@ -287,7 +287,10 @@ def _search(commands: Any) -> None:
 
 
 def _new(commands: Any) -> None:
-    parser = _command(commands, "new", "template", "write NAME.py, a system that already runs")
+    parser = _command(commands, "new", "template", "write a file with a system that already runs")
+    parser.add_argument(
+        "--toml", action="store_true", help="write NAME.toml, a text, instead of NAME.py"
+    )
     parser.add_argument("name", metavar="NAME", help="lower-case letters, digits and hyphens")
 
 
@@ -324,5 +327,7 @@ def _outputs(parser: argparse.ArgumentParser) -> None:
 
 def _system(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "system", metavar="NAME|FILE", help="a system's name, or a Python file defining SYSTEM"
+        "system",
+        metavar="NAME|FILE",
+        help="a system's name, or a file: Python defining SYSTEM, or TOML",
     )

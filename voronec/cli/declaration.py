@@ -176,6 +176,7 @@ def _data(system: System) -> dict[str, Any]:
              "range": _range(p), "meaning": p.meaning}
             for p in system.parameters
         ],
+        "meanings": dict(system.meanings),
         "possible": list(system.possible),
         "integrals": {name: plain(e) for name, e in system.conserved.items()},
         "measure": None if system.measure is None else plain(right_of(system.measure).density),
@@ -233,6 +234,8 @@ def _lines(data: dict[str, Any]) -> list[str]:
     heads += [[f"constraint {i + 1}", f"{e} = 0"] for i, e in enumerate(data["constraints"])]
     heads += [[f"force on {q}", e] for q, e in data["forces"].items()]
     lines += columns(heads)
+    if data["meanings"]:
+        lines += ["", "in words", *columns(map(list, data["meanings"].items()), "  ")]
     if data["parameters"]:
         rows = [
             [

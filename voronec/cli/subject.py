@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from voronec.declaration.catalogue import Entry, entry_of, load_file
+from voronec.declaration.catalogue import SUFFIXES, Entry, entry_of, is_file, load_file
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
     from voronec.declaration.system import System
 
 __all__ = ["entry_of_name", "is_file", "resolve"]
-
-
-def is_file(subject: str) -> bool:
-    """Whether NAME|FILE means a file: it ends in ``.py`` or contains a separator of paths."""
-    return subject.endswith(".py") or os.sep in subject
 
 
 def resolve(subject: str) -> tuple[System, Path | None]:
@@ -33,6 +27,7 @@ def entry_of_name(name: str) -> Entry:
     try:
         return entry_of(name)
     except DefinitionError as error:
-        if Path(name + ".py").is_file():
-            raise DefinitionError(f"{error} For the file, say '{name}.py'") from None
+        for suffix in SUFFIXES:
+            if Path(name + suffix).is_file():
+                raise DefinitionError(f"{error} For the file, say '{name}{suffix}'") from None
         raise

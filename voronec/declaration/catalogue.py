@@ -13,6 +13,7 @@ paper beside it, the module ``paper`` that defines ``PAPER``.
 
 from __future__ import annotations
 
+import os
 import pkgutil
 import sys
 from collections.abc import Iterable, Iterator, Mapping
@@ -22,7 +23,7 @@ from importlib.machinery import ModuleSpec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from voronec.algebra.arguments import TEXT, accepts
+from voronec.algebra.arguments import PATH, accepts
 from voronec.declaration.plugin_files import failure, run_file
 from voronec.errors import DefinitionError, did_you_mean
 
@@ -35,6 +36,7 @@ __all__ = [
     "entries",
     "entry_of",
     "file_entry",
+    "is_file",
     "load",
     "load_file",
     "load_paper",
@@ -87,7 +89,7 @@ class Entry:
         if self.path and not self.member:
             return load_file(self.path)
         if self.path:
-            found = run_file(Path(self.path)).get(self.attribute)
+            found = _defined_in(Path(self.path)).get(self.attribute)
         else:
             found = getattr(_import(self.name, self.module, self.attribute), self.attribute)
         if self.member:
@@ -116,7 +118,7 @@ class Entry:
         """Which members the family in this module or file has; none where it is one system."""
         if not self.path and not self.module:
             return ()
-        space: Any = run_file(Path(self.path)) if self.path else None
+        space: Any = _defined_in(Path(self.path)) if self.path else None
         if space is None:
             space = vars(_import(self.name, self.module, self.attribute))
         found = space.get("MEMBERS", {})
@@ -145,7 +147,7 @@ class Entry:
         from voronec.declaration.relation import Relation, Square
 
         if self.path:
-            space: Any = run_file(Path(self.path))
+            space: Any = _defined_in(Path(self.path))
         else:
             space = vars(_import(self.name, self.module, self.attribute))
         relations = self._several(space, "RELATIONS", Relation)
@@ -191,9 +193,26 @@ def names() -> list[str]:
     return [entry.name for entry in entries()[0]]
 
 
-@accepts(name=TEXT)
-def load(name: str) -> System:
-    """The system of that name; ``DefinitionError`` with the nearest names where there is none."""
+SUFFIXES = (".py", ".toml")
+"""What the files end in that define systems: Python, and text."""
+
+
+def is_file(subject: str) -> bool:
+    """Whether NAME|FILE means a file: it ends in ``.py`` or ``.toml``, or has a separator of
+    paths."""
+    return subject.endswith(SUFFIXES) or os.sep in subject
+
+
+@accepts(name=PATH)
+def load(name: str | os.PathLike[str]) -> System:
+    """The system of that name, or the one that a file declares.
+
+    A file is a path, or a name that ends in ``.py``, which is run, or in ``.toml``, which is only
+    read.  ``DefinitionError`` with the nearest names where there is no such system, and with the
+    line where a file is wrong.
+    """
+    if isinstance(name, os.PathLike) or is_file(name):
+        return load_file(Path(name))
     return entry_of(name).load()
 
 
@@ -214,7 +233,7 @@ def members(name: str) -> list[str]:
 
 
 def file_entry(path: str | Path) -> Entry:
-    """The system that a Python file defines, as an entry; raises as ``load_file``."""
+    """The system that a file defines, as an entry; raises as ``load_file``."""
     return Entry(load_file(path).name, "", path=str(Path(path).resolve()))
 
 
@@ -232,24 +251,32 @@ def load_paper(name: str) -> Any:
 
 
 def load_file(path: str | Path) -> System:
-    """The system that a Python file defines as ``SYSTEM``.
+    """The system that a Python file defines as ``SYSTEM``, or that a TOML file declares.
 
     Raises ``DefinitionError``, with the line where there is one, where the file cannot be read,
     does not parse, raises, or defines no system.
     """
     from voronec.declaration.system import System
 
-    namespace = run_file(Path(path))
-    found = namespace.get("SYSTEM")
+    found = _defined_in(Path(path)).get("SYSTEM")
     if not isinstance(found, System):
         what = "no SYSTEM" if found is None else f"SYSTEM as a {type(found).__name__}"
         raise DefinitionError(f"{path} defines {what}; end it with SYSTEM = voronec.System(...)")
     return found
 
 
+def _defined_in(path: Path) -> Mapping[str, Any]:
+    """The names that a file defines: a Python file is run, a text is read."""
+    if path.suffix != ".toml":
+        return run_file(path)
+    from voronec.declaration.system_text import read_system
+
+    return {"SYSTEM": read_system(path)}
+
+
 def load_paper_file(path: str | Path) -> Any:
     """What a Python file defines as ``PAPER``; ``DefinitionError`` as ``load_file`` has it."""
-    found = run_file(Path(path)).get("PAPER")
+    found = _defined_in(Path(path)).get("PAPER")
     if found is None:
         raise DefinitionError(
             f"{path} defines no PAPER; end it with PAPER = voronec.audit.Paper(...)"

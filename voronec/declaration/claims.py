@@ -244,8 +244,9 @@ def declared_claims(holder: Any) -> Iterator[DeclaredClaim]:
 
 
 def without_claims() -> dict[str, Any]:
-    """The fields of a system that claims nothing of its motions."""
-    return {k.field: {} if k.entry else k.empty for k in KINDS} | {"cases": {}, "undecided": {}}
+    """The fields of a system that claims nothing of its motions, and says no words of them."""
+    empty: dict[str, Any] = {"cases": {}, "undecided": {}, "meanings": {}}
+    return {k.field: {} if k.entry else k.empty for k in KINDS} | empty
 
 
 def read_claims(holder: Any) -> dict[str, Any]:

@@ -110,6 +110,9 @@ class System:
         titles to pairs (colatitude, longitude) of coordinates, drawn as traces on spheres.
     motion
         ``Quadratures``: the motion in closed form, where there is one.
+    meanings
+        coordinate, velocity, integral, invariant or input, by symbol or name -> what it is, in
+        words.
     inputs
         what moves the system from outside: symbols, or functions u(t), whose values are given at
         run time.  A function of the time that is nothing else is one without being declared.
@@ -148,6 +151,7 @@ class System:
     motion: Quadratures | None = None
     inputs: tuple[Any, ...] = ()
     assertions: Mapping[str, Any] = field(default_factory=dict)
+    meanings: Mapping[Any, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -168,6 +172,7 @@ class System:
         check_claims(self)
         check_charts(self)
         check_motion(self)
+        check_meanings(self)
 
     def _check_kinds(self) -> None:
         """A fibration and a frame come ready made, invariants by name."""
@@ -226,6 +231,9 @@ class System:
                 )
             store("motion", self.motion.titled(self.drawing))
         store("inputs", self._all_inputs())
+        meanings = mapping(self.meanings, "meanings", "coordinate: 'in words'")
+        named = {k if isinstance(k, str) else plain_name(k): v for k, v in meanings.items()}
+        store("meanings", mapping(named, "meanings", "coordinate: 'in words'"))
 
     def _all_inputs(self) -> tuple[sp.Expr, ...]:
         """Those declared, then parameters that are functions, then undeclared functions of time."""
@@ -257,9 +265,15 @@ class System:
             shown = (latex_of(e, self.coordinates, self.velocities) for e in exprs)
             return ", ".join(f"${e}$" for e in shown)
 
+        def named(things: Iterable[Any]) -> list[tuple[str, str]]:
+            said = [(typeset([x]), self.meanings.get(plain_name(x), "")) for x in things]
+            return [(symbol, words) for symbol, words in said if words]
+
         rows = [
             ("coordinates", typeset(self.coordinates)),
+            *named(self.coordinates),
             ("velocities", typeset(self.velocities)),
+            *named(self.velocities),
             ("Lagrangian", typeset([self.lagrangian])),
             ("constraints, which vanish", typeset(self.constraints)),
         ]
@@ -664,6 +678,24 @@ def _claims(system: System) -> Iterator[tuple[str, sp.Expr]]:
     for place, holder in _holders(system):
         for claim in declared_claims(holder):
             yield from ((f"{place}{claim.place}", e) for e in expressions_of(claim.value))
+
+
+def check_meanings(system: System) -> None:
+    """Words are said of what there is."""
+    frame = system.frame.ambient if system.frame is not None else ()
+    things = (*system.coordinates, *map(velocity, system.coordinates), *frame, *system.inputs)
+    known = {*map(plain_name, things), *system.integrals, *system.invariants}
+    for name, words in system.meanings.items():
+        if name not in known:
+            raise DefinitionError(
+                f"system '{system.name}': meanings explain '{shown(name)}', which is no "
+                f"coordinate, velocity, integral, invariant or input{did_you_mean(name, known)}"
+            )
+        if not isinstance(words, str) or not words.strip() or not words.isprintable():
+            raise DefinitionError(
+                f"system '{system.name}': the meaning of '{shown(name)}' is '{shown(words)}'; give "
+                "words of printable letters"
+            )
 
 
 def check_motion(system: System) -> None:

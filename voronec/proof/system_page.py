@@ -133,6 +133,8 @@ def _definition(system: System) -> Iterator[str]:
     for q, force in system.forces.items():
         yield f"Force on ${show(q)}$"
         yield _display(show(force), system)
+    if system.meanings:
+        yield _table(["name", "meaning"], [list(pair) for pair in system.meanings.items()])
     for name, function in system.invariants.items():
         yield _display(f"{symbol_latex(name)} = {show(function)}", system)
     rows = [

@@ -14,7 +14,6 @@ import tempfile
 from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from time import process_time
 from types import FrameType
 from typing import Any
@@ -138,11 +137,10 @@ def _main(words: list[str]) -> None:
             hy.llvm_state.set_diskcache_path(cache)
         except (ImportError, AttributeError):
             pass
-        from voronec.declaration.catalogue import entry_of, load_file
+        from voronec.declaration.catalogue import load
         from voronec.motion import integrate
 
-        file = Path(subject)
-        system = load_file(file) if file.suffix == ".py" else entry_of(subject).load()
+        system = load(subject)
         chosen = scene or ("default" if "default" in system.scenes else next(iter(system.scenes)))
         times = float(time) if time else None
         calls.append(lambda: integrate(system, chosen, times=times, tol=float(tolerance)))

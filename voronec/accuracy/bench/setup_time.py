@@ -12,7 +12,6 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 __all__ = ["SetupTime", "measure_setup"]
@@ -88,14 +87,13 @@ def _main(words: Sequence[str]) -> None:
         hy.llvm_state.set_diskcache_path(cache)
     except (ImportError, AttributeError):
         pass
-    from voronec.declaration.catalogue import entry_of, load_file
+    from voronec.declaration.catalogue import load
     from voronec.motion import integrate
 
     _import_everything()
     began = perf_counter()
-    file = Path(subject)
-    system = load_file(file) if file.suffix == ".py" else entry_of(subject).load()
-    load = perf_counter() - began
+    system = load(subject)
+    loaded = perf_counter() - began
     chosen = scene or ("default" if "default" in system.scenes else next(iter(system.scenes)))
     start, end = (float(x) for x in system.scenes[chosen].times)
     soon = start + (end - start) / 1000
@@ -105,7 +103,7 @@ def _main(words: Sequence[str]) -> None:
     ).cost
     # so short a run costs nothing beside the set-up
     spent = process_time() - began
-    found = {"cpu": spent, "clock": cost.setup, "load": load, "method": cost.method}
+    found = {"cpu": spent, "clock": cost.setup, "load": loaded, "method": cost.method}
     print(json.dumps(found))
 
 

@@ -1,0 +1,244 @@
+"""Systems as TOML texts: what they mean, and where they are wrong."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+import sympy as sp
+from command_line import Call
+
+import voronec as vo
+from voronec.cli.mechanisms import MECHANISMS
+from voronec.declaration.text_file import read_toml
+
+SKATE = MECHANISMS[0].toml.replace("@NAME@", "skate")
+SLEIGH = '''
+name = "sleigh"
+lagrangian = """
+m*((xdot - a*phidot*sin(phi))^2
+ + (ydot + a*phidot*cos(phi))^2)/2 + J*phidot^2/2"""
+constraints = 'xdot*sin(phi) - ydot*cos(phi)'
+fibre = "y"
+essential = ["v", "w"]
+integrable = "Euler-Jacobi"
+measure = { density = "1/w", variables = ["v", "w"] }
+
+[coordinates]
+x = "place of the blade"
+phi = "heading"
+y = ""
+
+[velocities]
+v = "xdot*cos(phi) + ydot*sin(phi)"
+w = { is = "phidot", meaning = "rate of turning" }
+
+[parameters]
+m = { value = 1, positive = true, meaning = "mass" }
+J = { value = 0.5, positive = true, lower = "1/100", meaning = "inertia" }
+a = { value = "3/10" }
+
+[definitions]
+K = "J + m*a^2"
+
+[integrals]
+energy = "m*v^2/2 + K*w^2/2"
+heading = { is = "a*phi - sqrt(K/m)*atan(v*sqrt(m/K)/w)", meaning = "the angle to come" }
+
+[equations]
+speed = { function = "v", rate = "a*w^2" }
+both = { function = ["v", "w"], rate = ["a*w^2", "-m*a*v*w/K"] }
+
+[possible]
+"the blade is not beyond the body" = "m*a^2 < 100*J"
+
+[cases."centre of mass over the blade"]
+parameters = { a = 0 }
+integrals = { speed = "v", "centre, x" = "x*w - v*sin(phi)" }
+measure = "1"
+integrable = "Euler-Jacobi"
+note = "Circles."
+
+[scenes.default]
+initial = { v = -1, w = "1/20" }
+times = [0, 20.0]
+outputs = ["x", "v", "v^2 + w^2", "energy"]
+'''
+
+
+def written(folder: Path, text: str) -> Path:
+    file = folder / "system.toml"
+    file.write_text(text, "utf-8")
+    return file
+
+
+def wrong(folder: Path, text: str) -> str:
+    """The message of a text that is refused, without the name of its file."""
+    file = written(folder, text)
+    with pytest.raises(vo.DefinitionError) as caught:
+        vo.load(file)
+    message = str(caught.value)
+    assert message.startswith(f"{file}, line ")
+    return message.removeprefix(f"{file}, ")
+
+
+def test_a_text_declares_the_sleigh_of_the_catalogue(tmp_path: Path) -> None:
+    mine, theirs = vo.load(written(tmp_path, SLEIGH)), vo.load("sleigh")
+    assert mine.coordinates == theirs.coordinates
+    assert sp.expand(mine.lagrangian - theirs.lagrangian) == 0
+    assert mine.constraints == theirs.constraints
+    assert mine.frame == theirs.frame
+    assert [p.value for p in mine.parameters] == [p.value for p in theirs.parameters]
+    assert mine.meanings == {
+        "x": "place of the blade", "phi": "heading", "w": "rate of turning",
+        "heading": "the angle to come",
+    }  # fmt: skip
+    assert mine.scenes["default"].initial == theirs.scenes["default"].initial
+    found = {claim.name: claim.verdict for claim in vo.check_claims(vo.derive(mine))}
+    assert len(found) == 11
+    assert all(verdict.proved for verdict in found.values())
+    assert vo.derive(mine).mass == vo.derive(theirs).mass
+
+
+def test_the_system_of_the_documentation_is_the_skate(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[1] / "docs" / "text-files.md").read_text("utf-8")
+    (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    shown, skate = vo.load(written(tmp_path, text)), vo.load(written(tmp_path, SKATE))
+    assert shown.lagrangian.equals(skate.lagrangian)
+    assert shown.constraints == skate.constraints
+    mistaken = wrong(tmp_path, text.replace("alpha)", "alpa)"))
+    assert f"skate.toml, {mistaken}" in page
+
+
+def test_decimals_keep_their_digits(tmp_path: Path) -> None:
+    long = "0." + "1" * 60
+    system = vo.load(written(tmp_path, SKATE.replace("value = 9.81", f"value = {long}")))
+    assert system.parameters[2].value == sp.Rational(long)
+
+
+def test_forces_inputs_relations_and_accelerations(tmp_path: Path) -> None:
+    text = """
+    name = "pendulum"
+    lagrangian = "m*(xdot^2 + zdot^2)/2 - m*g*z"
+    relations = ["x^2 + z^2 = l^2"]
+    [coordinates]
+    x = "to the right"
+    z = "upward"
+    [parameters]
+    m = 1
+    g = 10
+    l = { value = 1, positive = true }
+    [velocities]
+    w = "(x*zdot - z*xdot)/l^2"
+    [inputs]
+    u = "push"
+    [forces]
+    x = "u - t*xdot - m*xdotdot/2"
+    [scenes.pushed]
+    initial = { z = -1, x = 0 }
+    inputs = { u = "sin(t)" }
+    times = [0, 1]
+    outputs = ["configuration"]
+    """
+    system = vo.load(written(tmp_path, text))
+    x, u = sp.symbols("x u")
+    assert system.inputs == (u,)
+    push = u - vo.time * vo.velocity(x) - sp.Symbol("m") * vo.velocity(vo.velocity(x)) / 2
+    assert system.forces[x] == push
+    assert len(system.fibration.relations) == 1
+    assert vo.integrate(system, "pushed")["x"][-1] > 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "message"),
+    [
+        ("9.81", "9.81.1", ".1, meaning", "not TOML: Unclosed inline table"),
+        ("+ potential", "+ potental", "potental",
+         "integrals.energy: 'potental' is neither coordinate, velocity, parameter nor definition; "
+         "did you mean 'potential'?"),
+        ("sin(phi) =", "sin(phi =", "= ydot",
+         "constraints, entry 1: not a formula: the parenthesis of column 9 is not closed"),
+        ("ydot*cos(phi)\"", "ydot**\"", "\"]",
+         "constraints, entry 1: not a formula: a number, a name or '(' is expected"),
+        ("J*phidot^2/2\"", "open(1)\"", "open",
+         "definitions.kinetic: not a formula at 'open': there are the functions sin"),
+        ('phi = "heading', 'pi = "heading', "pi = ", "'pi' cannot be a coordinate; expected a"),
+        ("[definitions]\n", "[definitions]\nx = 1\n", "x = 1",
+         "the name 'x' is used twice, for a coordinate and for a definition"),
+        ('fibre = ["y"]', 'fibre = ["z"]', "\"z\"", "fibre, entry 1: 'z' is no coordinate; there "),
+        ("positive = true", "positive = 1", "1, meaning",
+         "parameters.m.positive: '1' is a number; expected true or false"),
+        ("value = 1", "value = -1", "{ value = -1",
+         "parameters.m: parameter 'm' = -1 must be positive"),
+        ("[0, 20]", "[0, 0]", "[0, 0]", "scenes.default.times: times = ('0', '0'): start and end"),
+        ("[integrals]", "[integral]", "integral]", "'integral' means nothing here; did you mean"),
+        ("{ w = 1", "{ u = 1", "u = 1", "'u' is not a coordinate; there are"),
+        ("lagrangian =", "Lagrangian =", "Lagrangian =", "'Lagrangian' means nothing here"),
+        ("J = { value = 1", "J = { value = [1]", "[1]", "parameters.J.value: an array; expected a"),
+        ('"phidot"\n', '"phidot + v*phi*w/xi"\n', "xi", "integrals.turning: 'xi' is neither"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_told_with_its_line_and_column(
+    tmp_path: Path, old: str, new: str, place: str, message: str
+) -> None:
+    assert old in SKATE
+    text = SKATE.replace(old, new, 1)
+    found = re.fullmatch(r"line (\d+), column (\d+): (.*)", wrong(tmp_path, text))
+    assert found is not None
+    assert text.split("\n")[int(found[1]) - 1][int(found[2]) - 1 :].startswith(place)
+    assert found[3].startswith(message)
+
+
+def test_places_are_those_of_the_letters(tmp_path: Path) -> None:
+    """Every key and value of a text stands where its place says."""
+    text = SLEIGH + '\n[a."b c".d]\nx.y = [1, {z = """q""", "w" = \'v\'}, # c ]\n 2.5]\n'
+    root = read_toml(written(tmp_path, text))
+    counted = 0
+    for keys, at in root.source.keys.items():
+        assert text[at:].startswith((str(keys[-1]), f'"{keys[-1]}"')), keys
+        counted += 1
+    for keys, at in root.source.values.items():
+        value = root.value
+        for key in keys:
+            value = value[key]
+        if isinstance(value, str):
+            assert value in text[at : at + len(value) + 4], keys
+        counted += 1
+    assert counted > 100
+
+
+def test_nothing_is_run_and_nothing_explodes(tmp_path: Path) -> None:
+    doubled = "\n".join(f'd{n + 1} = "d{n}*sin(d{n})"' for n in range(60))
+    long = SKATE.replace("[definitions]\n", f'[definitions]\nd0 = "x + y"\n{doubled}\n')
+    assert "written out it has" in wrong(tmp_path, long)
+    assert "nested too deeply" in wrong(tmp_path, SKATE + "\na = " + "[" * 5000 + "]" * 5000)
+    assert "too long" in wrong(tmp_path, "a = " + "1" * 5000)
+    assert "the number is too" in wrong(tmp_path, SKATE.replace("9.81", "1e999999"))
+
+
+def test_every_command_takes_a_text(call: Call) -> None:
+    assert call("new", "rolling-coin", "--toml").status == 0
+    file = "rolling_coin.toml"
+    assert "theta  angle by which the coin has rolled" in call("show", file).out
+    assert "(A + R^2*m)*dthetadot/dt  = 0" in call("derive", file).out
+    assert "integral rolling" in call("check", file, "--jobs", "1").out
+    assert "drift of  energy" in call("run", file).out
+    for words in (("explain", file), ("cite", file), ("compare", file, file)):
+        assert call(*words).status == 0
+    assert call("search", "integrals", file, "--degree", "1", "--positions", "0").status == 0
+    assert "For the file, say 'rolling_coin.toml'" in call("show", "rolling_coin").err
+    assert "no file 'none.toml'" in call("derive", "none.toml").err
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS, ids=lambda m: m.title)
+def test_both_files_of_a_mechanism_declare_the_same(tmp_path: Path, mechanism: object) -> None:
+    made = []
+    for text, name in ((mechanism.python, "made.py"), (mechanism.toml, "made.toml")):  # type: ignore[attr-defined]
+        (tmp_path / name).write_text(text.replace("@NAME@", "made"))
+        made.append(vo.load(str(tmp_path / name)))
+    ours, theirs = made
+    for part in ("lagrangian", "constraints", "frame", "parameters", "integrals", "meanings"):
+        assert getattr(ours, part) == getattr(theirs, part), part
+    assert {*ours.coordinates} == {*theirs.coordinates}
+    assert ours.scenes["default"].initial == theirs.scenes["default"].initial

@@ -1,0 +1,361 @@
+"""A system as a TOML text, for those who do not program: every formula is text, and none is run.
+
+    name = "skate"
+    lagrangian = "m*(xdot^2 + ydot^2)/2 + J*phidot^2/2"
+    constraints = ["xdot*sin(phi) = ydot*cos(phi)"]
+    fibre = ["y"]
+
+    [coordinates]
+    x = "where the blade touches the plane"
+    ...
+
+The velocity of a coordinate ``x`` is ``xdot``, the time is ``t``.  ``docs/text-files.md`` has all
+tables.  What is wrong is told with its line and column, and with what was expected there.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name, time, velocity
+from voronec.algebra.text import CHARACTERS, FUNCTION_NAMES, formula
+from voronec.declaration.claims import Case, Equation, Measure
+from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.scene import Parameter, Scene
+from voronec.declaration.system import System
+from voronec.declaration.text_file import Item, read_toml
+from voronec.errors import DefinitionError, did_you_mean, shown
+
+__all__ = ["read_system"]
+
+CLAIMS = ("integrals", "equations", "measure", "multiplier", "integrable")
+"""What a system and a case claim alike."""
+FIELDS = (
+    "name", "title", "description", "references", "coordinates", "fibre", "relations", "velocities",
+    "parameters", "possible", "inputs", "definitions", "lagrangian", "constraints", "forces",
+    "invariants", *CLAIMS, "essential", "cases", "undecided", "scenes",
+)  # fmt: skip
+NAME = re.compile(r"[^\W\d]\w*")
+OUTPUT = re.compile(r"[^\W\d]\w*(?: \w+)*")
+"""Names, such as u1 or 'momentum squared'; any other output is a formula."""
+RELATION = re.compile(r"<=|>=|<|>")
+BETWEEN = {"<": sp.Lt, ">": sp.Gt, "<=": sp.Le, ">=": sp.Ge}
+
+
+def read_system(path: str | Path) -> System:
+    """The system that a TOML file declares; ``DefinitionError`` with line and column."""
+    return _Text(read_toml(Path(path))).system()
+
+
+@dataclass
+class _Text:
+    """The tables of one file, and the names that its formulas may hold."""
+
+    root: Item
+    names: dict[str, Any] = field(default_factory=lambda: {plain_name(time): time})
+    taken: dict[str, str] = field(default_factory=lambda: {plain_name(time): "the time"})
+    meanings: dict[str, str] = field(default_factory=dict)
+    lengths: dict[str, int] = field(default_factory=dict)
+    """Of definitions: how long they are where everything in them is written out."""
+
+    def system(self) -> System:
+        top = self.top = self.root.table(FIELDS)
+        for key in ("name", "coordinates", "lagrangian"):
+            if key not in top:
+                said = "[coordinates]" if key == "coordinates" else f'{key} = "..."'
+                self.root.wrong(f"'{key}' is missing; expected {said} in this file")
+        declared: dict[str, Any] = {
+            key: top[key].text() for key in ("name", "title", "description") if key in top
+        }
+        declared["fibration"] = self._fibration()
+        parameters = self._each("parameters", self._parameter)
+        declared["parameters"] = tuple(parameters.values())
+        declared["inputs"] = tuple(self._each("inputs", self._input).values())
+        velocities = self._velocities()
+        self._each("definitions", self._definition)
+        if velocities:
+            quasi = {self.names[v]: self._formula(item) for v, item in velocities.items()}
+            declared["frame"] = self._made(top["velocities"], Frame.quasi, quasi)
+        declared["lagrangian"] = self._formula(top["lagrangian"])
+        if "relations" in top:
+            fibration = declared["fibration"]
+            relations = tuple(map(self._vanishing, top["relations"].several()))
+            declared["fibration"] = Fibration(fibration.base, fibration.fibre, relations)
+        if "constraints" in top:
+            declared["constraints"] = tuple(map(self._vanishing, top["constraints"].several()))
+        declared["forces"] = self._forces()
+        declared["possible"] = self._each("possible", self._condition)
+        declared["invariants"] = self._each("invariants", self._valued)
+        self.names |= {name: sp.Symbol(name) for name in declared["invariants"]}
+        declared |= self._claims(top)
+        if "essential" in top:
+            declared["essential"] = tuple(self._one(i) for i in top["essential"].several())
+        declared["cases"] = self._each("cases", self._case)
+        declared["undecided"] = self._each("undecided", Item.text)
+        declared["scenes"] = self._each("scenes", self._scene)
+        if "references" in top:
+            declared["references"] = tuple(i.text() for i in top["references"].several())
+        try:
+            return System(**declared, meanings=self.meanings)
+        except DefinitionError as error:
+            what = str(error).removeprefix(f"system '{declared['name']}': ")
+            self.root.wrong_somewhere(what)
+
+    def _each(self, key: str, read: Callable[[Item], Any]) -> dict[str, Any]:
+        """The entries of a table at the top, read; empty where there is none."""
+        return (
+            {k: read(item) for k, item in self.top[key].table().items()} if key in self.top else {}
+        )
+
+    # -- names ---------------------------------------------------------------------------------
+
+    def _new(self, item: Item, role: str) -> Any:
+        """The symbol of a name that begins here, and is known from here on."""
+        name = str(item.keys[-1])
+        if not NAME.fullmatch(name) or name in (*FUNCTION_NAMES, "pi"):
+            item.wrong_key(
+                f"'{shown(name)}' cannot be {role}; expected a name of letters, digits and "
+                "underscores, a letter first, that means nothing else, such as phi or x1"
+            )
+        if name in self.taken:
+            item.wrong_key(
+                f"the name '{name}' is used twice, for {self.taken[name]} and for {role}; "
+                "rename one"
+            )
+        self.taken[name], self.names[name] = role, sp.Symbol(name)
+        return self.names[name]
+
+    def _fibration(self) -> Fibration:
+        given = self.top["coordinates"].table()
+        for name, item in given.items():
+            self._new(item, "a coordinate")
+            self._mean(name, item)
+        for name in given:
+            dot = plain_name(velocity(self.names[name]))
+            if dot in given:
+                given[dot].wrong_key(f"'{dot}' is the velocity of '{name}'; rename the coordinate")
+            self.taken[dot], self.names[dot] = f"the velocity of '{name}'", sp.Symbol(dot)
+        fibre = self.top["fibre"].several() if "fibre" in self.top else []
+        chosen = [self._among(item, given, "coordinate") for item in fibre]
+        base = tuple(self.names[name] for name in given if name not in chosen)
+        where = self.top.get("fibre", self.root)
+        return self._made(where, Fibration, base, tuple(self.names[name] for name in chosen))
+
+    def _among(self, item: Item, known: Iterable[str], kind: str) -> str:
+        name = item.text()
+        if name not in known:
+            item.wrong(f"'{shown(name)}' is no {kind}{did_you_mean(name, known)}")
+        return name
+
+    def _mean(self, name: str, item: Item) -> None:
+        """Words that are said of a name; none where the text is empty."""
+        if item.text().strip():
+            self.meanings[name] = " ".join(item.text().split())
+
+    def _input(self, item: Item) -> Any:
+        symbol = self._new(item, "an input")
+        self._mean(plain_name(symbol), item)
+        rate = velocity(symbol)
+        self.taken[plain_name(rate)], self.names[plain_name(rate)] = "the rate of an input", rate
+        return symbol
+
+    def _velocities(self) -> dict[str, Item]:
+        """The quasi-velocities, known from here on, with their formulas, still to be read."""
+        found = {}
+        for name, item in (
+            self.top["velocities"].table() if "velocities" in self.top else {}
+        ).items():
+            self._new(item, "a velocity")
+            found[name] = self._said(item)
+        return found
+
+    def _said(self, item: Item) -> Item:
+        """The formula of an entry: all of it, or what it ``is`` beside what it means."""
+        if not isinstance(item.value, dict):
+            return item
+        inner = item.table(("is", "meaning"))
+        if "meaning" in inner:
+            self._mean(str(item.keys[-1]), inner["meaning"])
+        if "is" not in inner:
+            item.wrong('\'is\' is missing; expected { is = "a formula", meaning = "in words" }')
+        return inner["is"]
+
+    def _definition(self, item: Item) -> None:
+        text, name = item.scalar(), str(item.keys[-1])
+        length = sum(self.lengths.get(word, 0) for word in NAME.findall(text)) + len(text)
+        if length > CHARACTERS:
+            item.wrong(f"written out it has {length} characters; {CHARACTERS} are read at most")
+        value = self._formula(item)
+        self._new(item, "a definition")
+        self.names[name], self.lengths[name] = value, length
+
+    # -- formulas ------------------------------------------------------------------------------
+
+    def _formula(self, item: Item, more: Mapping[str, Any] | None = None) -> Any:
+        return self._read(item, item.scalar(), 0, {**self.names, **(more or {})})
+
+    def _read(self, item: Item, text: str, start: int, names: Mapping[str, Any]) -> Any:
+        """The formula that stands in an item from ``start`` on; its names are known."""
+        try:
+            read = formula(text, item.title, names)
+        except DefinitionError as error:
+            item.refused(error, start)
+        used = {m[0]: m.start() for m in reversed([*NAME.finditer(text)])}
+        for name in sorted({str(s) for s in read.free_symbols} & used.keys() - names.keys()):
+            item.wrong(
+                f"'{shown(name)}' is neither coordinate, velocity, parameter nor definition"
+                f"{did_you_mean(name, names)}",
+                start + used[name],
+            )
+        return read
+
+    def _vanishing(self, item: Item) -> Any:
+        """An expression that vanishes: ``a = b`` stands for a - b."""
+        text = item.scalar()
+        left, equals, right = text.partition("=")
+        if not equals:
+            return self._formula(item)
+        names = self.names
+        return self._read(item, left, 0, names) - self._read(item, right, len(left) + 1, names)
+
+    def _condition(self, item: Item) -> Any:
+        """A relation between parameters, such as ``3*A < 2*m*R^2``."""
+        found = RELATION.search(item.scalar())
+        if found is None:
+            item.wrong('expected a relation with <, <=, > or >=, such as "A < 2*m*R^2"')
+        left, right = item.value[: found.start()], item.value[found.end() :]
+        sides = (
+            self._read(item, left, 0, self.names),
+            self._read(item, right, found.end(), self.names),
+        )
+        return BETWEEN[found[0]](*sides)
+
+    def _valued(self, item: Item) -> Any:
+        return self._formula(self._said(item))
+
+    def _one(self, item: Item) -> Any:
+        return self.names[self._among(item, self.names, "name of this file")]
+
+    def _made(self, item: Item, make: Callable[..., Any], *parts: Any, **named: Any) -> Any:
+        """A part of the system; an error of it stands where the item does."""
+        try:
+            return make(*parts, **named)
+        except DefinitionError as error:
+            item.refused(error)
+
+    # -- tables --------------------------------------------------------------------------------
+
+    def _parameter(self, item: Item) -> Parameter:
+        symbol = self._new(item, "a parameter")
+        if not isinstance(item.value, dict):
+            return self._made(item, Parameter, symbol, item.scalar())
+        inner = item.table(("value", "positive", "lower", "upper", "meaning"))
+        said: dict[str, Any]
+        said = {key: inner[key].scalar() for key in ("value", "lower", "upper") if key in inner}
+        said |= {"positive": inner["positive"].flag()} if "positive" in inner else {}
+        said |= {"meaning": inner["meaning"].text()} if "meaning" in inner else {}
+        return self._made(item, Parameter, symbol, **said)
+
+    def _forces(self) -> dict[Any, Any]:
+        """Forces may be linear in accelerations, ``xdotdot`` or, of a velocity v, ``vdot``."""
+        moving = {
+            plain_name(velocity(s)): velocity(s)
+            for name, s in self.names.items()
+            if self.taken[name].split()[:2] in (["the", "velocity"], ["a", "velocity"])
+        }
+        coordinates = self.top["coordinates"].value
+        found = {}
+        for name, item in (self.top["forces"].table() if "forces" in self.top else {}).items():
+            if name not in coordinates:
+                near = did_you_mean(name, coordinates)
+                item.wrong_key(
+                    f"a force acts along a coordinate, and '{shown(name)}' is none{near}"
+                )
+            found[self.names[name]] = self._formula(item, moving)
+        return found
+
+    def _claims(self, table: Mapping[str, Item]) -> dict[str, Any]:
+        """What a system or a case claims."""
+        found: dict[str, Any] = {}
+        if "integrals" in table:
+            entries = table["integrals"].table()
+            found["integrals"] = {name: self._valued(item) for name, item in entries.items()}
+        if "equations" in table:
+            entries = table["equations"].table()
+            found["equations"] = {name: self._equation(item) for name, item in entries.items()}
+        if "measure" in table:
+            found["measure"] = self._measure(table["measure"])
+        if "multiplier" in table:
+            found["multiplier"] = self._formula(table["multiplier"])
+        if "integrable" in table:
+            found["integrable"] = table["integrable"].text()
+        return found
+
+    def _equation(self, item: Item) -> Equation:
+        inner = item.table(("function", "rate"))
+        for part in ("function", "rate"):
+            if part not in inner:
+                item.wrong(f'\'{part}\' is missing; expected {{ function = "v", rate = "a*w^2" }}')
+        read = [tuple(map(self._formula, inner[p].several())) for p in ("function", "rate")]
+        return self._made(item, Equation, *read)
+
+    def _measure(self, item: Item) -> Any:
+        if not isinstance(item.value, dict):
+            return self._formula(item)
+        inner = item.table(("density", "variables"))
+        if "density" not in inner:
+            item.wrong('\'density\' is missing; expected { density = "1/w", variables = ["v"] }')
+        variables = inner["variables"].several() if "variables" in inner else []
+        density = self._formula(inner["density"])
+        return self._made(item, Measure, density, tuple(map(self._one, variables)))
+
+    def _case(self, item: Item) -> Case:
+        inner = item.table(("parameters", "note", *CLAIMS))
+        if "parameters" not in inner:
+            item.wrong("'parameters' is missing; expected parameters = { a = 0 }")
+        values = {
+            self._known(i, "a parameter"): self._formula(i)
+            for i in inner["parameters"].table().values()
+        }
+        note = inner["note"].text() if "note" in inner else ""
+        meanings = dict(self.meanings)
+        claims = self._claims(inner)
+        self.meanings = meanings  # those of a case are told nowhere
+        return self._made(item, Case, values, note=note, **claims)
+
+    def _known(self, item: Item, *roles: str) -> Any:
+        """The symbol that a key names, which is one of some roles."""
+        name = str(item.keys[-1])
+        among = [n for n, role in self.taken.items() if role.startswith(roles)]
+        if name not in among:
+            item.wrong_key(f"'{shown(name)}' is not {roles[0]}{did_you_mean(name, among)}")
+        return self.names[name]
+
+    def _scene(self, item: Item) -> Scene:
+        inner = item.table(("initial", "times", "parameters", "outputs", "caption", "inputs"))
+        said: dict[str, Any] = {"initial": {}}
+        moving = ("a coordinate", "a velocity", "the velocity")
+        for key, roles in (
+            ("initial", moving),
+            ("parameters", ("a parameter",)),
+            ("inputs", ("an input",)),
+        ):
+            entries = inner[key].table().values() if key in inner else ()
+            said[key] = {self._known(i, *roles): self._formula(i) for i in entries}
+        if "times" in inner:
+            said["times"] = tuple(i.scalar() for i in inner["times"].several())
+        if "outputs" in inner:
+            said["outputs"] = tuple(map(self._output, inner["outputs"].several()))
+        if "caption" in inner:
+            said["caption"] = inner["caption"].text()
+        where = inner.get("times", item)
+        return self._made(where, Scene, **said)
+
+    def _output(self, item: Item) -> Any:
+        return item.text() if OUTPUT.fullmatch(item.scalar()) else self._formula(item)
