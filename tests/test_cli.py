@@ -309,7 +309,7 @@ BAD = {
                        r"undetermined: p\); a split that works: base=\(y, p\), fibre=\(x\)|"
                        r"undetermined: p\); a split that works: base=\(x, p\), fibre=\(y\)"),
     "unknown symbol": ("fibration=F((x,)), lagrangian=m*X**2/2, parameters=(m,), "
-                       "forces={q: 1}", "a force is given for 'q', which is not a coordinate"),
+                       "forces={q: 1}", "for 'q', which is neither a coordinate nor a velocity"),
     "repeated symbol": ("fibration=F((x, p), (x,)), lagrangian=m*X**2/2, parameters=(m,)",
                         "coordinate 'x' is listed twice"),
     "name used twice": ("fibration=F((x,)), lagrangian=m*X**2/2, parameters=(m, x)",

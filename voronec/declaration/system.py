@@ -36,6 +36,7 @@ from voronec.declaration.claims import (
     right_of,
     without_claims,
 )
+from voronec.declaration.forces import along_coordinates, check_forces
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.reading import (
@@ -71,7 +72,9 @@ class System:
         relation of SymPy's or several joined: ``{"3 A < 2 m R^2, as ...": 3*A < 2*m*R**2}``.
         Claims are proved, and refuted, for such bodies only.
     forces
-        coordinate -> generalized force, for what does not come from the Lagrangian.
+        coordinate -> generalized force, for what does not come from the Lagrangian; or velocity ->
+        force that does the work force * velocity, quasi-velocities and combinations of velocities
+        among them.  What is along velocities is kept as forces along the coordinates.
     frame
         quasi-velocities, ``Frame.quasi({v: expression, ...})``, or the frame of a Lie group,
         ``Frame.group(...)``; the base velocities by default.
@@ -212,6 +215,7 @@ class System:
             values = mapping(getattr(self, name), name, entry)
             read = {k: expression(v, f"{one} '{shown(k)}'") for k, v in values.items()}
             store(name, mapping(read, name, entry))
+        store("forces", mapping(along_coordinates(self), "forces", "coordinate: force"))
         for name, value in read_claims(self).items():
             store(name, value)
         entry = "'in words': condition"
@@ -414,20 +418,6 @@ def require_possible(system: System, given: Mapping[str, Any]) -> None:
             involved = [p.symbol for p in system.parameters if condition.has(p.symbol)]
             held = ", ".join(f"{s} = {values[s]}" for s in involved)
             raise DefinitionError(f"system '{system.name}': {words}; not so with {held}")
-
-
-def check_forces(system: System) -> None:
-    """Forces act on coordinates; on a group along the fields of its frame."""
-    one, all_of = "a coordinate", "coordinates"
-    if system.on_group:
-        one, all_of = "a velocity of the frame", "these"
-    for coordinate in system.forces:
-        if coordinate not in system.directions:
-            listed = ", ".join(f"'{plain_name(q)}'" for q in system.directions)
-            raise DefinitionError(
-                f"system '{system.name}': a force is given for '{shown(coordinate)}', which is not "
-                f"{one}; {all_of} are {listed}"
-            )
 
 
 def check_names(system: System) -> None:
