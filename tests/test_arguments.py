@@ -61,6 +61,9 @@ DOORS = {
     "times = inf": lambda: vo.Scene({}, (0, math.inf)),
     "scene = 3": lambda: vo.integrate(system(), scene=3),
     "tol": lambda: vo.integrate(system(), tol=Decimal("0.1")),
+    "tol = 1e-": lambda: vo.integrate(system(), tol="1e-"),
+    "tol = oo": lambda: vo.integrate(system(), tol=sp.oo),
+    "tol = x": lambda: vo.integrate(system(), tol=sp.Symbol("x")),
     "method": lambda: vo.integrate(system(), method=["heyoka"]),
     "progress": lambda: vo.integrate(system(), progress=1),
     "dense": lambda: vo.integrate(system(), dense=np.array([1, 2])),
@@ -278,3 +281,13 @@ def test_a_scene_whose_span_no_double_holds_is_refused(times):
 def test_a_parameter_that_is_positive_in_no_way_is_refused():
     with pytest.raises(DefinitionError, match="positive"):
         vo.Parameter(m, positive=np.array([None, 1], dtype=object))
+
+
+def test_a_tolerance_may_be_any_real_number() -> None:
+    """SymPy's numbers, fractions and text are the doubles that they are near to."""
+    grid, start = [0, 1], {"x": 1}
+    plain = vo.integrate(system(), times=grid, initial=start, tol=1e-10)
+    for tol in (sp.Rational(1, 10**10), "1e-10", "1/10^10", Fraction(1, 10**10), sp.Float(1e-10)):
+        found = vo.integrate(system(), times=grid, initial=start, tol=tol)
+        assert found.cost.tolerance == 1e-10 and np.array_equal(found["x"], plain["x"])
+    assert vo.ensemble(system(), {"x": [1]}, times=grid, tol="1e-10").finished.all()

@@ -8,9 +8,13 @@ import numbers
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import wraps
 from typing import Any, TypeVar, cast
 
+import sympy as sp
+
+from voronec.algebra.text import exact_number
 from voronec.errors import DefinitionError, shown
 
 __all__ = [
@@ -65,16 +69,22 @@ def _is_count(value: Any) -> bool:
     )
 
 
-def _is_real(value: Any) -> bool:
-    # integrators take no numbers of other libraries
-    own = isinstance(value, int | float) or type(value).__module__ == "numpy"
-    return own and not isinstance(value, bool | complex) and math.isfinite(float(value))
+def in_float(value: Any) -> float:
+    """A real number as the double that integrators take: of Python, numpy or SymPy, or a text such
+    as ``1e-10``; ``TypeError`` for any other."""
+    if isinstance(value, str):
+        value = exact_number(value, "a number")
+    known = isinstance(value, int | float | Fraction) or type(value).__module__ == "numpy"
+    exact = isinstance(value, sp.Expr) and bool(value.is_number) and bool(value.is_real)
+    if isinstance(value, bool | complex) or not (known or exact):
+        raise TypeError
+    return float(value)
 
 
 TEXT = Kind("a text", lambda x: isinstance(x, str))
 FLAG = Kind("True or False", lambda x: type(x).__name__ in ("bool", "bool_"))
 COUNT = Kind("a whole number", _is_count)
-REAL = Kind("a finite real number", _is_real)
+REAL = Kind("a finite real number", lambda x: math.isfinite(in_float(x)))
 CALLABLE = Kind("a function", callable, optional=True)
 VALUES = Kind("a mapping of values by name", lambda x: isinstance(x, Mapping), optional=True)
 POINT = Kind("a mapping of values by name", lambda x: isinstance(x, Mapping))
@@ -143,6 +153,8 @@ def accepts(**kinds: Kind) -> Callable[[Function], Function]:
             for name, value in [*bound.arguments.items()]:
                 if name in kinds:
                     require(function.__name__, name, value, kinds[name])
+                    if kinds[name] is REAL:
+                        bound.arguments[name] = in_float(value)
                     if kinds[name] is CALLABLE:
                         bound.arguments[name] = callback(function.__name__, name, value)
             return function(*bound.args, **bound.kwargs)
