@@ -63,7 +63,7 @@ MEANT = {
     "another symbol of the name": (
         {"lagrangian": KINETIC * sp.Symbol("x", positive=True)}, ["'x'", "one symbol object"],
     ),
-    "force on nothing": ({"forces": {z: 1}}, ["'z'", "not a coordinate", "'phi'"]),
+    "force on nothing": ({"forces": {z: 1}}, ["'z'", "neither a coordinate", "'phi'"]),
     "parameter twice": ({"parameters": (m, m)}, ["'m' is used twice", "rename"]),
     "parameter and coordinate": (
         {"parameters": (x,)}, ["'x' is used twice", "a coordinate and a parameter"],

@@ -54,7 +54,7 @@ def check_forces(system: System) -> None:
     """Forces act along coordinates and velocities; on a group along the fields of its frame."""
     one, all_of = "neither a coordinate nor a velocity", "coordinates"
     if system.on_group:
-        one, all_of = "no velocity of the frame", "these"
+        one, all_of = "not a velocity of the frame", "these"
     for direction in system.forces:
         if direction not in system.directions:
             listed = ", ".join(f"'{plain_name(q)}'" for q in system.directions)
