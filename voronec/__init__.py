@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from voronec.declaration.charts import Chart
     from voronec.declaration.claims import Assertion, Case, Corrected, Equation, Measure, Poisson
     from voronec.declaration.geometry import Fibration, Frame
+    from voronec.declaration.mechanics import from_mechanics
     from voronec.declaration.quadratures import Plane, Quadratures, Space, Trace
     from voronec.declaration.relation import Limit, Relation, Square
     from voronec.declaration.scene import Parameter, Scene
@@ -84,6 +85,7 @@ _HOME = {
     "closed_form": "voronec.motion.closed_form",
     "explain": "voronec.motion.explanation",
     "Model": "voronec.motion.model",
+    "from_mechanics": "voronec.declaration.mechanics",
     "Fibration": "voronec.declaration.geometry",
     "Frame": "voronec.declaration.geometry",
     "HardCase": "voronec.accuracy.hard",
@@ -167,6 +169,7 @@ __all__ = [
     "divergence",
     "ensemble",
     "explain",
+    "from_mechanics",
     "graph",
     "integrate",
     "kinematics",

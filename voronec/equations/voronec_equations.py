@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import flint
 import symengine as se
@@ -45,6 +45,9 @@ from voronec.equations.distribution import Distribution, grow
 from voronec.equations.evaluation import acceleration, check_added, check_inertia
 from voronec.equations.staged_equations import lean_form
 from voronec.errors import DefinitionError, EngineLimit
+
+if TYPE_CHECKING:
+    from voronec.equations.mechanics_form import MechanicsForm
 
 __all__ = [
     "Brackets",
@@ -514,6 +517,12 @@ class VoronecEquations:
         from voronec.equations.program import Program, casadi_function
 
         return casadi_function(Program.of(self.form))
+
+    def to_mechanics(self) -> MechanicsForm:
+        """The equations in the form of SymPy's ``KanesMethod``, for PyDy and what else takes it."""
+        from voronec.equations.mechanics_form import MechanicsForm
+
+        return MechanicsForm(self)
 
     def as_dict(self) -> dict[str, Any]:
         """Everything derived, as strings and numbers that JSON can hold."""

@@ -1,0 +1,117 @@
+"""Kinetic energy of bodies, and where their mass centres go.
+
+A model may give a point a velocity that is the rate of no function of the coordinates: the contact
+point of a rolling disc is at rest, and its centre moves as the rolling lets it.  A Lagrangian of
+the coordinates alone would then be wrong.  The place of such a point is a fibre coordinate of its
+own, and the velocity that the model gives it a constraint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.verdicts import all_vanish
+from voronec.declaration.mechanics.vectors import ZERO, Components, dot, in_one_line
+from voronec.errors import DefinitionError, EngineLimit
+
+__all__ = ["Places", "kinetic_energy"]
+
+
+@dataclass
+class Places:
+    """Fibre coordinates for places that no function of the coordinates gives.
+
+    ``name`` makes the symbol of a new coordinate's velocity out of a body and an axis; ``rates``
+    are pairs of such symbols with the velocities that the model gives.
+    """
+
+    coordinates: Sequence[Any]
+    dots: Sequence[Any]
+    time: Any
+    name: Callable[[str, int], Any]
+    rates: list[tuple[Any, Any]] = field(default_factory=list)
+    _axes: dict[int, list[tuple[Any, Any]]] = field(default_factory=dict)
+
+    def placed(self, body: str, axis: int, rate: Any) -> Any:
+        """A velocity along an axis at rest as the rate of something: of a function of the
+        coordinates, of a place that there is already and such a function, or of a new place."""
+        if self._is_exact(rate):
+            return rate
+        for dot_symbol, other in self._axes.setdefault(axis, []):
+            if self._is_exact(rate - other):
+                return dot_symbol + (rate - other)
+        symbol = self.name(body, axis)
+        self._axes[axis].append((symbol, rate))
+        self.rates.append((symbol, rate))
+        return symbol
+
+    def _is_exact(self, rate: Any) -> bool:
+        form = self.form(rate)
+        pairs = combinations(range(len(form)), 2)
+        along = [*self.coordinates, self.time]
+        curls = [form[j].diff(along[i]) - form[i].diff(along[j]) for i, j in pairs]
+        return vanish(curls)
+
+    def form(self, rate: Any) -> list[Any]:
+        """The coefficients of the rates of the coordinates, and the rest."""
+        slopes = [rate.diff(d) for d in self.dots]
+        return [*slopes, rate.xreplace(dict.fromkeys(self.dots, ZERO))]
+
+    def turns_something(self, omega: Sequence[Any]) -> bool:
+        """Whether an angular velocity, along axes at rest, is that of an orientation which the
+        coordinates determine: d_i w_j - d_j w_i = w_i x w_j."""
+        forms = [self.form(w) for w in omega]
+        along = [*self.coordinates, self.time]
+        defects = []
+        for i, j in combinations(range(len(along)), 2):
+            a, b = ([f[k] for f in forms] for k in (i, j))
+            for axis in range(3):
+                y, z = (axis + 1) % 3, (axis + 2) % 3
+                curl = b[axis].diff(along[i]) - a[axis].diff(along[j])
+                defects.append(curl - (a[y] * b[z] - a[z] * b[y]))
+        return vanish(defects)
+
+
+def vanish(exprs: Sequence[Any]) -> bool:
+    """Whether it is proved that all expressions vanish."""
+    try:
+        return all_vanish(exprs)
+    except EngineLimit:
+        return False
+
+
+def kinetic_energy(bodies: Sequence[Any], frame: Any, read: Components, places: Places) -> Any:
+    """Twice halves: m v^2 / 2 and w I w / 2 of all bodies."""
+    return se.Add(*[t for b in bodies for t in _energies(b, frame, read, places)])
+
+
+def _energies(body: Any, frame: Any, read: Components, places: Places) -> list[Any]:
+    half = se.Rational(1, 2)
+    velocity = in_one_line(lambda: body.masscenter.vel(frame), f"the velocity of '{body.name}'")
+    rates = [
+        places.placed(str(body.name), axis, rate)
+        for axis, rate in enumerate(read.of(velocity, frame))
+    ]
+    found = [half * read.read(body.mass) * dot(rates, rates)]
+    if not hasattr(body, "central_inertia"):
+        return found
+    what = f"the rotation of '{body.name}'"
+    turn = in_one_line(lambda: body.frame.ang_vel_in(frame), what)
+    inertia = body.central_inertia
+    if not getattr(inertia, "args", ()) or not turn.args:
+        return found
+    if not places.turns_something(read.of(turn, frame)):
+        raise DefinitionError(
+            f"from_mechanics: the angular velocity of '{body.name}' is that of no orientation "
+            "which the coordinates determine; add coordinates for its orientation, with their "
+            "kinematic equations"
+        )
+    own = inertia.args[0][1].args[0][1]
+    omega = read.of(turn, own)
+    spin = [dot(row, omega) for row in read.dyadic(inertia, own)]
+    return [*found, half * dot(omega, spin)]

@@ -1,0 +1,78 @@
+"""Generalized speeds in terms of the rates of coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.elimination import solve_linear
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
+from voronec.algebra.rank import independent_rows
+from voronec.algebra.tape import Tape
+from voronec.errors import DefinitionError, EngineLimit
+
+__all__ = ["Speeds", "generic_columns", "generic_rows", "solve_speeds"]
+
+
+@dataclass(frozen=True)
+class Speeds:
+    """What each speed is in terms of the rates; what else the kinematic equations demand.
+
+    ``unplaced`` are the positions of speeds that no coordinate belongs to: each is the rate of a
+    coordinate of its own.
+    """
+
+    values: tuple[Any, ...]
+    left_over: tuple[Any, ...]
+    unplaced: tuple[int, ...]
+
+
+def generic_rows(rows: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -> list[int]:
+    """The rows that, one after the other, enlarge the span of those before, at a generic point."""
+    if not rows or not rows[0]:
+        return []
+    width, tape = len(rows[0]), Tape([e for row in rows for e in row])
+    samples = sample_evaluable(tape, relations, GENERIC, count=1)
+    if not samples and relations:
+        samples = sample_evaluable(tape, (), GENERIC, count=1)
+    if not samples:
+        raise EngineLimit("no point was found at which the constraints of a model have values")
+    values = samples[0][1]
+    return independent_rows([values[i : i + width] for i in range(0, len(values), width)], GENERIC)
+
+
+def generic_columns(rows: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -> list[int]:
+    """The columns that, one after the other, enlarge the span of those before."""
+    return generic_rows([*zip(*rows, strict=True)], relations) if rows else []
+
+
+def solve_speeds(
+    equations: Sequence[Any], speeds: Sequence[Any], dots: Sequence[Any], fresh: Sequence[Any]
+) -> Speeds:
+    """Solve kinematic equations for the speeds; ``fresh[j]`` is the rate of the coordinate that
+    speed j gets where no other belongs to it."""
+    rows = [[e.diff(u) for u in speeds] for e in equations]
+    moving = {*speeds, *dots}
+    for row, equation in zip(rows, equations, strict=True):
+        if any(e.free_symbols & moving for e in row):
+            raise DefinitionError(
+                f"from_mechanics: the kinematic equation {equation} = 0 is not linear in the "
+                "speeds; solve it for the rates first"
+            )
+    kept = generic_rows(rows)
+    columns = generic_columns([rows[i] for i in kept])
+    unplaced = [j for j in range(len(speeds)) if j not in columns]
+    at_rest = dict.fromkeys(speeds, se.Integer(0))
+    left = [rows[i] for i in kept]
+    right = [[-equations[i].xreplace(at_rest)] for i in kept]
+    for j in unplaced:
+        left.append([se.Integer(int(k == j)) for k in range(len(speeds))])
+        right.append([fresh[j]])
+    values = tuple(v[0] for v in solve_linear(left, right).values) if left else ()
+    meaning = dict(zip(speeds, values, strict=True))
+    rest = (equations[i].xreplace(meaning) for i in range(len(equations)) if i not in kept)
+    return Speeds(values, tuple(rest), tuple(unplaced))

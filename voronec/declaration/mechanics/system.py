@@ -1,0 +1,180 @@
+"""A model of ``sympy.physics.mechanics`` as a system: energies, constraints, forces, frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.door import Door
+from voronec.algebra.symbols import plain_name, time, velocity
+from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.mechanics.bodies import Places, kinetic_energy
+from voronec.declaration.mechanics.model import MechanicsModel, read_model
+from voronec.declaration.mechanics.speeds import Speeds, generic_columns, solve_speeds
+from voronec.declaration.mechanics.vectors import Components, dot, in_one_line
+from voronec.declaration.scene import Parameter
+from voronec.declaration.system import System
+
+__all__ = ["from_mechanics"]
+
+
+def from_mechanics(
+    source: Any, *arguments: Any, name: str = "mechanics", parameters: Any = (), **named: Any
+) -> System:
+    """The system of a model made with ``sympy.physics.mechanics``.
+
+    source
+        a ``KanesMethod``, a ``LagrangesMethod`` or a ``System`` of SymPy's; or the first argument
+        of such a method, with the others after it, named as there: of ``KanesMethod`` the inertial
+        frame, of ``LagrangesMethod`` the Lagrangian.  The call differs by its name alone.
+    name, parameters
+        of the system; a ``Parameter`` gives a constant its value.  All other constants of the
+        model are parameters without one.
+
+    The generalized speeds become the velocities of the equations, dependent ones follow from the
+    constraints; auxiliary speeds are zero.  Configuration constraints are relations between
+    redundant coordinates.  The base is chosen here: coordinates whose rates determine all others
+    at a generic point, those called dependent last.  Where the place of a mass centre is no
+    function of the coordinates, as of a disc whose contact point is said to be at rest, its
+    coordinates are added to the fibre; a speed that belongs to no coordinate gets one.  Functions
+    of the time that are neither coordinates nor speeds are inputs.
+
+    Raises ``DefinitionError`` for frames that nothing connects, points without velocity, loads on
+    what has none, and all that ``System`` refuses.
+    """
+    model = read_model(source, arguments, named)
+    return _Reading.of(model).system(name, parameters)
+
+
+@dataclass(frozen=True)
+class _Reading:
+    """A model inside the door: its coordinates, with those added, and what speeds stand for."""
+
+    model: MechanicsModel
+    door: Door
+    coordinates: tuple[sp.Expr, ...]
+    speeds: Speeds
+    read: Components
+    places: Places
+
+    @classmethod
+    def of(cls, model: MechanicsModel) -> _Reading:
+        """Solve the kinematic equations, and give speeds without a coordinate one."""
+        door = Door([*model.coordinates, *map(velocity, model.coordinates), *model.all_speeds])
+        taken = {plain_name(x) for x in (*model.coordinates, *model.all_speeds)}
+        angles = [_fresh(f"integral_{plain_name(u)}", taken) for u in model.all_speeds]
+        quiet = dict.fromkeys(door.inward_all(model.auxiliary), se.Integer(0))
+        equations = [door.inward(e).xreplace(quiet) for e in model.kinematic]
+        dots = [door.inward(velocity(q)) for q in model.coordinates]
+        rates = [door.admit(velocity(a)) for a in angles]
+        symbols = door.inward_all(model.all_speeds)
+        speeds = solve_speeds(equations, symbols, dots, rates)
+        coordinates = (*model.coordinates, *(angles[j] for j in speeds.unplaced))
+        meaning = dict(zip(symbols, speeds.values, strict=True)) | quiet
+
+        def place(body: str, axis: int) -> Any:
+            return door.admit(velocity(_fresh(f"{body}_{'xyz'[axis]}", taken)))
+
+        places = Places(
+            tuple(map(door.admit, coordinates)),
+            tuple(door.admit(velocity(q)) for q in coordinates),
+            door.inward(time),
+            place,
+        )
+        return cls(model, door, coordinates, speeds, Components(door, meaning), places)
+
+    def system(self, name: str, parameters: Any) -> System:
+        """The declaration."""
+        model, outward = self.model, self.door.outward
+        energy = self._lagrangian()
+        relations = [self.read.read(e) for e in model.configuration]
+        own = [self.read.read(e) for e in model.motion] + [*self.speeds.left_over]
+        constraints = own + [symbol - rate for symbol, rate in self.places.rates]
+        added = tuple(outward(symbol).expr for symbol, _ in self.places.rates)
+        forces = self._forces()
+        base, fibre = self._split(own, relations, [energy, *forces.values()])
+        quasi = {u: outward(e) for u, e in zip(model.speeds, self.speeds.values, strict=False)}
+        fibration = Fibration(base, (*added, *fibre), tuple(map(outward, relations)))
+        declared: dict[str, Any] = {
+            "lagrangian": outward(energy),
+            "constraints": tuple(map(outward, constraints)),
+            "forces": {q: outward(f) for q, f in forces.items() if f != 0},
+        }
+        held = [declared["lagrangian"], *declared["constraints"], *declared["forces"].values()]
+        held += [*fibration.relations, *quasi.values()]
+        return System(
+            name=name,
+            fibration=fibration,
+            frame=Frame.quasi(quasi) if quasi else None,
+            parameters=_parameters(held, parameters),
+            **declared,
+        )
+
+    def _lagrangian(self) -> Any:
+        model = self.model
+        if model.lagrangian is not None:
+            return self.read.read(model.lagrangian)
+        return kinetic_energy(model.bodies, model.frame, self.read, self.places)
+
+    def _forces(self) -> dict[sp.Expr, Any]:
+        """Q_a = F . d(velocity of what it acts on)/d(rate of the coordinate a)."""
+        found = dict.fromkeys(self.coordinates, se.Integer(0))
+        frame = self.model.frame
+        for where, vector in self.model.loads:
+            turning = hasattr(where, "ang_vel_in")
+            ask = where.ang_vel_in if turning else where.vel
+            moved = in_one_line(partial(ask, frame), f"the load on '{where}'")
+            if not getattr(moved, "args", ()):
+                continue
+            axes = vector.args[0][1]
+            force, rate = self.read.of(vector, axes), self.read.of(moved, axes)
+            for q, along in zip(self.coordinates, self.places.dots, strict=True):
+                found[q] += dot(force, [r.diff(along) for r in rate])
+        return found
+
+    def _split(
+        self, own: Sequence[Any], relations: Sequence[Any], held: Sequence[Any]
+    ) -> tuple[tuple[sp.Expr, ...], tuple[sp.Expr, ...]]:
+        """Base and fibre: the rates of the first determine those of the second."""
+        places = self.places
+        slopes = [[r.diff(q) for q in places.coordinates] for r in relations]
+        rows = [*(places.form(c)[:-1] for c in own), *slopes]
+        in_use = set().union(*(e.free_symbols for e in held), *(e.free_symbols for e in relations))
+        order = sorted(range(len(self.coordinates)), key=lambda i: self._rank(i, in_use))
+        chosen = generic_columns([[row[i] for i in order] for row in rows], relations)
+        dependent = {order[k] for k in chosen}
+        pairs = [(q, i in dependent) for i, q in enumerate(self.coordinates)]
+        return tuple(q for q, d in pairs if not d), tuple(q for q, d in pairs if d)
+
+    def _rank(self, i: int, in_use: set[Any]) -> int:
+        """How early a coordinate goes to the fibre: those of dependent speeds, those called
+        dependent, those that nothing depends on, the others."""
+        model = self.model
+        own = len(model.coordinates)
+        if i >= own and self.speeds.unplaced[i - own] >= len(model.speeds):
+            return 0
+        if self.coordinates[i] in model.later:
+            return 1
+        return 3 if self.places.coordinates[i] in in_use else 2
+
+
+def _fresh(name: str, taken: set[str]) -> sp.Expr:
+    """A function of the time by a name that nothing else has."""
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return sp.Function(name)(time)
+
+
+def _parameters(exprs: Iterable[sp.Expr], given: Any) -> tuple[Any, ...]:
+    """What a model holds besides coordinates, speeds and functions of the time."""
+    declared = given if isinstance(given, Iterable) else (given,)
+    known = tuple(p if isinstance(p, Parameter) else Parameter(p) for p in declared)
+    symbols = set().union(*(e.free_symbols for e in exprs)) - {time}
+    rest = sorted(symbols - {p.symbol for p in known}, key=str)
+    return (*known, *map(Parameter, rest))
