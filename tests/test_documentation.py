@@ -17,7 +17,7 @@ from voronec.cli.arguments import command_parser
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = sorted((ROOT / "docs").glob("*.md"))
+PAGES = sorted(p for folder in ("", "how-to") for p in (ROOT / "docs" / folder).glob("*.md"))
 BLOCKS = [
     pytest.param(block, id=f"{page.stem}-{number}")
     for page in PAGES

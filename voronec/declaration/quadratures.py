@@ -151,7 +151,7 @@ class Quadratures:
     others
         places of further simple poles, where the residues may be any: those of the clock, say.
     traces
-        ``Trace``s.
+        the curves on spheres, each a ``Trace``.
     velocities
         velocity of the equations -> its value, made of coordinates and their velocities, of x,
         constants and parameters.

@@ -145,8 +145,10 @@ class RollingContact:
 
         Along lines of curvature, with k = -D/E, h = -D''/G, and k1, h1 of the fixed surface, the
         contact has the velocity (x, y) along e_u, e_v with
+
             s = b x + q y,  tau = -p x - b y,  p = k + k1 sin^2 + h1 cos^2,
             q = h + k1 cos^2 + h1 sin^2,  b = (h1 - k1) sin cos,
+
         sin and cos of theta; p q - b^2 is the determinant of the relative curvature.
         """
         (k, h), (k1, h1) = _curvatures(self.body), _curvatures(self.fixed)

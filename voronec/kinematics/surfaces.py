@@ -167,6 +167,7 @@ class Surface:
 
         Along (e_u, e_v, n); with h = W/L_u it is, by Weingarten's equations and the connection of
         the frame,
+
             ((D' - D F/E) du/dt + (D'' - D' F/E) dv/dt) / h,
             -(D du/dt + D' dv/dt) / L_u,
             ((2 F_u - E_v - E_u F/E) du/dt + (G_u - E_v F/E) dv/dt) / (2 W).

@@ -28,6 +28,8 @@ __all__ = ["index_page", "system_page"]
 
 LONG = 2500
 """Formulas whose source has more characters are left to ``voronec show``."""
+WIDE = 400
+"""Those with more characters than that are folded: a click shows them."""
 
 
 @dataclass(frozen=True)
@@ -170,7 +172,10 @@ def _frame(system: System, show: _Formulas) -> Iterator[str]:
 def _display(latex: str, system: System) -> str:
     if len(latex) > LONG:
         return f"(long: `voronec show {system.name}`)"
-    return f"$$\n{latex}\n$$"
+    shown = f"$$\n{latex}\n$$"
+    if len(latex) > WIDE:
+        return f"<details><summary>formula</summary>\n\n{shown}\n\n</details>"
+    return shown
 
 
 # -- claims -------------------------------------------------------------------------------

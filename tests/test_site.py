@@ -1,0 +1,44 @@
+"""The site: its reference has every public name, and no link of it leads nowhere."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from tool_modules import tool
+
+import voronec
+from voronec import kinematics, testing
+
+
+@pytest.fixture(name="build", scope="module")
+def _build():
+    return tool("build_site")
+
+
+def test_the_reference_has_every_public_name_once(build) -> None:
+    text = "".join(build.reference_pages().values())
+    found = re.findall(r"^\.\. \w+:: (\S+)$", text, re.MULTILINE)
+    expected = [f"voronec.{name}" for name in voronec.__all__ if name != "kinematics"]
+    expected += [f"voronec.kinematics.{name}" for name in kinematics.__all__]
+    expected += [f"voronec.testing.{name}" for name in testing.__all__]
+    assert sorted(found) == sorted(expected)
+
+
+def test_links_that_lead_nowhere_are_found(build, tmp_path: Path) -> None:
+    (tmp_path / "other.html").write_text('<p id="here">')
+    good = '<a href="other.html#here"><a href="other.html"><a href="https://doi.org/10.1/x">'
+    (tmp_path / "index.html").write_text(good)
+    assert list(build.dead_links(tmp_path)) == []
+    (tmp_path / "index.html").write_text('<a href="other.html#there"><img src="none.svg">')
+    assert list(build.dead_links(tmp_path)) == [
+        "index.html: other.html#there",
+        "index.html: none.svg",
+    ]
+
+
+def test_the_source_links_to_nothing_outside_of_the_documentation(build, tmp_path: Path) -> None:
+    build.write_source(tmp_path / "source")
+    for page in (tmp_path / "source").glob("*.md"):
+        assert "](../" not in page.read_text(), page.name
