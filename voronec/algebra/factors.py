@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
+
+import flint
+import sympy as sp
 
 from voronec.errors import EngineLimit
 
-__all__ = ["irreducible_factors"]
+__all__ = ["in_factors", "irreducible_factors"]
 
 MOST_TERMS, MOST_DEGREE = 20_000, 2_000
 """flint takes less than a second for polynomials of this size; for x^n - 1 the square of n."""
@@ -23,3 +27,52 @@ def irreducible_factors(poly: Any) -> tuple[Any, list[tuple[Any, int]]]:
         raise EngineLimit(f"a polynomial of degree {degree} is too large to be factored")
     unit, powers = poly.factor()
     return unit, [(factor, int(exponent)) for factor, exponent in powers]
+
+
+def in_factors(expr: sp.Expr) -> sp.Expr:
+    """An expression as one fraction of irreducible factors over Q.
+
+    Functions and roots count as letters.  What is no fraction of polynomials with rational
+    coefficients stays as it is.  SymPy's own way of factoring draws random numbers, and took now
+    a second and now minutes for the same polynomial.
+    """
+    above, below = sp.fraction(sp.together(expr))
+    number, powers = sp.Integer(1), dict[sp.Expr, Any]()
+    try:
+        for base, exponent in (*_powers(above, 1), *_powers(below, -1)):
+            if base.is_Rational and exponent.is_Integer:
+                number *= base**exponent
+            else:
+                powers[base] = powers.get(base, 0) + exponent
+    except (sp.PolynomialError, EngineLimit):
+        return expr
+    product = sp.Mul(*(base**exponent for base, exponent in powers.items()))
+    # SymPy would multiply a number into a sum of its own accord
+    return sp.Mul(number, product, evaluate=not product.is_Add or abs(number) in (0, 1))
+
+
+def _powers(expr: sp.Expr, sign: int) -> Iterator[tuple[sp.Expr, Any]]:
+    """The factors of what is no fraction, with their exponents times a sign; numbers too."""
+    for part in sp.Mul.make_args(expr):
+        base, outer = part.as_base_exp()
+        if not outer.is_Integer or not base.is_Add:
+            yield base, outer * sign
+            continue
+        poly = sp.Poly(base)
+        if poly.domain not in (sp.ZZ, sp.QQ):
+            raise sp.PolynomialError(f"the coefficients lie in {poly.domain}")
+        names = [f"x{i}" for i in range(len(poly.gens))]
+        context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.lex)
+        terms = {m: flint.fmpq(int(c.p), int(c.q)) for m, c in poly.terms()}
+        number, factors = irreducible_factors(context.from_dict(terms))
+        yield sp.Rational(int(number.p), int(number.q)), outer * sign
+        for factor, inner in factors:
+            size, plain = _polynomial(factor, poly.gens).primitive()
+            unit = -size if plain.LC() < 0 else size
+            yield sp.Rational(unit), inner * outer * sign
+            yield (plain * sp.sign(unit)).as_expr(), inner * outer * sign
+
+
+def _polynomial(poly: Any, gens: tuple[sp.Expr, ...]) -> sp.Poly:
+    terms = {m: sp.Rational(int(c.p), int(c.q)) for m, c in poly.to_dict().items()}
+    return sp.Poly(terms, *gens, domain=sp.QQ)

@@ -9,6 +9,7 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from voronec.algebra.factors import in_factors
 from voronec.algebra.normal import shorten
 from voronec.algebra.text import sympified
 from voronec.audit.comparisons import accelerations
@@ -144,7 +145,7 @@ def _forms(value: sp.Expr) -> tuple[sp.Expr, ...]:
     """Equal forms of a value: as it is, multiplied out, and in factors with nothing to cancel."""
     if sp.count_ops(value) >= EXPANDABLE:
         return (value,)
-    return value, sp.expand(value), sp.factor(value)
+    return value, sp.expand(value), in_factors(value)
 
 
 def _fold(value: sp.Expr, chain: Chain, study: Study) -> tuple[sp.Expr, dict[Any, str]]:

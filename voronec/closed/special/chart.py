@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from voronec.algebra.factors import in_factors
 from voronec.algebra.text import sympified
 from voronec.closed.special.family import known_parameters, precessions
 from voronec.closed.special.plane import Strip, strips
@@ -84,7 +85,7 @@ def chart_of(
         raise DefinitionError(f"unit = {shown(unit)} is not a positive number; write one like k/A")
     x, w = family.place, family.rate
     second = sp.cancel(family.derivative(2).xreplace({w: w * scale}))
-    above, below = sp.fraction(sp.factor(second))
+    above, below = sp.fraction(in_factors(second))
     names = {p.symbol: p.name for p in system.parameters}
     cells = strips([above], x, w, window, cuts=[below])
     if not cells:

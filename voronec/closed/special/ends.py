@@ -13,6 +13,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.factors import in_factors
 from voronec.declaration.quadratures import Quadratures
 
 __all__ = ["End", "ends_of"]
@@ -63,15 +64,15 @@ def _end(
         if not linear:
             return None
         # the last of them: its coefficient is simplest where constants come by their degree
-        value = sp.factor(sp.solve(above, linear[-1])[0])
-        constants = {c: sp.factor(e.xreplace({linear[-1]: value})) for c, e in constants.items()}
+        value = in_factors(sp.solve(above, linear[-1])[0])
+        constants = {c: in_factors(e.xreplace({linear[-1]: value})) for c, e in constants.items()}
         constants[linear[-1]] = value
     (free,) = [c for c in names if c not in constants]
     constants[free] = free
     spin, level = _velocity(quadratures, place, constants, values, free)
-    constants = {c: sp.factor(constants[c].xreplace({free: level})) for c in names}
+    constants = {c: in_factors(constants[c].xreplace({free: level})) for c in names}
     slopes = [sp.diff(f, x, order).xreplace({x: place}) for order in (2, 3)]
-    second, third = (sp.factor(e.xreplace(constants)) for e in slopes)
+    second, third = (in_factors(e.xreplace(constants)) for e in slopes)
     return End(place, spin, MappingProxyType(constants), second, third)
 
 

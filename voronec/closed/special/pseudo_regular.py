@@ -18,6 +18,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.factors import in_factors
 from voronec.algebra.normal import shorten
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import exact
@@ -69,7 +70,7 @@ def square_root(a: Series, terms: int) -> list[sp.Expr]:
     found = [sp.sqrt(a[0])]
     for n in range(1, terms):
         known = sp.Add(*(found[i] * found[n - i] for i in range(1, n)))
-        found.append(sp.factor(((a[n] if n < len(a) else 0) - known) / (2 * found[0])))
+        found.append(in_factors(((a[n] if n < len(a) else 0) - known) / (2 * found[0])))
     return found
 
 
@@ -120,7 +121,7 @@ def half_width(
         whole = -slope * (at**2 - rho**2)
         whole += sp.Add(*(e ** (i + 1) * g.subs(y, at) for i, g in enumerate(beside[:n])))
         root.append(sp.expand(sp.expand(whole).coeff(e, n) / (2 * slope * rho)))
-    width = sp.sqrt(sp.factor(D / a))
+    width = sp.sqrt(in_factors(D / a))
     halves, middles = [], []
     for c in root:
         # odd powers of rho belong to the half width; there are none below -2 * terms
@@ -280,9 +281,9 @@ class _Limit:
         if first.degree() != 2:
             raise EngineLimit(f"for a large '{self.large}' the nutation is not harmonic")
         a, b, c = -first.nth(2), first.nth(1) / 2, first.nth(0)
-        a, c = sp.factor(a), sp.factor(c)
-        middle = sp.factor(b / a)
-        return a, sp.factor(c + b * middle), middle
+        a, c = in_factors(a), in_factors(c)
+        middle = in_factors(b / a)
+        return a, in_factors(c + b * middle), middle
 
     @cached_property
     def perturbed(self) -> list[sp.Expr]:
@@ -364,4 +365,4 @@ def _started(system: System, start: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
 def _series(value: sp.Expr) -> list[sp.Expr]:
     """Coefficients of a polynomial in e."""
     poly = sp.Poly(value, _E)
-    return [sp.factor(poly.nth(i)) for i in range(poly.degree() + 1)]
+    return [in_factors(poly.nth(i)) for i in range(poly.degree() + 1)]
