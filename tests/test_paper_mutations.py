@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 import sympy as sp
 from tool_modules import tool
@@ -145,3 +147,10 @@ def test_every_kind_of_premise_of_a_system_is_changed():
     assert all(changed != system for changed in found.values())
     assert found["a sign turned in constraint 1"].constraints != system.constraints
     assert "the Lagrangian times 1 + u1^2" in found
+
+
+def test_before_any_change_each_system_is_derived_as_it_is():
+    seen = {}
+    outside, inside = vo.load("demchenko"), replace(vo.load("demchenko"), constraints=())
+    noted = [tool("change_premises")._noted(seen, system) for system in (outside, inside)]
+    assert noted == [outside, inside] and outside != inside and seen == {"demchenko": outside}

@@ -91,22 +91,23 @@ def _changed(
 ) -> int:
     """Change the premises of one system; how many of the records that name it never fail, or are
     proved all the same though what is derived has changed."""
-    never, count = set(names), 0
+    never, held, count = set(names), set(names), 0
     for premise in premises(system):
         if chosen.premise not in premise.what:
             continue
-        after = _after(chosen.paper, k, premise, names)
+        after, refusal = _after(chosen.paper, k, premise, names)
         fail = {n for n in names if n not in after or not after[n].good}
         good = {n for n in names - fail if before[n].verdict == "proved"}
         same = [n for n in good if after[n].derived != before[n].derived]
         never -= fail
+        held -= set() if refusal else fail
         count += len(same)
         told = f"; proved all the same: {', '.join(sorted(same))}" if same else ""
+        told += f"; the section is refused: {refusal}" if refusal else ""
         what = f"{premise.system}, {premise.what}"
         print(f"  {what}: {len(fail)} of {len(names)} fail{told}", flush=True)
-    print(
-        f"  {system.name}: fail with no premise: {', '.join(sorted(never)) or 'none'}", flush=True
-    )
+    for what, which in (("fail with no premise", never), ("fail by refusal alone", held - never)):
+        print(f"  {system.name}: {what}: {', '.join(sorted(which)) or 'none'}", flush=True)
     return len(never) + count
 
 
@@ -170,11 +171,14 @@ def _velocities(system: vo.System) -> Iterator[Change]:
 
 
 def _noted(seen: dict[str, vo.System], system: vo.System) -> vo.System:
-    return seen.setdefault(system.name, system)
+    """The system as it is; the first one of each name stands for those that share it."""
+    seen.setdefault(system.name, system)
+    return system
 
 
-def _after(paper: str, k: int, premise: Premise, names: set[str]) -> Verdicts:
-    """The verdicts of some records with one premise changed; none where no system comes of it."""
+def _after(paper: str, k: int, premise: Premise, names: set[str]) -> tuple[Verdicts, str]:
+    """The verdicts of some records with one premise changed; none, and why, where a dictionary of
+    the section is refused."""
 
     def change(system: vo.System) -> vo.System:
         """The same change of each system of that name: of a ball outside, inside, on a plane."""
@@ -184,9 +188,9 @@ def _after(paper: str, k: int, premise: Premise, names: set[str]) -> Verdicts:
         return found[0] if found else system
 
     try:
-        return _audited(paper, k, change, names)
-    except VoronecError:
-        return {}
+        return _audited(paper, k, change, names), ""
+    except VoronecError as error:
+        return {}, str(error)
 
 
 def _audited(

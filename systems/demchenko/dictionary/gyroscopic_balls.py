@@ -22,7 +22,6 @@ from .chaplygin_balls import (
     Ball,
     M,
     rolling_ball,
-    system_of,
     theta,
     u,
     u1,
@@ -82,7 +81,6 @@ def is_demchenkos(system: vo.System, condition: sp.Expr) -> Verdict:
     The moments of the ball with kappa are those of ball and rotor together, less the rotor's about
     its axis; the condition has to make the three of them equal.
     """
-    ball = rolling_ball(Surface.sphere(R1, u1, v1))
     known = {p.name: p.symbol for p in system.parameters}
     inertia, kappa = carried_inertia()
     inertia = inertia.xreplace({C1: condition})
@@ -91,7 +89,7 @@ def is_demchenkos(system: vo.System, condition: sp.Expr) -> Verdict:
     pairs += zip(kappa[:2], (0, 0), strict=True)
     to_theirs = {R1: known["R1"], R2: known["R2"], M: known["M"]}
     to_theirs |= {**dict.fromkeys(MOMENTS, known["A"]), KAPPA[2]: known["k"]}
-    mine = system_of(ball, sp.Matrix([0, 0, KAPPA[2]]))
+    mine = Ball.on_sphere(R1, sp.Matrix([0, 0, KAPPA[2]])).reduced.system
     pairs += [(sp.sympify(mine.lagrangian).xreplace(to_theirs), system.lagrangian)]
     rows = zip(mine.constraints, system.constraints, strict=True)
     pairs += [(sp.sympify(a).xreplace(to_theirs), b) for a, b in rows]

@@ -104,10 +104,8 @@ class Rubber:
         """How the state changes, with omega_3 on the constraint."""
         dots = [vo.velocity(w) for w in OMEGA[:2]]
         accelerations = self.reduced.mass.LUsolve(self.reduced.force)
-        # The rates of gamma are the free ball's: these keep |gamma| wherever gamma is.
-        rates = [x.xreplace({OMEGA[2]: THIRD}) for x in self.free.reduced.rates]
         return Motion(
-            rates=dict(zip((*GAMMA, *OMEGA[:2]), (*rates, *dots), strict=True)),
+            rates=dict(zip((*GAMMA, *OMEGA[:2]), (*self.turning, *dots), strict=True)),
             constrained={OMEGA[2]: THIRD},
             accelerations=dict(zip(dots, accelerations, strict=True)),
         )
@@ -118,13 +116,22 @@ class Rubber:
         return {x: self.motion.along(rate) for x, rate in self.motion.rates.items()}
 
     @cached_property
+    def turning(self) -> sp.Matrix:
+        """The rate epsilon gamma x omega of gamma, which keeps |gamma| wherever gamma is.
+
+        Epsilon stands in the rate of gamma_3, which is free of omega_3.
+        """
+        factor = -sp.diff(self.reduced.rates[2], OMEGA[0]) / GAMMA[1]
+        (epsilon,) = shorten([factor], self.relations)
+        return epsilon * GAMMA.cross(OMEGA).xreplace({OMEGA[2]: THIRD})
+
+    @cached_property
     def no_twist(self) -> Verdict:
-        """Whether gamma turns on the constraint as it does for the free ball with that omega_3.
+        """Whether gamma turns so, with omega_3 by (omega, gamma) = 0.
 
         The rates of the system have omega_3 eliminated by the engine, from the velocities alone.
         """
-        mine = [x.xreplace({OMEGA[2]: THIRD}) for x in self.free.reduced.rates]
-        return all_equal(zip(mine, self.reduced.rates, strict=True), self.relations)
+        return all_equal(zip(self.turning, self.reduced.rates, strict=True), self.relations)
 
     @cached_property
     def momentum(self) -> sp.Matrix:

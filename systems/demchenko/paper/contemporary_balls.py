@@ -106,14 +106,17 @@ G}+\kappa,\gamma)
 )
 
 INLINE = (
-    Display(r"$\mathbb I=\diag(I_1,I_2,I_3)$", (DEFINITION,)),
+    Display(
+        r"$\mathbb I=\diag(I_1,I_2,I_3)$",
+        (replace(DEFINITION, source="the moments of inertia that the Lagrangian has"),),
+    ),
     Display(r"$D=\mathbf M R_2^2$", (DEFINITION,)),
     Display(
         r"""${\mathbf G}=\mathbb I \omega+ D\omega-D (\omega,\gamma)\gamma=\mathbf I\omega-D (\omega,\gamma)\gamma$""",
         (EVERYWHERE,),
     ),
     Display(r"$\mathbf I=\mathbb I+D\mathbb E$", (DEFINITION,)),
-    Display(r"$\mathbb E=\diag(1,1,1)$", (DEFINITION,)),
+    Display(r"$\mathbb E=\diag(1,1,1)$", (replace(DEFINITION, source="the unit matrix"),)),
     Display(
         r"""$F_4=({\mathbf
 G},\gamma)$""",

@@ -323,12 +323,15 @@ def demchenkos(
 
 
 QUOTED = "a result of others that is quoted, and not derived here"
+RADII = "the radii of the two spheres, and the side on which they touch"
+RUBBER = "the equations derived for the system 'rubber-ball'"
 
 SENTENCES = (
     Sentence(
         "There are @count:number{three} possible configurations:",
         configurations,
         "outer",
+        source=RADII,
     ),
     Sentence(
         "On the other hand, the rolling without slipping of the Chaplygin ball over a sphere "
@@ -340,12 +343,14 @@ SENTENCES = (
         "(@condition:formula{$R_1>R_2$});",
         configuration,
         "outer",
+        source=RADII,
     ),
     Sentence(
         r"(iii) rolling of $\mathrm B$ over @surface:word{outer} surface of $\mathrm S$, but "
         r"$\mathrm S$ is within $\mathrm B$ (@condition:formula{$R_1<R_2$},",
         configuration,
         "outer",
+        source=RADII,
     ),
     Sentence(
         'where we take "@plus:formula{$+$}" for the case (@first:word{i}) and '
@@ -369,6 +374,7 @@ SENTENCES = (
         r"@how:word{orthogonal} to $\gamma$.",
         flat,
         "plane",
+        source="the rotation of the ball, and the plane's own directions",
     ),
     Sentence(
         r"In the space @dimension:formula{$\mathbb R^6({\omega},\gamma)$} the system has an "
@@ -423,12 +429,14 @@ SENTENCES = (
         r"@constraint:formula{$(\omega,\gamma)=0$} describing \emph{no-twisting} condition",
         no_twist,
         "rubber",
+        source=RUBBER,
     ),
     Sentence(
         "is determined by @how:word{differentiation} of the constraint "
         r"@constraint:formula{$(\omega,\gamma)=0$}.",
         multiplier,
         "rubber",
+        source=RUBBER,
     ),
     *(
         Sentence(
@@ -446,6 +454,7 @@ $}""",
         "equations of nonholonomic rigid body motion studied by Veselov and Veselova",
         veselova,
         "rubber on a plane",
+        source="the equations derived for the systems 'rubber-ball' and 'veselova'",
     ),
     Sentence(
         r"Borisov and Mamaev  proved the integrability for $\epsilon=-1$",
@@ -474,6 +483,7 @@ $}""",
         r"@vector:names{$\mathbf G$}",
         gyroscope,
         "outer with gyroscope",
+        source="the equations derived for the systems 'ball-with-rotor' and 'ball'",
     ),
     Sentence(
         r"""we can write the equations of the Chaplygin ball with the gyroscope rolling without slipping over the@surface:word{}
