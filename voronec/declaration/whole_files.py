@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -18,7 +19,7 @@ from pathlib import Path
 
 from voronec.errors import DefinitionError
 
-__all__ = ["draft", "replace_file", "unwritable", "workshop"]
+__all__ = ["draft", "replace_file", "unwritable", "user_cache", "workshop"]
 
 PREFIX = ".voronec-"
 LOCK = "lock"
@@ -30,6 +31,18 @@ def unwritable(place: Path, error: OSError | UnicodeEncodeError) -> DefinitionEr
     """The error of a place that cannot be written, or whose name no file can have."""
     what = getattr(error, "strerror", None) or error
     return DefinitionError(f"'{place}' cannot be written: {what}; choose another place")
+
+
+def user_cache(part: str) -> Path:
+    """The folder ``voronec/part`` among the user's caches."""
+    home = Path.home()
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        base = home / "Library" / "Caches"
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
+    return base / "voronec" / part
 
 
 @contextmanager

@@ -28,8 +28,8 @@ class Method:
         a finer tolerance is raised to this one, which costs no accuracy.
     best
         the tolerance at which it is shown at its best (``voronec hard``); ``finest`` unless given.
-    series
-        whether it differentiates the equations itself, and so wants them as expressions.
+    symbolic
+        whether it wants the equations as expressions, all of them: it asks Python for no inputs.
     exact
         whether it computes in many digits.
     many
@@ -43,7 +43,7 @@ class Method:
     make: Callable[[Problem], Stepper] | None
     finest: float = 0.0
     best: float | None = None
-    series: bool = False
+    symbolic: bool = False
     exact: bool = False
     many: bool = False
     library: str = ""
@@ -70,6 +70,12 @@ def _dop853(problem: Problem) -> Stepper:
     return dop853(problem)
 
 
+def _compiled(problem: Problem) -> Stepper:
+    from voronec.motion.steppers.numba_stepper import compiled_dop853
+
+    return compiled_dop853(problem)
+
+
 def _lsoda(problem: Problem) -> Stepper:
     from voronec.motion.steppers.scipy_stepper import lsoda
 
@@ -84,10 +90,11 @@ def _digits(problem: Problem) -> Stepper:
 
 METHODS: dict[str, Method] = {
     # below EXACT a tolerance would only raise the order of heyoka's series, beyond all bounds
-    "heyoka": Method(_taylor, EXACT, series=True, many=True, library="heyoka", other="scipy"),
+    "heyoka": Method(_taylor, EXACT, symbolic=True, many=True, library="heyoka", other="scipy"),
     "scipy": Method(_dop853, FINEST, many=True, other="heyoka"),
+    "numba": Method(_compiled, FINEST, symbolic=True, library="numba", other="heyoka"),
     "lsoda": Method(_lsoda, FINEST, best=1e-13),
-    "flint": Method(_digits, best=1e-25, series=True, exact=True),
+    "flint": Method(_digits, best=1e-25, symbolic=True, exact=True),
     CLOSED: Method(None, best=EXACT),
 }
 

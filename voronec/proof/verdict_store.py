@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from voronec.declaration.catalogue import entry_of, names
+from voronec.declaration.whole_files import user_cache
 
 __all__ = ["Store", "closure", "digest", "engine_digest", "engine_files", "engine_folder"]
 
@@ -250,14 +251,7 @@ class Store:
     @classmethod
     def of_user(cls, part: str, kept: int = 200) -> Store:
         """The folder ``voronec/part`` among the user's caches."""
-        home = Path.home()
-        if sys.platform == "win32":
-            base = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
-        elif sys.platform == "darwin":
-            base = home / "Library" / "Caches"
-        else:
-            base = Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
-        return cls(base / "voronec" / part, kept)
+        return cls(user_cache(part), kept)
 
     def load(self, key: str, name: str) -> Any:
         """What was kept, or ``None``."""

@@ -16,6 +16,7 @@ from voronec.equations.program.python import (
     compiled,
     mpmath_source,
     python_source,
+    scalar_source,
 )
 from voronec.equations.program.straight import Block, Program
 from voronec.equations.program.taylor import taylor_extras, taylor_system
@@ -33,6 +34,7 @@ __all__ = [
     "javascript_source",
     "mpmath_source",
     "python_source",
+    "scalar_source",
     "solved",
     "taylor_extras",
     "taylor_system",

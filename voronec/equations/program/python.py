@@ -42,7 +42,14 @@ from voronec.equations.program.printing import (
 )
 from voronec.equations.program.straight import Block, Program
 
-__all__ = ["WORDS", "casadi_source", "compiled", "mpmath_source", "python_source"]
+__all__ = [
+    "WORDS",
+    "casadi_source",
+    "compiled",
+    "mpmath_source",
+    "python_source",
+    "scalar_source",
+]
 
 Function = Callable[[Any, Any, Any], list[Any]]
 """``f(t, state, parameters)``."""
@@ -140,6 +147,24 @@ def mpmath_source(program: Program) -> str:
     return _module(program, _DIGITS)
 
 
+def scalar_source(program: Program, extras: bool = False) -> str:
+    """Python source for compilers: ``rhs(t, x0, x1, ..., parameters)``, one argument for each entry
+    of the state, returns a tuple; so does ``extras``, which stands in its place where asked for."""
+    words, dialect = {*_FLOATS.dialect.words.values()}, _FLOATS.dialect
+    reserved = {*keyword.kwlist, *_ARGUMENTS, "rhs", "extras", "pi", "jit", *_HELPING, *words}
+    names = identifiers([*program.state, *program.parameters], reserved) | {program.time: "t"}
+    title, block = ("extras", program.extras) if extras else ("rhs", program.derivative)
+    names |= identifiers([n for n, _ in block.assignments], names.values())
+    used = block.symbols
+    rows = [f"def {title}({', '.join(['t', *(names[s] for s in program.state)])}, parameters):"]
+    held = [(i, p) for i, p in enumerate(program.parameters) if p in used]
+    rows += [f"    {names[p]} = parameters[{i}]" for i, p in held]
+    rows += [f"    {name} = {value}" for name, value in lines(block, dialect, names)]
+    results = [f"float({text(result, dialect, names)})" for result in block.results]
+    body = "\n".join([*rows, f"    return ({', '.join(results)},)"]) + "\n"
+    return _with_imports([*_helpers(body, "math"), body], _FLOATS)
+
+
 @lru_cache(maxsize=64)  # one run asks several times for the same functions
 def compiled(program: Program, scalar: bool = False) -> tuple[Function, Function]:
     """The functions ``rhs`` and ``extras`` of ``(t, state, parameters)``, compiled.
@@ -170,14 +195,20 @@ def _module(program: Program, flavour: _Flavour, alike: bool = False, slopes: bo
     reserved |= {*dialect.words.values()}
     names = identifiers(arguments_of(program), reserved) | {program.time: "t"}
     parts = [_function(p, program, names, flavour, alike) for p in parts_of(program, slopes)]
-    body = "\n\n".join([*_helpers("".join(parts), flavour.library), *parts])
+    helpers = _helpers("".join(parts), flavour.library)
+    return _header(program, flavour) + _with_imports([*helpers, *parts], flavour)
+
+
+def _with_imports(parts: Sequence[str], flavour: _Flavour) -> str:
+    """Functions, and before them the imports of what they call."""
+    dialect, body = flavour.dialect, "\n\n".join(parts)
     words = {*dialect.words.values(), "mpf", *_HELPING, *_COLUMNS} - _QUOTIENTS.keys()
     words -= {word for word, _ in SLOPES.values()}
     used = sorted(w for w in words if re.search(rf"\b{w}\(", body))
     used += ["pi"] if re.search(r"\bpi\b", body) else []
     used = [w for w in used if (flavour.library, w) != ("math", "sign")]
     imports = f"from {flavour.library} import {', '.join(used)}\n\n\n" if used else "\n"
-    return _header(program, flavour) + imports + body
+    return imports + body
 
 
 def _helpers(body: str, library: str) -> list[str]:

@@ -1,11 +1,13 @@
 """Which integrator: the rule of ``method="auto"`` in one place.
 
-A tolerance finer than doubles asks for ``flint``.  Else heyoka is the fastest by far once it is
+A tolerance finer than doubles asks for ``flint``.  Else heyoka is the fastest once it is
 compiled, which takes some tenths of a second, and milliseconds where heyoka finds the code on disk.
-Heavy programs take it seconds: what scipy integrates sooner than that, it does.  Where heyoka does
-not install, scipy does all the rest.  The rule counts operations and
-measures no time, so that the same call always makes the same choice.  (A motion that is declared in
-closed form is evaluated, where the span is long: ``voronec.motion.integration``.)
+Heavy programs take it seconds: what scipy integrates sooner than that, it does, and what takes
+very many steps numba does, whose steps cost far less there.  Where heyoka does not install, numba
+does what would take scipy longer than to compile, and scipy all the rest.  The rule counts
+operations; it neither measures times nor looks at what is on disk, so that the same call always
+makes the same choice.  (A motion that is declared in closed form is evaluated, where the span is
+long: ``voronec.motion.integration``.)
 """
 
 from __future__ import annotations
@@ -30,6 +32,10 @@ TINY = 2_000_000
 """So many operations take Python less time than to compile a heavy program."""
 STAGES = 12
 """Evaluations in a step of DOP853."""
+COMPILED = 20_000_000
+"""So many operations take Python a second or two, and numba some seconds to compile for them."""
+LASTING = 100_000
+"""So many steps of a heavy program take heyoka longer than numba takes to compile and to run."""
 
 
 def is_exact(method: str, tol: float) -> bool:
@@ -49,13 +55,13 @@ def choose(method: str, problem: Problem, grid: np.ndarray) -> tuple[Stepper, di
     if not 0 < problem.tol < 1:
         raise DefinitionError(f"tol = {problem.tol} must lie between 0 and 1, such as 1e-13")
     called = problem.changing.called if problem.changing is not None else None
-    if called is not None and (_is_series(method) or problem.tol < EXACT):
+    if called is not None and (_is_symbolic(method) or problem.tol < EXACT):
         raise DefinitionError(
             f"the input '{called.name}' is a function of Python's, known in doubles and without a "
             "Taylor series; take method='scipy' and tol >= 1e-16, or give an expression or a table"
         )
-    if method == "heyoka" and not problem.program.state:
-        return _made("scipy", problem, "nothing moves, and heyoka wants equations")
+    if method in ("heyoka", "numba") and not problem.program.state:
+        return _made("scipy", problem, f"nothing moves, and {method} wants equations")
     if method != "auto":
         return _made(method, problem, "asked for")
     method, reason = _best(problem, grid)
@@ -71,19 +77,29 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     """The method to take, and why."""
     if problem.tol < EXACT:
         return "flint", "the tolerance is finer than doubles"
-    if not METHODS["heyoka"].is_there:
-        return "scipy", "heyoka is not installed"
     if not problem.program.state:
         return "scipy", "nothing moves"
-    if problem.tol >= FINEST and problem.program.weight > HEAVY:
-        steps = estimated_steps(problem, grid, TINY // (STAGES * (problem.program.operations + 1)))
+    there, compiled = METHODS["heyoka"].is_there, METHODS["numba"].is_there
+    if there and not (problem.tol >= FINEST and problem.program.weight > HEAVY):
+        return "heyoka", "heyoka is installed"
+    if not there and not compiled:
+        return "scipy", "heyoka is not installed"
+    cost, enough = STAGES * (problem.program.operations + 1), TINY if there else COMPILED
+    steps = estimated_steps(problem, grid)
+    if steps is None or steps * cost <= enough:
+        other = "heyoka" if there else "numba"
         if steps is not None:
-            return "scipy", f"about {steps} steps take less time than compiling for heyoka"
+            return "scipy", f"about {steps} steps take less time than compiling for {other}"
+        return ("heyoka", "heyoka is installed") if there else ("scipy", "heyoka is not installed")
+    if not there:
+        return "numba", "heyoka is not installed, and there are many steps"
+    if compiled and steps > LASTING:
+        return "numba", "many steps of a heavy program"
     return "heyoka", "heyoka is installed"
 
 
-def _is_series(method: str) -> bool:
-    return method in METHODS and METHODS[method].series
+def _is_symbolic(method: str) -> bool:
+    return method in METHODS and METHODS[method].symbolic
 
 
 def _made(method: str, problem: Problem, reason: str) -> tuple[Stepper, dict[str, Any]]:

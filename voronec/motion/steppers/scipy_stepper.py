@@ -36,8 +36,8 @@ def lsoda(problem: Problem) -> Stepper:
     return _stepper(problem, LSODA)
 
 
-def estimated_steps(problem: Problem, grid: np.ndarray, limit: int) -> int | None:
-    """How many steps of DOP853 a run will take, or None where they are more than a limit.
+def estimated_steps(problem: Problem, grid: np.ndarray) -> int | None:
+    """How many steps of DOP853 a run will take, or None where it does not get under way.
 
     A few steps are taken, and the rest is counted with the last of them.
     """
@@ -48,7 +48,7 @@ def estimated_steps(problem: Problem, grid: np.ndarray, limit: int) -> int | Non
     with np.errstate(all="ignore"):
         try:
             solver = _solver(problem, DOP853, grid)
-            for count in range(min(TRIAL, limit)):
+            for count in range(TRIAL):
                 solver.step()
                 if solver.status == "finished":
                     return count + 1
@@ -56,12 +56,7 @@ def estimated_steps(problem: Problem, grid: np.ndarray, limit: int) -> int | Non
                     return None
         except Halted:
             return None
-    if limit <= TRIAL:
-        return None
-    rest = abs(float(grid[-1]) - solver.t)
-    return (
-        TRIAL + int(rest / solver.step_size) if rest <= (limit - TRIAL) * solver.step_size else None
-    )
+    return TRIAL + int(abs(float(grid[-1]) - solver.t) / solver.step_size)
 
 
 def _solver(problem: Problem, method: Callable[..., Any], grid: np.ndarray) -> Any:

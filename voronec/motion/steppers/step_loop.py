@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, Protocol
@@ -22,7 +22,7 @@ from voronec.motion.steppers.run import (
     until,
 )
 
-__all__ = ["Halted", "Stride", "Walker", "crossings", "march", "root"]
+__all__ = ["Halted", "Stretch", "Stride", "Walker", "crossings", "march", "root"]
 
 
 LOOKS = 8
@@ -154,11 +154,29 @@ class Stride:
     slopes: tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None
 
 
+@dataclass(frozen=True)
+class Stretch:
+    """Accepted ``steps`` in which nothing happens, up to the time ``end`` and a state (n,) there.
+
+    ``rows`` (k, n) are the states at the next points of the grid.  Where a problem asks for ends
+    of steps, ``times`` (s,) and ``states`` (s, n) are these; where it asks for dense output,
+    ``strides`` are the steps.
+    """
+
+    steps: int
+    rows: np.ndarray
+    end: float
+    state: np.ndarray
+    times: np.ndarray
+    states: np.ndarray
+    strides: Sequence[Stride]
+
+
 class Walker(Protocol):
     """An integrator under way."""
 
-    def advance(self) -> Stride:
-        """The next step; raises ``Halted``."""
+    def advance(self) -> Stride | Stretch:
+        """The next step, or several; raises ``Halted``."""
 
     @property
     def evaluations(self) -> int:
@@ -203,7 +221,7 @@ class _March:
 
     def run(self) -> Run:
         ticker = Ticker(self.problem.progress, float(self.grid[0]), float(self.grid[-1]))
-        mark = self.grid[0]
+        mark, marked = self.grid[0], 0
         try:
             while self.done < len(self.grid) and not self.log.stopped:
                 try:
@@ -211,15 +229,19 @@ class _March:
                 except Halted as halted:
                     good = self.last
                     return self.result(Halt(str(halted), good.time, good.state))
-                self.steps += 1
-                self.take(stride)
+                if isinstance(stride, Stretch):
+                    self.pass_over(stride)
+                else:
+                    self.steps += 1
+                    self.take(stride)
                 ticker(self.last.time)
                 if len(self.recent) >= SUSPECTS and (halt := self.singular()):
                     return self.result(halt)
-                if self.steps % WINDOW == 0:
-                    if abs(self.last.time - mark) <= CRAWL * self.log.span:
+                if self.steps - marked >= WINDOW:
+                    least = CRAWL * self.log.span * ((self.steps - marked) // WINDOW)
+                    if abs(self.last.time - mark) <= least:
                         return self.result(self.last)
-                    mark = self.last.time
+                    mark, marked = self.last.time, self.steps
         except KeyboardInterrupt:
             return self.result(interrupted=True)
         return self.result(self.singular())
@@ -254,6 +276,22 @@ class _March:
         self.last = Halt(COLLAPSE, stride.end, stride.state)
         if self.problem.suspect is not None:
             self.recent.append((stride.end, stride.state))
+
+    def pass_over(self, stretch: Stretch) -> None:
+        """Enter steps in which nothing happens."""
+        new = slice(self.done, self.done + len(stretch.rows))
+        self.states[new] = stretch.rows
+        if self.problem.suspect is not None:
+            times = np.concatenate([self.grid[new], stretch.times])
+            states = np.vstack([stretch.rows, stretch.states])
+            turn = np.argsort(self.order * times, kind="stable")
+            self.recent += zip(times[turn], states[turn], strict=True)
+        self.done, self.steps = new.stop, self.steps + stretch.steps
+        self.idle = 0 if len(stretch.rows) else self.idle + stretch.steps
+        self.strides += stretch.strides
+        if self.problem.marked:
+            self.ends += stretch.times.tolist()
+        self.last = Halt(COLLAPSE, stretch.end, stretch.state)
 
     def near(self, stride: Stride, column: int) -> bool:
         """Whether a coarse event may happen in a step, by its function and the slopes at the ends.

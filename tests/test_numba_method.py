@@ -1,0 +1,129 @@
+"""The method ``numba``: the same motions as by scipy and heyoka, and code that is kept on disk."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec.errors import DefinitionError, IntegrationError
+from voronec.motion.steppers import choice, numba_stepper
+from voronec.motion.steppers.kept_code import SOURCE
+
+pytest.importorskip("numba")
+
+x, y, tau = sp.symbols("x y tau")
+DX = vo.velocity(x)
+PENDULUM = vo.System(
+    name="pendulum", fibration=vo.Fibration((x,), ()), lagrangian=DX**2 / 2 + sp.cos(x),
+    forces={x: tau}, inputs=(tau,),
+)  # fmt: skip
+START = {x: 1, DX: "0.3"}
+TIMES = np.linspace(0, 30, 301)
+EVENTS = (vo.Event(x, "middle"), vo.Event(DX - 1, "fast", 1))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def folder(tmp_path_factory):
+    """A cache of our own for all tests here, since to compile takes seconds."""
+    place = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(place))
+        patch.setenv("LOCALAPPDATA", str(place))
+        patch.setenv("HOME", str(place))
+        numba_stepper._drive_of.cache_clear()
+        yield place
+
+
+def moved(method, inputs=0, **options):
+    return vo.integrate(
+        PENDULUM, initial=START, inputs={tau: inputs}, method=method,
+        **{"times": TIMES, "tol": 1e-11} | options,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("events", [(), EVENTS], ids=["plain", "events"])
+def test_steps_are_those_of_scipy_and_states_too(events):
+    here, there = (moved(m, dense=True, events=events) for m in ("numba", "scipy"))
+    assert here.cost.method == "numba" and here.cost.steps == there.cost.steps > 50
+    within = np.sort(np.random.default_rng(5).uniform(0, 30, 200))
+    for name in ("x", "xdot"):
+        assert np.abs(here[name] - there[name]).max() < 1e-11
+        assert np.abs(here.at(within)[name] - there.at(within)[name]).max() < 1e-11
+    for event in events:
+        one, other = here.events[event.name], there.events[event.name]
+        assert len(one.t) == len(other.t) > 3
+        assert np.abs(one.t - other.t).max() < 1e-11
+
+
+def test_it_agrees_with_taylor_series_and_runs_backwards():
+    fine = moved("flint", tol=1e-22, times=[0, 15, 30])
+    here = moved("numba", tol=1e-14, times=[0, 15, 30])
+    assert np.abs(here["x"] - fine["x"].astype(float)).max() < 1e-12
+    end = {x: float(here["x"][-1]), DX: float(here["xdot"][-1])}
+    back = vo.integrate(
+        PENDULUM, times=[30, 15, 0], initial=end, inputs={tau: 0}, method="numba", tol=1e-14
+    )
+    assert abs(back["x"][-1] - 1) < 1e-12
+
+
+def test_an_event_ends_a_run_and_a_table_changes_it():
+    stop = (vo.Event(x, "middle", stop=True), EVENTS[1])
+    here, there = (moved(m, events=stop) for m in ("numba", "scipy"))
+    assert here.stopped == "middle" and len(here) == len(there) < len(TIMES)
+    assert abs(here.t[-1] - there.t[-1]) < 1e-11 and abs(here["x"][-1]) < 1e-11
+    table = vo.Table(np.linspace(0, 30, 7), [0, 0.2, -0.1, 0.3, 0, -0.4, 0.1], "held")
+    here, there = (moved(m, table) for m in ("numba", "scipy"))
+    assert np.abs(here["x"] - there["x"]).max() < 1e-10
+    with pytest.raises(DefinitionError, match="method='scipy'"):
+        moved("numba", lambda t: 0.0)
+
+
+def test_where_the_motion_ends_it_says_so():
+    system = vo.System(
+        name="runaway", fibration=vo.Fibration((y,), ()), lagrangian=vo.velocity(y) ** 2 / 2,
+        forces={y: 2 * y**3},
+    )  # fmt: skip
+    with pytest.raises(IntegrationError) as caught:
+        vo.integrate(
+            system, times=[0, 0.5, 2], initial={y: 1, vo.velocity(y): 1}, method="numba", tol=1e-9
+        )
+    assert 0.99 < caught.value.time < 1.001
+
+
+def test_kept_code_is_read_and_damaged_code_is_named_and_made_anew(folder, monkeypatch):
+    first = moved("numba")
+    numba_stepper._drive_of.cache_clear()
+    with monkeypatch.context() as patch, warnings.catch_warnings():
+        warnings.simplefilter("error")
+        patch.setattr(numba_stepper, "kernel_source", None)  # nothing is written anew
+        assert (moved("numba")["x"] == first["x"]).all()
+    files = [p for p in folder.rglob("*.nbc") if p.stat().st_size > 1000]
+    assert files and all(p.parent.parent.joinpath(SOURCE).exists() for p in files)
+    for file in files:
+        content = bytearray(file.read_bytes())
+        content[len(content) // 2] ^= 1
+        file.write_bytes(content)
+    numba_stepper._drive_of.cache_clear()
+    with pytest.warns(UserWarning, match="is damaged; it is made anew"):
+        assert (moved("numba")["x"] == first["x"]).all()
+    numba_stepper._drive_of.cache_clear()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert (moved("numba")["x"] == first["x"]).all()
+
+
+def test_auto_takes_it_for_long_runs_where_heyoka_is_missing(monkeypatch):
+    monkeypatch.setitem(sys.modules, "heyoka", None)
+    assert moved("auto").cost.method == "scipy", "a short run"
+    monkeypatch.setattr(choice, "COMPILED", 1000)
+    found = moved("auto")
+    assert found.cost.method == "numba" and "heyoka is not installed" in found.cost.reason
+    monkeypatch.setitem(sys.modules, "numba", None)
+    assert moved("auto").cost.method == "scipy"
+    with pytest.raises(DefinitionError, match="pip install numba"):
+        moved("numba", events=(vo.Event(x - 1),))

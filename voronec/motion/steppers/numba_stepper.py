@@ -1,0 +1,161 @@
+"""DOP853 and the program compiled together by numba: many steps without Python in between.
+
+The compiled loop comes back where the grid ends, now and then to look at the keyboard, and after a
+step within which an event may happen; that one is looked at as the steps of other integrators are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from voronec.equations.program import Program, hoisted, scalar_source
+from voronec.motion.steppers import dop853_source
+from voronec.motion.steppers.dop853_source import COLLAPSED, HAPPENING, kernel_source
+from voronec.motion.steppers.kept_code import kept_function
+from voronec.motion.steppers.run import COLLAPSE, Problem, Run, Stepper
+from voronec.motion.steppers.scipy_stepper import level_function
+from voronec.motion.steppers.step_loop import Halted, Stretch, Stride, march
+from voronec.motion.steppers.units import natural_units
+from voronec.motion.tolerances import FINEST
+
+__all__ = ["Loop", "compiled_dop853"]
+
+CHUNK = 10_000
+"""Steps between two looks at the keyboard."""
+KEPT = 1_000
+"""The same where ends of steps, or their dense output, are kept."""
+PARTS = 7
+"""Coefficients of the dense output of a step."""
+_LINE, _TABLE, _TABLES = "float64[::1]", "float64[:,::1]", "float64[:,:,::1]"
+SIGNATURE = (
+    f"int64({_LINE}, {_TABLE}, {_LINE}, int64[::1], {_TABLE}, {_TABLE}, {_TABLE}, {_TABLES}, "
+    f"{_TABLES}, {_TABLE}, int64[::1], {_LINE}, {_LINE}, boolean, boolean, int64)"
+)
+
+
+def compiled_dop853(problem: Problem) -> Stepper:
+    """The Runge-Kutta method of order eight of Dormand and Prince, compiled with the program.
+
+    ``ImportError`` without numba.
+    """
+    drive = _drive_of(problem.program, problem.levels if problem.events else None)
+
+    def run(grid: np.ndarray) -> Run:
+        loop = Loop.of(drive, problem, grid)
+        with np.errstate(all="ignore"):
+            return march(problem, grid, loop, level_function(problem))
+
+    return run
+
+
+@lru_cache(maxsize=32)  # loaded code stays in memory, and to read it takes longer than most runs
+def _drive_of(program: Program, levels: Program | None) -> Callable[..., int]:
+    parts = [scalar_source(hoisted(program).program), Path(dop853_source.__file__).read_text()]
+    parts += [scalar_source(levels, extras=True)] if levels is not None else []
+    parts += [str(len(program.state)), version("scipy")]
+    key = "\n".join(parts)
+    return kept_function("drive", SIGNATURE, key, lambda: kernel_source(program, levels))
+
+
+@dataclass
+class Loop:
+    """The compiled loop under way.
+
+    clock
+        the time, the length of the next step, and when the last one began.
+    counts
+        points of the grid that are done, steps, evaluations, whether the last trial was rejected,
+        and steps that are kept.
+    states (5, n)
+        the state and what is to be added to it beyond its digits, its rate; state and rate at the
+        start of the last step.
+    bend (7, n)
+        the dense output of the last step.
+    times (k, 2), ends (k, 2, n), bends (k, 7, n)
+        of kept steps: when and where they begin and end, and their dense output.
+    scales (2, n)
+        absolute and relative tolerances.
+    """
+
+    drive: Callable[..., int]
+    problem: Problem
+    grid: np.ndarray
+    rows: np.ndarray
+    clock: np.ndarray
+    counts: np.ndarray
+    states: np.ndarray
+    bend: np.ndarray
+    scales: np.ndarray
+    fixed: tuple[np.ndarray, np.ndarray, np.ndarray]
+    happening: bool = field(default=False)
+
+    @classmethod
+    def of(cls, drive: Callable[..., int], problem: Problem, grid: np.ndarray) -> Loop:
+        """At the start of a problem, whatever went before."""
+        n, given = len(problem.start), [float(x) for x in problem.parameters]
+        states = np.zeros((5, n))
+        states[0] = problem.start
+        finest, held = max(problem.tol, FINEST), problem.program.derivative.symbols
+        # nothing depends on a quadrature: its size loosens no tolerance
+        relative = [finest if s in held else 0.0 for s in problem.program.state]
+        scales = np.array([finest * natural_units(problem), relative])
+        coarse = np.array([e.name in problem.coarse for e in problem.events], dtype=np.int64)
+        known = hoisted(problem.program).values(given)
+        return cls(
+            drive, problem, grid, np.empty((len(grid), n)),
+            np.array([float(grid[0]), 0.0, float(grid[0])]), np.array([1, 0, 0, 0, 0]), states,
+            np.zeros((PARTS, n)), scales, (coarse, np.array(known), np.array(given)),
+        )  # fmt: skip
+
+    def advance(self) -> Stride | Stretch:
+        """The next step, where an event may happen in it, or many others."""
+        if self.happening:
+            self.happening = False
+            return self.stride(self.clock[[2, 0]], self.states[[3, 0]], self.bend.copy())
+        problem, n = self.problem, len(self.problem.start)
+        keep = problem.dense or problem.marked or problem.suspect is not None
+        room, bent = (KEPT if keep else 1), (KEPT if problem.dense else 1)
+        times, ends, bends = np.empty((room, 2)), np.empty((room, 2, n)), np.empty((bent, PARTS, n))
+        order = np.sign(self.grid[-1] - self.grid[0])
+        done = int(np.searchsorted(order * self.grid, order * self.clock[0], side="right"))
+        self.counts[0] = done = max(done, 1)
+        steps = int(self.counts[1])
+        outcome = self.drive(
+            self.grid, self.rows, self.clock, self.counts, self.states, self.bend, times, ends,
+            bends, self.scales, *self.fixed, problem.dense, keep, CHUNK,
+        )  # fmt: skip
+        self.happening = outcome == HAPPENING
+        kept, taken = int(self.counts[4]), int(self.counts[1]) - steps - self.happening
+        if outcome == COLLAPSED and not taken:
+            raise Halted(COLLAPSE)
+        when, where = (2, 3) if self.happening else (0, 0)  # it ends before what may happen
+        return Stretch(
+            taken, self.rows[done : int(self.counts[0])], float(self.clock[when]),
+            self.states[where].copy(), times[:kept, 1], ends[:kept, 1],
+            [self.stride(times[i], ends[i], bends[i]) for i in range(kept if problem.dense else 0)],
+        )  # fmt: skip
+
+    def stride(self, times: np.ndarray, ends: np.ndarray, bend: np.ndarray) -> Stride:
+        """A step from its ends (2,), (2, n) and its dense output."""
+        start, begin = float(times[0]), ends[0]
+        length = float(times[1]) - start
+
+        def at(moments: np.ndarray) -> np.ndarray:
+            x = ((moments - start) / length)[:, None]
+            found = np.zeros((len(x), len(begin)))
+            for i, part in enumerate(bend[::-1]):
+                found = (found + part) * (x if i % 2 == 0 else 1 - x)
+            return np.asarray(found + begin)
+
+        return Stride(start, float(times[1]), ends[1], at)
+
+    @property
+    def evaluations(self) -> int:
+        """How often the right-hand side was evaluated so far."""
+        return int(self.counts[2])
