@@ -14,6 +14,13 @@ import pytest
 
 import voronec as vo
 
+DISC = vo.Relation(
+    "vertical-disc",
+    "sleigh",
+    state={"x": "x", "y": "y", "phi": "phi", "v": "R*thetadot", "w": "phidot"},
+    parameters={"m": "m + B/R^2", "J": "C", "a": 0},
+)
+
 
 @pytest.fixture(scope="module")
 def results() -> dict[str, Any]:
@@ -30,14 +37,21 @@ def results() -> dict[str, Any]:
         "section": vo.section(vo.load("ball-on-sphere"), "u1dot", crossings=3),
         "model": vo.explain(sleigh),
         "verdict": vo.prove_equal("x", "x + 1"),
+        "claim": vo.check_claims(sleigh)[1],
+        "relation": vo.check_relation(DISC),
+        "search": vo.search_integrals(vo.load("chaplygin-ball"), degree=2, again=True),
+        "comparison": vo.compare(sleigh, vo.load("vertical-disc")),
+        "reduction": vo.descend(vo.load("chaplygin-ball")),
+        "closed form": vo.closed_form(vo.load("demchenko")),
+        "precessions": vo.precessions(vo.load("demchenko")),
     }
 
 
 def test_every_result_is_short(results: dict[str, Any]) -> None:
     for name, result in results.items():
         assert len(repr(result)) < 400 and "\n" not in repr(result), name
-        own = result.system.name if hasattr(result, "system") else ""
-        assert own in repr(result)
+        own = getattr(result, "system", "")
+        assert getattr(own, "name", own) in repr(result)
 
 
 def test_formulas_of_a_notebook_are_those_of_the_system(results: dict[str, Any]) -> None:
@@ -45,6 +59,43 @@ def test_formulas_of_a_notebook_are_those_of_the_system(results: dict[str, Any])
     assert r"\dot{\phi}" in table and "centre of mass" in table and "<script" not in table
     shown = results["equations"]._repr_latex_()
     assert shown.startswith("$") and results["equations"].latex() in shown
+
+
+def test_tables_of_a_notebook_say_what_was_found(results: dict[str, Any]) -> None:
+    expected = {
+        "verdict": ("refuted", "ball arithmetic"),
+        "claim": ("integral: heading", "proved where w != 0"),
+        "relation": ("vertical-disc to sleigh", "R*thetadot", "proved"),
+        "search": ("first integrals of chaplygin-ball", "degree up to 2", r"\gamma_{1}"),
+        "comparison": ("facts: base", "different"),
+        "reduction": (r"\gamma_{1}", "masses"),
+        "closed form": ("period", "between"),
+        "ensemble": ("3 motions", "drift of energy"),
+        "model": ("quadrature", "follows from others"),
+    }
+    for name, words in expected.items():
+        table = results[name]._repr_html_()
+        assert table.startswith("<table>") and "<script" not in table
+        for word in words:
+            assert word in table.replace("&#x27;", "'"), (name, word, table)
+
+
+def test_a_closed_form_is_the_same_where_it_arrives(results: dict[str, Any]) -> None:
+    form = results["closed form"]
+    found = pickle.loads(pickle.dumps(form))
+    there, here = (f.at([0.0, 1e5], ("u", "v")) for f in (found, form))
+    assert np.array_equal(there["u"], here["u"]) and np.array_equal(there["v"], here["v"])
+    assert found.enclose(7, digits=30)["u"].overlaps(form.enclose(7, digits=30)["u"])
+    assert vo.closed_form(found.system, parameters={"k": 5}).period != form.period
+
+
+def test_a_start_known_by_its_digits_stays_and_says_so() -> None:
+    ball = vo.load("demchenko")
+    start = {"u": 1, "u1": 1.2, "theta": 0.4, "vdot": 0.3, "n": 1}
+    form = vo.closed_form(ball, initial=start)
+    with pytest.raises(vo.DefinitionError, match="cannot be pickled"):
+        pickle.dumps(form)
+    assert copy.deepcopy(form) is form
 
 
 def test_what_a_user_wrote_is_text_in_a_table(results: dict[str, Any]) -> None:

@@ -22,6 +22,7 @@ from voronec.algebra.roots import defined_where, ring_over
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import shown, sympified
+from voronec.algebra.typeset import html_table
 from voronec.algebra.witnesses import Search
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -92,6 +93,14 @@ class Verdict:
     def undecided(self) -> bool:
         """Whether the question stays open."""
         return self.status == "undecided"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the answer, how it was found, and the witness."""
+        rows = [("how", self.method), ("with the proviso", self.limits)]
+        if self.witness is not None:
+            rows += [(name, value) for name, value in self.witness.point.items()]
+            rows += [("left side there", self.witness.left), ("right side", self.witness.right)]
+        return html_table(self.status, rows)
 
     def __bool__(self) -> bool:
         raise TypeError("a verdict has three values; ask .proved, .refuted or .undecided")

@@ -15,6 +15,7 @@ from voronec.algebra.arguments import COUNT, FLAG, require
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import sympified
+from voronec.algebra.typeset import html_table
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.balls import enclosed, polynomials
 from voronec.closed.clock import Clock
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 __all__ = ["ClosedForm"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ClosedForm:
     """A motion in closed form, from ``voronec.closed_form``.
 
@@ -48,6 +49,27 @@ class ClosedForm:
     """
 
     problem: InversionProblem
+
+    def __repr__(self) -> str:
+        return f"ClosedForm({self.system.name!r}, period {self.period:.6g}, {self.kind})"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the constants, and what kind of motion it is."""
+        rows = [(name, f"{value:.10g}") for name, value in self.constants.items()]
+        low, high = self.ends
+        rows.append((plain_name(self.quadratures.x), f"between {low:.10g} and {high:.10g}"))
+        rows += [(f"trace {where}", f"class {c.label}") for where, c in self.classes.items()]
+        return html_table(repr(self), rows)
+
+    def __copy__(self) -> ClosedForm:
+        return self  # nothing of it can change
+
+    def __deepcopy__(self, _: Any) -> ClosedForm:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What was inverted is inverted again where it arrives."""
+        return ClosedForm, (self.problem,)
 
     @property
     def system(self) -> System:

@@ -77,6 +77,10 @@ class Prepared:
         """What is computed of it once."""
         return Memo()
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Compiled functions stay behind: the declaration is compiled again."""
+        return _prepared_with, (self.system, dict(self.gone))
+
     @property
     def shares(self) -> tuple[tuple[int, ...], ...]:
         """Of each integral, one per pole."""
@@ -121,6 +125,12 @@ def prepared(system: System, values: Mapping[Any, Any]) -> Prepared:
     motion = motion_of(system)
     critical = motion.memo.once("critical", lambda: _critical(system, motion))
     gone = {s: e for factor, s, e in critical if _is_zero(factor, values)}
+    return _prepared_with(system, gone)
+
+
+def _prepared_with(system: System, gone: Mapping[Any, Any]) -> Prepared:
+    """The same where it is known which parameters send poles to infinity."""
+    motion = motion_of(system)
     what = ("prepared", frozenset(gone.items()))
     return motion.memo.once(what, lambda: _prepare(system, motion, gone))
 

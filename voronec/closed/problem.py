@@ -123,6 +123,15 @@ class InversionProblem:
     values: Mapping[Any, Any]
     _kept: dict[Any, Any] = field(default_factory=dict, repr=False)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What is declared and the values travel; the rest is computed again."""
+        if any(callable(value) for value in self.values.values()):
+            raise DefinitionError(
+                "a motion in closed form whose start follows from other data cannot be pickled; "
+                "pickle what it was made from, or give coordinates and velocities of the equations"
+            )
+        return InversionProblem, (self.prepared, dict(self.values))
+
     def given(self, bits: int) -> list[Any]:
         """The start as balls, in the order of ``prepared.inputs``."""
         return self._once(("given", bits), lambda: [

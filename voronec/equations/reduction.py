@@ -24,7 +24,7 @@ from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expression
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import sympified
-from voronec.algebra.typeset import plain_text
+from voronec.algebra.typeset import html_table, latex_of, plain_text
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit
@@ -32,7 +32,7 @@ from voronec.errors import DefinitionError, EngineLimit
 __all__ = ["Reduction", "descend", "in_invariants"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Reduction:
     """mass(g) vdot = force(g, v),  gdot = rates(g, v): closed equations in invariants, proved.
 
@@ -48,6 +48,21 @@ class Reduction:
     force: sp.ImmutableMatrix
     rates: sp.ImmutableMatrix
     relations: tuple[sp.Expr, ...]
+
+    def __repr__(self) -> str:
+        names = (", ".join(map(str, part)) for part in (self.invariants, self.velocities))
+        return "Reduction({!r}, invariants=({}), velocities=({}))".format(self.system.name, *names)
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the invariants and the closed equations."""
+
+        def shown(expr: Any) -> str:
+            return f"${latex_of(expr, self.system.coordinates, self.velocities)}$"
+
+        triples = zip(self.invariants, self.definitions, self.rates, strict=True)
+        rows = [(str(g), f"{shown(d)}, with the rate {shown(r)}") for g, d, r in triples]
+        rows += [("masses", shown(self.mass)), ("forces", shown(self.force))]
+        return html_table(f"{self.system.title or self.system.name}, reduced", rows)
 
     @property
     def momenta(self) -> sp.ImmutableMatrix:

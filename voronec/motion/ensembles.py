@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from voronec.algebra.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
+from voronec.algebra.typeset import html_table
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.voronec_equations import VoronecEquations
@@ -37,6 +38,8 @@ from voronec.motion.vocabulary import Vocabulary, held_name
 
 __all__ = ["Ensemble", "ensemble"]
 
+FEW = 20
+"""Rows of the table that a notebook shows."""
 BATCHES = 8
 """How many times a worker loads its lanes between two reports."""
 
@@ -79,6 +82,23 @@ class Ensemble:
         failed = f", {len(self.errors)} failed" if self.errors else ""
         what = f"{len(self)} motions{failed}, {span}, outputs=({', '.join(self.outputs)})"
         return f"Ensemble({self.system.name!r}, {what})"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: where outputs end, how well integrals are kept, what failed."""
+        rows = [(name, _range_of(self[name][:, -1], "at the end from {} to {}"))
+                for name in self.outputs]  # fmt: skip
+        rows += [(f"drift of {k}", _range_of(x, "{} to {}")) for k, x in self.drift.items()]
+        rows += [(f"motion {i} failed", str(error)) for i, error in self.errors.items()]
+        return html_table(repr(self), [*rows[:FEW], ("cost", str(self.cost))])
+
+
+def _range_of(values: np.ndarray, words: str) -> str:
+    """The least and the greatest of the values that are there."""
+    numbers = np.asarray(values, dtype=float)
+    there = numbers[np.isfinite(numbers)]
+    if not len(there):
+        return ""
+    return words.format(f"{float(there.min()):.6g}", f"{float(there.max()):.6g}")
 
 
 @accepts(

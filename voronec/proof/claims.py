@@ -15,6 +15,7 @@ import sympy as sp
 
 from voronec.algebra.graphs import is_atom
 from voronec.algebra.rank import generic_rank
+from voronec.algebra.typeset import html_table
 from voronec.algebra.verdicts import Verdict
 from voronec.declaration.claims import (
     Assertion,
@@ -125,7 +126,7 @@ def _counted(
 Decide = Callable[[Motions, Any], Decision]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Claim:
     """One claim with its verdict.
 
@@ -155,6 +156,16 @@ class Claim:
     source: str = ""
     reason: str = ""
     broken: bool = False
+
+    def __repr__(self) -> str:
+        return f"Claim({self.kind!r}, {self.name!r}, {self.standing!r})"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the claim and its verdict."""
+        rows = [("verdict", self.standing), ("how", self.verdict.method), ("on", self.level)]
+        if self.verdict.witness is not None:
+            rows.append(("witness", str(self.verdict.witness)))
+        return html_table(f"{self.kind}: {self.name}", rows)
 
     @property
     def admitted(self) -> bool:

@@ -127,7 +127,7 @@ def _on_family(family: Precessions, value: sp.Expr) -> sp.Expr:
     return sympified(own.subs(angle, sp.acos(family.place)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Precessions:
     """The regular precessions of a system with quadratures, as exact expressions.
 
@@ -156,6 +156,10 @@ class Precessions:
     constants: Mapping[sp.Symbol, sp.Expr]
     branches: tuple[Branch, ...]
     values: Mapping[Any, sp.Expr]
+
+    def __repr__(self) -> str:
+        rates = ", ".join(map(str, self.rates))
+        return f"Precessions({self.system.name!r}, {self.place}, {self.rate}, rates of {rates})"
 
     @property
     def place(self) -> sp.Symbol:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from voronec.algebra.typeset import html_table
 from voronec.declaration.system import System
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.program import Program
@@ -66,6 +67,11 @@ class Model:
     def __repr__(self) -> str:
         states = ", ".join(map(str, self.states))
         return f"Model({self.system.name!r}, in {self.level}, states=({states}))"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: what became of each variable, and why."""
+        rows = [(role.variable, f"{role.kind}: {role.why}") for role in self.roles]
+        return html_table(repr(self), rows)
 
     @property
     def system(self) -> System:

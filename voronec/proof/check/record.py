@@ -87,13 +87,18 @@ class Result:
             return None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Report:
     """All results of a check; ``stopped`` says that it was ended by hand before it was done."""
 
     results: tuple[Result, ...]
     seconds: float
     stopped: bool = False
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{n} {status}" for status, n in self.count().items())
+        ended = ", stopped" if self.stopped else ""
+        return f"Report({len(self.results)} results: {counts}{ended})"
 
     def of_kind(self, kind: str) -> list[Result]:
         """The results of systems, relations or squares."""

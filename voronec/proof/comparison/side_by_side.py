@@ -10,6 +10,7 @@ import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name
 from voronec.algebra.text import exact_number, printed
+from voronec.algebra.typeset import html_table
 from voronec.algebra.verdicts import prove_equal
 from voronec.declaration.reading import shown
 from voronec.declaration.system import System
@@ -53,7 +54,7 @@ class Row:
     how: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison:
     """All that was compared of ``first`` and ``second``.
 
@@ -66,6 +67,15 @@ class Comparison:
     rows: tuple[Row, ...]
     deviations: dict[str, float]
     remark: str = ""
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.rows)} rows, {len(self.differences)} different"
+        return f"Comparison({self.first!r}, {self.second!r}, {counts})"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: each row with its verdict."""
+        rows = [(f"{r.group}: {r.name}", f"{r.status}: {r.first} | {r.second}") for r in self.rows]
+        return html_table(f"{self.first} and {self.second}", rows)
 
     @property
     def differences(self) -> tuple[Row, ...]:

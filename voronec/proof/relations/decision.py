@@ -13,6 +13,7 @@ from voronec.algebra.conditions import parted
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import determinant
 from voronec.algebra.rank import generic_rank
+from voronec.algebra.typeset import html_table
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.declaration.relation import Relation
 from voronec.equations.vector_field import Motions
@@ -102,7 +103,7 @@ def _is_timed(statemap: StateMap) -> bool:
     return str(target.time) in given or any(target.time in e.free_symbols for e in held)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CheckedRelation:
     """A relation with its verdict.
 
@@ -117,6 +118,17 @@ class CheckedRelation:
     verdict: Verdict
     pulled: tuple[Claim, ...]
     seconds: float
+
+    def __repr__(self) -> str:
+        ends = f"{self.relation.source!r}, {self.relation.target!r}"
+        return f"CheckedRelation({ends}, {', '.join(self.kinds)}: {self.verdict.status})"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the maps, the verdict, and the claims that are carried along."""
+        maps = [(str(name), str(value)) for name, value in (self.relation.state or {}).items()]
+        rows = [("verdict", self.verdict.status), ("kind", ", ".join(self.kinds)), *maps]
+        rows += [(f"{c.kind}: {c.name}", c.standing) for c in self.pulled]
+        return html_table(f"{self.relation.source} to {self.relation.target}", rows)
 
 
 def check_relation(relation: Relation, motions: Callable[[str], Motions]) -> CheckedRelation:

@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.typeset import plain_text
+from voronec.algebra.typeset import html_table, latex_of, plain_text
 from voronec.algebra.verdicts import Verdict
 
 __all__ = ["FoundIntegral", "IntegralSearch"]
@@ -29,7 +29,7 @@ class FoundIntegral:
     independent: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class IntegralSearch:
     """The outcome of a search.
 
@@ -61,6 +61,16 @@ class IntegralSearch:
     seconds: float
     assumed: tuple[sp.Expr, ...] = ()
     unknown: tuple[sp.Expr, ...] = ()
+
+    def __repr__(self) -> str:
+        names = ", ".join(f.name for f in self.integrals) or "none"
+        return f"IntegralSearch({self.system!r}, {self.form}, found: {names})"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: what was found, and what is proved."""
+        found = [(f.name, f"${latex_of(f.short, ())}$: {f.verdict.status}") for f in self.integrals]
+        rows = [("form", self.form), *found, ("statement", self.statement)]
+        return html_table(f"first integrals of {self.system}", rows)
 
     @property
     def new(self) -> tuple[FoundIntegral, ...]:
