@@ -11,16 +11,23 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
+from voronec.algebra.elimination import solve_linear
 from voronec.algebra.symbols import plain_name, time, velocity
+from voronec.algebra.tape import Tape
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.mechanics.bodies import Places, kinetic_energy
 from voronec.declaration.mechanics.model import MechanicsModel, read_model
-from voronec.declaration.mechanics.speeds import Speeds, generic_columns, solve_speeds
+from voronec.declaration.mechanics.speeds import Speeds, generic_columns, generic_rows, solve_speeds
 from voronec.declaration.mechanics.vectors import Components, dot, in_one_line
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
+from voronec.errors import EngineLimit
 
 __all__ = ["from_mechanics"]
+
+LONG = 120
+"""Constraints whose coefficients have more nodes than this are not tried as redundant ones: what
+vanishes where they hold would take seconds to decide."""
 
 
 def from_mechanics(
@@ -92,8 +99,8 @@ class _Reading:
         """The declaration."""
         model, outward = self.model, self.door.outward
         energy = self._lagrangian()
-        relations = [self.read.read(e) for e in model.configuration]
         own = [self.read.read(e) for e in model.motion] + [*self.speeds.left_over]
+        relations, kept = self._relations(own)
         constraints = own + [symbol - rate for symbol, rate in self.places.rates]
         added = tuple(outward(symbol).expr for symbol, _ in self.places.rates)
         forces = self._forces()
@@ -111,6 +118,7 @@ class _Reading:
             name=name,
             fibration=fibration,
             frame=Frame.quasi(quasi) if quasi else None,
+            integrals={f"configuration {i + 1}": outward(e) for i, e in enumerate(kept)},
             parameters=_parameters(held, parameters),
             **declared,
         )
@@ -137,13 +145,31 @@ class _Reading:
                 found[q] += dot(force, [r.diff(along) for r in rate])
         return found
 
+    def _relations(self, own: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+        """Configuration constraints as relations; as integrals those that the constraints on
+        velocities seem to keep already, where this is beyond what is decided."""
+        given = [self.read.read(e) for e in self.model.configuration]
+        slopes = [self._slope(r) for r in given]
+        rows = [*(self.places.form(c)[:-1] for c in own), *slopes]
+        if not given or {*range(len(own), len(rows))} <= {*generic_rows(rows, given)}:
+            return given, []
+        if Tape([e for row in rows for e in row]).size > LONG:
+            return [], given
+        try:
+            solve_linear(rows, [[] for _ in rows], given, len(own))
+        except EngineLimit:
+            return [], given
+        return given, []
+
+    def _slope(self, relation: Any) -> list[Any]:
+        return [relation.diff(q) for q in self.places.coordinates]
+
     def _split(
         self, own: Sequence[Any], relations: Sequence[Any], held: Sequence[Any]
     ) -> tuple[tuple[sp.Expr, ...], tuple[sp.Expr, ...]]:
         """Base and fibre: the rates of the first determine those of the second."""
         places = self.places
-        slopes = [[r.diff(q) for q in places.coordinates] for r in relations]
-        rows = [*(places.form(c)[:-1] for c in own), *slopes]
+        rows = [*(places.form(c)[:-1] for c in own), *map(self._slope, relations)]
         in_use = set().union(*(e.free_symbols for e in held), *(e.free_symbols for e in relations))
         order = sorted(range(len(self.coordinates)), key=lambda i: self._rank(i, in_use))
         chosen = generic_columns([[row[i] for i in order] for row in rows], relations)
