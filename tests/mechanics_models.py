@@ -130,7 +130,7 @@ def pendulum_in_the_plane() -> Any:
 
 
 def pendulum_with_dependent_coordinate() -> Any:
-    """The same with Kane's method: q2, u2 depend on q1, u1."""
+    """The same with Kane's method: q1, u1 depend on q2, u2, which are free where it hangs."""
     q1, q2, u1, u2 = ds("q1 q2 u1 u2")
     m, length, g = sp.symbols("m L g")
     t = sp.Symbol("t")
@@ -141,9 +141,9 @@ def pendulum_with_dependent_coordinate() -> Any:
     bob.set_vel(ground, u1 * ground.x + u2 * ground.y)
     rod = q1**2 + q2**2 - length**2
     return kane(
-        ground, [q1], [u1], [q1.diff(t) - u1, q2.diff(t) - u2], [me.Particle("bob", bob, m)],
-        [(bob, m * g * ground.x)], q_dependent=[q2], configuration_constraints=[rod],
-        u_dependent=[u2], velocity_constraints=[q1 * u1 + q2 * u2],
+        ground, [q2], [u2], [q2.diff(t) - u2, q1.diff(t) - u1], [me.Particle("bob", bob, m)],
+        [(bob, m * g * ground.x)], q_dependent=[q1], configuration_constraints=[rod],
+        u_dependent=[u1], velocity_constraints=[q1 * u1 + q2 * u2],
     )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import random
 import zlib
 from typing import Any
@@ -50,12 +51,18 @@ def valued(matrix: Any, point: dict[sp.Expr, Any]) -> mp.matrix:
     return mp.matrix(call([point[k] for k in symbols]))
 
 
+def is_closed(constraints: Any, point: dict[sp.Expr, Any]) -> bool:
+    return mp.norm(valued(constraints, point)) < CLOSE**2
+
+
 def kane_speeds(kane: Any, seed: str) -> tuple[dict[sp.Expr, Any], dict[sp.Expr, Any]]:
     """A point on the constraints, and the rates of all speeds there by SymPy."""
     kane.kanes_equations()
     point = numbers(kane, seed)
-    if kane._qdep:
-        point = solved(kane._f_h, [*kane._qdep], point)
+    while kane._qdep and not is_closed(kane._f_h, point):
+        seed += "."
+        with contextlib.suppress(ValueError):  # links that are too short
+            point = solved(kane._f_h, [*kane._qdep], numbers(kane, seed))
     if kane._udep:
         point = solved(kane._k_nh * kane.u + kane._f_nh, [*kane._udep], point)
     rates = mp.lu_solve(valued(kane.mass_matrix, point), valued(kane.forcing, point))

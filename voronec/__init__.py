@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from voronec.declaration.relation import Limit, Relation, Square
     from voronec.declaration.scene import Parameter, Scene
     from voronec.declaration.system import System
+    from voronec.equations.linearisation import Linearisation, linearise
     from voronec.equations.reduction import Reduction, descend
     from voronec.equations.referee import multiplier_acceleration, reaction_forces
     from voronec.equations.voronec_equations import VoronecEquations, derive
@@ -89,6 +90,8 @@ _HOME = {
     "Fibration": "voronec.declaration.geometry",
     "Frame": "voronec.declaration.geometry",
     "HardCase": "voronec.accuracy.hard",
+    "Linearisation": "voronec.equations.linearisation",
+    "linearise": "voronec.equations.linearisation",
     "multiplier_acceleration": "voronec.equations.referee",
     "reaction_forces": "voronec.equations.referee",
     "Claim": "voronec.proof.claims",
@@ -138,6 +141,7 @@ __all__ = [
     "IntegralSearch",
     "IntegrationError",
     "Limit",
+    "Linearisation",
     "Measure",
     "Model",
     "Parameter",
@@ -173,6 +177,7 @@ __all__ = [
     "graph",
     "integrate",
     "kinematics",
+    "linearise",
     "load",
     "multiplier_acceleration",
     "names",

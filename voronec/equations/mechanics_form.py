@@ -89,6 +89,25 @@ class MechanicsForm:
         solved = [[a] for a in field.accelerations]
         return sp.Matrix([self._rates, self._named(equations.door.outward_matrix(solved))])
 
+    def linearize(
+        self, op_point: Mapping[sp.Expr, Any] | None = None, A_and_B: bool = True
+    ) -> tuple[sp.Matrix, ...]:
+        """A, B and the inputs of dx/dt = A dx + B dw about a point, x the independent coordinates
+        and the speeds; with ``A_and_B`` false a unit matrix before them.
+
+        ``op_point`` gives coordinates and speeds as for ``KanesMethod.linearize``; their rates
+        follow from the equations, and are not read.
+        """
+        from voronec.equations.linearisation import linearise
+
+        names = {name: x for x, name in self._names.items()}
+        given = (op_point or {}).items()
+        at = {names.get(x, x): value for x, value in given if not isinstance(x, sp.Derivative)}
+        found = linearise(self.equations, at)
+        inputs = sp.Matrix([self._names.get(w, w) for w in found.inputs])
+        parts = (self._named(found.A), self._named(found.B), inputs)
+        return parts if A_and_B else (sp.eye(len(found.state)), *parts)
+
     def kindiffdict(self) -> dict[sp.Expr, sp.Expr]:
         """The rate of each coordinate -> what it is in terms of the speeds."""
         return dict(zip(self._qdot, self._rates, strict=True))

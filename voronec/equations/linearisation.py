@@ -1,0 +1,271 @@
+"""Equations of motion to first order about a point or a motion, exactly.
+
+    qdot = R(q, v, t, w),   M(q) vdot = F(q, v, t, w)
+
+    d(dq)/dt = R_q dq + R_v dv + R_w dw
+    M d(dv)/dt = (F_q - M_q a) dq + F_v dv + F_w dw,     M a = F at the point
+
+w are the inputs.  Where relations bind the coordinates, dq = C dx with the independent ones x.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import mpmath as mp
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.elimination import solve_linear
+from voronec.algebra.normal import shortest
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
+from voronec.algebra.rank import independent_rows
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.tape import Tape
+from voronec.declaration.reading import expression, shown
+from voronec.equations.derivation import Derivation
+from voronec.equations.evaluation import jets
+from voronec.equations.first_order import FirstOrder, expand
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, EngineLimit, did_you_mean
+
+__all__ = ["Linearisation", "linearise"]
+
+
+@dataclass(frozen=True, repr=False)
+class Linearisation:
+    """dx/dt = A dx + B dw about ``point``, to first order, in SymPy's matrices.
+
+    ``state`` are the variables x, independent coordinates before velocities, N of them, ``inputs``
+    those of w, m of them.  ``A`` is N x N, ``B`` N x m; ``rates``, N x 1, is dx/dt of the point
+    itself.  Entries hold what the point leaves open, parameters above all.
+    """
+
+    equations: VoronecEquations
+    point: Mapping[str, sp.Expr]
+    state: tuple[sp.Expr, ...]
+    inputs: tuple[sp.Expr, ...]
+    A: sp.ImmutableMatrix
+    B: sp.ImmutableMatrix
+    rates: sp.ImmutableMatrix
+
+    def __repr__(self) -> str:
+        names = (", ".join(map(plain_name, part)) for part in (self.state, self.inputs))
+        return "Linearisation({!r}, state=({}), inputs=({}))".format(
+            self.equations.system.name, *names
+        )
+
+    def of(self, *variables: Any) -> Linearisation:
+        """That of some of the variables, symbols or names, where the others do not act on them.
+
+        Raises ``DefinitionError``, which names one that does.
+        """
+        names = [plain_name(x) for x in self.state]
+        for x in map(plain_name, variables):
+            if x not in names:
+                wrong = f"'{shown(x)}' is no variable of the linearisation"
+                raise DefinitionError(wrong + did_you_mean(x, names))
+        kept = [names.index(plain_name(x)) for x in variables]
+        for j in set(range(len(names))) - {*kept}:
+            for i in kept:
+                if self.A[i, j] != 0:
+                    raise DefinitionError(
+                        f"the rate of '{names[i]}' depends on '{names[j]}', which is not among "
+                        "the variables; add it"
+                    )
+        return Linearisation(
+            self.equations,
+            self.point,
+            tuple(self.state[i] for i in kept),
+            self.inputs,
+            self.A.extract(kept, kept),
+            self.B.extract(kept, [*range(self.B.cols)]),
+            self.rates.extract(kept, [0]),
+        )
+
+    def eigenvalues(self, values: Mapping[Any, Any] | None = None, digits: int = 15) -> list[Any]:
+        """The eigenvalues of A as mpmath's complex numbers, by real part, then imaginary part.
+
+        ``values`` give numbers, by symbol or name, to what A holds; parameters have their default
+        values.
+        """
+        system = self.equations.system
+        given = {p.name: p.value for p in system.parameters if p.value is not None}
+        given |= {plain_name(k): v for k, v in (values or {}).items()}
+        missing = [str(a) for a in self._tape.atoms if str(a) not in given]
+        if missing:
+            raise DefinitionError(
+                f"the matrix A of system '{system.name}' holds '{missing[0]}', which has no "
+                f"value; write eigenvalues({{'{missing[0]}': number}})"
+            )
+        bits = int(3.33 * digits) + GENERIC
+        with mp.workprec(bits):
+            balls = self._tape.arb(given, bits)
+            size = self.A.rows
+            matrix = mp.matrix(size, size)
+            for k, ball in enumerate(balls):
+                mantissa, exponent = (int(part) for part in ball.mid().man_exp())
+                matrix[k // size, k % size] = mp.ldexp(mp.mpf(mantissa), exponent)
+            found = mp.eig(matrix, left=False, right=False)
+            found = [mp.mpc(mp.chop(e, mp.mpf(10) ** -(digits + 10))) for e in found]
+        with mp.workdps(digits):
+            return sorted((+e for e in found), key=lambda e: (e.real, e.imag))
+
+    @cached_property
+    def _tape(self) -> Tape:
+        return Tape(self.equations.door.inward_all([*self.A]))
+
+
+def linearise(equations: VoronecEquations, at: Mapping[Any, Any] | None = None) -> Linearisation:
+    """The equations of motion to first order about a point or a motion: exact A and B.
+
+    ``at`` gives, by symbol or name, values of coordinates, velocities of the equations, parameters
+    and inputs: numbers, or formulas in parameters, in ``vo.time`` (a motion) and in whatever is
+    left open.  What is given no value stays a symbol, default values of parameters too.  Relations
+    between redundant coordinates are kept to first order: of them as many go as relations bind, so
+    that the state is minimal.
+
+    Raises ``DefinitionError`` where a name is unknown, where the equations are not defined at the
+    point, or their mass matrix is singular there.
+    """
+    inside, read = _point(equations, at or {})
+    for derivation in (equations.raw, equations.best):
+        try:
+            return _about(equations, derivation, inside, read)
+        except EngineLimit as limit:
+            reason = str(limit)
+    raise DefinitionError(
+        f"system '{equations.system.name}' has no linearisation at the point: {reason}; choose "
+        "another point, or other coordinates"
+    )
+
+
+def _point(
+    equations: VoronecEquations, at: Mapping[Any, Any]
+) -> tuple[dict[Any, Any], dict[str, sp.Expr]]:
+    """Values inside the door by what they replace there, and as they were read."""
+    system, d = equations.system, equations.definition
+    atoms = {str(x): x for x in (*d.coordinates, *d.velocities, *d.parameters)} | jets(system)
+    inside, read = {}, {}
+    for key, value in at.items():
+        name = plain_name(key)
+        if name not in atoms:
+            raise DefinitionError(
+                f"system '{system.name}': '{shown(name)}' at the point is no coordinate, velocity, "
+                f"parameter or input{did_you_mean(name, [*atoms])}"
+            )
+        read[name] = expression(value, f"the value of '{name}'")
+        inside[atoms[name]] = equations.door.inward(read[name])
+    return inside, read
+
+
+def _about(
+    equations: VoronecEquations, d: Derivation, point: dict[Any, Any], read: dict[str, sp.Expr]
+) -> Linearisation:
+    own, form = d.definition, d.form
+    # pi/10 is put in at the end: its sine is no root of rational numbers, that of a symbol is easy
+    late = {p: point[p] for p in own.parameters if p in point and not _is_rational(point[p])}
+    point = {x: value for x, value in point.items() if x not in late}
+    inputs = [u for u in jets(equations.system).values() if _holds(form, u)]
+    variables = [*own.coordinates, *own.velocities, *inputs]
+    mass = [e for row in form.mass for e in row]
+    rows = expand([*form.rates, *form.force, *mass, *own.relations], variables, point)
+    k, n, width = len(own.coordinates), len(own.velocities), len(variables)
+    table = [rows[k + n + i * n : k + n + (i + 1) * n] for i in range(n)]
+    kept, spread = _independent(rows[k + n + n * n :], k)
+    vdot, slopes = _accelerations(table, rows[k : k + n], width)
+    chained = [_chained(_row(rows[i], width), spread, k) for i in kept]
+    chained += [_chained(row, spread, k) for row in slopes]
+    values = [*(rows[i][0] for i in kept), *vdot]
+    flat = _tidy([e for row in chained for e in row] + values, point, own.relations)
+    out = [equations.door.outward(se.sympify(e).xreplace(late)) for e in flat]
+    size = len(values)
+    full = sp.Matrix(size, size + len(inputs), out[: len(out) - size])
+    return Linearisation(
+        equations=equations,
+        point=read,
+        state=tuple(equations.door.outward(variables[i]) for i in (*kept, *range(k, k + n))),
+        inputs=tuple(equations.door.outward(u) for u in inputs),
+        A=sp.ImmutableMatrix(full[:, :size]),
+        B=sp.ImmutableMatrix(full[:, size:]),
+        rates=sp.ImmutableMatrix(size, 1, out[len(out) - size :]),
+    )
+
+
+def _chained(slopes: Sequence[Any], spread: Sequence[Sequence[Any]], k: int) -> list[Any]:
+    """Slopes by the independent coordinates in the place of those by all k."""
+    columns = zip(*spread, strict=True)
+    along = [se.Add(*[s * c for s, c in zip(slopes, column, strict=False)]) for column in columns]
+    return [*along, *slopes[k:]]
+
+
+def _holds(form: Any, atom: Any) -> bool:
+    exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]
+    return any(atom in e.atoms(type(atom)) for e in map(se.sympify, exprs))
+
+
+def _is_rational(value: Any) -> bool:
+    return isinstance(value, se.Rational) or bool(value.free_symbols)
+
+
+def _row(entry: FirstOrder, width: int) -> list[Any]:
+    return [entry[1].get(j, se.Integer(0)) for j in range(width)]
+
+
+def _accelerations(
+    mass: Sequence[Sequence[FirstOrder]], force: Sequence[FirstOrder], width: int
+) -> tuple[list[Any], list[list[Any]]]:
+    """vdot at the point, and its slopes."""
+    if not force:
+        return [], []
+    matrix = [[m for m, _ in row] for row in mass]
+    first = solve_linear(matrix, [[f] for f, _ in force])
+    if first.free:
+        raise EngineLimit("the mass matrix is singular there")
+    vdot = [row[0] for row in first.values]
+    right = []
+    for f, row in zip(force, mass, strict=True):
+        slopes = _row(f, width)
+        for (_, change), a in zip(row, vdot, strict=True):
+            for j, slope in change.items():
+                slopes[j] = slopes[j] - slope * a
+        right.append(slopes)
+    return vdot, solve_linear(matrix, right).values
+
+
+def _independent(relations: Sequence[FirstOrder], k: int) -> tuple[list[int], list[list[Any]]]:
+    """Which coordinates stay free to first order, and the slopes of all by these."""
+    unit = [[se.Integer(int(i == j)) for j in range(k)] for i in range(k)]
+    if not relations:
+        return [*range(k)], unit
+    slopes = [_row(r, k) for r in relations]
+    samples = sample_evaluable(Tape([e for row in slopes for e in row]), (), GENERIC, count=1)
+    if not samples:
+        raise EngineLimit("the relations between the coordinates have no slopes there")
+    values = samples[0][1]
+    table = [values[i : i + k] for i in range(0, len(values), k)]
+    rows = independent_rows(table, GENERIC)
+    # coordinates at the end of the list are those of the fibre: they are given up first
+    order = [*reversed(range(k))]
+    columns = [[table[r][j] for r in rows] for j in order]
+    bound = sorted(order[i] for i in independent_rows(columns, GENERIC))
+    free = [j for j in range(k) if j not in bound]
+    left = [[slopes[r][j] for j in bound] for r in rows]
+    right = [[-slopes[r][j] for j in free] for r in rows]
+    solution = solve_linear(left, right).values if free else [[] for _ in bound]
+    spread = [[unit[i][j] for j in free] for i in range(k)]
+    for j, row in zip(bound, solution, strict=True):
+        spread[j] = row
+    return free, spread
+
+
+def _tidy(exprs: list[Any], point: Mapping[Any, Any], relations: Sequence[Any]) -> list[Any]:
+    """In the shortest form, where that is within the budget; relations as they are at the point."""
+    try:
+        return shortest(exprs, [r for r in (e.xreplace(dict(point)) for e in relations) if r != 0])
+    except EngineLimit:
+        return exprs
