@@ -19,6 +19,7 @@ from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.divisors import Divisor
 from voronec.motion.inertia import require_inertia
 from voronec.motion.initial_state import named, parameter_values, start_of
+from voronec.motion.many_starts import starts_in_arrays
 from voronec.motion.model import smallest_model
 from voronec.motion.split_models import NEAR, SplitGround
 from voronec.motion.state_probe import quantities, quiet, rates_along
@@ -169,17 +170,19 @@ def many(
     needed = {str(s) for p in (program, below) for b in (p.derivative, p.extras) for s in b.symbols}
     constants, wrong = _constants(vocabulary, scene, parameters, len(starts), needed)
     initial = named(vocabulary, scene.initial if scene else {}, "initial value")
-    width = len(below.state)
-    full = np.full((len(starts), width), np.nan)
+    table = _table(constants, below.parameters, len(starts))
+    rates_of_many = partial(_rates_of_many, functions[0], table, time)
+    full = starts_in_arrays(vocabulary, initial, starts, constants, rates_of_many)
     for i, given in enumerate(starts):
         if i in wrong:
+            full[i] = np.nan
             continue
         own = {name: float(x[i]) for name, x in constants.items()}
-        known = [own.get(str(p), np.nan) for p in below.parameters]
-        rates = partial(rates_along, quiet(functions[0], known), time)
         try:
-            data = named(vocabulary, given, "initial value")
-            full[i] = start_of(vocabulary, initial, data, own, rates, time).state
+            if np.isnan(full[i]).any():
+                rates = partial(rates_along, quiet(functions[0], table[i].tolist()), time)
+                data = named(vocabulary, given, "initial value")
+                full[i] = start_of(vocabulary, initial, data, own, rates, time).state
             require_inertia(equations, own, full[i], time)
         except VoronecError as error:
             wrong[i] = error
@@ -190,6 +193,20 @@ def many(
         # a case that does not hold may have no value, and yet the motion has
         _check_defined(vocabulary, rhs, states, values, time, wrong)
     return Many(vocabulary, basis, program, extras, states, full, values, constants, time, wrong)
+
+
+def _rates_of_many(
+    function: Any, values: np.ndarray, time: float, q: np.ndarray, v: np.ndarray
+) -> np.ndarray:
+    """Velocities of all coordinates (s, n, k) at several q (s, n), with parameters (s, p), and, at
+    each, several v (m, k)."""
+    shape = (len(q), v.shape[1])
+    columns = [*np.repeat(q.T[:, :, None], shape[1], axis=2)]
+    columns += [np.broadcast_to(row, shape) for row in v]
+    with np.errstate(all="ignore"):
+        rates = function(np.float64(time), columns, [x[:, None] for x in values.T])
+    rows = [np.broadcast_to(r, shape) for r in rates[: q.shape[1]]]
+    return np.stack(rows, axis=1).astype(float)
 
 
 def _below(equations: VoronecEquations, basis: Ground) -> Program:

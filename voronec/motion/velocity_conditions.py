@@ -10,7 +10,7 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.errors import DefinitionError
 from voronec.motion.vocabulary import Vocabulary
 
-__all__ = ["CONSISTENT", "NoFrame", "Rates", "changes", "met"]
+__all__ = ["CONSISTENT", "NoFrame", "Rates", "changes", "independent", "met"]
 
 CONSISTENT = 1e-9
 """How far initial data may lie off the constraints, relative to their size."""
@@ -41,7 +41,7 @@ def met(
         return v, []
     own = [plain_name(x) for x in vocabulary.equations.system.velocities]
     order, rows, right = _posed(vocabulary, q, conditions, rates)
-    chosen = _independent(rows)
+    chosen = independent(rows)
     involved = np.abs(rows).max(axis=0) > CONSISTENT * np.abs(rows).max(initial=0.0)
     if len(chosen) > involved.sum():  # beside rates that are as good as infinite
         raise NoFrame(UNDEFINED.format(vocabulary.equations.system.name))
@@ -103,7 +103,7 @@ def changes(names: Iterable[str], old: np.ndarray, new: np.ndarray) -> str:
     )
 
 
-def _independent(rows: np.ndarray) -> list[int]:
+def independent(rows: np.ndarray) -> list[int]:
     """Positions of the first rows that are linearly independent."""
     chosen: list[int] = []
     for i in range(len(rows)):
