@@ -523,10 +523,24 @@ class JudgeOfMany:
             looks[i] -= 1
             if i in found or looks[i] < 0:
                 continue
-            off = again(rates, times[rows], joined[rows], self.tol)
+            one = _rates_of_one(self.program, values[i])
+            off = again(one, times[rows], joined[rows, :n], self.tol)
             if off is not None and off.max() > 1:
                 found[i] = Breach(DISOBEDIENT, int(rows[0] % size))
         return found
+
+
+def _rates_of_one(program: Program, values: np.ndarray) -> Rates:
+    """The rates of one state at a time, with parameters (p,): numbers cost less than arrays."""
+    rhs, constants = compiled(program, scalar=True)[0], values.tolist()
+
+    def rates(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        try:
+            return np.array([rhs(float(times[0]), rows[0].tolist(), constants)], dtype=float)
+        except (ZeroDivisionError, ValueError, OverflowError):
+            return np.full(rows.shape, np.nan)
+
+    return rates
 
 
 def _at(

@@ -31,13 +31,20 @@ def opening(coefficients: np.ndarray, taken: float, tol: float) -> float:
     It goes by the latter half of them: the radius of convergence that each suggests, times
     tol^(1/order).
     """
+    return float(_allowed(coefficients[:, :, None], np.array([taken]), tol)[0])
+
+
+def _allowed(coefficients: np.ndarray, taken: np.ndarray, tol: float) -> np.ndarray:
+    """The same of several steps (k,), with coefficients (n, order + 1, k)."""
     sizes = np.abs(coefficients).max(axis=0)
-    sizes = sizes / max(1.0, sizes[0])
+    sizes = sizes / np.fmax(1.0, sizes[0])
     order = len(sizes) - 1
-    later = [(k, sizes[k]) for k in range(order // 2, order + 1) if sizes[k] > 0]
-    radius = min((size ** (-1.0 / k) for k, size in later), default=np.inf)
-    length = float(radius * tol ** (1.0 / order))
-    return length if abs(taken) > SPARSE * length else np.inf
+    powers = -1.0 / np.arange(order // 2, order + 1)[:, None]
+    later = sizes[order // 2 :]
+    sound = np.where(later > 0, later, 0.0)  # to a negative power: infinite
+    with np.errstate(divide="ignore"):
+        lengths = (sound**powers).min(axis=0) * tol ** (1.0 / order)
+    return np.where(np.abs(taken) > SPARSE * lengths, lengths, np.inf)
 
 
 def openings(integrator: Any, spans: np.ndarray) -> np.ndarray:
@@ -45,14 +52,11 @@ def openings(integrator: Any, spans: np.ndarray) -> np.ndarray:
     afterwards where it stood."""
     times, state = [part.copy() for part in integrator.dtime], integrator.state.copy()
     integrator.step(max_delta_t=spans.tolist(), write_tc=True)
-    taken = [length for _, length in integrator.step_res]
-    found = [
-        opening(integrator.tc[:, :, lane], length, integrator.tol)
-        for lane, length in enumerate(taken)
-    ]
+    taken = np.array([length for _, length in integrator.step_res])
+    found = _allowed(integrator.tc, taken, integrator.tol)
     integrator.set_dtime(*times)
     integrator.state[:] = state
-    return np.array(found)
+    return found
 
 
 def overlong_lanes(
