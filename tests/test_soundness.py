@@ -89,7 +89,7 @@ def test_ctrl_c_between_distant_instants_keeps_where_the_run_stood(
 
 
 def test_ctrl_c_in_the_set_up_of_an_ensemble_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    begin, calls = many_motions.start_of, []
+    begin, calls = many_motions.require_inertia, []
 
     def stop(*args: Any) -> Any:
         calls.append(args)
@@ -97,7 +97,7 @@ def test_ctrl_c_in_the_set_up_of_an_ensemble_ends_it(monkeypatch: pytest.MonkeyP
             raise KeyboardInterrupt
         return begin(*args)
 
-    monkeypatch.setattr(many_motions, "start_of", stop)
+    monkeypatch.setattr(many_motions, "require_inertia", stop)
     found = vo.ensemble(OSCILLATOR, {"x": [1.0, 2.0, 3.0, 4.0]}, times=[0, 1])
     assert found.interrupted and not found.finished.any() and not found.errors
     assert found["x"].shape == (4, 2) and np.isnan(found["x"]).all()
