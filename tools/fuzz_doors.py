@@ -1,4 +1,4 @@
-"""Odd input at every door: plugin files, command lines, the Python names, the environment.
+"""Odd input at every door: files, texts, command lines, the Python names, the environment.
 
     python tools/fuzz_doors.py [--seed N] [--count N] [--seconds S] [--jobs N] [--kind K] [--only I]
 
@@ -34,6 +34,7 @@ import sympy as sp
 from child_time import ChildClock
 from door_commands import Wrong, command_door, environment_door, plugin_door
 from door_names import python_door
+from door_texts import text_door
 from door_values import CANARY
 
 import voronec as vo
@@ -48,6 +49,7 @@ MEMORY = 8 << 30
 Door = tuple[str, Callable[[], Any]]
 DOORS: dict[str, tuple[float, Callable[[random.Random, Path], Door]]] = {
     "names": (0.6, python_door),
+    "texts": (0.1, text_door),
     "command": (0.25, command_door),
     "plugin": (0.12, plugin_door),
     "environment": (0.03, environment_door),
@@ -174,7 +176,7 @@ def _watch_text() -> None:
 def _left(place: Path) -> str:
     """What was left half-written: drafts, workshops, files of no bytes."""
     for path in place.rglob("*"):
-        if path.name in ("here", "x.json", "plugin.py", "__pycache__") or (
+        if path.name in ("here", "x.json", "x.toml", "plugin.py", "__pycache__") or (
             path.is_dir() and path.name[0] != "."
         ):
             continue
