@@ -84,6 +84,17 @@ SYSTEM = System(
     ),
     lagrangian=kinetic + sp.Matrix(kappa).dot(spin),
     constraints=tuple(rates - epsilon * sp.Matrix(place).cross(spin - swirl)),
+    meanings={
+        **kinematics.euler_meanings(angles),
+        **{q: f"of the sphere: {said}" for q, said in kinematics.euler_meanings(turns).items()},
+        **kinematics.vector_meanings(place, "normal of the sphere at the contact", "space"),
+        **kinematics.vector_meanings(omega, whose="the ball"),
+        **kinematics.vector_meanings(wheel, "angular velocity of the sphere", "the ball"),
+        **kinematics.vector_meanings(map(str, gamma), "normal of the sphere", "the ball"),
+        "momentum squared": "square of the momentum of the ball about the contact, with the rotor",
+        "momentum of the sphere squared": "square of N, the momentum of the sphere",
+        "product of the momenta": "scalar product of both momenta",
+    },
     parameters=(
         Parameter(R1, 2, meaning="radius of the sphere, signed"),
         Parameter(R2, 1, positive=True, meaning="radius of the ball"),

@@ -48,6 +48,18 @@ SYSTEM = System(
     frame=Frame.quasi({VX: DX, VY: DY, n: rates[2]}),
     lagrangian=kinematics.kinetic_energy(m, (DX - Omega * Y, DY + Omega * X, 0), (A, A, A), rates),
     constraints=(DX - R * across, DY + R * along),
+    meanings={
+        **kinematics.euler_meanings((phi, theta, psi)),
+        X: "first coordinate of the contact on the table",
+        Y: "second coordinate of the contact on the table",
+        VX: "velocity of the contact over the table, along its first axis",
+        VY: "velocity of the contact over the table, along its second axis",
+        n: "twist, the angular velocity about the vertical",
+        "speed squared": "square of the speed of the centre in space",
+        "twist": "angular velocity about the vertical",
+        "centre of the circle, x": "place in space of the circle of the contact, times q Omega",
+        "centre of the circle, y": "place in space of the circle of the contact, times q Omega",
+    },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),

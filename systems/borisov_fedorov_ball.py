@@ -23,6 +23,9 @@ SYSTEM = ball.system(
     title="Ball of Borisov and Fedorov",
     description="A balanced, dynamically non-symmetric shell rolls without slipping around a fixed "
     "sphere of half its radius.",
+    meanings={
+        "Borisov-Fedorov": "the integral that the ratio of the radii gives",
+    },
     values={R2: 1, m: 1, inertia: ("0.4", "0.5", "0.7")},
     integrals={"Borisov-Fedorov": ball.motion.linear_integral},
     integrable="Euler-Jacobi",

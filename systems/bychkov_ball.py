@@ -85,6 +85,16 @@ SYSTEM = System(
     frame=Frame.quasi(dict(zip(omega, rotation.body_rates, strict=True))),
     lagrangian=kinematics.kinetic_energy(m, centre, inertia, omega) + sp.Matrix(kappa).dot(spin),
     constraints=tuple(rates - turned(sp.Matrix(place), vertical)),
+    meanings={
+        **kinematics.euler_meanings(angles),
+        **kinematics.vector_meanings(place, "normal of the sphere at the contact", "space"),
+        **kinematics.vector_meanings(omega, whose="the ball"),
+        **kinematics.vector_meanings(map(str, gamma), "normal of the sphere", "the ball"),
+        **kinematics.vector_meanings(map(str, zeta), "the vertical", "the ball"),
+        "turning energy": "energy in the frame that turns with the sphere",
+        "momentum squared": "square of the momentum about the contact, with the rotor",
+        "vertical momentum": "vertical part of the momentum about the contact",
+    },
     parameters=(
         Parameter(R1, 2, meaning="radius of the sphere, signed"),
         Parameter(R2, 1, positive=True, meaning="radius of the ball"),

@@ -39,13 +39,14 @@ turning = gamma.cross(omega)
 # horizontal axis in the ball's equator, and about the one in the plane of axis and gamma.
 level = J[0, 0] + 2 * s
 upright = level * gamma[2] ** 2 + (J[2, 2] + 2 * s) * (1 - gamma[2] ** 2)
+declared, INTEGRAL = ball.declared(twists=False), "momentum across the normal"
 
 SYSTEM = System(
     name="displaced-rubber-ball",
     title="Displaced rubber ball on a plane",
     description="A ball whose centre of mass is not its centre rolls on a plane without slipping "
     "and without turning about the vertical; there is no gravity.",
-    **ball.declared(twists=False),
+    **declared | {"meanings": declared["meanings"] | {INTEGRAL: "|L|^2 - 2 s (K, omega)"}},
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),
@@ -53,12 +54,12 @@ SYSTEM = System(
         *Parameter.each(offset, ("0.1", "-0.1", "0.2"), meaning="centre of mass from the centre"),
     ),
     equations={
-        "momentum across the normal": Equation(L, L.cross(omega) + m * R * a.dot(turning) * omega),
+        INTEGRAL: Equation(L, L.cross(omega) + m * R * a.dot(turning) * omega),
         "normal": Equation(gamma, turning),
     },
     integrals={
         "energy": K.dot(omega) / 2,
-        "momentum across the normal": L.dot(L) - 2 * s * K.dot(omega),
+        INTEGRAL: L.dot(L) - 2 * s * K.dot(omega),
     },
     cases={
         "symmetric": Case(

@@ -43,6 +43,16 @@ SYSTEM = System(
     frame=Frame.quasi({p: Dtheta, q: Dphi * cos, s: spin}),
     lagrangian=kinetic - potential,
     constraints=(Dx - R * Dpsi * sp.cos(phi), Dy - R * Dpsi * sp.sin(phi)),
+    meanings={
+        x: "first coordinate of the contact on the plane",
+        y: "second coordinate of the contact on the plane",
+        phi: "heading of the disc, from the first axis",
+        theta: "lean of the disc to the left, from the vertical",
+        psi: "turn of the disc about its axle, backwards",
+        p: "rate of the lean",
+        q: "angular velocity about the radius from the contact to the centre",
+        s: "angular velocity about the axle",
+    },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),

@@ -24,6 +24,13 @@ SYSTEM = System(
     description="A particle without constraint and without force.",
     fibration=Fibration(base=(X, Y)),
     lagrangian=kinetic,
+    meanings={
+        X: "first Cartesian coordinate",
+        Y: "second Cartesian coordinate",
+        "velocity, X": "first component of the velocity",
+        "velocity, Y": "second component of the velocity",
+        "moment of the velocity": "twice the rate at which the area is swept",
+    },
     parameters=(Parameter(m, 1, positive=True, meaning="mass"),),
     integrals={
         "energy": kinetic,

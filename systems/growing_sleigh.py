@@ -42,6 +42,15 @@ SYSTEM = System(
     frame=Frame.quasi({v: Dx * sp.cos(phi) + Dy * sp.sin(phi), w: Dphi}),
     lagrangian=kinetic,
     constraints=(Dx * sp.sin(phi) - Dy * sp.cos(phi),),
+    meanings={
+        x: "first coordinate of the blade on the plane",
+        y: "second coordinate of the blade on the plane",
+        phi: "heading of the blade, from the first axis",
+        v: "speed along the blade",
+        w: "rate of turning",
+        "energy, as of the momenta": "energy that the momenta have with the first mass",
+        "heading": "a times the heading in the middle of the turn, where v = 0",
+    },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass at the time 0"),
         Parameter(J, sp.Rational(1, 2), positive=True, meaning="inertia at the time 0"),

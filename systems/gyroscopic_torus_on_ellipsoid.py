@@ -43,6 +43,9 @@ SYSTEM = kinematics.BodyOfRevolution(contact, m, A, C, k).system(
     "of revolution.",
     further={"slant": w},
     relations=(a**2 * (w**2 - sp.sin(u1) ** 2) - c**2 * sp.cos(u1) ** 2,),
+    meanings={
+        w: "root of sin(u1)^2 + (c/a)^2 cos(u1)^2, which gives the curvature of the ellipsoid",
+    },
     parameters=(
         Parameter(R, 1, lower=0, meaning="radius of the circle inside the tube"),
         Parameter(r, "1/2", positive=True, meaning="radius of the tube"),

@@ -19,6 +19,9 @@ SYSTEM = ball.system(
     title="Ordinary ball on a plane",
     description="A ball whose inertia is the same about all axes rolls without slipping on a "
     "plane.",
+    meanings={
+        **{f"spin {k}": f"angular velocity along axis {k} of the ball" for k in (1, 2, 3)},
+    },
     values={R: 1, m: 1, A: "0.4"},
     integrals={f"spin {i + 1}": w for i, w in enumerate(omega)},
     essential=tuple(omega),

@@ -30,6 +30,10 @@ SYSTEM = ball.system(
     title="Ordinary ball on a sphere",
     description="A ball whose inertia is the same about all axes rolls without slipping over a "
     "fixed sphere: outside, inside, or around it as a shell.",
+    meanings={
+        "normal spin": "angular velocity along the normal",
+        **{f"in the ball {k}": f"vector fixed in the ball, along its axis {k}" for k in (1, 2, 3)},
+    },
     values={R1: 2, R2: 1, m: 1, A: "0.4"},
     integrals={"normal spin": along, **{f"in the ball {i + 1}": e for i, e in enumerate(kept)}},
     integrable="Euler-Jacobi",

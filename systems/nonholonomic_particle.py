@@ -29,6 +29,15 @@ SYSTEM = System(
     fibration=Fibration(base=(x, y), fibre=(z,)),
     lagrangian=kinetic,
     constraints=(Dz - y * Dx,),
+    meanings={
+        x: "first Cartesian coordinate",
+        y: "second Cartesian coordinate, the slope of the motion in x and z",
+        z: "third Cartesian coordinate",
+        "along y": "velocity along y",
+        "along the constraint": "speed in the plane of x and z",
+        "place, x": "x where y = 0, times the velocity along y",
+        "place, z": "z times the velocity along y, less (1 + y^2) times that along x",
+    },
     parameters=(Parameter(m, 1, positive=True, meaning="mass"),),
     invariants={"X": x, "Y": y},
     # Energy and four others, of which any three with one of the first three: all there can be.

@@ -68,6 +68,16 @@ SYSTEM = System(
     frame=Frame.quasi(dict(zip(omega, rates, strict=True))),
     lagrangian=kinetic - m * g * level,
     constraints=(velocity(x) - across[0], velocity(y) - across[1]),
+    meanings={
+        x: "first coordinate of the centre over the plane",
+        y: "second coordinate of the centre over the plane",
+        phi: "heading, Euler's angle about the vertical",
+        theta: "tilt, Euler's angle about the first axis, after the heading",
+        psi: "roll, Euler's angle about the body's second axis",
+        **kinematics.vector_meanings(omega),
+        **kinematics.vector_meanings(map(str, gamma), "the vertical"),
+        "height": "height of the centre over the plane",
+    },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(g, 1, meaning="gravity"),

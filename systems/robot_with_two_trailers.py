@@ -56,6 +56,17 @@ SYSTEM = System(
     ),
     lagrangian=kinetic,
     constraints=tuple(constraints),
+    meanings={
+        x: "first coordinate of the middle of the robot's axle",
+        y: "second coordinate of the middle of the robot's axle",
+        theta0: "heading of the robot, from the first axis",
+        theta1: "heading of the first trailer",
+        theta2: "heading of the second trailer",
+        v: "speed of the robot",
+        w: "rate of turning of the robot",
+        "turning": "rate of turning of the robot",
+        "way": "square of the speed times the mass that is to be moved along",
+    },
     parameters=(
         Parameter(m0, 1, positive=True, meaning="mass of the robot"),
         Parameter(m1, sp.Rational(1, 2), lower=0, meaning="mass of the first trailer"),

@@ -41,6 +41,14 @@ SYSTEM = System(
         Dx * sp.sin(theta) - Dy * sp.cos(theta),
         hinge[1] * sp.cos(theta + phi) - hinge[0] * sp.sin(theta + phi) + b * handle,
     ),
+    meanings={
+        x: "first coordinate of the middle of the seat's axle",
+        y: "second coordinate of the middle of the seat's axle",
+        theta: "heading of the seat, from the first axis",
+        phi: "angle of the handle against the seat",
+        v: "speed of the seat",
+        w: "rate of turning of the seat",
+    },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(I1, 1, positive=True, meaning="inertia of the seat"),

@@ -33,6 +33,9 @@ SYSTEM = ball.rubber_system(
     title="Rubber ball around a sphere of half its radius",
     description="A balanced, dynamically non-symmetric shell rolls, without slipping and without "
     "turning about the common normal, around a fixed sphere of half its radius.",
+    meanings={
+        "Borisov and Mamaev": "the quadratic integral that the ratio of the radii gives",
+    },
     values={R2: 1, m: 1, inertia: ("0.4", "0.5", "0.7")},
     integrals={"Borisov and Mamaev": ball.rubber.quadratic_integral},
     integrable="Euler-Jacobi",

@@ -41,6 +41,10 @@ SYSTEM = System(
     fibration=Fibration(base=gamma, fibre=(), relations=(gamma.dot(gamma) - 1,)),
     frame=Frame.quasi(dict(zip(names, spin, strict=False))),
     lagrangian=Q ** (1 / epsilon - 2) * spin.dot(motion.tensor * spin) / 2,
+    meanings={
+        **kinematics.vector_meanings(gamma, "place of the particle on the unit sphere", "the ball"),
+        **kinematics.vector_meanings(names, "angular velocity in the new time", "the ball"),
+    },
     parameters=(
         Parameter(epsilon, "2/3", meaning="R1/(R1 + R2)"),
         *Parameter.each(moments, ("1.4", "1.5", "1.7"), positive=True, meaning="principal moment"),

@@ -53,6 +53,13 @@ SYSTEM = System(
     frame=Frame.quasi({v: Dx * sp.cos(phi) + Dy * sp.sin(phi), w: Dphi}),
     lagrangian=(m * (forward**2 + across**2) + J * Dphi**2) / 2,
     constraints=(Dx * sp.sin(phi) - Dy * sp.cos(phi),),
+    meanings={
+        x: "first coordinate of the blade on the plane",
+        y: "second coordinate of the blade on the plane",
+        phi: "heading of the blade, from the first axis",
+        v: "speed along the blade",
+        w: "rate of turning",
+    },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(J, sp.Rational(1, 2), positive=True, meaning="inertia about the centre of mass"),

@@ -65,6 +65,14 @@ SYSTEM = System(
     frame=Frame.quasi({v: Dx * cos + Dy * sin, w: Dphi}),
     lagrangian=kinetic - potential,
     constraints=(Dx * sin - Dy * cos,),
+    meanings={
+        x: "first coordinate of the blade on the table",
+        y: "second coordinate of the blade on the table",
+        phi: "heading of the blade, from the first axis of the table",
+        v: "speed along the blade",
+        w: "rate of turning",
+        "Jacobi": "energy seen from the table, with the potential of the centrifugal force",
+    },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(J, sp.Rational(1, 2), positive=True, meaning="inertia about the centre of mass"),

@@ -41,6 +41,17 @@ SYSTEM = System(
         sp.cos(theta + phi) * Dy - sp.sin(theta + phi) * Dx - length * sp.cos(phi) * Dtheta,
         sp.cos(theta - phi) * Dy - sp.sin(theta - phi) * Dx + length * sp.cos(phi) * Dtheta,
     ),
+    meanings={
+        x: "first coordinate of the board's middle",
+        y: "second coordinate of the board's middle",
+        theta: "heading of the board, from the first axis",
+        psi: "turn of the rotor against the board",
+        phi: "steering angle of the rear wheels; the front wheels have the opposite one",
+        "steering": "rate of the steering angle",
+        "rotor": "angular velocity of the rotor in space",
+        "turning": "rate of the heading, times the root of what is moved with it",
+        "angle of the rotor": "angle of the rotor in space where phi = 0, times the rate of phi",
+    },
     parameters=(
         Parameter(m, 6, positive=True, meaning="mass"),
         Parameter(length, sp.Rational(1, 5), positive=True, meaning="half the wheelbase"),

@@ -47,6 +47,11 @@ SYSTEM = System(
     frame=Frame.quasi({omega1: rates[0], omega2: rates[1]}),
     lagrangian=kinematics.kinetic_energy(0, (0, 0, 0), inertia, rates),
     constraints=(rates[2],),
+    meanings={
+        **kinematics.euler_meanings((phi, theta, psi)),
+        **kinematics.vector_meanings((omega1, omega2)),
+        **kinematics.vector_meanings(map(str, gamma), "the vertical"),
+    },
     parameters=(
         Parameter(I1, 1, positive=True, meaning="moment about the first axis"),
         Parameter(I2, sp.Rational(3, 2), positive=True, meaning="moment about the second axis"),

@@ -86,6 +86,10 @@ SYSTEM = System(
     frame=Frame.quasi(dict(zip(quasi, contact.spin, strict=True))),
     lagrangian=kinetic - V,
     constraints=contact.no_slip,
+    meanings={
+        **kinematics.contact_meanings(contact),
+        **kinematics.moving_meanings(quasi),
+    },
     parameters=(
         Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),
         Parameter(m, 1, positive=True, meaning="mass"),

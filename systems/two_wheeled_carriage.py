@@ -53,6 +53,17 @@ SYSTEM = System(
         forward - b * Dphi - R * Dleft,
         forward + b * Dphi - R * Dright,
     ),
+    meanings={
+        x: "first coordinate of the middle of the axle",
+        y: "second coordinate of the middle of the axle",
+        phi: "heading of the carriage, from the first axis",
+        left: "turn of the left wheel",
+        right: "turn of the right wheel",
+        v: "speed of the middle of the axle",
+        w: "rate of turning",
+        "heading by the wheels": "2 b times the heading, less what the wheels count",
+        "heading": "m a times the heading in the middle of the turn, where v = 0",
+    },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass, wheels included"),
         Parameter(J, sp.Rational(1, 2), positive=True, meaning="inertia about the centre of mass"),

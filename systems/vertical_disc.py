@@ -23,6 +23,17 @@ SYSTEM = System(
     fibration=Fibration(base=(theta, phi), fibre=(x, y)),
     lagrangian=kinetic,
     constraints=(Dx - R * Dtheta * sp.cos(phi), Dy - R * Dtheta * sp.sin(phi)),
+    meanings={
+        x: "first coordinate of the contact on the plane",
+        y: "second coordinate of the contact on the plane",
+        phi: "heading of the disc, from the first axis",
+        theta: "turn of the disc about its axle",
+        "rolling": "rate at which the disc rolls",
+        "turning": "rate of the heading",
+        "angles": "turn about the axle at heading zero, times the rate of the heading",
+        "centre of the circle, x": "place of its centre, times the rate of the heading",
+        "centre of the circle, y": "place of its centre, times the rate of the heading",
+    },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),

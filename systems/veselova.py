@@ -12,7 +12,13 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import Fibration, Frame, Parameter, Scene, System
-from voronec.kinematics import Rotation, RubberMotion, kinetic_energy
+from voronec.kinematics import (
+    Rotation,
+    RubberMotion,
+    euler_meanings,
+    kinetic_energy,
+    vector_meanings,
+)
 
 phi, theta, psi = sp.symbols("phi theta psi")
 moments = sp.symbols("J1:4")
@@ -40,6 +46,12 @@ SYSTEM = System(
     multiplier=motion.reducer,
     essential=(theta, psi, w1, w2),
     integrable="Euler-Jacobi",
+    meanings={
+        **euler_meanings((phi, theta, psi)),
+        **vector_meanings((w1, w2)),
+        **vector_meanings(map(str, motion.normal), "direction fixed in space"),
+        "momentum across the normal": "square of the momentum's part across gamma",
+    },
     scenes={
         "default": Scene(
             initial={theta: "6/5", w1: "-1/5", w2: "1/20"},

@@ -49,6 +49,11 @@ SYSTEM = System(
     },
     measure=Measure(1 / (Q * gamma[2]), (*gamma, *names)),
     integrable="Euler-Jacobi",
+    meanings={
+        **kinematics.vector_meanings(gamma, "place of the particle on the unit sphere"),
+        **kinematics.vector_meanings(names, "angular velocity in the new time"),
+        "momentum across the normal": "square of the momentum's part across gamma",
+    },
     scenes={
         "default": Scene(
             initial={gamma[0]: "12/13", gamma[2]: "5/13", names[0]: "1/20", names[1]: "1/5"},

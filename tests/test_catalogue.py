@@ -7,10 +7,13 @@ import sys
 from pathlib import Path
 
 import pytest
+import sympy as sp
 from plugins import install, register
 
 import voronec as vo
+from voronec.algebra.symbols import plain_name, velocity
 from voronec.declaration import catalogue
+from voronec.declaration.catalogue import members
 
 ROOT = Path(__file__).parents[1]
 PLUGIN = Path(__file__).parent / "plugin_package"
@@ -147,3 +150,23 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     (tmp_path / "latin.py").write_bytes(b"x = '\xe9'\n")
     with pytest.raises(vo.DefinitionError, match=r"latin\.py"):
         catalogue.load_file(tmp_path / "latin.py")
+
+
+def test_every_coordinate_velocity_and_integral_is_said_in_words() -> None:
+    for name in vo.names():
+        for full in (name, *(f"{name}@{member}" for member in members(name))):
+            system = vo.load(full)
+            frame = system.frame.ambient if system.frame is not None else ()
+            dots = {plain_name(velocity(q)) for q in system.coordinates}
+            named = {plain_name(q) for q in (*system.coordinates, *frame)} - dots
+            silent = (named | {*system.integrals} - {"energy"}) - {*system.meanings}
+            assert not silent, f"{full}: {sorted(silent)}"
+            assert len({*system.meanings.values()}) > 1, full
+
+
+def test_words_are_said_of_what_there_is() -> None:
+    x = sp.Symbol("x")
+    with pytest.raises(vo.DefinitionError, match="meanings explain 'y', which is no coordinate"):
+        vo.System(name="a", fibration=vo.Fibration(x), lagrangian=x, meanings={"y": "nothing"})
+    with pytest.raises(vo.DefinitionError, match="the meaning of 'x' is ''; give words"):
+        vo.System(name="a", fibration=vo.Fibration(x), lagrangian=x, meanings={x: ""})

@@ -35,6 +35,15 @@ SYSTEM = System(
     ),
     # The material point at the contact rests: w + omega x (-R e_z) = 0.
     constraints=(velocity(x) - R * rates[1], velocity(y) + R * rates[0]),
+    meanings={
+        **kinematics.euler_meanings((phi, theta, psi)),
+        x: "first coordinate of the contact on the plane",
+        y: "second coordinate of the contact on the plane",
+        **kinematics.vector_meanings(omega, whose="the ball"),
+        **kinematics.vector_meanings(map(str, gamma), "the vertical", "the ball"),
+        "momentum squared": "square of the angular momentum about the contact",
+        "vertical momentum": "vertical part of the angular momentum about the contact",
+    },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),

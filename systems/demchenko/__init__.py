@@ -139,6 +139,12 @@ SYSTEM = System(
     frame=Frame.quasi(dict(zip((s, tau, n), contact.spin, strict=True))),
     lagrangian=kinetic + rotor,
     constraints=contact.no_slip,
+    meanings={
+        **kinematics.contact_meanings(contact, "the ball"),
+        **kinematics.moving_meanings((s, tau, n)),
+        **{f"momentum {q}": f"momentum about the contact, along {q} in space" for q in "xyz"},
+        "axial": "momentum along the rotor's axis, with what the rolling adds",
+    },
     parameters=(
         Parameter(R1, 2, meaning="radius of the fixed sphere, signed"),
         Parameter(R2, 1, positive=True, meaning="radius of the ball"),

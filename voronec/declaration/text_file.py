@@ -165,6 +165,8 @@ def read_toml(path: Path) -> Item:
         raise DefinitionError(
             f"'{path}' is no text: its byte {error.start + 1} is not UTF-8; save it as UTF-8"
         ) from None
+    except ValueError:  # a letter that no name of a file has
+        raise DefinitionError(f"'{path}' cannot be the name of a file; correct it") from None
     if len(text) > CHARACTERS:
         raise DefinitionError(f"'{path}' has {len(text)} characters; {CHARACTERS} are read at most")
     source = _Source(str(path), text, {}, {})

@@ -24,6 +24,12 @@ from voronec.kinematics.groups import (
     skew_entries,
     wedge_square,
 )
+from voronec.kinematics.meanings import (
+    contact_meanings,
+    euler_meanings,
+    moving_meanings,
+    vector_meanings,
+)
 from voronec.kinematics.poles import turned_poles
 from voronec.kinematics.revolution import BodyOfRevolution
 from voronec.kinematics.rolling import RollingContact
@@ -48,8 +54,11 @@ __all__ = [
     "SurfaceForms",
     "SymmetricBallMotion",
     "axial_rotor",
+    "contact_meanings",
     "contact_momentum",
+    "euler_meanings",
     "kinetic_energy",
+    "moving_meanings",
     "point_velocity",
     "product_form",
     "product_moments",
@@ -57,5 +66,6 @@ __all__ = [
     "skew_entries",
     "turned_poles",
     "uniform_field_energy",
+    "vector_meanings",
     "wedge_square",
 ]

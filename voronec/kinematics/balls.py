@@ -15,6 +15,7 @@ from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import expression
 from voronec.declaration.scene import Scene
 from voronec.kinematics.bodies import kinetic_energy, point_velocity
+from voronec.kinematics.meanings import NORMAL, contact_meanings, vector_meanings
 from voronec.kinematics.poles import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.surfaces import Surface
@@ -181,6 +182,11 @@ class RollingBall:
             "constraints": self.no_slip if twists else (*self.no_slip, self.no_twist),
             "invariants": dict(zip(map(str, GAMMA), self.normal, strict=True)),
             "essential": (u, v, *names),
+            "meanings": {
+                **contact_meanings(self.contact, "the ball"),
+                **vector_meanings(names, whose="the ball"),
+                **vector_meanings(map(str, GAMMA), NORMAL, "the ball"),
+            },
         }
 
     def _along_axes(self, vector: Vector) -> Vector:

@@ -24,6 +24,7 @@ from voronec.kinematics.groups import (
     skew_entries,
     wedge_square,
 )
+from voronec.kinematics.meanings import NORMAL, SPIN, vector_meanings
 
 __all__ = ["BodyInRn"]
 
@@ -244,6 +245,7 @@ class BodyInRn:
             "measure": self.measure,
             "multiplier": None if self.twists or not three else self.reducer,
             "cases": self.product_case(),
+            "meanings": self._meanings,
         }
         return joined(own, declared)
 
@@ -251,6 +253,17 @@ class BodyInRn:
     def _words(self) -> Words:
         radius = "radius" if self.fixed is None else "radius of the ball"
         return {self.fixed: FIXED_RADIUS, self.mass: ("mass", True), self.radius: (radius, True)}
+
+    @property
+    def _meanings(self) -> dict[Any, str]:
+        """Of gamma, of Omega and, for a ball, of the velocity of its centre."""
+        body, normal = self.body, NORMAL if self.rolls else "direction fixed in space"
+        turning = {
+            name: f"{SPIN} in the plane of the axes {i} and {j} of the body"
+            for name, (i, j) in zip(body.angular, body.pairs, strict=True)
+        }
+        moved = vector_meanings(body.linear, "velocity of the centre") if self.rolls else {}
+        return {**vector_meanings(self.normal, normal), **turning, **moved}
 
     def _moments(self, second_moments: Sequence[str]) -> list[Parameter]:
         """The moments in the planes of two axes."""

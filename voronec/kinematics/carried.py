@@ -18,12 +18,26 @@ from voronec.kinematics.balls import ZERO
 from voronec.kinematics.bodies import kinetic_energy
 from voronec.kinematics.families import constants, joined, moment_words, rotor_words
 from voronec.kinematics.forms import SurfaceForms
+from voronec.kinematics.meanings import (
+    CURVED,
+    contact_meanings,
+    euler_meanings,
+    vector_meanings,
+)
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import three
 
 __all__ = ["CarriedContact"]
+
+CARRIED = (
+    "place of the body's centre",
+    "place of the contact from the body's centre",
+    "direction of u at the contact",
+    "direction of v at the contact",
+)
+"""What o, r, e, f are."""
 
 
 @dataclass(frozen=True)
@@ -135,8 +149,19 @@ class CarriedContact:
             "equations": {"momentum": Equation(self.momentum, momentum)},
             "integrals": {"energy": self.momentum.dot(self.omega) / 2},
             "essential": (*lines, *self.contact.coordinates, *self.omega),
+            "meanings": self._meanings,
         }
         return joined(own, declared)
+
+    @property
+    def _meanings(self) -> dict[Any, str]:
+        vectors = zip(self.vectors, CARRIED, strict=True)
+        return {
+            **euler_meanings(self.base),
+            **contact_meanings(self.contact, on=CURVED),
+            **vector_meanings(self.omega),
+            **{q: said for x, word in vectors for q, said in vector_meanings(x, word).items()},
+        }
 
     def momentum_rate(self, rotor: Sequence[Any] = (0, 0, 0)) -> sp.ImmutableMatrix:
         """dG/dt = (G + kappa) x omega + m dr/dt x (omega x r), kappa the momentum of a rotor."""

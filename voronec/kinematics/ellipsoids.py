@@ -27,6 +27,12 @@ from voronec.kinematics.families import (
     rotor_words,
 )
 from voronec.kinematics.forms import SurfaceForms
+from voronec.kinematics.meanings import (
+    NORMAL,
+    contact_meanings,
+    euler_meanings,
+    vector_meanings,
+)
 from voronec.kinematics.poles import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
@@ -36,6 +42,7 @@ from voronec.kinematics.vectors import Vector, applied, dot, three
 __all__ = ["RollingEllipsoid"]
 
 HEIGHT = sp.Symbol("height")
+SUPPORT = "distance of the centre from the tangent plane at the contact"
 ANGLES = sp.symbols("phi theta psi")
 ROTATION = Rotation.euler("zxz", *ANGLES)
 # Neumann's theta is no angle of Euler's.
@@ -259,6 +266,7 @@ class RollingEllipsoid:
             "integrals": {"energy": self.momentum.dot(omega) / 2 + weight * HEIGHT},
             "charts": self.charts,
             "essential": (*self._seen, *OMEGA),
+            "meanings": self._meanings,
         }
         if (
             self.axes[0] == self.axes[1]
@@ -268,6 +276,30 @@ class RollingEllipsoid:
             spread = 1 if self.sphere is None else self.body.widened(self.sphere)
             own["measure"] = Measure(self.density * spread, (*GAMMA, HEIGHT, *OMEGA))
         return joined(own, declared)
+
+    @property
+    def _meanings(self) -> dict[Any, str]:
+        placed: dict[Any, str] = {}
+        if self.sphere is None:
+            words = ("first", "second")
+            placed = {
+                q: f"{word} coordinate of the centre over the plane"
+                for q, word in zip(self.fibre, words, strict=True)
+            }
+        elif self.surfaces is None:
+            seen = "of the normal gamma, seen from the ellipsoid"
+            polar = (f"colatitude {seen}", f"longitude {seen}", SUPPORT)
+            placed = dict(zip(self.fibre, polar, strict=True))
+        else:
+            placed = contact_meanings(self.surfaces)
+            placed |= vector_meanings(self.fibre[:3], "place of the body's centre")
+        return {
+            **euler_meanings(self.base),
+            **placed,
+            **vector_meanings(OMEGA),
+            **vector_meanings(map(str, GAMMA), NORMAL),
+            "height": SUPPORT,
+        }
 
     @property
     def _seen(self) -> tuple[sp.Expr, ...]:

@@ -85,4 +85,17 @@ def joined(own: Mapping[str, Any], more: Mapping[str, Any]) -> System:
         old = both.get(name)
         maps = isinstance(old, Mapping) and isinstance(value, Mapping)
         both[name] = {**old, **value} if maps and isinstance(old, Mapping) else value
+    said = {name: INTEGRALS[name] for name in both.get("integrals", ()) if name in INTEGRALS}
+    both["meanings"] = {**said, **both.get("meanings", {})}
     return System(**both)
+
+
+INTEGRALS = {
+    "momentum squared": "square of the angular momentum that is constant in space",
+    "vertical momentum": "vertical part of the angular momentum about the contact",
+    "axial": "momentum along the axis of symmetry, with what the rolling adds",
+    "momentum across the normal": "square of the momentum's part across the normal",
+    "momentum wedge momentum": "what the momentum's planes span together",
+    "momentum of the normal squared": "square of G gamma",
+}
+"""What the integrals are that members of several families share."""

@@ -16,8 +16,14 @@ from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.system import System
 from voronec.kinematics.balls import OMEGA
 from voronec.kinematics.bodies import kinetic_energy
-from voronec.kinematics.carried import carried_vectors, form_values
+from voronec.kinematics.carried import CARRIED, carried_vectors, form_values
 from voronec.kinematics.families import joined
+from voronec.kinematics.meanings import (
+    contact_meanings,
+    euler_meanings,
+    moving_meanings,
+    vector_meanings,
+)
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 
@@ -135,6 +141,12 @@ class BodyOfRevolution:
                 (*PLACE, *self.rolled, *further.values()),
                 tuple(relations),
             ),
+            "meanings": {
+                **euler_meanings(ATTITUDE.coordinates),
+                **vector_meanings(PLACE, CARRIED[0]),
+                **contact_meanings(self.contact),
+                **moving_meanings(SPINS),
+            },
         }
         return joined(own, declared)
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.symbols import velocity
+from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import sympified
 from voronec.algebra.typeset import latex_of, symbol_latex
 from voronec.declaration.bibliography import citation
@@ -125,6 +125,8 @@ def _definition(system: System) -> Iterator[str]:
     yield f"- velocities: {show.names(system.velocities)}"
     for relation in fibration.relations:
         yield f"- relation: ${show(relation)} = 0$"
+    if system.meanings:
+        yield _table(["", "meaning"], [*_meanings(system, show)])
     yield "Lagrangian"
     yield _display(show(system.lagrangian), system)
     if system.constraints:
@@ -135,8 +137,6 @@ def _definition(system: System) -> Iterator[str]:
     for q, force in system.forces.items():
         yield f"Force on ${show(q)}$"
         yield _display(show(force), system)
-    if system.meanings:
-        yield _table(["name", "meaning"], [list(pair) for pair in system.meanings.items()])
     for name, function in system.invariants.items():
         yield _display(f"{symbol_latex(name)} = {show(function)}", system)
     rows = [
@@ -149,6 +149,15 @@ def _definition(system: System) -> Iterator[str]:
     ]
     if rows:
         yield _table(["parameter", "default", "meaning"], rows)
+
+
+def _meanings(system: System, show: _Formulas) -> Iterator[list[str]]:
+    """What things are in words: symbols in formulas, the names of integrals as they are."""
+    ambient = system.frame.ambient if system.frame is not None else ()
+    symbols = {plain_name(q): show(q) for q in (*system.coordinates, *ambient)}
+    symbols |= {name: symbol_latex(name) for name in system.invariants}
+    for name, words in system.meanings.items():
+        yield [f"${symbols[name]}$" if name in symbols else name, words]
 
 
 def _frame(system: System, show: _Formulas) -> Iterator[str]:

@@ -1,0 +1,58 @@
+"""What the usual coordinates and velocities of bodies are, for ``System(meanings=...)``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from voronec.kinematics.rolling import RollingContact
+from voronec.kinematics.surfaces import Surface
+
+__all__ = ["contact_meanings", "euler_meanings", "moving_meanings", "vector_meanings"]
+
+Meanings = dict[Any, str]
+ROUND = ("colatitude of the contact", "longitude of the contact")
+FLAT = ("first coordinate of the contact", "second coordinate of the contact")
+CURVED = ("place along the first lines of curvature", "place along the second lines of curvature")
+NORMAL = "normal of the fixed surface at the contact"
+"""gamma, which points into the body."""
+SPIN = "angular velocity"
+
+
+def euler_meanings(angles: Sequence[Any]) -> Meanings:
+    """Of Euler's angles in the sequence zxz: precession, nutation, spin."""
+    words = (
+        "precession, Euler's angle about the third axis of space",
+        "nutation, the angle from the third axis of space to that of the body",
+        "spin, Euler's angle about the third axis of the body",
+    )
+    return dict(zip(angles, words, strict=True))
+
+
+def vector_meanings(names: Iterable[Any], what: str = SPIN, whose: str = "the body") -> Meanings:
+    """Of the components of a vector along the axes of a body, from the first on."""
+    return {x: f"{what} along axis {k} of {whose}" for k, x in enumerate(names, 1)}
+
+
+def moving_meanings(spins: Iterable[Any]) -> Meanings:
+    """Of the angular velocity along the directions that go with the contact, (e_u, e_v, n)."""
+    where = ("the direction of u", "the direction of v", "the normal")
+    return {x: f"{SPIN} along {d} at the contact" for x, d in zip(spins, where, strict=True)}
+
+
+def contact_meanings(
+    contact: RollingContact, body: str = "the body", on: tuple[str, str] = ROUND
+) -> Meanings:
+    """Of C. Neumann's coordinates of a contact; ``on`` are those of a surface that is no plane."""
+    fixed = contact.fixed
+    flat = isinstance(fixed, Surface) and tuple(fixed.position[:2]) == fixed.coordinates
+    where = "the plane" if flat else "the fixed surface"
+    pairs = (
+        *((q, f"{word} on {body}") for q, word in zip(contact.body.coordinates, on, strict=True)),
+        *(
+            (q, f"{word} on {where}")
+            for q, word in zip(fixed.coordinates, FLAT if flat else on, strict=True)
+        ),
+    )
+    turned = f"angle at the contact between the coordinate lines of {body} and of {where}"
+    return {**dict(pairs), contact.theta: turned}
