@@ -12,9 +12,6 @@ from fractions import Fraction
 from functools import wraps
 from typing import Any, TypeVar, cast
 
-import sympy as sp
-
-from voronec.algebra.text import exact_number
 from voronec.errors import DefinitionError, shown
 
 __all__ = [
@@ -72,6 +69,10 @@ def _is_count(value: Any) -> bool:
 def in_float(value: Any) -> float:
     """A real number as the double that integrators take: of Python, numpy or SymPy, or a text such
     as ``1e-10``; ``TypeError`` for any other."""
+    import sympy as sp  # names of systems are listed without it
+
+    from voronec.algebra.text import exact_number
+
     if isinstance(value, str):
         value = exact_number(value, "a number")
     known = isinstance(value, int | float | Fraction) or type(value).__module__ == "numpy"

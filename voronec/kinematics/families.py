@@ -96,6 +96,8 @@ INTEGRALS = {
     "axial": "momentum along the axis of symmetry, with what the rolling adds",
     "momentum across the normal": "square of the momentum's part across the normal",
     "momentum wedge momentum": "what the momentum's planes span together",
+    "momentum wedge momentum squared": "square of what the momentum's planes span together",
+    "momentum wedge momentum along the normal": "its part along the normal",
     "momentum of the normal squared": "square of G gamma",
 }
 """What the integrals are that members of several families share."""
