@@ -47,6 +47,7 @@ from voronec.equations.staged_equations import lean_form
 from voronec.errors import DefinitionError, EngineLimit
 
 if TYPE_CHECKING:
+    from voronec.equations.control import Control
     from voronec.equations.mechanics_form import MechanicsForm
 
 __all__ = [
@@ -523,6 +524,16 @@ class VoronecEquations:
         from voronec.equations.mechanics_form import MechanicsForm
 
         return MechanicsForm(self)
+
+    @cached_property
+    def control(self) -> Control:
+        """The control-affine form x' = f + sum_i g_i u_i, and what can be reached with it.
+
+        Raises ``DefinitionError`` where there are no inputs, or one enters nonlinearly.
+        """
+        from voronec.equations.control import control_form
+
+        return control_form(self)
 
     def as_dict(self) -> dict[str, Any]:
         """Everything derived, as strings and numbers that JSON can hold."""

@@ -1,0 +1,253 @@
+"""Control-affine form, and what brackets prove of it: textbook systems by their known answers."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import pytest
+import symengine as se
+import sympy as sp
+
+import voronec as vo
+from voronec.algebra.jets import Expansion, Span
+from voronec.errors import DefinitionError, EngineLimit
+
+pytestmark = pytest.mark.slow
+
+x, y, theta, phi, v, w, push, turn = sp.symbols("x y theta phi v w push turn")
+m, J, K, L = sp.symbols("m J K L", positive=True)
+
+
+def trailers(count: int, steered: bool = True) -> vo.System:
+    """A car with its rear axle at (x, y), or a unicycle there, that pulls ``count`` trailers."""
+    headings = sp.symbols(f"psi1:{count + 1}")
+    dx, dy, dtheta, dphi = map(vo.velocity, (x, y, theta, phi))
+    energy = (m * (dx**2 + dy**2) + J * dtheta**2) / 2
+    constraints = [dx * sp.sin(theta) - dy * sp.cos(theta)]
+    pace = dx, dy
+    for psi in headings:
+        turning = vo.velocity(psi)
+        pace = pace[0] + turning * sp.sin(psi), pace[1] - turning * sp.cos(psi)
+        energy += (pace[0] ** 2 + pace[1] ** 2) / 2
+        constraints.append(pace[0] * sp.sin(psi) - pace[1] * sp.cos(psi))
+    ahead = dx * sp.cos(theta) + dy * sp.sin(theta)
+    parameters = vo.Parameter.each((m, J), (2, 3))
+    if steered:
+        front = dx - L * dtheta * sp.sin(theta), dy + L * dtheta * sp.cos(theta)
+        constraints.append(front[0] * sp.sin(theta + phi) - front[1] * sp.cos(theta + phi))
+        energy += K * dphi**2 / 2
+        parameters += vo.Parameter.each((K, L), (1, 1))
+        base, fibre, turned = (x, phi), (y, theta, *headings), dphi
+    else:
+        base, fibre, turned = (x, theta), (y, *headings), dtheta
+    return vo.System(
+        name="car" if steered else "unicycle",
+        fibration=vo.Fibration(base, fibre),
+        frame=vo.Frame.quasi({v: ahead, w: turned}),
+        lagrangian=energy,
+        constraints=tuple(constraints),
+        parameters=parameters,
+        forces={v: push, w: turn},
+        inputs=(push, turn),
+    )  # fmt: skip
+
+
+def driven(name: str, *along: str) -> vo.System:
+    """A system of the catalogue with inputs along some of its coordinates and velocities."""
+    own = vo.load(name)
+    names = {str(q): q for q in (*own.coordinates, *own.velocities)}
+    inputs = sp.symbols(f"u1:{len(along) + 1}")
+    return vo.System(
+        name=f"driven-{name}", fibration=own.fibration, frame=own.frame,
+        lagrangian=own.lagrangian, constraints=own.constraints, parameters=own.parameters,
+        forces={names[q]: u for q, u in zip(along, inputs, strict=True)}, inputs=inputs,
+    )  # fmt: skip
+
+
+GROWTH = {
+    "unicycle": (lambda: trailers(0, False), (2, 3)),
+    "unicycle, a trailer": (lambda: trailers(1, False), (2, 3, 4)),
+    "car": (lambda: trailers(0), (2, 3, 4)),
+    "car, a trailer": (lambda: trailers(1), (2, 3, 4, 5)),
+    "car, two trailers": (lambda: trailers(2), (2, 3, 4, 5, 6)),
+    "car, three trailers": (lambda: trailers(3), (2, 3, 4, 5, 6, 7)),
+    "snakeboard": (lambda: vo.load("snakeboard"), (3, 4, 5)),
+    "roller racer": (lambda: vo.load("roller-racer"), (2, 3, 4)),
+    "rolling ball": (lambda: vo.load("homogeneous-ball"), (3, 5)),
+    "rolling ball without spin": (lambda: vo.load("rubber-ball-on-plane"), (2, 3, 5)),
+    "upright disc": (lambda: vo.load("vertical-disc"), (2, 3, 4)),
+    "disc that leans": (lambda: vo.load("falling-disc"), (3, 4, 5)),
+    # its wheels turn with it, l phi' = R (right' - left'): one direction is closed
+    "two-wheeled carriage": (lambda: vo.load("two-wheeled-carriage"), (2, 3, 4)),
+}
+"""[MurrayLiSastry1994], [Laumond1993], [OstrowskiLewisMurrayBurdick1994]."""
+
+
+@pytest.mark.parametrize("name", GROWTH)
+def test_growth_vectors_of_textbooks(name: str) -> None:
+    make, growth = GROWTH[name]
+    assert vo.derive(make()).growth == growth
+
+
+def test_the_form_is_that_of_the_equations() -> None:
+    """f + g u against accelerations in balls, from another form of the equations."""
+    eqs = vo.derive(trailers(1))
+    form = eqs.control
+    assert form.drift.shape == (7, 1) and form.fields.shape == (7, 2)
+    source = random.Random(2)
+    point = {s: sp.Rational(source.randint(1, 9), 10) for s in form.state}
+    point |= {p.symbol: p.value for p in eqs.system.parameters}
+    given = {push: sp.Rational(3, 7), turn: -2}
+    rates = form.drift + form.fields * sp.Matrix([given[u] for u in form.inputs])
+    at = dict(zip(form.state, rates.xreplace(point), strict=True))
+    truth = eqs.acceleration(point | given)
+    for q, rate in zip(eqs.coordinates, eqs.rates, strict=True):
+        found = sum(rate.diff(s) * e for s, e in at.items()).xreplace(point)
+        assert abs(sp.N(found - truth[q], 20)) < 1e-15
+
+
+def test_the_form_of_the_sleigh_is_short() -> None:
+    form = vo.derive(driven("sleigh", "v", "w")).control
+    own = {str(s): s for s in form.drift.free_symbols | form.fields.free_symbols}
+    by_hand = sp.Matrix([1 / own["m"], 1 / (own["J"] + own["a"] ** 2 * own["m"])])
+    assert vo.prove_equal(form.fields[3, 0], by_hand[0]).proved
+    assert vo.prove_equal(form.fields[4, 1], by_hand[1]).proved
+    assert form.fields[:3, :] == sp.zeros(3, 2) and form.underactuation == 0
+    assert len(str(vo.derive(driven("robot-with-two-trailers", "v", "w")).control.drift)) < 1500
+
+
+REACH = {
+    "sleigh": (("sleigh", "v", "w"), "proved", "proved"),
+    "disc driven and steered": (("vertical-disc", "theta", "phi"), "proved", "proved"),
+    "robot, two trailers": (("robot-with-two-trailers", "v", "w"), "proved", "proved"),
+    "sleigh turned only": (("sleigh", "w"), "proved", "refuted"),
+    "roller racer": (("roller-racer", "phi"), "proved", "refuted"),
+    "two-wheeled carriage": (("two-wheeled-carriage", "left", "right"), "refuted", "refuted"),
+    "disc that leans": (("falling-disc", "s", "q"), "proved", "proved"),
+    "disc that leans, driven only": (("falling-disc", "s"), "proved", "undecided"),
+}
+
+
+@pytest.mark.parametrize("name", REACH)
+def test_what_can_be_reached(name: str) -> None:
+    system, accessible, controllable = REACH[name]
+    form = vo.derive(driven(*system)).control
+    assert form.accessibility.verdict.status == accessible
+    assert form.controllability().status == controllable
+
+
+def test_a_car_is_controllable_from_rest_with_up_to_three_trailers() -> None:
+    for count in range(4):
+        form = vo.derive(trailers(count)).control
+        assert form.underactuation == 0
+        assert form.accessibility.growth[-1] == form.accessibility.dimension == 6 + count
+        assert form.controllability().proved
+
+
+def test_exceptions_name_where_brackets_fail() -> None:
+    """The sleigh with its mass at the blade: turning does not push it."""
+    found = vo.derive(driven("sleigh", "w")).control.accessibility
+    assert found.verdict.proved and any(str(f) == "a" for f in found.exceptions)
+    found = vo.derive(driven("sleigh", "v", "w")).control.accessibility
+    assert [str(f) for f in found.exceptions] == ["w"]  # for these brackets: at rest others help
+
+
+def test_without_the_arm_the_sleigh_is_not_accessible() -> None:
+    sleigh = driven("sleigh", "w")
+    a = next(p for p in sleigh.parameters if p.name == "a")
+    fixed = vo.System(
+        name="balanced", fibration=sleigh.fibration, frame=sleigh.frame,
+        lagrangian=sleigh.lagrangian.subs(a.symbol, 0), constraints=sleigh.constraints,
+        parameters=tuple(p for p in sleigh.parameters if p is not a),
+        forces=sleigh.forces, inputs=sleigh.inputs,
+    )  # fmt: skip
+    assert vo.derive(fixed).control.accessibility.verdict.refuted
+
+
+def test_flat_outputs() -> None:
+    """The middle of the last axle is flat [RouchonFliessLevineMartin1993]; that of the first, with
+    trailers behind it, is not."""
+    robot = vo.load("robot-with-two-trailers")
+    names = {str(s): s for s in (*robot.coordinates, *(p.symbol for p in robot.parameters))}
+    last = [
+        names[q] - names["l1"] * f(names["theta1"]) - names["l2"] * f(names["theta2"])
+        for q, f in (("x", sp.cos), ("y", sp.sin))
+    ]
+    form = vo.derive(driven("robot-with-two-trailers", "v", "w")).control
+    found = form.flat(last)
+    assert found.undecided and "in numbers, the outputs and 4 of their rates" in found.method
+    assert "no number of rates" in form.flat([names["x"], names["y"]]).method
+    assert vo.derive(trailers(0)).control.flat([x, y]).proved
+    with pytest.raises(DefinitionError, match="1 flat outputs for 2 inputs"):
+        form.flat([names["x"]])
+
+
+def test_bad_input_is_refused_in_one_line() -> None:
+    def cart(force: Any, **changes: Any) -> vo.System:
+        return vo.System(
+            name="cart", fibration=vo.Fibration(x), lagrangian=vo.velocity(x) ** 2 / 2,
+            forces={x: force}, inputs=(push,), **changes,
+        )  # fmt: skip
+
+    cases = {
+        "enters nonlinearly": lambda: vo.derive(cart(push**2)).control,
+        "has no inputs": lambda: vo.derive(vo.load("sleigh")).control,
+        "the rate of the input": lambda: vo.derive(cart(vo.velocity(push))).control,
+        "no equilibrium": lambda: vo.derive(cart(push - 1)).control.controllability(),
+        "does not have": lambda: vo.derive(cart(push)).control.controllability({"z": 1}),
+        "no value at the point": lambda: vo.derive(cart(push - 1 / x)).control.controllability(),
+        "gives no value to 'm'": lambda: vo.derive(
+            cart(push - m * x, parameters=(m,))
+        ).control.controllability(),
+    }
+    for words, ask in cases.items():
+        with pytest.raises(DefinitionError, match=words) as caught:
+            ask()
+        assert "\n" not in str(caught.value)
+    a = se.Symbol("a")
+    expansion = Expansion({a: se.Integer(1)}, [a], 2)
+    with pytest.raises(EngineLimit, match="no rational number"):
+        expansion.of(se.cos(a))
+    singular = vo.derive(cart(push / x)).control
+    with pytest.raises(EngineLimit, match="singular at this point"):
+        singular.controllability()
+
+
+def test_expansions_are_those_of_sympy() -> None:
+    a, b = se.symbols("a b")
+    expr = se.sin(a + 2 * b) * se.exp(b) / (1 + a - b) ** 2 + se.sqrt(4 + a) + se.log(1 + b)
+    expr += se.tan(a) * se.cosh(b) + se.cos(3 * a)
+    h = sp.symbols("h")
+    for values in ((0, 0), (sp.atan(sp.Rational(3, 4)), 0)):
+        if values[0] != 0:
+            expr = se.sin(a + b) * se.cos(2 * a) / (2 + se.cos(a - b))
+        at = dict(zip((a, b), map(se.sympify, values), strict=True))
+        parts = Expansion(at, [a, b], 4).of(expr)
+        along = sp.sympify(expr).subs({"a": values[0] + 3 * h, "b": values[1] + 5 * h})
+        truth = [along.diff(h, k).subs(h, 0) / sp.factorial(k) for k in range(5)]
+        for part, value in zip(parts, truth, strict=True):
+            found = part(3, 5)
+            assert abs(sp.N(value, 30) - sp.Rational(int(found.p), int(found.q))) < 1e-25
+
+
+def test_brackets_of_jets_obey_jacobi() -> None:
+    a, b, c = se.symbols("a b c")
+    fields = [(b * c, se.sin(a), 1 + a * b), (se.exp(b), c, a), (a**2, se.cos(c), b / (1 + c))]
+    expansion = Expansion(dict.fromkeys((a, b, c), se.Integer(0)), [a, b, c], 5)
+    f, g, h = (expansion.field([se.sympify(e) for e in field]) for field in fields)
+    total: dict[Any, Any] = {}
+    for p, q, r in ((f, g, h), (g, h, f), (h, f, g)):
+        for key, value in p.bracket(q.bracket(r)).coefficients.items():
+            total[key] = total.get(key, 0) + value
+    assert total and all(value == 0 for value in total.values())
+
+
+def test_a_span_knows_what_lies_in_it() -> None:
+    span = Span()
+    import flint
+
+    rows = [{0: flint.fmpq(1), 1: flint.fmpq(2)}, {1: flint.fmpq(1), 2: flint.fmpq(1)}]
+    assert all(span.add(row) for row in rows) and len(span) == 2
+    assert not span.rest({0: flint.fmpq(1), 2: flint.fmpq(-2)})
+    assert span.rest({2: flint.fmpq(1)})

@@ -1,0 +1,255 @@
+"""Taylor polynomials of functions and of vector fields about a point, with rational coefficients.
+
+A function is the list of its homogeneous parts in h = x - x0; of a product they are the
+convolution, and of f(a) they follow from Euler's identity, k f(a)_k = sum_i i a_i f'(a)_(k - i),
+with the same recurrences as those of Taylor's method in one variable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import flint
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.numeric_functions import elementary
+from voronec.errors import EngineLimit
+
+__all__ = ["Expansion", "FieldJet", "Span"]
+
+Parts = list[Any]
+"""Homogeneous parts, those of order 0 first."""
+
+
+class Expansion:
+    """Expansions about ``point``, which gives an exact number to every symbol; symbols among
+    ``variables`` move.
+
+    ``EngineLimit`` where a value there is no rational number, or a function has no recurrence.
+    """
+
+    def __init__(self, point: Mapping[Any, Any], variables: Sequence[Any], order: int) -> None:
+        names = [f"h{i}" for i in range(len(variables))]
+        self._context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.degrevlex)
+        self._order = order
+        # each variable is its value and a step from there, which has a letter of its own
+        letters = [se.Symbol(f"step of {x}") for x in variables]
+        self._moved = {x: point[x] + step for x, step in zip(variables, letters, strict=True)}
+        self._point = {**point, **dict.fromkeys(letters, se.Integer(0))}
+        gens = self._context.gens()
+        self._steps = dict(zip([*variables, *letters], [*gens, *gens], strict=True))
+        self._zero = self._context.constant(0)
+        self._known: dict[Any, Parts] = {}
+
+    def field(self, components: Sequence[Any]) -> FieldJet:
+        """A vector field by its components along the variables."""
+        return FieldJet(tuple(tuple(self.of(se.sympify(e))) for e in components))
+
+    def of(self, expr: Any) -> Parts:
+        """The parts of an expression, of order 0, 1, ..."""
+        found = self._known.get(expr)
+        if found is None:
+            found = self._known[expr] = self._expanded(expr)
+        return found
+
+    def _expanded(self, expr: Any) -> Parts:
+        if expr in self._steps:
+            return [self._constant(self._value(expr)), self._steps[expr], *self._blank(2)]
+        if not expr.free_symbols & self._steps.keys():
+            return [self._constant(self._value(expr)), *self._blank(1)]
+        if isinstance(expr, se.Add):
+            columns = zip(*map(self.of, expr.args), strict=True)
+            return [sum(column, self._zero) for column in columns]
+        if isinstance(expr, se.Mul):
+            total = self.of(expr.args[0])
+            for factor in expr.args[1:]:
+                total = self._product(total, self.of(factor))
+            return total
+        if isinstance(expr, se.Pow) and expr.args[1].is_Number:
+            return self._power(expr)
+        return self._function(expr)
+
+    def _blank(self, first: int) -> Parts:
+        return [self._zero] * (self._order + 1 - first)
+
+    def _constant(self, value: Any) -> Any:
+        return self._context.constant(flint.fmpq(int(value.p), int(value.q)))
+
+    def _value(self, expr: Any) -> sp.Rational:
+        """The exact value at the point."""
+        value = sp.sympify(expr.xreplace(self._point))
+        if value.has(sp.sin, sp.cos, sp.tan):
+            value = sp.expand(sp.expand_trig(value))  # of 2*atan(3/4), say
+        if not value.is_Rational:
+            raise EngineLimit(
+                f"at this point '{sp.sympify(expr)}' = {value} is no rational number; give a point "
+                "where all is rational, such as angles that are zero or atan(3/4)"
+            )
+        return value
+
+    def _product(self, a: Parts, b: Parts) -> Parts:
+        pairs = range(self._order + 1)
+        return [
+            sum((a[i] * b[k - i] for i in range(k + 1) if a[i] != 0 and b[k - i] != 0), self._zero)
+            for k in pairs
+        ]
+
+    def _power(self, expr: Any) -> Parts:
+        """b = a^e: a_0 k b_k = sum_(i > 0) (e i - (k - i)) a_i b_(k - i)."""
+        base, exponent = self.of(expr.args[0]), sp.sympify(expr.args[1])
+        if exponent.is_Integer and exponent > 0:
+            total = base
+            for _ in range(int(exponent) - 1):
+                total = self._product(total, base)
+            return total
+        if base[0] == 0:
+            raise EngineLimit(f"'{sp.sympify(expr)}' is singular at this point; give another")
+        e = flint.fmpq(int(exponent.p), int(exponent.q))
+        scale, parts = 1 / _rational(base[0]), [self._constant(self._value(expr))]
+        for k in range(1, self._order + 1):
+            terms = ((e * i - (k - i)) * base[i] * parts[k - i] for i in range(1, k + 1))
+            parts.append(sum(terms, self._zero) * (scale / k))
+        return parts
+
+    def _function(self, expr: Any) -> Parts:
+        """f(a) by the recurrences of sin and cos, exp, log; others in terms of these."""
+        spelled = _SPELLED.get(type(expr))
+        if spelled is not None:
+            return self.of(se.sympify(spelled(*expr.args)))
+        if isinstance(expr, se.Pow):
+            base, exponent = expr.args
+            if base != se.E:
+                return self.of(se.exp(exponent * se.log(base)))
+            return self._solved(exponent, [expr], lambda own, k: [own[0]])[0]
+        inner = expr.args[0]
+        if isinstance(expr, se.sin | se.cos):
+            pair = self._solved(
+                inner, [se.sin(inner), se.cos(inner)], lambda own, k: [own[1], -own[0]]
+            )
+            return pair[isinstance(expr, se.cos)]
+        if isinstance(expr, se.log):
+            slope = self.of(1 / inner)
+            parts = [self._constant(self._value(expr))]
+            a = self.of(inner)
+            for k in range(1, self._order + 1):
+                terms = (i * a[i] * slope[k - i] for i in range(1, k + 1))
+                parts.append(sum(terms, self._zero) * flint.fmpq(1, k))
+            return parts
+        plain = elementary(expr)
+        if plain == expr:
+            raise EngineLimit(f"'{sp.sympify(expr)}' has no expansion here; use smooth functions")
+        return self.of(plain)
+
+    def _solved(
+        self, inner: Any, functions: Sequence[Any], slopes: Callable[[list[Any], int], list[Any]]
+    ) -> list[Parts]:
+        """Functions of one argument whose derivatives are linear in them."""
+        a = self._moving(inner)
+        parts = [[self._constant(self._value(f))] for f in functions]
+        for k in range(1, self._order + 1):
+            sums = [self._zero for _ in functions]
+            for i in range(1, k + 1):
+                if a[i] != 0:
+                    rates = slopes([p[k - i] for p in parts], k)
+                    sums = [s + i * a[i] * r for s, r in zip(sums, rates, strict=True)]
+            for own, total in zip(parts, sums, strict=True):
+                own.append(total * flint.fmpq(1, k))
+        return parts
+
+    def _moving(self, expr: Any) -> Parts:
+        """The parts of an angle above order 0; its own value, as pi/2, need not be rational."""
+        constant = expr.xreplace(self._point)
+        if sp.sympify(constant).is_Rational:
+            return self.of(expr)
+        return self.of((expr.xreplace(self._moved) - constant).expand())
+
+
+_SPELLED: dict[type, Callable[..., Any]] = {
+    se.tan: lambda a: se.sin(a) / se.cos(a),
+    se.cot: lambda a: se.cos(a) / se.sin(a),
+    se.sec: lambda a: 1 / se.cos(a),
+    se.csc: lambda a: 1 / se.sin(a),
+    se.sinh: lambda a: (se.exp(a) - se.exp(-a)) / 2,
+    se.cosh: lambda a: (se.exp(a) + se.exp(-a)) / 2,
+    se.tanh: lambda a: 1 - 2 / (se.exp(2 * a) + 1),
+}
+
+
+def _rational(poly: Any) -> Any:
+    """The value of a constant polynomial."""
+    return next(iter(poly.to_dict().values()), flint.fmpq(0))
+
+
+@dataclass(frozen=True)
+class FieldJet:
+    """A vector field by the homogeneous parts of its components; brackets lose one order."""
+
+    components: tuple[tuple[Any, ...], ...]
+
+    @property
+    def value(self) -> dict[Any, Any]:
+        """The vector at the point: {component: number}, those that are not zero."""
+        found = {i: _rational(parts[0]) for i, parts in enumerate(self.components)}
+        return {i: x for i, x in found.items() if x != 0}
+
+    @property
+    def coefficients(self) -> dict[Any, Any]:
+        """All coefficients that are not zero, by component and monomial."""
+        return {
+            (i, monomial): c
+            for i, parts in enumerate(self.components)
+            for part in parts
+            for monomial, c in part.to_dict().items()
+        }
+
+    def shortened(self, order: int) -> FieldJet:
+        """The same up to an order."""
+        return FieldJet(tuple(parts[: order + 1] for parts in self.components))
+
+    def bracket(self, other: FieldJet) -> FieldJet:
+        """[X, Y] = X_j d_j Y - Y_j d_j X, as far as both are known."""
+        order = min(len(self.components[0]), len(other.components[0])) - 2
+        rows = []
+        for x, y in zip(self.components, other.components, strict=True):
+            rows.append(tuple(_along(self, y, k) - _along(other, x, k) for k in range(order + 1)))
+        return FieldJet(tuple(rows))
+
+
+def _along(field: FieldJet, function: Sequence[Any], order: int) -> Any:
+    """The part of an order of the derivative of a function along a field."""
+    total = function[0] * 0
+    for j, parts in enumerate(field.components):
+        for k in range(order + 1):
+            if parts[k] != 0 and function[order - k + 1] != 0:
+                total += parts[k] * function[order - k + 1].derivative(j)
+    return total
+
+
+class Span:
+    """The span of vectors {key: rational number}, by elimination."""
+
+    def __init__(self) -> None:
+        self._rows: dict[Any, dict[Any, Any]] = {}
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def rest(self, vector: Mapping[Any, Any]) -> dict[Any, Any]:
+        """What is left of a vector; nothing where it lies in the span."""
+        left = dict(vector)
+        for pivot, row in self._rows.items():
+            if pivot in left:
+                factor = left[pivot] / row[pivot]
+                for key, x in row.items():
+                    left[key] = left.get(key, flint.fmpq(0)) - factor * x
+        return {key: x for key, x in left.items() if x != 0}
+
+    def add(self, vector: Mapping[Any, Any]) -> bool:
+        """Take a vector in; whether it enlarges the span."""
+        left = self.rest(vector)
+        if left:
+            self._rows[next(iter(left))] = left
+        return bool(left)

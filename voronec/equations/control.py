@@ -1,0 +1,444 @@
+"""Control-affine form x' = f(x) + sum_i g_i(x) u_i, and what its Lie brackets say.
+
+Accessible: the Lie algebra of f and g_i has full rank (the rank condition
+[SussmannJurdjevic1972]).  Small-time locally controllable at an equilibrium: the rank is full there
+and every bad bracket, of odd degree in f and even degree in every g_i, is a combination of brackets
+of lower degree [Sussmann1987, th. 7.3].  With one input it is not, where [g, [f, g]] is no
+combination of g, [f, g], [f, [f, g]], ... [Sussmann1983, prop. 6.3].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.elimination import solve_linear
+from voronec.algebra.jets import Expansion, FieldJet, Span
+from voronec.algebra.matrices import determinant
+from voronec.algebra.normal import canonical
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import NESTED
+from voronec.algebra.rank import independent_rows
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.tape import Tape
+from voronec.algebra.text import sympified
+from voronec.algebra.verdicts import Verdict
+from voronec.equations.connection import AffineForms
+from voronec.equations.vector_field import Motions, VectorField
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, EngineLimit, did_you_mean
+
+__all__ = ["Accessibility", "Control", "control_form"]
+
+Vector = tuple[Any, ...]
+NODES = 15_000
+"""Fields of more nodes are not bracketed again."""
+DEGREES = 4, 6, 8, 10, 12
+"""Brackets of these degrees are made at a point, one after the other, until they suffice."""
+LONGEST = 400
+"""Determinants of more operations are not factored."""
+MOST_RATES = 6
+"""So many rates of flat outputs are tried."""
+
+
+@dataclass(frozen=True)
+class Accessibility:
+    """The dimensions of g_i, of these with their brackets with f and g_i, and so on, at a generic
+    point, of the ``dimension`` of the state; ``verdict`` on strong accessibility there, for almost
+    all parameters.  Where it is proved, it holds wherever none of the ``exceptions`` vanishes: the
+    factors of one determinant, so that other brackets may help there."""
+
+    growth: tuple[int, ...]
+    dimension: int
+    verdict: Verdict
+    exceptions: tuple[sp.Expr, ...] = ()
+
+
+@dataclass(frozen=True, repr=False)
+class Control:
+    """x' = f + sum_i g_i u_i in the user's symbols: ``state`` are coordinates, then velocities;
+    ``drift`` is f (n x 1), the columns of ``fields`` (n x m) are g_i."""
+
+    system_field: VectorField
+    inputs: tuple[sp.Expr, ...]
+    inner_drift: Vector
+    inner_fields: tuple[Vector, ...]
+
+    @property
+    def state(self) -> tuple[sp.Expr, ...]:
+        """Coordinates, then velocities."""
+        system = self.system_field.system
+        return (*system.coordinates, *system.velocities)
+
+    @cached_property
+    def drift(self) -> sp.ImmutableMatrix:
+        """f: the rates without inputs, n x 1."""
+        return self._outward([[e] for e in self.inner_drift])
+
+    @cached_property
+    def fields(self) -> sp.ImmutableMatrix:
+        """g_i, the rates by inputs: n x m."""
+        return self._outward([list(row) for row in zip(*self.inner_fields, strict=True)])
+
+    def _outward(self, rows: list[list[Any]]) -> sp.ImmutableMatrix:
+        return self.system_field.door.outward_matrix(rows)
+
+    def __repr__(self) -> str:
+        names = (", ".join(map(plain_name, part)) for part in (self.state, self.inputs))
+        name = self.system_field.system.name
+        return "Control({!r}, state=({}), inputs=({}))".format(name, *names)
+
+    @cached_property
+    def underactuation(self) -> int:
+        """How many velocities the inputs do not reach: n_v less the rank of g_i at a generic
+        point."""
+        first = len(self.system_field.positions)
+        rows = [g[first:] for g in self.inner_fields]
+        return len(self.system_field.velocities) - len(self._independent(rows))
+
+    @cached_property
+    def accessibility(self) -> Accessibility:
+        """Strong accessibility at a generic point: reachable sets at one time have inner points.
+
+        A full rank is proved by balls at one point, and so holds on an open dense set; a smaller
+        one by normal forms.
+        """
+        self._require_still()
+        drift, fields = self._simplified
+        dimension = self.system_field.dimension
+        frame, tops = list(fields), list(fields)
+        kept = self._independent(frame)
+        frame = tops = [frame[i] for i in kept]
+        growth = [len(frame)]
+        while tops and growth[-1] < dimension:
+            if Tape([e for field in tops for e in field]).size > NODES:
+                why = f"brackets are too large after dimension {growth[-1]} of {dimension}"
+                return Accessibility(tuple(growth), dimension, Verdict("undecided", why))
+            brackets = [self._bracket(x, y) for x in (drift, *fields) for y in tops]
+            made = [b for b in brackets if any(e != 0 for e in b)]
+            new = self._independent([*frame, *made])[len(frame) :]
+            if not new:
+                return Accessibility(tuple(growth), dimension, self._closed(frame, made))
+            tops = [made[i - len(frame)] for i in new]
+            frame = [*frame, *tops]
+            growth.append(len(frame))
+        words = f"the brackets span all {dimension} dimensions at a point, in ball arithmetic, and "
+        proof = Verdict("proved", words + "so on an open dense set, for almost all parameters")
+        return Accessibility(tuple(growth), dimension, proof, self._exceptions(frame))
+
+    def _exceptions(self, frame: Sequence[Vector]) -> tuple[sp.Expr, ...]:
+        """The factors of the determinant of as many fields as there are dimensions; none where it
+        is beyond the budget, or relations bind the state."""
+        if len(frame) != len(frame[0]):
+            return ()
+        try:
+            found = self.system_field.door.outward(canonical([determinant(frame)])[0])
+        except EngineLimit:
+            return ()
+        above = sp.fraction(sp.together(found))[0]
+        if sp.count_ops(above) > LONGEST:
+            return (above,)
+        return tuple(f for f, _ in sp.factor_list(above)[1] if not f.is_number)
+
+    def _closed(self, frame: Sequence[Vector], brackets: Sequence[Vector]) -> Verdict:
+        """That brackets lie in a span which is not everything."""
+        words = f"the brackets span {len(frame)} dimensions of {self.system_field.dimension}"
+        rows, right = [list(r) for r in zip(*frame, strict=True)], [[se.Integer(0)]] * len(frame[0])
+        if brackets:
+            right = [list(r) for r in zip(*brackets, strict=True)]
+        try:
+            solved = solve_linear(rows, right, self.system_field.hypotheses)
+        except EngineLimit as limit:
+            return Verdict("undecided", f"{words} at a generic point ({limit})")
+        if solved.contradictory:
+            return Verdict("undecided", f"{words} at a generic point, in numbers")
+        return Verdict("refuted", f"{words} everywhere: they are closed, in normal form")
+
+    def controllability(self, point: Mapping[Any, Any] | None = None) -> Verdict:
+        """Small-time local controllability at an equilibrium, proved by Sussmann's condition.
+
+        ``point`` gives coordinates, velocities and parameters by symbol or name: zero, and the
+        defaults of the parameters, where nothing is said.  It is ``refuted`` where the system has
+        one input and [g, [f, g]] obstructs, or where brackets are closed; ``undecided`` names what
+        is lacking.  ``DefinitionError`` where the point is no equilibrium; ``EngineLimit`` where
+        values there are not rational.
+        """
+        self._require_still()
+        at = self._point(point or {})
+        self._require_equilibrium(at)
+        for degree in DEGREES:
+            found = _Brackets(self, at, degree).verdict
+            if found is not None:
+                return found
+        if self.accessibility.verdict.refuted:
+            return self.accessibility.verdict
+        words = f"brackets up to degree {DEGREES[-1]} do not span all dimensions at the point"
+        return Verdict("undecided", words)
+
+    def flat(self, outputs: Sequence[Any]) -> Verdict:
+        """Whether state and inputs are functions of ``outputs`` and finitely many of their rates,
+        near a generic point; as many outputs as inputs, functions of the state.
+
+        Proved where outputs and their rates up to some order are as many as the state with those
+        inputs and rates of inputs that occur in them, and independent.  Else ``undecided``, and
+        told what the ranks at one generic point are.
+        """
+        self._require_still()
+        read = [self.system_field.read(sympified(y)) for y in outputs]
+        if len(read) != len(self.inputs):
+            raise DefinitionError(
+                f"{len(read)} flat outputs for {len(self.inputs)} inputs; name as many"
+            )
+        state, (drift, fields) = self.system_field.variables, self._simplified
+        jets = [[se.Symbol(f"input {i} rate {k}") for k in range(MOST_RATES + 2)]
+                for i in range(len(self.inputs))]  # fmt: skip
+        inputs = [jet[0] for jet in jets]
+        rates = {
+            x: se.Add(f, *[g[a] * u for g, u in zip(fields, inputs, strict=True)])
+            for a, (x, f) in enumerate(zip(state, drift, strict=True))
+        }
+        rates |= {u: v for jet in jets for u, v in pairwise(jet)}
+        rows, latest = [], read
+        for order in range(MOST_RATES + 1):
+            rows += latest
+            used = [s for jet in jets for s in jet if any(s in e.free_symbols for e in rows)]
+            slopes = [tuple(e.diff(s) for s in (*state, *used)) for e in rows]
+            unit = [tuple(se.Integer(int(a == s)) for s in (*state, *used)) for a in state]
+            if self._independent([*slopes, *unit]) == [*range(len(rows))]:
+                words = f"the outputs and {order} of their rates determine the state"
+                if len(rows) == len(state) + len(used):
+                    return Verdict("proved", f"{words} and inputs on an open dense set")
+                return Verdict("undecided", f"in numbers, {words} at a generic point")
+            latest = [
+                se.Add(*[e.diff(s) * rates[s] for s in sorted(e.free_symbols, key=str)
+                         if s in rates]) for e in latest
+            ]  # fmt: skip
+            if Tape(latest).size > NODES:
+                break
+        return Verdict("undecided", f"no number of rates up to {MOST_RATES} determines the state")
+
+    # -- what these are made of -----------------------------------------------------------
+
+    @cached_property
+    def _simplified(self) -> tuple[Vector, tuple[Vector, ...]]:
+        """f and g_i after the feedback v' = u, where the inputs reach all velocities: it changes
+        neither property; as they are where they do not."""
+        if self.underactuation:
+            return self.inner_drift, self.inner_fields
+        first, size = len(self.system_field.positions), len(self.system_field.velocities)
+        zero = se.Integer(0)
+        drift = (*self.inner_drift[:first], *[zero] * size)
+        unit = [[se.Integer(int(i == j)) for j in range(size)] for i in range(size)]
+        moved = any(e != 0 for g in self.inner_fields for e in g[:first])
+        if moved or len(self.inner_fields) != size:
+            return self.inner_drift, self.inner_fields
+        return drift, tuple((*[zero] * first, *row) for row in unit)
+
+    def _bracket(self, x: Vector, y: Vector) -> Vector:
+        """[X, Y] = X_j d_j Y - Y_j d_j X."""
+        variables = self.system_field.variables
+        return tuple(
+            se.Add(*[a * q.diff(s) - b * p.diff(s)
+                     for a, b, s in zip(x, y, variables, strict=True)])
+            for p, q in zip(x, y, strict=True)
+        )  # fmt: skip
+
+    def _independent(self, rows: Sequence[Vector]) -> list[int]:
+        """The rows that enlarge the span of those before them at a generic point, in balls."""
+        if not rows or not rows[0]:
+            return []
+        tape, width = Tape([e for row in rows for e in row]), len(rows[0])
+        for _, values in sample_evaluable(tape, self.system_field.hypotheses, NESTED, count=1):
+            table = [values[i : i + width] for i in range(0, len(values), width)]
+            return independent_rows(table, NESTED)
+        raise EngineLimit("no point was found at which the fields are defined")
+
+    def _require_still(self) -> None:
+        clock = self.system_field.time
+        if any(clock in e.free_symbols for v in (self.inner_drift, *self.inner_fields) for e in v):
+            raise EngineLimit(
+                f"system '{self.system_field.system.name}' depends on the time; make the time a "
+                "coordinate to ask what is controllable"
+            )
+
+    def _point(self, point: Mapping[Any, Any]) -> dict[Any, Any]:
+        """Exact numbers for all symbols inside the door."""
+        field = self.system_field
+        system = field.system
+        values: dict[Any, Any] = dict.fromkeys(field.variables, sp.Integer(0))
+        names = {plain_name(q): s for q, s in zip(self.state, field.variables, strict=True)}
+        for parameter, inner in zip(system.parameters, field.parameters, strict=True):
+            names[parameter.name] = inner
+            if parameter.value is not None:
+                values[inner] = parameter.value
+        for key, value in point.items():
+            name = key if isinstance(key, str) else plain_name(key)
+            if name not in names:
+                raise DefinitionError(
+                    f"the point gives '{name}', which system '{system.name}' does not have"
+                    f"{did_you_mean(name, names)}"
+                )
+            values[names[name]] = value
+        missing = [name for name, s in names.items() if s not in values]
+        if missing:
+            raise DefinitionError(
+                f"the point gives no value to '{missing[0]}' of system '{system.name}'; add it"
+            )
+        exact = {s: sympified(x) for s, x in values.items()}
+        return {s: se.sympify(sp.nsimplify(x, rational=True) if x.is_Float else x)
+                for s, x in exact.items()}  # fmt: skip
+
+    def _require_equilibrium(self, at: Mapping[Any, Any]) -> None:
+        for s, rate in zip(self.state, self.inner_drift, strict=True):
+            value = sp.sympify(rate.xreplace(dict(at)))
+            place = f"system '{self.system_field.system.name}'"
+            if value.has(sp.nan, sp.zoo, sp.oo):
+                raise DefinitionError(
+                    f"{place}: d{plain_name(s)}/dt has no value at the point; give another"
+                )
+            if not value.equals(0):
+                raise DefinitionError(
+                    f"{place}: the point is no equilibrium without inputs, d{plain_name(s)}/dt = "
+                    f"{value} there; give one where it rests"
+                )
+
+
+class _Brackets:
+    """All brackets up to a degree at one point: how far they span, and whether one obstructs."""
+
+    def __init__(self, control: Control, at: Mapping[Any, Any], degree: int) -> None:
+        variables = control.system_field.variables
+        expansion = Expansion(at, variables, degree - 1)
+        fields = (control.inner_drift, *control.inner_fields)
+        simple = (control._simplified[0], *control._simplified[1])
+        if simple != fields and _regular(control, expansion):
+            fields = simple
+        self._basis = [expansion.field(f) for f in fields]
+        self._degree = degree
+        self._dimension = control.system_field.dimension
+        self._inputs = control.inputs
+
+    @cached_property
+    def verdict(self) -> Verdict | None:
+        """Sussmann's condition; None where brackets of higher degree may decide."""
+        if len(self._inputs) == 1 and self._obstructed():
+            words = "with one input, [g, [f, g]] is no combination of g, [f, g], [f, [f, g]], ..."
+            return Verdict("refuted", f"{words} at the point")
+        span = Span()
+        for degree, level in enumerate(self._levels(), start=1):
+            for kind, fields in level.items():
+                bad = kind[0] % 2 == 1 and all(n % 2 == 0 for n in kind[1:])
+                if bad and any(span.rest(field.value) for field in fields):
+                    count = ", ".join(f"{n} times g{i}" for i, n in enumerate(kind) if i and n)
+                    return Verdict(
+                        "undecided",
+                        f"a bracket of {kind[0]} times f{', ' + count if count else ''} is no "
+                        "combination of brackets of lower degree: Sussmann's condition fails",
+                    )
+            for fields in level.values():
+                for field in fields:
+                    span.add(field.value)
+            if len(span) == self._dimension:
+                words = f"brackets up to degree {degree} span all {self._dimension} dimensions"
+                return Verdict("proved", f"{words}, and no bad one obstructs [Sussmann1987]")
+        return None
+
+    def _obstructed(self) -> bool:
+        """Whether [g, [f, g]] leaves the span of g, [f, g], [f, [f, g]], ... at the point.
+
+        f vanishes there, so that these are g, A g, A^2 g, ... up to signs, A the linear part of f.
+        """
+        drift, push = self._basis
+        linear = [parts[1] for parts in drift.components]
+        along, vector = Span(), push.value
+        while along.add(vector):
+            vector = _applied(linear, vector)
+        return bool(along.rest(push.bracket(drift.bracket(push)).value))
+
+    def _levels(self) -> Iterator[dict[tuple[int, ...], list[FieldJet]]]:
+        """Brackets by degree, and there by how often each field occurs: a basis of the jets."""
+        size = len(self._basis)
+        units = [tuple(int(i == j) for j in range(size)) for i in range(size)]
+        level = {unit: [field] for unit, field in zip(units, self._basis, strict=True)}
+        for degree in range(1, self._degree + 1):
+            yield level
+            if degree == self._degree:
+                return
+            spans: dict[tuple[int, ...], Span] = {}
+            longer: dict[tuple[int, ...], list[FieldJet]] = {}
+            for i, first in enumerate(self._basis):
+                for kind, fields in level.items():
+                    own = tuple(n + int(i == j) for j, n in enumerate(kind))
+                    for field in fields:
+                        made = first.bracket(field)
+                        if spans.setdefault(own, Span()).add(made.coefficients):
+                            longer.setdefault(own, []).append(made)
+            level = longer
+
+
+def _applied(linear: Sequence[Any], vector: Mapping[int, Any]) -> dict[int, Any]:
+    """A matrix, its rows given as linear forms, times a vector."""
+    found = {}
+    for i, form in enumerate(linear):
+        total = sum(c * vector.get(m.index(1), 0) for m, c in form.to_dict().items())
+        if total != 0:
+            found[i] = total
+    return found
+
+
+def _regular(control: Control, expansion: Expansion) -> bool:
+    """Whether the inputs reach all velocities at the point itself."""
+    first, span = len(control.system_field.positions), Span()
+    values = [expansion.field(g[first:]).value for g in control.inner_fields]
+    return sum(span.add(value) for value in values) == len(values)
+
+
+def control_form(equations: VoronecEquations) -> Control:
+    """The control-affine form of a system's equations.
+
+    Raises ``DefinitionError`` where the system has no inputs, where one enters otherwise than
+    linearly, and where the equations hold the rate of one.
+    """
+    system, definition = equations.system, equations.definition
+    if not system.inputs:
+        raise DefinitionError(f"system '{system.name}' has no inputs; declare inputs=(u,)")
+    for name in equations.orders:
+        raise DefinitionError(
+            f"system '{system.name}': the equations hold '{name}dot', the rate of the input "
+            f"'{name}'; make '{name}' a coordinate, whose velocity an input drives"
+        )
+    field = Motions.of(equations).on_coordinates
+    letters = {u: se.Symbol(f"input {i}") for i, u in enumerate(definition.inputs)}
+    exprs = [se.sympify(e).xreplace(letters) for e in (*field.rates, *field.force)]
+    held = set().union(*(se.sympify(e).xreplace(letters).free_symbols
+                         for row in field.mass for e in row))  # fmt: skip
+    forms = AffineForms.of(exprs, [*letters.values()])
+    if isinstance(forms, int) or held & {*letters.values()}:
+        symbols = held if not isinstance(forms, int) else exprs[forms].free_symbols
+        name = next(plain_name(u) for u, s in zip(system.inputs, letters.values(), strict=True)
+                    if s in symbols)  # fmt: skip
+        raise DefinitionError(
+            f"system '{system.name}': the input '{name}' enters nonlinearly, so there is no "
+            "control-affine form; take what stands there as the input"
+        )
+    first = len(field.rates)
+    columns = [(*row, o) for row, o in zip(forms.matrix[first:], forms.offset[first:], strict=True)]
+    solved = field.solve([list(row) for row in columns])
+    width = len(letters) + 1
+    flat = [e for row in solved for e in row]
+    with suppress(EngineLimit):
+        flat = equations.exact.polish(flat)
+    pushed = [flat[i : i + width] for i in range(0, len(flat), width)]
+    fields = tuple(
+        (*(row[k] for row in forms.matrix[:first]), *(row[k] for row in pushed))
+        for k in range(len(letters))
+    )
+    drift = (*forms.offset[:first], *(row[-1] for row in pushed))
+    return Control(field, system.inputs, drift, fields)
