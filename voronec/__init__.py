@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from voronec.equations.referee import multiplier_acceleration, reaction_forces
     from voronec.equations.voronec_equations import VoronecEquations, derive
     from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
+    from voronec.lessons.judgement import Judgement, judge
     from voronec.motion import (
         Crossings,
         Ensemble,
@@ -92,6 +93,8 @@ _HOME = {
     "HardCase": "voronec.accuracy.hard",
     "Linearisation": "voronec.equations.linearisation",
     "linearise": "voronec.equations.linearisation",
+    "Judgement": "voronec.lessons.judgement",
+    "judge": "voronec.lessons.judgement",
     "multiplier_acceleration": "voronec.equations.referee",
     "reaction_forces": "voronec.equations.referee",
     "Claim": "voronec.proof.claims",
@@ -140,6 +143,7 @@ __all__ = [
     "HardCase",
     "IntegralSearch",
     "IntegrationError",
+    "Judgement",
     "Limit",
     "Linearisation",
     "Measure",
@@ -176,6 +180,7 @@ __all__ = [
     "from_mechanics",
     "graph",
     "integrate",
+    "judge",
     "kinematics",
     "linearise",
     "load",

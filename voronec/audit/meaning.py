@@ -77,10 +77,8 @@ ELEMENTARY: dict[str, Callable[[Any], Any]] = {
     "ln": sp.log,
     "arcsin": sp.asin,
     "arccos": sp.acos,
-    **{
-        n: getattr(sp, n)
-        for n in ("sin", "cos", "tan", "cot", "log", "exp", "sinh", "cosh", "tanh")
-    },
+    "arctan": sp.atan,
+    **{n: getattr(sp, n) for n in "sin cos tan cot sec csc log exp sinh cosh tanh".split()},
 }
 """The functions that are commands of LaTeX, by their names without the backslash."""
 

@@ -40,8 +40,8 @@ def command_parser() -> argparse.ArgumentParser:
     parser.set_defaults(module=None)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for add in (
-        _list, _show, _derive, _explain, _regenerate, _run, _check, _compare, _graph, _section,
-        _gallery, _bench, _hard, _search, _new, _cite,
+        _list, _show, _derive, _explain, _judge, _regenerate, _run, _check, _compare, _graph,
+        _section, _gallery, _bench, _hard, _search, _new, _cite,
     ):  # fmt: skip
         add(commands)
     return parser
@@ -93,6 +93,17 @@ def _explain(commands: Any) -> None:
     _outputs(parser)
     _setting(parser)
     parser.add_argument("--out", metavar="DIR", help="folder for the text and its pictures")
+
+
+def _judge(commands: Any) -> None:
+    summary = "prove or refute an equation that somebody wrote"
+    parser = _command(commands, "judge", "judgement", summary)
+    _system(parser)
+    parser.add_argument(
+        "equation",
+        metavar="EQUATION",
+        help=r"LaTeX or plain text, as '\dot v = a w^2', 'd/dt(m v) = m a w^2', 'v^2 = const'",
+    )
 
 
 def _regenerate(commands: Any) -> None:

@@ -197,7 +197,8 @@ def _total_fraction(reader: Reader, token: Token) -> Node | None:
     reader.take("}")
     _same_order(reader, order, len(variables))
     if body is None:
-        body = reader.term()
+        narrow = reader.vocabulary.by_hand and reader.peek() in _CLOSERS.values()
+        body = reader.factor() if narrow else reader.term()
     return Derivative(body, variables[0], order, reader.since(token.start))
 
 
@@ -281,10 +282,23 @@ def _elementary(reader: Reader, token: Token) -> Node:
     start = reader.begin()
     if reader.kind() == "number":
         argument = Product((reader.factor(), reader.factor()), reader.since(start))
+    elif reader.vocabulary.by_hand:
+        argument = _argument_by_hand(reader, start)
     else:
         argument = scripts(reader, reader.atom(), start)
     node: Node = Elementary(token.text[1:], argument, reader.since(token.start))
     return node if power is None else Power(node, power, reader.since(token.start))
+
+
+def _argument_by_hand(reader: Reader, start: int) -> Node:
+    r"""``sin(x)^2`` is the square of a sine; ``\sin x^2`` may be that, or the sine of a square."""
+    if reader.peek() in _CLOSERS.values():
+        return reader.atom()
+    argument = scripts(reader, reader.atom(), start)
+    if isinstance(argument, Power):
+        what = "this is the power of a function or of its argument; write one with parentheses"
+        raise complain(reader.source, start, what, Misprint)
+    return argument
 
 
 def _accented(reader: Reader, token: Token) -> Node:
@@ -375,6 +389,9 @@ def _attach(
     start: int,
 ) -> Node:
     """Indices after an accent or a brace belong to the name inside."""
+    if primes and reader.vocabulary.by_hand:
+        body = _attach(reader, node, 0, sub, sup, start) if sub or sup else node
+        return Dot(body, primes, reader.since(start))
     if isinstance(node, (Dot, Variation)):
         inner = _attach(reader, node.body, primes, sub, sup, start)
         return replace(node, body=inner, at=reader.since(start))

@@ -20,7 +20,7 @@ __all__ = [
 ]
 
 ELEMENTARY = frozenset(
-    r"\sin \cos \tan \cot \ln \log \exp \sinh \cosh \tanh \arcsin \arccos".split()
+    r"\sin \cos \tan \cot \sec \csc \ln \log \exp \sinh \cosh \tanh \arcsin \arccos \arctan".split()
 )
 ACCENTS = frozenset(
     r"\tilde \bar \hat \vec \mathbf \mathrm \mathfrak \mathcal \mathbb \boldsymbol".split()

@@ -15,18 +15,21 @@ else where none does: the dictionary holds ``\zeta`` and ``\zeta(\cdot)``."""
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """What the reader must know beforehand about a paper's names.
+    r"""What the reader must know beforehand about a paper's names.
 
     ``functions``: heads that a parenthesis applies.  ``labelled``: heads whose superscript is a
     label, not an exponent.  ``numbered``: heads whose superscript may be a Roman numeral, which is
     a label too.  ``wide_sums``: a sum sign reaches to the end of its group, not only over the next
-    term.
+    term.  ``by_hand``: as people write and type, a prime is a derivative by the time, a bracket
+    after ``\frac{d}{dt}``, or after the name of a function, is all that these apply to, and what
+    can be read in two ways is refused.
     """
 
     functions: frozenset[str] = frozenset()
     labelled: frozenset[str] = frozenset()
     numbered: frozenset[str] = frozenset()
     wide_sums: bool = False
+    by_hand: bool = False
 
     def applies(self, head: str) -> bool:
         """Whether a parenthesis after this head holds arguments; primes mean derivatives."""

@@ -1,0 +1,177 @@
+"""Equations of students: every verdict against the equations with multipliers, at random states."""
+
+from __future__ import annotations
+
+import random
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sympy as sp
+
+import voronec as vo
+
+LINES = (Path(__file__).parent / "student_equations.txt").read_text(encoding="utf-8").splitlines()
+
+
+def _rows() -> list[tuple[str, str, str]]:
+    """System, text and meaning of each equation."""
+    found, system = [], ""
+    for line in LINES:
+        if line.startswith("["):
+            system = line.strip("[]")
+        elif not line.startswith("#"):
+            text, meaning = line.split("##")
+            found.append((system, text.strip(), meaning.strip()))
+    return found
+
+
+ROWS = _rows()
+
+
+class Truth:
+    """What holds in a system, by numbers that come from the multipliers alone."""
+
+    def __init__(self, name: str) -> None:
+        self.system = vo.load(name)
+        frame = self.system.frame
+        pairs = () if frame is None else zip(frame.velocities, frame.expressions, strict=True)
+        self.quasi = dict(pairs)
+        self.names = {str(x): x for x in self._symbols()}
+        self.names |= {k: sp.sympify(v) for k, v in self.system.invariants.items()}
+        self.names |= {str(v): e for v, e in self.quasi.items()}
+        self.names |= {f"{v}dot": self.rate(e) for v, e in self.quasi.items()}
+        self.names["D"] = self.rate
+        self.states = [self._state(seed) for seed in range(2)]
+
+    def _symbols(self) -> list[Any]:
+        found = [p.symbol for p in self.system.parameters]
+        for q in self.system.coordinates:
+            found += [q, vo.velocity(q), sp.Symbol(f"{q}ddot")]
+        return found
+
+    def rate(self, value: Any) -> Any:
+        """The chain rule over coordinates and their velocities."""
+        value = sp.sympify(value)
+        terms = []
+        for q in self.system.coordinates:
+            terms += [value.diff(q) * vo.velocity(q)]
+            terms += [value.diff(vo.velocity(q)) * sp.Symbol(f"{q}ddot")]
+        return sp.Add(*terms)
+
+    def _state(self, seed: int) -> dict[Any, Any]:
+        """Parameters and coordinates at random, velocities on the constraints, accelerations."""
+        draw = random.Random(seed)
+        point = {p.symbol: sp.Rational(draw.randint(40, 190), 97) for p in self.system.parameters}
+        point |= {q: sp.Rational(draw.randint(30, 130), 101) for q in self.system.coordinates}
+        free = {v: sp.Rational(draw.randint(-150, 150), 103) for v in self.system.velocities}
+        dots = [vo.velocity(q) for q in self.system.coordinates]
+        rows = [*self.system.constraints, *(self.quasi.get(v, v) - x for v, x in free.items())]
+        with_numbers = [sp.N(row.xreplace(point), 50) for row in rows]
+        velocities = sp.Matrix(
+            sp.linear_eq_to_matrix(with_numbers, dots)[0].LUsolve(
+                sp.linear_eq_to_matrix(with_numbers, dots)[1]
+            )
+        )
+        found = vo.multiplier_acceleration(self.system, {**point, **free}, digits=30)
+        accelerations = {sp.Symbol(f"{q}ddot"): a for q, a in found.items()}
+        return point | dict(zip(dots, velocities, strict=True)) | accelerations
+
+    def holds(self, meaning: str) -> bool:
+        """Whether a residual vanishes at all states."""
+        residual = sp.sympify(meaning, locals=self.names)
+        return all(abs(sp.N(residual.subs(state), 30)) < 1e-20 for state in self.states)
+
+
+truth_of = cache(Truth)
+
+
+@pytest.mark.parametrize("name", list(dict.fromkeys(row[0] for row in ROWS)))
+def test_no_verdict_is_wrong(name: str) -> None:
+    """Proved where the multipliers say so, refuted where they do not; nothing stays open."""
+    wrong = []
+    for system, text, meaning in ROWS:
+        if system == name:
+            try:
+                status = vo.judge(truth_of(name).system, text).verdict.status
+            except vo.DefinitionError as refusal:
+                status = str(refusal)
+            if status != ("proved" if truth_of(name).holds(meaning) else "refuted"):
+                wrong.append(f"{text}: {status}")
+    assert not wrong
+
+
+def test_the_collection() -> None:
+    """Two hundred equations, half of them changed, over more than ten systems."""
+    judged = [(truth_of(s).holds(m), s) for s, _, m in ROWS]
+    assert len(judged) >= 200
+    assert sum(not holds for holds, _ in judged) >= 100
+    assert sum(holds for holds, _ in judged) >= 99
+    assert len({s for _, s in judged}) >= 10
+
+
+def test_a_state_where_it_fails() -> None:
+    """The state of a refutation is one: put in, the two sides differ as said."""
+    found = vo.judge(vo.load("sleigh"), r"(J + m a^2)\dot w = m a v w")
+    witness = found.verdict.witness
+    assert found.refuted and witness is not None
+    point = {sp.Symbol(k): sp.sympify(v) for k, v in witness.point.items()}
+    m, a, v, w = sp.symbols("m a v w")
+    value = sp.N((m * a * v * w).subs(point), 30)
+    assert abs(sp.Float(witness.left, 30) + value) < 1e-25
+    assert abs(sp.Float(witness.right, 30) - value) < 1e-25
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (r"\dot v = a w^2)", "character 15"),
+        (r"\dot v = a \Omega^2", "'Omega' is no symbol of system 'sleigh'"),
+        (r"\dot v = a M", "did you mean 'm'"),
+        (r"\dot v = a \omega^2", "did you mean 'w'"),
+        (r"\dot v", "no sign of equality"),
+        (r"\dot v < a w^2", "'<' is no sign of equality"),
+        ("v' = a*w^2/2m", "two ways"),
+        (r"\dot v = a \sin\phi^2", "write one with parentheses"),
+        (r"\dot v = \frac{a}{0}", "no value"),
+        ("", "empty"),
+        (r"\dot v = a + const", "alone on one side"),
+        (r"\dot v = a \# w", "character 12"),
+    ],
+)
+def test_what_is_not_understood(text: str, said: str) -> None:
+    """One line, with the place or the nearest symbol."""
+    with pytest.raises(vo.DefinitionError) as refusal:
+        vo.judge(vo.load("sleigh"), text)
+    assert said in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "ground"),
+    [
+        (r"\dot x\sin\phi = \dot y\cos\phi", "constraints"),
+        (r"\dot v = a\dot\phi^2", "motion"),
+        (r"m v^2 + (J + m a^2) w^2 = const", "integral"),
+    ],
+)
+def test_what_a_proof_rests_on(text: str, ground: str) -> None:
+    """Constraints alone, the equations of motion, or a rate that vanishes."""
+    assert vo.judge(vo.load("sleigh"), text).ground == ground
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [
+        ("sin(phi)^2 v = v - v cos(phi)^2", "sin^2(phi) v = v - v cos^2(phi)"),
+        ("d/dt(v)cos(phi) = a w^2 cos(phi)", r"\frac{d}{dt}(v)\cos\phi = a w^2\cos\phi"),
+        ("d^2phi/dt^2 = w'", r"\phi''(t) = \dot w(t)"),
+        ("v**2 = v*v", "$v^{2} = v v$."),
+    ],
+)
+def test_notations(pair: tuple[str, str]) -> None:
+    """Two ways of writing the same mean the same, and it holds."""
+    one, other = (vo.judge(vo.load("sleigh"), text) for text in pair)
+    assert one.read == other.read
+    assert one.proved and other.proved

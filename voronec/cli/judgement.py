@@ -1,0 +1,23 @@
+"""``voronec judge``: an equation that somebody wrote, proved or refuted."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+from voronec.cli.output import print_json
+from voronec.cli.subject import resolve
+
+__all__ = ["execute"]
+
+
+def execute(arguments: Namespace) -> int:
+    """Print what was read, what was done and what came out; 1 unless it is proved."""
+    from voronec.lessons.judgement import judge
+
+    system, _ = resolve(arguments.system)
+    found = judge(system, arguments.equation)
+    if arguments.json:
+        print_json(found.as_dict())
+    else:
+        print(found)
+    return 0 if found.proved else 1

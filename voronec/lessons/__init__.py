@@ -1,0 +1,1 @@
+"""For teaching: equations judged, one problem by all methods, derivations step by step."""

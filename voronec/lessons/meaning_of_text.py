@@ -1,0 +1,124 @@
+r"""What an equation that a student wrote means in a system: two sides, in the system's symbols.
+
+Names are those of the declaration: coordinates with their dots, quasi-velocities, parameters,
+invariants, the time ``t`` and, unless something else is called so, ``L`` for the Lagrangian.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name, time
+from voronec.algebra.typeset import symbol_latex
+from voronec.audit.latex.nodes import Chain, Dot, Name, Node, walk
+from voronec.audit.latex.reader import read_tokens
+from voronec.audit.latex.tokens import complain
+from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
+from voronec.audit.study import Motion, Study, key_of
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, did_you_mean
+from voronec.lessons.notation import spelling_of, words_of
+
+__all__ = ["CONSTANT", "Language"]
+
+CONSTANT = sp.Symbol("const")
+"""What stands for a constant of the motion."""
+_SHAPES = {"\\phi": "\\varphi", "\\theta": "\\vartheta", "\\epsilon": "\\varepsilon"}
+_ALIKE = {"\\omega": "w", "\\nu": "v", "\\rho": "p", "\\chi": "x", "\\upsilon": "v"}
+_NO_VALUE = (sp.nan, sp.zoo, sp.oo, -sp.oo)
+
+
+@dataclass(frozen=True)
+class Language:
+    """How students may name what a derived system holds."""
+
+    equations: VoronecEquations
+
+    @classmethod
+    def of(cls, equations: VoronecEquations) -> Language:
+        """Made once for each system."""
+        return equations.memo.once("language of students", lambda: cls(equations))
+
+    @cached_property
+    def symbols(self) -> dict[str, Any]:
+        """Plain names and what they stand for."""
+        system = self.equations.system
+        known = (*system.coordinates, *self.equations.velocities, *system.inputs)
+        found: dict[str, Any] = {plain_name(x): x for x in known}
+        found |= {p.name: p.symbol for p in system.parameters}
+        found |= {name: value for name, value in system.invariants.items() if name not in found}
+        found.setdefault(plain_name(time), time)
+        return found
+
+    @cached_property
+    def study(self) -> Study:
+        """The dictionary, in LaTeX."""
+        names = {symbol_latex(name): value for name, value in self._unaccented.items()}
+        for shape, other in _SHAPES.items():
+            for latex in [x for x in names if x.startswith(shape)]:
+                names.setdefault(other + latex.removeprefix(shape), names[latex])
+        names.setdefault("L", self.equations.system.lagrangian)
+        names.setdefault("\\pi", sp.pi)
+        names.setdefault("const", CONSTANT)
+        return Study(names=names, motion=Motion.of(self.equations))
+
+    @property
+    def _unaccented(self) -> dict[str, Any]:
+        """Names but those of velocities of coordinates, which are written with dots."""
+        dotted = {plain_name(q) + "dot" for q in self.equations.coordinates}
+        return {name: value for name, value in self.symbols.items() if name not in dotted}
+
+    def sides(self, text: str) -> list[Any]:
+        """The values of what stands between the signs of equality.
+
+        ``DefinitionError`` names the place of what is not understood, and of a symbol that the
+        system does not have, with the nearest one.
+        """
+        moving = [plain_name(x) for x in (*self.equations.coordinates, *self.equations.velocities)]
+        words = words_of(text, spelling_of([*self._unaccented], moving))
+        if not words:
+            raise DefinitionError("the equation is empty; write one such as \\dot v = a w^2")
+        vocabulary = replace(self.study.vocabulary, by_hand=True)
+        tree = read_tokens(words, text, vocabulary)
+        if not tree.relations or {*tree.relations} != {"="}:
+            sign = next((s for s in tree.relations if s != "="), "")
+            what = f"'{sign}' is no sign of equality" if sign else "there is no sign of equality"
+            raise DefinitionError(f"{what} in '{text}'; write left = right, or = const")
+        return [self._value(part, text, tree) for part in tree.parts]
+
+    def _value(self, part: Node, text: str, tree: Chain) -> Any:
+        try:
+            value = evaluate(part, self.study)
+        except UnknownName as unknown:
+            raise self._unknown(unknown.name, text, tree) from None
+        except DefinitionError:
+            raise
+        except SENSELESS as error:
+            what = f"this has no value: {type(error).__name__.lower()}"
+            raise complain(text, part.at[0], what) from None
+        if not isinstance(value, sp.Expr) or value.has(*_NO_VALUE):
+            raise complain(text, part.at[0], "this has no value that is a real number")
+        return value
+
+    def _unknown(self, name: str, text: str, tree: Chain) -> DefinitionError:
+        """Where a symbol stands that the system does not have, and the nearest that it has."""
+        names = (n for n in walk(tree) if isinstance(n, (Name, Dot)) and _named(n) == name)
+        node = next(names, None)
+        at = 0 if node is None else node.at[0]
+        known = [*self._unaccented]
+        bare = name.lstrip("\\")
+        alike = _ALIKE.get(name.split("_")[0], "")
+        near = f"; did you mean '{alike}'?" if alike in known else did_you_mean(bare, known)
+        system = self.equations.system.name
+        return complain(text, at, f"'{bare}' is no symbol of system '{system}'{near}")
+
+
+def _named(node: Node) -> str:
+    try:
+        return key_of(node)
+    except DefinitionError:
+        return ""

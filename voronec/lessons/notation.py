@@ -1,0 +1,269 @@
+r"""What students write, as the words that the reader of LaTeX knows.
+
+LaTeX and plain text go the same way: ``m*v' = a*w^2``, ``d/dt(m v) = ...``, ``thetadot`` become the
+words of ``m v' = a w^2``, ``\frac{d}{dt}(m v) = ...``, ``\dot\theta``, each with its place in what
+was written.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from voronec.algebra.typeset import symbol_latex
+from voronec.audit.latex.tokens import ELEMENTARY, GREEK, Misprint, Token, complain, tokenize
+
+__all__ = ["spelling_of", "words_of"]
+
+_SIGNS = str.maketrans({"\N{MINUS SIGN}": "-", "\N{MIDDLE DOT}": "*", "\N{PRIME}": "'"})
+_BEGINNING = re.compile(r"[\s$]*(?:\\\[|\\\(|\\begin\{[a-z]+\*?\})?\s*")
+_END = re.compile(r"[\s$.,;]*(?:\\\]|\\\)|\\end\{[a-z]+\*?\})?[\s$.,;]*$")
+_SPELLED = {
+    **{command[1:]: command for command in (*ELEMENTARY, *GREEK)},
+    **{f"a{name}": f"\\arc{name}" for name in ("sin", "cos", "tan")},
+    "sqrt": "\\sqrt",
+}
+"""What plain text calls functions and Greek letters."""
+_CONSTANT = ("const", "constant")
+_OPEN, _CLOSE = ("(", "[", "{"), (")", "]", "}")
+_BREAKS = {"+", "-", "=", "/", "*", "\\cdot", "^", "", *_OPEN}
+
+
+def words_of(text: str, spelled: Mapping[str, str]) -> list[Token]:
+    r"""The words of an equation for the reader of LaTeX.
+
+    ``spelled`` gives the LaTeX of the names that plain text may hold.  It is plain where it holds
+    no command of LaTeX; then ``*`` may stand between factors or not.  ``Misprint`` where something
+    can be read in two ways, ``DefinitionError`` for a character that is not known.
+    """
+    source = text.translate(_SIGNS)
+    start, end = _bounds(source)
+    words = tokenize(source, start, end)
+    plain = not any(w.kind == "command" and w.text not in _SILENT_SIGNS for w in words)
+    words = [_letter(w) for w in words]
+    words = _spelled(source, words, _SPELLED | dict(spelled) if plain else _long(spelled), plain)
+    for change in (_primes, _stars, _applied_to_time, _rates) + ((_exponents,) if plain else ()):
+        words = change(words)
+    _refuse_ambiguous(source, words)
+    return words
+
+
+_SILENT_SIGNS = {"\\cdot"}
+
+
+def _bounds(source: str) -> tuple[int, int]:
+    """Without dollars, brackets of displays and a stop at the end."""
+    beginning, end = _BEGINNING.match(source), _END.search(source)
+    start = beginning.end() if beginning is not None else 0
+    return start, max(start, end.start() if end is not None else len(source))
+
+
+def _letter(word: Token) -> Token:
+    r"""``\mathrm{d}`` is a letter like others, and there are several words for a constant."""
+    if word.kind == "text" and word.text.rstrip(".") in _CONSTANT:
+        return replace(word, text="const")
+    if word.kind == "text" and len(word.text) == 1:
+        return replace(word, kind="letter")
+    return word
+
+
+def _long(spelled: Mapping[str, str]) -> dict[str, str]:
+    """Names of several letters, which are told from products of letters in LaTeX, too."""
+    return {name: latex for name, latex in spelled.items() if len(name) > 1 and name.isalpha()}
+
+
+def _spelled(
+    source: str, words: Sequence[Token], spelled: Mapping[str, str], plain: bool
+) -> list[Token]:
+    """Runs of letters, and in plain text digits, as the names that they are made of."""
+    found: list[Token] = []
+    position = 0
+    while position < len(words):
+        run = _run(words, position, plain)
+        if not run:
+            found.append(words[position])
+            position += 1
+            continue
+        text = source[run[0].start : run[-1].end]
+        parts = _parts(text, spelled) if plain else [text] if text in spelled else None
+        at = run[0].start
+        if parts is None:
+            found += run
+        else:
+            for part in parts:
+                found += _words_at(spelled.get(part, part), at, at + len(part))
+                at += len(part)
+        position += len(run)
+    return found
+
+
+def _run(words: Sequence[Token], start: int, plain: bool) -> list[Token]:
+    """Letters side by side, from a position on; in plain text with digits and lines below."""
+    found: list[Token] = []
+    for word in words[start:]:
+        inside = plain and found and (word.kind == "number" or word.text == "_")
+        if not (word.kind == "letter" or inside) or (found and word.start != found[-1].end):
+            break
+        found.append(word)
+    return found
+
+
+def _parts(text: str, spelled: Mapping[str, str]) -> list[str]:
+    """A run cut into the longest names that are known, from the left; else into single signs."""
+    found = []
+    while text:
+        size = next((n for n in range(len(text), 1, -1) if text[:n] in spelled), 0)
+        if not size:
+            size = len(re.match(r"\d+(?:\.\d+)?|.", text).group())  # type: ignore[union-attr]
+        found.append(text[:size])
+        text = text[size:]
+    return found
+
+
+def _words_at(latex: str, start: int, end: int) -> list[Token]:
+    """The words of a name's LaTeX, all at the place where it was written."""
+    return [replace(w, start=start, end=end) for w in tokenize(latex)]
+
+
+def _primes(words: list[Token]) -> list[Token]:
+    r"""``x^{\prime\prime}`` is x'', ``x^\prime`` is x'."""
+    found: list[Token] = []
+    position = 0
+    while position < len(words):
+        end = position + 1
+        braced = [w.text for w in words[position : position + 2]] == ["^", "{"]
+        start = position + 1 + braced
+        while words[position].text == "^" and start < len(words) and words[start].text == "\\prime":
+            found.append(replace(words[start], kind="sign", text="'"))
+            start += 1
+            end = start + braced
+        if end == position + 1:
+            found.append(words[position])
+        position = end
+    return found
+
+
+def _stars(words: list[Token]) -> list[Token]:
+    """``*`` is a product, ``**`` a power."""
+    found: list[Token] = []
+    for word in words:
+        if word.text == "*" and found and found[-1].text == "\\cdot" and found[-1].kind == "sign":
+            found[-1] = replace(found[-1], text="^", end=word.end)
+        elif word.text == "*":
+            found.append(replace(word, text="\\cdot"))
+        else:
+            found.append(word)
+    return found
+
+
+def _applied_to_time(words: list[Token]) -> list[Token]:
+    """``x(t)`` is x."""
+    found: list[Token] = []
+    position = 0
+    while position < len(words):
+        texts = [w.text for w in words[position : position + 3]]
+        if texts == ["(", "t", ")"] and found and found[-1].text not in _BREAKS:
+            position += 3
+        else:
+            found.append(words[position])
+            position += 1
+    return found
+
+
+def _rates(words: list[Token]) -> list[Token]:
+    r"""``d/dt``, ``d^2x/dt^2``, ``d(mv)/dt`` as ``\frac{d}{dt}`` before what they differentiate."""
+    found: list[Token] = []
+    position = 0
+    while position < len(words):
+        match = _rate_at(words, position)
+        if match is None:
+            found.append(words[position])
+            position += 1
+            continue
+        order, body, position_after = match
+        at = (words[position].start, words[position_after - 1].end)
+        for text in ["\\frac", "{", "d", "}", "{", "d", "t", "}"] * order + ["("] * bool(body):
+            found.append(Token("letter" if text in ("d", "t") else "sign", text, *at))
+        found += body + [Token("sign", ")", *at)] * bool(body)
+        position = position_after
+    return found
+
+
+def _rate_at(words: Sequence[Token], start: int) -> tuple[int, list[Token], int] | None:
+    """The order, what is differentiated, and where the quotient ends that begins with a ``d``."""
+    if words[start].text != "d" or (start and words[start - 1].text == "{"):
+        return None
+    order, position = _order(words, start + 1)
+    slash = position
+    if order == 1 and slash < len(words) and words[slash].text == "(":
+        slash = _closing(words, slash) + 1
+    elif order > 1:
+        while slash < len(words) and words[slash].text not in {*_BREAKS} - set(_OPEN):
+            slash += 1
+    if [w.text for w in words[slash : slash + 3]] != ["/", "d", "t"]:
+        return None
+    below, end = _order(words, slash + 3)
+    return (order, list(words[position:slash]), end) if below == order else None
+
+
+def _order(words: Sequence[Token], position: int) -> tuple[int, int]:
+    """The exponent of a sign of differentiation, and where it ends."""
+    texts = [w.text for w in words[position : position + 4]]
+    if texts[:1] != ["^"]:
+        return 1, position
+    braced = texts[1:2] == ["{"]
+    digit = texts[2 if braced else 1] if len(texts) > 1 + braced else ""
+    return (int(digit), position + (4 if braced else 2)) if digit in ("1", "2", "3") else (0, 0)
+
+
+def _closing(words: Sequence[Token], opening: int) -> int:
+    """Where the bracket closes that opens at a position."""
+    depth = 0
+    for position in range(opening, len(words)):
+        depth += (words[position].text in _OPEN) - (words[position].text in _CLOSE)
+        if depth == 0:
+            return position
+    return len(words)
+
+
+def _exponents(words: list[Token]) -> list[Token]:
+    """``x^12``, ``x^-1``: the whole number, and its sign, stand above."""
+    found: list[Token] = []
+    position = 0
+    while position < len(words):
+        word = words[position]
+        found.append(word)
+        position += 1
+        if word.text == "^":
+            size = 2 if [w.text for w in words[position : position + 1]] == ["-"] else 1
+            inner = words[position : position + size]
+            if inner and inner[-1].kind == "number":
+                at = (inner[0].start, inner[-1].end)
+                found += [Token("sign", "{", *at), *inner, Token("sign", "}", *at)]
+                position += size
+    return found
+
+
+def _refuse_ambiguous(source: str, words: Sequence[Token]) -> None:
+    """``a/2b`` may be (a/2) b or a/(2 b); with a space or a sign between them it is the first."""
+    for k in range(1, len(words) - 2):
+        if words[k].text != "/" or words[k + 1].kind not in ("number", "letter"):
+            continue
+        whole = words[k - 1].kind == "number" and words[k + 1].kind == "number"
+        after = words[k + 2]
+        starts = after.kind in ("letter", "number") or after.text in GREEK
+        if starts and not whole and after.start == words[k + 1].end and words[k + 1].text != "d":
+            what = "this quotient can be read in two ways; write (a/b) c or a/(b c)"
+            raise complain(source, words[k + 1].start, what, Misprint)
+
+
+def spelling_of(names: Sequence[str], moving: Sequence[str]) -> dict[str, str]:
+    r"""Plain names -> LaTeX; of what moves also ``xdot``, ``xddot``."""
+    found = {name: symbol_latex(name) for name in names}
+    for name in moving:
+        found |= {
+            name + "dot" * order: f"\\{'d' * order}ot{{{symbol_latex(name)}}}" for order in (1, 2)
+        }
+        found[name + "ddot"] = found[name + "dotdot"]
+    return found
