@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+import tarfile
 import tomllib
 from collections.abc import Iterable
 from importlib import metadata
@@ -25,7 +26,10 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[1]
 PLUGIN = ROOT / "tests" / "plugin_package"
-SHIPPED = ("pyproject.toml", "README.md", "LICENSE", "voronec", "systems", "docs")
+SHIPPED = (
+    "pyproject.toml", "README.md", "LICENSE", "MANIFEST.in", "CITATION.cff", "CHANGELOG.md",
+    "voronec", "systems", "docs", "tests", "tools",
+)  # fmt: skip
 
 
 def copied(folder: Path) -> Path:
@@ -141,6 +145,59 @@ def test_an_editable_install_sees_a_new_file_at_once(editable_home: Path, source
     finally:
         new.unlink()
     assert voronec(editable_home, "cite", "sleigh").stdout.startswith("@article{Chaplygin1911")
+
+
+def test_the_source_distribution_holds_what_is_built_and_no_tests(
+    sources: Path, tmp_path: Path
+) -> None:
+    build = "from setuptools import build_meta; build_meta.build_sdist(__import__('sys').argv[1])"
+    command = [sys.executable, "-c", build, str(tmp_path)]
+    subprocess.run(command, cwd=sources, check=True, capture_output=True)
+    (archive,) = tmp_path.glob("*.tar.gz")
+    with tarfile.open(archive) as inside:
+        names = {name.partition("/")[2] for name in inside.getnames()}
+        about = inside.extractfile(f"{archive.name.removesuffix('.tar.gz')}/PKG-INFO")
+        assert about is not None
+        said = about.read().decode()
+    assert {"LICENSE", "CITATION.cff", "CHANGELOG.md", "systems/sleigh.py"} <= names
+    assert not {name for name in names if name.startswith(("tests", "tools", "docs/systems"))}
+    assert "License-Expression: MIT" in said
+    assert "License ::" not in said
+
+
+def test_the_recipe_asks_for_what_the_project_asks_for() -> None:
+    recipe = (ROOT / "conda" / "meta.yaml").read_text()
+    asked = dict(re.findall(r"^    - ([\w.-]+) >=([\d.]+)$", recipe, re.MULTILINE))
+    called = {"matplotlib": "matplotlib-base", "symengine": "python-symengine"}
+    called["heyoka"] = "heyoka.py"
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    for requirement in project["dependencies"]:
+        name, bound = re.split(r"[>=;]+", requirement)[:2]
+        assert asked[called.get(name, name)] == bound
+    assert f'version: "{vo.__version__}"' in recipe
+    assert asked["python"] == project["requires-python"].removeprefix(">=")
+
+
+CITATION = (
+    "cff-version", "message", "type", "title", "version", "license", "authors", "abstract",
+    "keywords", "date-released", "repository-code", "url", "doi", "identifiers", "references",
+    "contact", "commit", "license-url", "preferred-citation", "repository", "repository-artifact",
+)  # fmt: skip
+"""The keys that version 1.2.0 of the Citation File Format knows."""
+
+
+def test_the_citation_has_what_its_format_asks_for() -> None:
+    text = (ROOT / "CITATION.cff").read_text()
+    found = dict(re.findall(r"^([\w-]+):(.*)$", text, re.MULTILINE))
+    assert found.keys() >= {"cff-version", "message", "title", "authors"}
+    assert found.keys() <= {*CITATION}
+    assert found["cff-version"].strip() == "1.2.0"
+    assert found["type"].strip() in ("software", "dataset")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert found["license"].strip() == project["license"]
+    assert re.findall(r'^  - name: "(.*)"$', text, re.MULTILINE) == [
+        author["name"] for author in project["authors"]
+    ]
 
 
 def test_every_folder_of_code_is_packaged() -> None:
