@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from voronec.declaration.quadratures import Plane, Quadratures, Space, Trace
     from voronec.declaration.relation import Limit, Relation, Square
     from voronec.declaration.scene import Parameter, Scene
+    from voronec.declaration.shapes import Shape
     from voronec.declaration.system import System
     from voronec.equations.linearisation import Linearisation, linearise
     from voronec.equations.reduction import Reduction, descend
@@ -120,6 +121,7 @@ _HOME = {
     "Trace": "voronec.declaration.quadratures",
     "Parameter": "voronec.declaration.scene",
     "Scene": "voronec.declaration.scene",
+    "Shape": "voronec.declaration.shapes",
     "System": "voronec.declaration.system",
     "kinematics": "voronec.kinematics",
 }
@@ -157,6 +159,7 @@ __all__ = [
     "Relation",
     "Scene",
     "Section",
+    "Shape",
     "Space",
     "Square",
     "System",

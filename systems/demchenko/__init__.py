@@ -195,6 +195,7 @@ SYSTEM = System(
             caption="A shell around a sphere of half its radius.",
         ),
     },
+    shapes=contact.shapes,
     drawing={"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")},
     motion=MOTION,
     references=("Demchenko1924", "DragovicGajicJovanovic2020", "Voronec1902", "Zhukovsky1893"),

@@ -40,8 +40,8 @@ def command_parser() -> argparse.ArgumentParser:
     parser.set_defaults(module=None)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for add in (
-        _list, _show, _derive, _explain, _judge, _regenerate, _run, _check, _compare, _graph,
-        _section, _gallery, _bench, _hard, _search, _new, _cite,
+        _list, _show, _derive, _explain, _judge, _regenerate, _run, _view, _check, _compare,
+        _graph, _section, _gallery, _bench, _hard, _search, _new, _cite,
     ):  # fmt: skip
         add(commands)
     return parser
@@ -142,6 +142,19 @@ def _run(commands: Any) -> None:
         metavar="FILE",
         help="a film of a ball rolling on a sphere: a .gif, an .mp4, or a .png for single frames",
     )
+
+
+def _view(commands: Any) -> None:
+    summary = "write one HTML page of a motion in space, which integrates by itself"
+    parser = _command(commands, "view", "view", summary)
+    _system(parser)
+    _setting(parser)
+    parser.add_argument(
+        "--times",
+        metavar="[START:]END[:N]",
+        help="other times than the scene's, at N instants (1001)",
+    )
+    parser.add_argument("--out", metavar="DIR", help="folder for the page, NAME.html (this one)")
 
 
 def _check(commands: Any) -> None:

@@ -48,6 +48,7 @@ from voronec.declaration.reading import (
     vanishing,
 )
 from voronec.declaration.scene import Parameter, Scene
+from voronec.declaration.shapes import MESH, Shape
 from voronec.errors import DefinitionError, did_you_mean
 
 __all__ = ["System", "bare", "require_possible", "require_system", "system_in"]
@@ -111,6 +112,9 @@ class System:
     drawing
         optional: a function of a trajectory that returns a matplotlib figure, or a mapping of
         titles to pairs (colatitude, longitude) of coordinates, drawn as traces on spheres.
+    shapes
+        ``Shape``: bodies, and surfaces that they roll on, with their places as expressions, for the
+        viewer (``voronec view``).
     motion
         ``Quadratures``: the motion in closed form, where there is one.
     meanings
@@ -155,6 +159,7 @@ class System:
     inputs: tuple[Any, ...] = ()
     assertions: Mapping[str, Any] = field(default_factory=dict)
     meanings: Mapping[Any, str] = field(default_factory=dict)
+    shapes: tuple[Shape, ...] = ()
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -176,6 +181,7 @@ class System:
         check_charts(self)
         check_motion(self)
         check_meanings(self)
+        check_shapes(self)
 
     def _check_kinds(self) -> None:
         """A fibration and a frame come ready made, invariants by name."""
@@ -234,6 +240,13 @@ class System:
                     f"motion is '{shown(self.motion)}'; write Quadratures(variable={{...}}, ...)"
                 )
             store("motion", self.motion.titled(self.drawing))
+        shapes = several(self.shapes, "shapes", "Shape.ball(radius, centre=(x, y, z))", Shape)
+        for shape in shapes:
+            if not isinstance(shape, Shape):
+                raise DefinitionError(
+                    f"shapes holds '{shown(shape)}'; write Shape.ball(radius, centre=(x, y, z))"
+                )
+        store("shapes", tuple(shapes))
         store("inputs", self._all_inputs())
         meanings = mapping(self.meanings, "meanings", "coordinate: 'in words'")
         named = {k if isinstance(k, str) else plain_name(k): v for k, v in meanings.items()}
@@ -388,6 +401,7 @@ def bare(system: System, name: str, **changes: Any) -> System:
         **without_claims(),
         **{x: {} for x in ("invariants", "scenes", "charts")},
         **dict.fromkeys(("drawing", "motion")),
+        "shapes": (),
     }
     return replace(system, name=name, **{**empty, **changes})
 
@@ -551,6 +565,19 @@ def check_charts(system: System) -> None:
             require_known(place, expr, {*system.known_symbols()} - {time})
         for expr in (chart.singular, chart.singular_there):
             require_known(f"{place}: singular", expr, resting)
+
+
+def check_shapes(system: System) -> None:
+    """Shapes are made of parameters, and placed by what is declared."""
+    known = {*system.known_symbols(), *system.invariant_symbols}
+    resting = {*MESH, *(p.symbol for p in system.parameters)}
+    for number, shape in enumerate(system.shapes, 1):
+        place = f"system '{system.name}': shape {shape.title or number}"
+        for expr in shape.expressions:
+            require_known(place, expr, known)
+        for patch in shape.patches:
+            for expr in patch.position:
+                require_known(f"{place}, its surface,", expr, resting)
 
 
 def check_relations(system: System) -> None:

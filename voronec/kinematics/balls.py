@@ -187,6 +187,7 @@ class RollingBall:
                 **vector_meanings(names, whose="the ball"),
                 **vector_meanings(map(str, GAMMA), NORMAL, "the ball"),
             },
+            "shapes": self.contact.shapes,
         }
 
     def _along_axes(self, vector: Vector) -> Vector:

@@ -11,7 +11,7 @@ with the moving frames B = [e_u e_v n] on the body and B1 on the fixed surface.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,6 +20,7 @@ import sympy as sp
 from voronec.algebra.arguments import instance, require
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import sympified
+from voronec.declaration.shapes import Shape
 from voronec.errors import DefinitionError
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rotations import distinct_names
@@ -86,6 +87,19 @@ class RollingContact:
         turned = self._turned(self.arm)
         reach = [a - b for a, b in zip(_support(self.fixed), turned, strict=True)]
         return self.fixed.frame * sp.ImmutableMatrix(reach)
+
+    @property
+    def shapes(self) -> tuple[Shape, ...]:
+        """The body and the fixed surface, as they are drawn; none of surfaces known by forms."""
+        if not (isinstance(self.body, Surface) and isinstance(self.fixed, Surface)):
+            return ()
+        body, fixed = (
+            Shape.surface(s.coordinates, s.position, s.ranges) for s in (self.body, self.fixed)
+        )
+        touched = tuple(self.fixed.position)
+        centre = tuple(self.centre)
+        moving = replace(body, centre=centre, attitude=self.attitude, contact=touched)
+        return moving, replace(fixed, role="ground")
 
     @cached_property
     def spin(self) -> Vector:

@@ -21,6 +21,8 @@ from voronec.kinematics.vectors import Vector, cross, dot, three
 
 __all__ = ["Surface"]
 
+HALF, WHOLE = (0, sp.pi), (0, 2 * sp.pi)
+
 
 @dataclass(frozen=True)
 class Surface:
@@ -37,6 +39,8 @@ class Surface:
     area
         the element of area W = L_u L_v sin(angle), for coordinates that are not orthogonal;
         its square is proved equal to E G - F^2.  A negative one turns n around.
+    ranges
+        between which numbers u and v run, two pairs, where the surface is bounded: for pictures.
 
     What is not given is a square root, taken positive.  Wrong lengths, a repeated symbol, a
     surface that moves with the time and one that is a curve or a point raise ``DefinitionError``.
@@ -46,6 +50,7 @@ class Surface:
     position: tuple[sp.Expr, sp.Expr, sp.Expr]
     lengths: tuple[sp.Expr, sp.Expr] | None = None
     area: sp.Expr | None = None
+    ranges: tuple[Any, Any] | None = None
 
     def __post_init__(self) -> None:
         store = object.__setattr__
@@ -71,7 +76,7 @@ class Surface:
         """
         reach = radius * sp.sin(u)
         position = (reach * sp.cos(v), reach * sp.sin(v), radius * sp.cos(u))
-        return cls((u, v), position, (radius, reach))
+        return cls((u, v), position, (radius, reach), ranges=(HALF, WHOLE))
 
     @classmethod
     def plane(cls, u: sp.Expr, v: sp.Expr) -> Surface:
@@ -87,7 +92,8 @@ class Surface:
         a, b, c = three(axes, "the semi-axes of an ellipsoid")
         x, y, z = sp.sin(u) * sp.cos(v), sp.sin(u) * sp.sin(v), sp.cos(u)
         slant = sp.sqrt((b * c * x) ** 2 + (a * c * y) ** 2 + (a * b * z) ** 2)
-        return cls((u, v), (a * x, b * y, c * z), area=slant * sp.sin(u))
+        position = (a * x, b * y, c * z)
+        return cls((u, v), position, area=slant * sp.sin(u), ranges=(HALF, WHOLE))
 
     @classmethod
     def torus(cls, radius: Any, tube: Any, u: sp.Expr, v: sp.Expr) -> Surface:
@@ -98,7 +104,7 @@ class Surface:
         """
         reach = radius + tube * sp.sin(u)
         position = (reach * sp.cos(v), reach * sp.sin(v), tube * sp.cos(u))
-        return cls((u, v), position, (tube, reach))
+        return cls((u, v), position, (tube, reach), ranges=(WHOLE, WHOLE))
 
     @classmethod
     def revolution(cls, profile: Sequence[Any], u: sp.Expr, v: sp.Expr) -> Surface:

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import mpmath
 import numpy as np
@@ -20,6 +20,9 @@ from voronec.declaration.whole_files import draft
 from voronec.errors import DefinitionError
 from voronec.motion.events import Crossings
 from voronec.motion.vocabulary import held_name
+
+if TYPE_CHECKING:
+    from voronec.motion.viewer.page import PageView
 
 __all__ = ["Cost", "Trajectory"]
 
@@ -185,6 +188,19 @@ class Trajectory:
         check_film(self.system, target)
         film(rolling_of(self), target)
         return target
+
+    def view(self, path: str | os.PathLike[str] | None = None) -> PageView:
+        """One HTML page of the motion in space, which needs no network and integrates by itself.
+
+        A notebook shows it; with ``path``, ``FILE.html``, it is written there.
+        ``DefinitionError`` where the system has no ``shapes``, where the trajectory does not hold
+        all coordinates and velocities, and where it is too long for a page.
+        """
+        from voronec.motion.viewer.page import view_of
+
+        if path is not None:
+            require("view", "path", path, PATH)
+        return view_of(self, path)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the times and outputs to ``path``: ``.csv``, or ``.npz`` with all that is known.

@@ -43,6 +43,7 @@ def specialised(
         **without_claims() | _kept_claims(system, at),
         scenes={k: _without(scene, names) for k, scene in system.scenes.items()},
         drawing=None,
+        shapes=(),
         motion=None,
     )
 

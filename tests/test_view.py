@@ -1,0 +1,196 @@
+"""The page of a motion: what it computes is what Python computes, and it is drawn and moves."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec.cli import main
+from voronec.equations.program import compiled
+from voronec.motion.viewer.page import LARGEST, Page
+
+NODE, BROWSER = shutil.which("node"), shutil.which("chromium") or shutil.which("google-chrome")
+needs_node = pytest.mark.skipif(NODE is None, reason="node is not installed")
+needs_browser = pytest.mark.skipif(BROWSER is None, reason="chromium is not installed")
+SHAPED = "gyroscopic-ball-on-sphere", "rubber-ball-on-plane"
+
+
+@cache
+def page_of(name: str, **given: Any) -> Page:
+    return Page(vo.integrate(vo.load(name), outputs=everything(name), **given))
+
+
+def everything(name: str) -> tuple[Any, ...]:
+    system = vo.load(name)
+    return (*system.coordinates, *system.velocities)
+
+
+def in_node(page: Page, last: str) -> Any:
+    """What the scripts of the page give for an expression."""
+    assert NODE is not None
+    script = f"{page.motion_script}\nprocess.stdout.write(JSON.stringify({last}));"
+    done = subprocess.run([NODE, "-"], input=script, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@needs_node
+@pytest.mark.parametrize("name", SHAPED)
+def test_rates_places_and_integrals_are_those_of_python(name: str) -> None:
+    page, random = page_of(name), np.random.default_rng(19)
+    program = page.program
+    width, constants = len(program.state), len(program.parameters)
+    states = random.uniform(0.3, 1.4, (100, width))
+    values = random.uniform(0.5, 1.5, (100, constants))
+    pairs = json.dumps([[*map(list, pair)] for pair in zip(states, values, strict=True)])
+    both = f"{pairs}.map(([y, p]) => [...program.rhs(0.7, y, p), ...program.extras(0.7, y, p)])"
+    rates, extras = compiled(program)
+    for row, y, p in zip(in_node(page, both), states, values, strict=True):
+        ours = [*rates(0.7, list(y), list(p)), *extras(0.7, list(y), list(p))]
+        np.testing.assert_allclose(row, ours, rtol=1e-12, atol=1e-12)
+
+
+@needs_node
+@pytest.mark.parametrize("name", SHAPED)
+def test_the_page_integrates_as_python_does(name: str) -> None:
+    page = page_of(name)
+    start, values = page.states[0].tolist(), [e["value"] for e in page.data["parameters"]]
+    motion = in_node(page, f"motionOf({json.dumps(start)}, {json.dumps(values)})")
+    assert motion["why"] == "" and len(motion["times"]) == len(page.trajectory.t)
+    np.testing.assert_allclose(motion["states"], page.states, rtol=1e-9, atol=1e-9)
+    assert {i["name"] for i in motion["integrals"]} == {*page.system.integrals}
+    assert all(i["drift"] < 1e-11 for i in motion["integrals"])
+
+
+@needs_node
+def test_the_contact_lies_on_both_bodies() -> None:
+    """The ball of radius R2 touches the sphere of radius R1 where the page says so."""
+    page = page_of("gyroscopic-ball-on-sphere")
+    poses = in_node(page, "Array.from(motionOf(DATA.start.map((e) => e.value), "
+                    "DATA.parameters.map((e) => e.value)).poses)")  # fmt: skip
+    ball = np.reshape(poses, (-1, 2, 15))[:, 0]
+    centre, attitude, contact = ball[:, :3], ball[:, 3:12].reshape(-1, 3, 3), ball[:, 12:]
+    values = page.trajectory.parameters
+    np.testing.assert_allclose(np.linalg.norm(contact, axis=1), values["R1"], rtol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(contact - centre, axis=1), values["R2"], rtol=1e-12)
+    identity = np.broadcast_to(np.eye(3), attitude.shape)
+    np.testing.assert_allclose(attitude @ attitude.transpose(0, 2, 1), identity, atol=1e-13)
+    # rolling: both traces are equally long
+    own = np.einsum("kji,kj->ki", attitude, contact - centre)
+    lengths = [np.linalg.norm(np.diff(x, axis=0), axis=1).sum() for x in (own, contact)]
+    assert lengths[0] == pytest.approx(lengths[1], rel=3e-4)
+
+
+@needs_node
+def test_a_motion_that_cannot_go_on_says_where() -> None:
+    page = page_of("rubber-ball-on-plane")
+    pole = "integrate((t, y) => [y[0] * y[0]], [0, 0.5, 2], [1], [])"
+    found = in_node(page, pole)
+    assert len(found["states"]) == 2 and re.search(r"at t = (1\.0000|0\.99999)", found["why"])
+
+
+def test_the_page_holds_all_that_it_needs() -> None:
+    text = page_of("gyroscopic-ball-on-sphere").text
+    assert len(text.encode()) < LARGEST
+    assert "default-src 'none'; script-src 'sha256-" in text and "unsafe" not in text[:2000]
+    assert not re.search(r"<(link|img|iframe)|\bsrc=|@import|url\(", text.split("<script>")[0])
+    assert "Permission is hereby granted" in text  # the licence of three.js
+
+
+def test_what_cannot_be_integrated_is_played_and_said_so() -> None:
+    system = vo.load("demchenko")
+    both = (*system.coordinates, *system.velocities)
+    page = Page(vo.integrate(system, times=[0, 1e5], outputs=both, method="closed-form"))
+    assert page.why_recorded == "the motion is longer than a page integrates"
+    assert page.data["recorded"] and not any(e["slides"] for e in page.data["start"])
+
+
+def test_a_title_ends_no_script() -> None:
+    x = sp.Symbol("x")
+    system = vo.System(
+        name="slide", title="</script><!--", fibration=vo.Fibration((x,)),
+        lagrangian=vo.velocity(x) ** 2 / 2, shapes=vo.Shape.ball(1, centre=(x, 0, 0)),
+    )  # fmt: skip
+    text = Page(vo.integrate(system, times=1.0, initial={vo.velocity(x): 1})).text
+    assert text.count("</script>") == 1 and "<!--" not in text
+
+
+@needs_browser
+def test_the_page_is_drawn_and_moves(tmp_path: Path) -> None:
+    file = tmp_path / "ball.html"
+    file.write_text(page_of("gyroscopic-ball-on-sphere").text, "utf-8")
+    shots = [screenshot(file, t) for t in (0.0, 20.0)]
+    for _, log in shots:
+        assert not re.search(r"Refused|Uncaught|SyntaxError|ERR_", log), log
+    early, late = (pixels for pixels, _ in shots)
+    stage = early[100:640, 40:850]
+    blue = (stage[..., 2] - stage[..., 0] > 30).mean()
+    assert blue > 0.01, "no ball is drawn"
+    assert (np.abs(early - late) > 30).any(axis=-1)[100:640, 40:850].mean() > 0.01
+
+
+def screenshot(file: Path, time: float) -> tuple[np.ndarray, str]:
+    """The pixels (rows, columns, 3) of the page at an instant, and what the browser says."""
+    from matplotlib.image import imread
+
+    assert BROWSER is not None
+    target = file.with_suffix(".png")
+    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--use-gl=angle",
+               "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--enable-logging=stderr",
+               "--window-size=1200,950", "--virtual-time-budget=3000", f"--screenshot={target}",
+               f"--user-data-dir={file.parent / 'profile'}", f"file://{file}#t={time}"]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    said = "\n".join(line for line in done.stderr.splitlines() if "CONSOLE" in line)
+    return 255 * imread(target)[..., :3].astype(float), said
+
+
+def test_what_has_no_page_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["view", "free-particle", "--out", str(tmp_path)]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "has no shape to be viewed; declare one" in said
+    long = ["--times", "0:5000:20000", "--out", str(tmp_path)]
+    assert main(["view", "demchenko", *long]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "too long for a page" in said
+    with pytest.raises(vo.DefinitionError, match=r"needs u, v, .* integrate without outputs"):
+        vo.integrate(vo.load("rubber-ball-on-plane"), outputs=("omega1",)).view()
+
+
+def test_a_page_is_written_and_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["view", "rubber-ball-on-plane", "--out", str(tmp_path), "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert Path(said["file"]).stat().st_size == said["bytes"] < LARGEST
+    shown = page_of("rubber-ball-on-plane").trajectory.view()
+    assert 'sandbox="allow-scripts"' in shown._repr_html_()
+    with pytest.raises(vo.DefinitionError, match=r"must end in \.html"):
+        page_of("rubber-ball-on-plane").trajectory.view(tmp_path / "page.txt")
+
+
+@pytest.mark.parametrize(
+    ("given", "wrong"),
+    [
+        ({"role": "star"}, "role 'star'; give one of body, ground"),
+        ({"centre": (1, 2)}, "centre of a shape has 2 components; give three"),
+        ({"attitude": sp.eye(2)}, "3 x 3 matrix"),
+        ({"centre": (sp.Symbol("z"), 0, 0)}, "contains 'z'"),
+    ],
+)
+def test_wrong_shapes_are_refused(given: dict[str, Any], wrong: str) -> None:
+    x = sp.Symbol("x")
+    with pytest.raises(vo.DefinitionError, match=wrong):
+        vo.System(
+            name="slide", fibration=vo.Fibration((x,)), lagrangian=vo.velocity(x) ** 2,
+            shapes=(vo.Shape.ball(1, **given),),
+        )  # fmt: skip

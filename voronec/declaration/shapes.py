@@ -1,0 +1,143 @@
+"""Shapes of bodies and surfaces, as they are drawn: patches, where they are, what they touch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.text import sympified
+from voronec.errors import DefinitionError, shown
+
+__all__ = ["MESH", "Patch", "Shape"]
+
+MESH = a, b = sp.symbols("mesh_a mesh_b")
+"""The two coordinates of every patch."""
+ROLES = "body", "ground"
+HALF, WHOLE = (0, sp.pi), (0, 2 * sp.pi)
+UNIT = (-1, 1)
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A piece of a surface: three functions of ``MESH`` and of parameters, and the ranges of the
+    two, pairs of numbers; None for what has no end."""
+
+    position: tuple[sp.Expr, ...]
+    ranges: tuple[Any, Any] | None = None
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A body, or a surface that bodies roll on, as a viewer draws it.
+
+    patches
+        what it consists of, in axes of its own.
+    centre, attitude
+        where the origin of these axes is in space, three expressions, and the matrix that takes
+        components along them to components in space; expressions of coordinates, velocities,
+        parameters and the time.
+    contact
+        the point in space at which it touches, three expressions: its trace is drawn on the body
+        and in space.
+    role
+        ``body``, or ``ground`` for what bodies roll on.  What holds the other inside is drawn as
+        glass.
+    title
+        what it is called.
+    """
+
+    patches: tuple[Patch, ...]
+    centre: tuple[Any, ...] = (0, 0, 0)
+    attitude: Any = None
+    contact: tuple[Any, ...] | None = None
+    role: str = "body"
+    title: str = ""
+
+    def __post_init__(self) -> None:
+        place = f"the shape '{shown(self.title)}'" if self.title else "a shape"
+        if self.role not in ROLES:
+            raise DefinitionError(
+                f"{place} has the role '{shown(self.role)}'; give one of {', '.join(ROLES)}"
+            )
+        turned = sp.eye(3) if self.attitude is None else sp.ImmutableMatrix(self.attitude)
+        if turned.shape != (3, 3):
+            raise DefinitionError(f"{place} has an attitude {turned.shape}; give a 3 x 3 matrix")
+        object.__setattr__(self, "attitude", sp.ImmutableMatrix(turned))
+        object.__setattr__(self, "centre", _three(self.centre, f"the centre of {place}"))
+        if self.contact is not None:
+            object.__setattr__(self, "contact", _three(self.contact, f"the contact of {place}"))
+
+    @property
+    def expressions(self) -> tuple[sp.Expr, ...]:
+        """All that changes with the state: centre, attitude row by row, contact."""
+        return (*self.centre, *self.attitude, *(self.contact or ()))
+
+    @classmethod
+    def ball(cls, radius: Any, **placed: Any) -> Shape:
+        """A ball about its centre."""
+        return cls.ellipsoid((radius, radius, radius), **placed)
+
+    @classmethod
+    def ellipsoid(cls, axes: Sequence[Any], **placed: Any) -> Shape:
+        """An ellipsoid with these semi-axes."""
+        x, y, z = _three(axes, "the semi-axes of a shape")
+        unit = (sp.sin(a) * sp.cos(b), sp.sin(a) * sp.sin(b), sp.cos(a))
+        return cls((Patch((x * unit[0], y * unit[1], z * unit[2]), (HALF, WHOLE)),), **placed)
+
+    @classmethod
+    def torus(cls, ring: Any, tube: Any, **placed: Any) -> Shape:
+        """A torus about its third axis: the circle of its tubes' middles, and a tube's radius."""
+        reach = ring + tube * sp.sin(a)
+        position = (reach * sp.cos(b), reach * sp.sin(b), tube * sp.cos(a))
+        return cls((Patch(position, (WHOLE, WHOLE)),), **placed)
+
+    @classmethod
+    def disc(cls, radius: Any, width: Any = None, **placed: Any) -> Shape:
+        """A disc or a wheel, its axle along the third axis; by default a tenth as wide as high."""
+        half = radius / 10 if width is None else width / 2
+        round_ = (radius * sp.cos(b), radius * sp.sin(b))
+        caps = [Patch((a * round_[0], a * round_[1], s * half), ((0, 1), WHOLE)) for s in (1, -1)]
+        return cls((Patch((*round_, a * half), (UNIT, WHOLE)), *caps), **placed)
+
+    @classmethod
+    def box(cls, lengths: Sequence[Any], **placed: Any) -> Shape:
+        """A box with edges of these lengths, about its middle."""
+        halves = [length / 2 for length in _three(lengths, "the edges of a shape")]
+        faces = []
+        for k in range(3):
+            for side in UNIT:
+                unit = [a, b]
+                unit.insert(k, sympified(side))
+                parts = tuple(h * u for h, u in zip(halves, unit, strict=True))
+                faces.append(Patch(parts, (UNIT, UNIT)))
+        return cls(tuple(faces), **placed)
+
+    @classmethod
+    def plane(cls, **placed: Any) -> Shape:
+        """The plane z = 0, as far as the motion goes."""
+        return cls((Patch((a, b, sp.Integer(0))),), **{"role": "ground", **placed})
+
+    @classmethod
+    def surface(
+        cls,
+        coordinates: Sequence[Any],
+        position: Iterable[Any],
+        ranges: Sequence[Any] | None = None,
+        **placed: Any,
+    ) -> Shape:
+        """Any surface by its ``position``, three functions of two coordinates, whose ``ranges`` are
+        two pairs of numbers; without them it goes as far as the motion."""
+        named = dict(zip(coordinates, MESH, strict=True))
+        parts = _three(position, "the position of a shape")
+        pairs = None if ranges is None else (tuple(ranges[0]), tuple(ranges[1]))
+        return cls((Patch(tuple(e.xreplace(named) for e in parts), pairs),), **placed)
+
+
+def _three(values: Any, what: str) -> tuple[sp.Expr, ...]:
+    parts = tuple(values) if isinstance(values, Iterable) else (values,)
+    if len(parts) != 3:
+        raise DefinitionError(f"{what} has {len(parts)} components; give three")
+    return tuple(sympified(part, what) for part in parts)

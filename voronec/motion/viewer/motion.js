@@ -1,0 +1,56 @@
+// A motion of the page: from DATA, `program` and `integrate` to what is drawn.  Without a document,
+// so that Node can run it too.
+"use strict";
+
+const POSE = 15;
+
+function numbers(text) {
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  return new Float64Array(bytes.buffer);
+}
+
+// The motion with these values of parameters from this start: times, states, where the shapes are
+// and the integrals; `why` says what ended it early.
+function motionOf(start, parameters) {
+  const times = Array.from(numbers(DATA.times));
+  const found = DATA.recorded ? recordedStates(times.length) : integrate(program.rhs, times, start, parameters);
+  const count = found.states.length, shapes = DATA.shapes.length;
+  const poses = new Float64Array(count * shapes * POSE), rows = [];
+  for (let k = 0; k < count; k++) {
+    const extras = program.extras(times[k], found.states[k], parameters);
+    poses.set(extras.slice(0, shapes * POSE), k * shapes * POSE);
+    rows.push(extras.slice(shapes * POSE));
+  }
+  return { times: times.slice(0, count), whole: times.length, states: found.states, poses, shapes, why: found.why,
+    steps: found.steps, integrals: DATA.integrals.map((name, i) => changes(name, i, rows)) };
+}
+
+function recordedStates(count) {
+  const all = numbers(DATA.recorded), width = all.length / count;
+  return { states: Array.from({ length: count }, (_, k) => Array.from(all.subarray(k * width, (k + 1) * width))), why: "", steps: 0 };
+}
+
+// How an integral changes along the motion, in parts of itself, or of its terms where it is nothing
+// against them.
+function changes(name, place, rows) {
+  const first = rows[0][place], size = Math.abs(rows[0][place + DATA.integrals.length]);
+  const unit = Math.abs(first) > 1e-6 * size ? Math.abs(first) : size || 1;
+  const along = rows.map((row) => (row[place] - first) / unit);
+  return { name, value: first, along, drift: along.reduce((most, x) => (Math.abs(x) > most ? Math.abs(x) : most), 0) };
+}
+
+// Centre, attitude (rows) and contact of shape `i` at the place `at` between instants: straight lines
+// between these, and the attitude made orthogonal again.
+function poseAt(motion, i, at) {
+  const k = Math.min(Math.floor(at), motion.times.length - 1), next = Math.min(k + 1, motion.times.length - 1);
+  const share = at - k, a = (k * motion.shapes + i) * POSE, b = (next * motion.shapes + i) * POSE;
+  const pose = new Array(POSE);
+  for (let j = 0; j < POSE; j++) pose[j] = motion.poses[a + j] * (1 - share) + motion.poses[b + j] * share;
+  const x = [pose[3], pose[6], pose[9]], y = [pose[4], pose[7], pose[10]];
+  const unit = (v) => { const n = Math.hypot(...v) || 1; return v.map((c) => c / n); };
+  const ex = unit(x), along = ex[0] * y[0] + ex[1] * y[1] + ex[2] * y[2];
+  const ey = unit(y.map((c, j) => c - along * ex[j]));
+  const ez = [ex[1] * ey[2] - ex[2] * ey[1], ex[2] * ey[0] - ex[0] * ey[2], ex[0] * ey[1] - ex[1] * ey[0]];
+  for (let j = 0; j < 3; j++) { pose[3 + 3 * j] = ex[j]; pose[4 + 3 * j] = ey[j]; pose[5 + 3 * j] = ez[j]; }
+  return pose;
+}

@@ -1,0 +1,277 @@
+"""One HTML page of a motion: it holds all that it needs, and asks no network for anything."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voronec.algebra.symbols import names_in, plain_name
+from voronec.declaration.shapes import Shape
+from voronec.declaration.whole_files import draft
+from voronec.equations.program import Program, javascript_source
+from voronec.equations.voronec_equations import derive
+from voronec.errors import DefinitionError, IntegrationError
+from voronec.motion.viewer.page_program import mesh_source, page_program
+from voronec.motion.vocabulary import Vocabulary
+
+if TYPE_CHECKING:
+    from voronec.declaration.system import System
+    from voronec.motion.trajectory import Trajectory
+
+__all__ = ["LARGEST", "Page", "PageView", "check_shapes", "view_of"]
+
+LARGEST = 900_000
+"""How many bytes a page may have."""
+LONG = 2000.0
+"""For longer than that a page would compute too long a time, and too inaccurately."""
+SECONDS = 25.0
+"""About how long a page plays a motion."""
+
+
+def check_shapes(system: System) -> None:
+    """``DefinitionError`` where nothing of the system can be drawn."""
+    if not system.shapes:
+        raise DefinitionError(
+            f"system '{system.name}' has no shape to be viewed; declare one, such as "
+            "shapes=(Shape.ball(R, centre=(x, y, R), attitude=rotation.matrix), Shape.plane())"
+        )
+
+
+@dataclass(frozen=True)
+class Page:
+    """The page of a trajectory, which holds all coordinates and velocities of the equations.
+
+    It integrates the equations itself, and again where somebody moves a slider.  What it cannot
+    integrate - inputs, walls, changes of coordinates on the way, a long time - it plays from the
+    instants of the trajectory, and says so.  ``caption`` says what there is to see.
+    """
+
+    trajectory: Trajectory
+    caption: str = ""
+
+    @property
+    def system(self) -> System:
+        """What moves."""
+        return self.trajectory.system
+
+    @cached_property
+    def vocabulary(self) -> Vocabulary:
+        """The names of its equations."""
+        return Vocabulary.of(derive(self.system))
+
+    @cached_property
+    def program(self) -> Program:
+        """What the page computes."""
+        return page_program(self.vocabulary, self.system.shapes)
+
+    @cached_property
+    def states(self) -> np.ndarray:
+        """The states of the program (instants, variables) along the trajectory."""
+        names = [str(x) for x in self.program.state]
+        try:
+            columns = [np.asarray(self.trajectory[name], dtype=float) for name in names]
+        except DefinitionError:
+            raise DefinitionError(
+                f"system '{self.system.name}': a page needs {', '.join(names)}, and the trajectory "
+                "holds less; integrate without outputs=..."
+            ) from None
+        return np.stack(columns, axis=1)
+
+    @property
+    def span(self) -> float:
+        """How long the motion takes."""
+        return abs(float(self.trajectory.t[-1] - self.trajectory.t[0]))
+
+    @cached_property
+    def why_recorded(self) -> str:
+        """Why the page plays what was computed, and does not integrate; empty where it does."""
+        program, cost = self.program, self.trajectory.cost
+        if self.span > LONG:
+            return "the motion is longer than a page integrates"
+        if program.inputs:
+            return "inputs move the system"
+        if program.is_rough:
+            return "the equations have walls"
+        if cost.switches:
+            return "the coordinates were changed on the way"
+        return ""
+
+    @cached_property
+    def parts(self) -> Mapping[str, str]:
+        """The scripts of the page but for three.js and what needs a document, in order."""
+        folder = files(__package__)
+        return {
+            "program": _closed(javascript_source(self.program)),
+            "mesh": _closed(mesh_source(self.system.shapes, self.vocabulary)),
+            "DATA": _json(self.data),
+            "dop853": (folder / "dop853.js").read_text("utf-8"),
+            "motion": (folder / "motion.js").read_text("utf-8"),
+        }
+
+    @property
+    def motion_script(self) -> str:
+        """Everything that computes: ``motionOf(start, parameters)`` is the motion."""
+        named = ("program", "mesh", "DATA")
+        held = "".join(f"const {name} = {self.parts[name]};\n" for name in named)
+        return held + self.parts["dop853"] + self.parts["motion"]
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        """What is particular to this motion."""
+        self._require_values()
+        recorded = self.why_recorded
+        start = self.states[0]
+        bound = set().union(*map(names_in, self.system.fibration.relations), ())
+        tied = {plain_name(x) for x in bound}
+        values = self.trajectory.parameters
+        return {
+            "title": self.system.title or self.system.name,
+            "caption": self.caption,
+            "source": f"Recorded: {recorded}."
+            if recorded
+            else "The page integrates the equations of motion itself: move a slider.",
+            "times": _packed(self.trajectory.t),
+            "recorded": _packed(self.states) if recorded else "",
+            "start": [
+                self._entry(i, str(x), value, not recorded and str(x) not in tied)
+                for i, (x, value) in enumerate(zip(self.program.state, start, strict=True))
+            ],
+            "parameters": [
+                self._entry(i, str(p), float(values[str(p)]), not recorded and str(p) not in tied)
+                for i, p in enumerate(self.program.parameters)
+            ],
+            "integrals": [
+                name.removeprefix("integral ")
+                for name in self.program.names
+                if name.startswith("integral ")
+            ],
+            "shapes": [_drawn(shape) for shape in self.system.shapes],
+            "pace": 1.0 if SECONDS / 5 <= self.span <= 2 * SECONDS else self.span / SECONDS,
+        }
+
+    def _require_values(self) -> None:
+        missing = [str(p) for p in self.program.parameters
+                   if str(p) not in self.trajectory.parameters]  # fmt: skip
+        if missing:
+            raise DefinitionError(
+                f"system '{self.system.name}': a page needs a value of {', '.join(missing)}; "
+                "integrate with parameters={...}"
+            )
+
+    def _entry(self, place: int, name: str, value: float, slides: bool) -> dict[str, Any]:
+        """One number that a slider moves."""
+        own = next((p for p in self.system.parameters if p.name == name), None)
+        positive = own is not None and own.is_positive
+        reach = 2 * abs(value) or 1.0
+        low, high = (value / 10, 3 * value) if positive else (value - reach, value + reach)
+        if own is not None:
+            low = low if own.lower is None else max(low, float(own.lower))
+            high = high if own.upper is None else min(high, float(own.upper))
+        meaning = own.meaning if own is not None else self.system.meanings.get(name, "")
+        return {
+            "place": place, "name": name, "value": float(value), "meaning": meaning,
+            "low": low, "high": high, "positive": positive, "slides": slides,
+        }  # fmt: skip
+
+    @cached_property
+    def text(self) -> str:
+        """The page.  ``DefinitionError`` where the scene is too long for one."""
+        folder = files(__package__)
+        style, page = (folder / "page.css").read_text("utf-8"), (folder / "page.html").read_text()
+        three, viewer = ((folder / f).read_text("utf-8") for f in ("three.min.js", "viewer.js"))
+        script = _inline("\n".join((three, self.motion_script, viewer)))
+        policy = (
+            f"default-src 'none'; script-src '{_digest(script)}'; style-src '{_digest(style)}'; "
+            "base-uri 'none'; form-action 'none'"
+        )
+        title = html.escape(self.system.title or self.system.name)
+        parts = {"POLICY": policy, "TITLE": title, "STYLE": style, "SCRIPT": script}
+        for name, part in parts.items():
+            page = page.replace(f"@{name}@", part, 1)
+        if len(page.encode()) > LARGEST:
+            raise DefinitionError(
+                f"system '{self.system.name}': the scene is too long for a page, "
+                f"{len(self.trajectory.t)} instants; give fewer times"
+            )
+        return page
+
+
+@dataclass(frozen=True)
+class PageView:
+    """A page that a notebook shows, in a frame of its own; ``text`` is the page."""
+
+    text: str = field(repr=False)
+
+    def _repr_html_(self) -> str:
+        quoted = html.escape(self.text, quote=True)
+        return (
+            f'<iframe srcdoc="{quoted}" sandbox="allow-scripts" width="100%" height="780" '
+            'style="border:0"></iframe>'
+        )
+
+
+def view_of(trajectory: Trajectory, path: str | os.PathLike[str] | None) -> PageView:
+    """The page of a trajectory, written to ``path`` if there is one."""
+    check_shapes(trajectory.system)
+    target = None if path is None else Path(path)
+    if target is not None and target.suffix != ".html":
+        raise DefinitionError(f"'{target.name}' must end in .html")
+    if target is not None and not target.parent.is_dir():
+        raise DefinitionError(f"there is no folder '{target.parent}' to write into")
+    view = PageView(Page(trajectory).text)
+    if target is not None:
+        with draft(target) as new:
+            new.write_text(view.text, "utf-8")
+    return view
+
+
+def _drawn(shape: Shape) -> dict[str, Any]:
+    """What the page is told of a shape; where it is, the program says."""
+    ranges = [
+        None if p.ranges is None else [[float(x) for x in pair] for pair in p.ranges]
+        for p in shape.patches
+    ]
+    return {
+        "title": shape.title,
+        "role": shape.role,
+        "contact": shape.contact is not None,
+        "patches": ranges,
+    }
+
+
+def _closed(module: str) -> str:
+    """A module's functions as one object, for a page that has no modules."""
+    body = module.replace("export function ", "function ").replace("export const ", "const ")
+    return f"(() => {{\n{body}\nreturn {{ rhs, extras }};\n}})()"
+
+
+def _packed(numbers: Any) -> str:
+    """Doubles as they lie in memory, little-endian, in base 64."""
+    return base64.b64encode(np.ascontiguousarray(numbers, dtype="<f8").tobytes()).decode()
+
+
+def _json(data: Any) -> str:
+    try:
+        return json.dumps(data, allow_nan=False)
+    except ValueError:
+        raise IntegrationError("the motion holds values that are not finite", None, None) from None
+
+
+def _inline(script: str) -> str:
+    """A script that does not end before its end, whatever names and titles it quotes."""
+    return script.replace("</", "<\\/").replace("<!--", "<\\!--")
+
+
+def _digest(text: str) -> str:
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()

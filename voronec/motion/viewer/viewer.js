@@ -1,0 +1,451 @@
+// The page: bodies in space, the controls, the curves of the integrals.
+"use strict";
+
+const one = (id) => document.getElementById(id);
+const INK = 0x1f4e8c, MARK = 0xc2371c;
+const COLOURS = { body: [0xe6eef7, 0x9dbbdc], ground: [0xf7f2e8, 0xe9dfcb] };
+const now = { parameters: [], start: [], motion: null, at: 0, playing: true, pace: 1, spent: 0, frames: 0, dirty: true };
+const camera = { turn: 0.9, height: 0.45, far: 5, middle: [0, 0, 0] };
+let home = null;
+
+function fail(text) {
+  one("message").textContent = text;
+  one("message").hidden = !text;
+}
+window.addEventListener("error", (event) => {
+  document.documentElement.dataset.error = event.message;
+  fail(event.message);
+});
+
+// --- shapes -------------------------------------------------------------------------------------
+
+function extent(motion) {
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  const hold = (x, y, z, r) => [x, y, z].forEach((c, j) => {
+    if (c - r < low[j]) low[j] = c - r;
+    if (c + r > high[j]) high[j] = c + r;
+  });
+  DATA.shapes.forEach((shape, i) => {
+    if (shape.patches.some((patch) => !patch)) return;
+    const size = sizeOf(i);
+    for (let k = 0; k < motion.times.length; k++) {
+      const p = (k * motion.shapes + i) * POSE;
+      hold(motion.poses[p], motion.poses[p + 1], motion.poses[p + 2], size);
+    }
+  });
+  if (low[0] === Infinity) hold(0, 0, 0, 1);
+  return { low, high, size: Math.max(high[0] - low[0], high[1] - low[1], high[2] - low[2]) };
+}
+
+function pointsOf(place) {
+  return (a, b) => mesh.extras(0, [a, b], now.parameters).slice(3 * place, 3 * place + 3);
+}
+
+const first = [];
+DATA.shapes.reduce((sum, shape) => (first.push(sum), sum + shape.patches.length), 0);
+
+function sizeOf(i) {
+  let most = 0;
+  DATA.shapes[i].patches.forEach((ranges, p) => {
+    const point = pointsOf(first[i] + p);
+    for (let a = 0; a <= 8; a++) for (let b = 0; b <= 8; b++) {
+      const at = point(ranges[0][0] + ((ranges[0][1] - ranges[0][0]) * a) / 8, ranges[1][0] + ((ranges[1][1] - ranges[1][0]) * b) / 8);
+      most = Math.max(most, Math.hypot(...at));
+    }
+  });
+  return most;
+}
+
+// The largest of 1, 2, 5 times a power of ten that is not above `most`.
+function roundNumber(most) {
+  const power = 10 ** Math.floor(Math.log10(most));
+  return power * [5, 2, 1].find((digit) => digit * power <= most * (1 + 1e-9));
+}
+
+// A patch as triangles, chequered so that one sees it turn.
+function patchGeometry(place, ranges, box, colours) {
+  const point = pointsOf(place);
+  let spans = ranges, cells = [24, 48], every = [3, 4];
+  if (!spans) {
+    const step = roundNumber(box.size / 4);
+    spans = [0, 1].map((j) => [step * (Math.floor(box.low[j] / step) - 1), step * (Math.ceil(box.high[j] / step) + 1)]);
+    cells = spans.map((s) => 2 * Math.round((s[1] - s[0]) / step));
+    every = [1, 1];
+  }
+  const grid = [];
+  for (let i = 0; i <= cells[0]; i++) for (let j = 0; j <= cells[1]; j++) {
+    grid.push(point(spans[0][0] + ((spans[0][1] - spans[0][0]) * i) / cells[0], spans[1][0] + ((spans[1][1] - spans[1][0]) * j) / cells[1]));
+  }
+  const smooth = new THREE.BufferGeometry(), index = [], width = cells[1] + 1;
+  for (let i = 0; i < cells[0]; i++) for (let j = 0; j < cells[1]; j++) {
+    const c = i * width + j;
+    index.push(c, c + width, c + 1, c + 1, c + width, c + width + 1);
+  }
+  smooth.setAttribute("position", new THREE.BufferAttribute(new Float32Array(grid.flat()), 3));
+  smooth.setIndex(index);
+  smooth.computeVertexNormals();
+  const flat = smooth.toNonIndexed(), paint = new Float32Array(index.length * 3);
+  const tones = colours.map((c) => new THREE.Color(c));
+  for (let i = 0; i < cells[0]; i++) for (let j = 0; j < cells[1]; j++) {
+    const tone = tones[(Math.floor(i / every[0]) + Math.floor(j / every[1])) % 2];
+    for (let v = 0; v < 6; v++) paint.set([tone.r, tone.g, tone.b], ((i * cells[1] + j) * 6 + v) * 3);
+  }
+  flat.setAttribute("color", new THREE.BufferAttribute(paint, 3));
+  return flat;
+}
+
+// A thin tube along points; SEGMENT of its indices belong to each pair of neighbours.
+const SIDES = 5, SEGMENT = 6 * SIDES;
+function tubeGeometry(points, radius) {
+  const count = points.length, where = new Float32Array(count * SIDES * 3), index = [];
+  let normal = [0, 0, 1];
+  for (let k = 0; k < count; k++) {
+    const a = points[Math.max(k - 1, 0)], b = points[Math.min(k + 1, count - 1)];
+    const d = [b[0] - a[0], b[1] - a[1], b[2] - a[2]], length = Math.hypot(...d);
+    const t = length > 0 ? d.map((c) => c / length) : [1, 0, 0];
+    const cross = (p, q) => [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
+    let side = cross(t, normal), n = Math.hypot(...side);
+    if (n < 1e-3) { side = cross(t, Math.abs(t[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0]); n = Math.hypot(...side); }
+    side = side.map((c) => c / n);
+    normal = cross(side, t);
+    for (let s = 0; s < SIDES; s++) {
+      const c = radius * Math.cos((2 * Math.PI * s) / SIDES), z = radius * Math.sin((2 * Math.PI * s) / SIDES);
+      where.set(points[k].map((x, j) => x + c * side[j] + z * normal[j]), (k * SIDES + s) * 3);
+      if (k + 1 < count) {
+        const p = k * SIDES + s, q = k * SIDES + ((s + 1) % SIDES);
+        index.push(p, q, p + SIDES, q, q + SIDES, p + SIDES);
+      }
+    }
+  }
+  const tube = new THREE.BufferGeometry();
+  tube.setAttribute("position", new THREE.BufferAttribute(where, 3));
+  tube.setIndex(index);
+  return tube;
+}
+
+// --- the scene ----------------------------------------------------------------------------------
+
+const scene = new THREE.Scene(), eye = new THREE.PerspectiveCamera(35, 1, 0.1, 100);
+const sun = new THREE.DirectionalLight(0xffffff, 1.5), sky = new THREE.HemisphereLight(0xffffff, 0xb8ae9c, 1.7);
+eye.up.set(0, 0, 1);
+scene.add(sky, sun);
+let renderer = null, drawn = [];
+
+function begin() {
+  try {
+    renderer = new THREE.WebGLRenderer({ canvas: one("view"), antialias: true });
+  } catch (error) {
+    document.documentElement.dataset.webgl = "none";
+    fail("This browser draws nothing in space (no WebGL); time and integrals are shown all the same.");
+    return;
+  }
+  renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+  renderer.setClearColor(0xffffff);
+}
+
+// Whether shape `i` holds another within: then it is of glass.
+function holds(i, motion, sizes) {
+  return DATA.shapes.some((other, j) => {
+    if (i === j || !(sizes[i] > sizes[j])) return false;
+    const p = i * POSE, q = j * POSE, c = motion.poses;
+    return Math.hypot(c[p] - c[q], c[p + 1] - c[q + 1], c[p + 2] - c[q + 2]) < sizes[i] && Boolean(DATA.shapes[i].contact || other.contact);
+  });
+}
+
+function build(motion) {
+  drawn.forEach((thing) => {
+    scene.remove(thing.group, ...thing.beside);
+    [...thing.group.children, ...thing.beside].forEach((m) => { m.geometry.dispose(); m.material.dispose(); });
+  });
+  const box = extent(motion), thin = box.size / 330;
+  const sizes = DATA.shapes.map((shape, i) => (shape.patches.some((p) => !p) ? 0 : sizeOf(i)));
+  drawn = DATA.shapes.map((shape, i) => {
+    const group = new THREE.Group(), beside = [], traces = [];
+    group.matrixAutoUpdate = false;
+    const glass = holds(i, motion, sizes);
+    shape.patches.forEach((ranges, p) => {
+      const look = { vertexColors: true, side: THREE.DoubleSide, transparent: glass, opacity: glass ? 0.3 : 1, depthWrite: !glass, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
+      const part = new THREE.Mesh(patchGeometry(first[i] + p, ranges, box, COLOURS[shape.role]), new THREE.MeshLambertMaterial(look));
+      part.renderOrder = glass ? 2 : 0;
+      group.add(part);
+    });
+    if (shape.contact) {
+      const own = [], space = [];
+      for (let k = 0; k < motion.times.length; k++) {
+        const c = motion.poses.subarray((k * motion.shapes + i) * POSE, (k * motion.shapes + i + 1) * POSE);
+        const away = [c[12] - c[0], c[13] - c[1], c[14] - c[2]];
+        space.push([c[12], c[13], c[14]]);
+        own.push([0, 1, 2].map((j) => c[3 + j] * away[0] + c[6 + j] * away[1] + c[9 + j] * away[2]));
+      }
+      const line = (points, colour) => {
+        const made = new THREE.Mesh(tubeGeometry(points, thin), new THREE.MeshLambertMaterial({ color: colour, side: THREE.DoubleSide }));
+        made.frustumCulled = false;
+        traces.push(made.geometry);
+        return made;
+      };
+      const spot = new THREE.Mesh(new THREE.SphereGeometry(2.6 * thin, 16, 12), new THREE.MeshLambertMaterial({ color: MARK }));
+      group.add(line(own, INK));
+      beside.push(line(space, MARK), spot);
+    }
+    scene.add(group, ...beside);
+    return { group, beside, traces, spot: beside[1], sized: shape.patches.some((p) => !p) };
+  });
+  if (!home) {
+    home = { turn: 0.9, height: 0.45, far: 1.5 * box.size, middle: box.low.map((c, j) => (c + box.high[j]) / 2) };
+    Object.assign(camera, home);
+  }
+  eye.near = box.size / 200;
+  eye.far = 60 * box.size;
+}
+
+function look() {
+  const { turn, height, far } = camera, middle = camera.middle.slice();
+  const moving = DATA.shapes.findIndex((shape) => shape.role === "body");
+  if (one("follow").checked && moving >= 0) poseAt(now.motion, moving, now.at).slice(0, 3).forEach((c, j) => { middle[j] = c; });
+  const aside = far * Math.cos(height);
+  eye.position.set(middle[0] + aside * Math.cos(turn), middle[1] + aside * Math.sin(turn), middle[2] + far * Math.sin(height));
+  eye.lookAt(...middle);
+  sun.position.copy(eye.position).add(new THREE.Vector3(-far * Math.sin(turn), far * Math.cos(turn), far));
+}
+
+function place() {
+  const k = Math.floor(now.at);
+  drawn.forEach((thing, i) => {
+    const c = poseAt(now.motion, i, now.at);
+    thing.group.matrix.set(c[3], c[4], c[5], c[0], c[6], c[7], c[8], c[1], c[9], c[10], c[11], c[2], 0, 0, 0, 1);
+    thing.group.matrixWorldNeedsUpdate = true;
+    thing.traces.forEach((trace) => trace.setDrawRange(0, SEGMENT * k));
+    if (thing.spot) thing.spot.position.set(c[12], c[13], c[14]);
+  });
+}
+
+function resize() {
+  const stage = one("stage"), wide = stage.clientWidth, high = stage.clientHeight;
+  if (renderer) renderer.setSize(wide, high, false);
+  eye.aspect = wide / Math.max(high, 1);
+  eye.updateProjectionMatrix();
+  drawCurves();
+  draw(); // at once: what is sized anew is empty
+}
+
+// --- curves -------------------------------------------------------------------------------------
+
+let curves = null;
+const ROW = 64;
+
+function drawCurves() {
+  const canvas = one("curves"), motion = now.motion;
+  if (!motion) return;
+  const wide = canvas.clientWidth || 800, high = ROW * motion.integrals.length, ratio = window.devicePixelRatio || 1;
+  canvas.style.height = `${high}px`;
+  canvas.width = wide * ratio;
+  canvas.height = Math.max(high * ratio, 1);
+  curves = document.createElement("canvas");
+  curves.width = canvas.width;
+  curves.height = canvas.height;
+  const pen = curves.getContext("2d");
+  pen.scale(ratio, ratio);
+  pen.font = "13px system-ui, sans-serif";
+  motion.integrals.forEach((integral, i) => {
+    const top = ROW * i, scale = integral.drift || 1, middle = top + 40;
+    pen.fillStyle = "#1d2733";
+    pen.fillText(`${integral.name} = ${integral.value.toPrecision(8)}; changes by ${integral.drift.toExponential(1)} of itself`, 4, top + 15);
+    pen.strokeStyle = "#d5dce4";
+    pen.strokeRect(0.5, top + 20.5, wide - 1, ROW - 25);
+    pen.strokeStyle = "#1f4e8c";
+    pen.beginPath();
+    integral.along.forEach((x, k) => pen.lineTo((wide * k) / Math.max(motion.whole - 1, 1), middle - (17 * x) / scale));
+    pen.stroke();
+  });
+}
+
+function drawCursor() {
+  const canvas = one("curves"), pen = canvas.getContext("2d");
+  if (!curves || !canvas.height || !now.motion.integrals.length) return;
+  pen.clearRect(0, 0, canvas.width, canvas.height);
+  pen.drawImage(curves, 0, 0);
+  pen.fillStyle = "#c2371c";
+  pen.fillRect((canvas.width * now.at) / Math.max(now.motion.whole - 1, 1), 0, Math.max(1, canvas.width / 900), canvas.height);
+}
+
+// --- motion and controls ------------------------------------------------------------------------
+
+function recompute() {
+  const motion = motionOf(now.start, now.parameters);
+  now.motion = motion;
+  document.documentElement.dataset.frames = motion.times.length;
+  fail(motion.why ? `The motion ends early: ${motion.why}.` : "");
+  one("time").max = motion.times.length - 1;
+  now.at = Math.min(now.at, motion.times.length - 1);
+  if (renderer) build(motion);
+  drawCurves();
+  now.dirty = true;
+}
+
+let waiting = false;
+function changed() {
+  if (waiting) return;
+  waiting = true;
+  requestAnimationFrame(() => { waiting = false; recompute(); });
+}
+
+function slider(box, entry, values) {
+  const label = document.createElement("label"), said = document.createElement("span");
+  const range = document.createElement("input"), number = document.createElement("input");
+  label.className = "slider";
+  said.textContent = entry.meaning ? `${entry.name}: ${entry.meaning}` : entry.name;
+  Object.assign(range, { type: "range", min: entry.low, max: entry.high, step: "any", value: entry.value });
+  Object.assign(number, { type: "number", step: "any", value: Number(entry.value.toPrecision(6)) });
+  const set = (value, other) => {
+    if (!Number.isFinite(value) || (entry.positive && value <= 0)) return;
+    values[entry.place] = value;
+    other.value = other === number ? Number(value.toPrecision(6)) : value;
+    changed();
+  };
+  range.addEventListener("input", () => set(Number(range.value), number));
+  number.addEventListener("input", () => set(Number(number.value), range));
+  label.append(said, range, number);
+  box.append(label);
+}
+
+function controls() {
+  one("title").textContent = DATA.title;
+  one("caption").textContent = DATA.caption;
+  one("source").textContent = DATA.source;
+  for (const [name, values] of [["start", now.start], ["parameters", now.parameters]]) {
+    const box = one(name);
+    box.replaceChildren();
+    DATA[name].filter((entry) => entry.slides).forEach((entry) => slider(box, entry, values));
+    box.parentElement.hidden = !box.children.length;
+  }
+  one("restore").hidden = Boolean(DATA.recorded);
+}
+
+function restart() {
+  now.start = DATA.start.map((entry) => entry.value);
+  now.parameters = DATA.parameters.map((entry) => entry.value);
+  controls();
+}
+
+function play(on) {
+  now.playing = on;
+  if (on && now.at >= now.motion.times.length - 1) now.at = 0;
+  one("play").textContent = on ? "Pause" : "Play";
+}
+
+function step(count) {
+  play(false);
+  now.at = Math.max(0, Math.min(now.motion.times.length - 1, Math.round(now.at) + count));
+  now.dirty = true;
+}
+
+function turn(across, up) {
+  camera.turn -= across;
+  camera.height = Math.max(-1.5, Math.min(1.5, camera.height + up));
+  now.dirty = true;
+}
+
+function zoom(factor) {
+  camera.far *= factor;
+  now.dirty = true;
+}
+
+const KEYS = {
+  " ": () => play(!now.playing), ArrowLeft: () => step(-1), ArrowRight: () => step(1),
+  a: () => turn(-0.1, 0), d: () => turn(0.1, 0), w: () => turn(0, 0.08), s: () => turn(0, -0.08),
+  q: () => zoom(0.9), e: () => zoom(1 / 0.9), "+": () => faster(0.1), "-": () => faster(-0.1),
+};
+
+function faster(by) {
+  one("speed").value = Number(one("speed").value) + by;
+  pace();
+}
+
+function pace() {
+  now.pace = DATA.pace * 10 ** Number(one("speed").value);
+  one("pace").textContent = `${Number(now.pace.toPrecision(3))} / s`;
+}
+
+function listen() {
+  const view = one("view"), fingers = new Map();
+  one("play").addEventListener("click", () => play(!now.playing));
+  one("restore").addEventListener("click", () => { restart(); recompute(); });
+  one("home").addEventListener("click", () => { Object.assign(camera, home); now.dirty = true; });
+  one("speed").addEventListener("input", pace);
+  one("follow").addEventListener("change", () => { now.dirty = true; });
+  one("time").addEventListener("input", (event) => { play(false); now.at = Number(event.target.value); now.dirty = true; });
+  document.addEventListener("keydown", (event) => {
+    const busy = ["INPUT", "BUTTON", "SUMMARY"].includes(event.target.tagName);
+    if (busy || event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key]) return;
+    KEYS[event.key]();
+    event.preventDefault();
+  });
+  view.addEventListener("wheel", (event) => { zoom(Math.exp(event.deltaY / 800)); event.preventDefault(); }, { passive: false });
+  view.addEventListener("pointerdown", (event) => { fingers.set(event.pointerId, [event.clientX, event.clientY]); view.setPointerCapture(event.pointerId); });
+  for (const end of ["pointerup", "pointercancel"]) view.addEventListener(end, (event) => fingers.delete(event.pointerId));
+  view.addEventListener("pointermove", (event) => {
+    const before = fingers.get(event.pointerId);
+    if (!before) return;
+    const at = [event.clientX, event.clientY], other = [...fingers].find(([id]) => id !== event.pointerId);
+    if (other) zoom(Math.hypot(before[0] - other[1][0], before[1] - other[1][1]) / Math.max(1, Math.hypot(at[0] - other[1][0], at[1] - other[1][1])));
+    else turn((at[0] - before[0]) / 150, (at[1] - before[1]) / 150);
+    fingers.set(event.pointerId, at);
+  });
+  new ResizeObserver(resize).observe(one("stage"));
+}
+
+// The place among the instants that lies `span` of time later.
+function later(at, span) {
+  const times = now.motion.times;
+  let k = Math.min(Math.floor(at), times.length - 2), left = span + (at - k) * Math.abs(times[k + 1] - times[k]);
+  while (k < times.length - 2 && left > Math.abs(times[k + 1] - times[k])) { left -= Math.abs(times[k + 1] - times[k]); k += 1; }
+  return Math.min(k + left / Math.abs(times[k + 1] - times[k]), times.length - 1);
+}
+
+// Of an address that ends in #t=12.5 the page stands at that instant.
+function arrive() {
+  const wanted = Number((/^#t=(.+)$/.exec(location.hash) || [])[1]);
+  if (!Number.isFinite(wanted)) return;
+  play(false);
+  now.at = later(0, Math.abs(wanted - now.motion.times[0]));
+  draw();
+}
+
+let before = 0;
+function frame(stamp) {
+  requestAnimationFrame(frame);
+  const began = performance.now(), span = Math.min(stamp - before, 100) / 1000;
+  before = stamp;
+  if (now.playing && now.motion.times.length > 1) {
+    now.at = later(now.at, span * now.pace);
+    now.dirty = true;
+    if (now.at >= now.motion.times.length - 1) play(false);
+  }
+  if (!now.dirty) return;
+  draw();
+  now.spent += performance.now() - began;
+  document.documentElement.dataset.script = (now.spent / now.frames).toFixed(3);
+}
+
+function draw() {
+  now.dirty = false;
+  one("time").value = now.at;
+  one("clock").textContent = `t = ${now.motion.times[Math.floor(now.at)].toFixed(2)}`;
+  drawCursor();
+  if (renderer) {
+    place();
+    look();
+    renderer.render(scene, eye);
+  }
+  now.frames += 1;
+  document.documentElement.dataset.drawn = now.frames;
+}
+
+restart();
+begin();
+recompute();
+pace();
+resize();
+listen();
+arrive();
+requestAnimationFrame(frame);
