@@ -71,6 +71,13 @@ def test_the_referee_agrees() -> None:
         assert abs(value - other[q]) < sp.Float(10) ** -25
 
 
+def test_an_input_of_one_sign_is_refused() -> None:
+    """SymPy has written Max(-1, Min(1, u)) as Min(1, u) by then."""
+    up = sp.Symbol("up", positive=True)
+    with pytest.raises(vo.DefinitionError, match="a symbol of one sign"):
+        sleigh({v: sp.Max(-1, sp.Min(1, up))}, inputs=(up,))
+
+
 @pytest.mark.parametrize("direction", [z, m, DX**2, sp.Integer(1), "speed", velocity(z)])
 def test_what_is_no_velocity_is_refused(direction: Any) -> None:
     with pytest.raises(vo.DefinitionError, match="neither a coordinate nor a velocity") as caught:

@@ -258,6 +258,11 @@ class System:
         for thing in declared:
             if not is_symbolic_name(thing):
                 raise DefinitionError(f"the input '{shown(thing)}' is not a symbol, nor u(t)")
+            if thing.is_nonnegative or thing.is_nonpositive:
+                raise DefinitionError(
+                    f"the input '{shown(thing)}' is a symbol of one sign, by which SymPy shortens "
+                    "what holds it; an input may take any value: give a symbol without assumptions"
+                )
         functions = [p.symbol for p in self.parameters if not isinstance(p.symbol, sp.Symbol)]
         frame = self.frame
         held = [self.lagrangian, *self.constraints, *self.forces.values()]
