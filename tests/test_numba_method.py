@@ -11,8 +11,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.errors import DefinitionError, IntegrationError
-from voronec.motion.steppers import choice, numba_stepper
-from voronec.motion.steppers.kept_code import SOURCE
+from voronec.motion.steppers import choice, kept_code, numba_stepper
 
 pytest.importorskip("numba")
 
@@ -28,15 +27,15 @@ EVENTS = (vo.Event(x, "middle"), vo.Event(DX - 1, "fast", 1))
 
 
 @pytest.fixture(scope="module", autouse=True)
-def folder(tmp_path_factory):
+def cache(tmp_path_factory):
     """A cache of our own for all tests here, since to compile takes seconds."""
     place = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CACHE_HOME", str(place))
         patch.setenv("LOCALAPPDATA", str(place))
         patch.setenv("HOME", str(place))
-        numba_stepper._drive_of.cache_clear()
-        yield place
+        numba_stepper.compiled_loop.cache_clear()
+        yield
 
 
 def moved(method, inputs=0, **options):
@@ -95,23 +94,24 @@ def test_where_the_motion_ends_it_says_so():
     assert 0.99 < caught.value.time < 1.001
 
 
-def test_kept_code_is_read_and_damaged_code_is_named_and_made_anew(folder, monkeypatch):
-    first = moved("numba")
-    numba_stepper._drive_of.cache_clear()
+def test_kept_code_is_read_and_damaged_code_is_named_and_made_anew(monkeypatch):
+    first, read, folders = moved("numba"), kept_code._sound_source, []
+    monkeypatch.setattr(kept_code, "_sound_source", lambda f: folders.append(f) or read(f))
+    numba_stepper.compiled_loop.cache_clear()
     with monkeypatch.context() as patch, warnings.catch_warnings():
         warnings.simplefilter("error")
         patch.setattr(numba_stepper, "kernel_source", None)  # nothing is written anew
         assert (moved("numba")["x"] == first["x"]).all()
-    files = [p for p in folder.rglob("*.nbc") if p.stat().st_size > 1000]
-    assert files and all(p.parent.parent.joinpath(SOURCE).exists() for p in files)
+    files = [p for p in folders[0].rglob("*.nbc") if p.stat().st_size > 1000]
+    assert len(folders) == 1 and files and (folders[0] / kept_code.SOURCE).exists()
     for file in files:
         content = bytearray(file.read_bytes())
         content[len(content) // 2] ^= 1
         file.write_bytes(content)
-    numba_stepper._drive_of.cache_clear()
+    numba_stepper.compiled_loop.cache_clear()
     with pytest.warns(UserWarning, match="is damaged; it is made anew"):
         assert (moved("numba")["x"] == first["x"]).all()
-    numba_stepper._drive_of.cache_clear()
+    numba_stepper.compiled_loop.cache_clear()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert (moved("numba")["x"] == first["x"]).all()
@@ -127,3 +127,34 @@ def test_auto_takes_it_for_long_runs_where_heyoka_is_missing(monkeypatch):
     assert moved("auto").cost.method == "scipy"
     with pytest.raises(DefinitionError, match="pip install numba"):
         moved("numba", events=(vo.Event(x - 1),))
+
+
+def test_many_motions_and_sections_go_by_it_as_by_scipy():
+    starts = {"x": np.linspace(0.2, 1, 5), "xdot": 0.3}
+    both = [
+        vo.ensemble(PENDULUM, starts, times=TIMES, method=m, tol=1e-11, inputs={tau: 0})
+        for m in ("numba", "scipy")
+    ]
+    assert [e.cost.method for e in both] == ["numba", "scipy"] and both[0].finished.all()
+    assert both[0].cost.steps == both[1].cost.steps
+    assert np.abs(both[0]["x"] - both[1]["x"]).max() < 1e-11
+    here, there = (
+        vo.section(PENDULUM, x, crossings=20, starts=starts, method=m, tol=1e-11, inputs={tau: 0})
+        for m in ("numba", "scipy")
+    )
+    assert here.cost.method == "numba" and len(here.t) == len(there.t) >= 100
+    assert np.abs(here.t - there.t).max() < 1e-9
+
+
+def test_ensembles_take_it_where_heyoka_is_missing_and_motions_are_many(monkeypatch):
+    import voronec.motion.one_by_one as single
+
+    monkeypatch.setitem(sys.modules, "heyoka", None)
+    given = {"times": TIMES, "tol": 1e-11, "inputs": {tau: 0}}
+    assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "scipy"
+    monkeypatch.setattr(single, "COMPILED", 1000)
+    assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "numba"
+    monkeypatch.setitem(sys.modules, "numba", None)
+    assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "scipy"
+    with pytest.raises(DefinitionError, match="pip install numba"):
+        vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, method="numba", **given, outputs=("xdot",))

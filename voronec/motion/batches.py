@@ -1,4 +1,4 @@
-"""Carrying many motions with one compiled integrator: heyoka's lanes, or scipy's one by one.
+"""Carrying many motions with one compiled integrator: heyoka's lanes.
 
 A batch integrator takes one Taylor step of every lane in little more time than a step of one
 lane; it is compiled once, and its lanes are loaded again and again.
@@ -7,19 +7,18 @@ lane; it is compiled once, and its lanes are loaded again and again.
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from voronec.equations.program import Hoisted, Program, compiled, hoisted, taylor_system
+from voronec.equations.program import Hoisted, Program, hoisted, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
-from voronec.motion.methods import method_names
-from voronec.motion.steppers.first_step import STRIDE, openings, overlong_lanes
+from voronec.motion.methods import METHODS, method_names
+from voronec.motion.one_by_one import Look, StepSizes, Stopped, broken_off, is_lasting, ready
+from voronec.motion.steppers.first_step import openings, overlong_lanes
 from voronec.motion.steppers.run import COLLAPSE, INFINITE
 from voronec.motion.steppers.units import units_of_many
-from voronec.motion.tolerances import FINEST
 
 __all__ = [
     "PASSED",
@@ -28,64 +27,19 @@ __all__ = [
     "StepSizes",
     "Stopped",
     "along",
-    "along_scipy",
     "chosen",
-    "note_step",
     "require_method",
-    "strides",
 ]
 
 CHUNK = 20_000
 """Steps of all lanes between two looks at the keyboard."""
 COMPACT = 60.0
 """Above this weight heyoka compiles in its compact mode: seconds sooner, then half as fast."""
-COLLAPSED = 1e-3
-"""Steps are about as long as the way to the next singularity of a motion in complex time, so that
-this share of the longest one tells how near it passed, and how many digits were lost."""
 SINGULAR = 1e-6
 """A motion with so short a step is not to be trusted after it."""
 PIECE = 64
 """Points of the grid in the first piece; later ones follow the steps it took."""
 PASSED = "the motion passes a place where its equations are singular, or nearly,"
-
-Look = Callable[[], bool]
-"""Whether somebody asked to stop."""
-
-
-class Stopped(Exception):
-    """Somebody asked to stop; what a batch had begun is not finished."""
-
-
-@dataclass(frozen=True, eq=False)
-class StepSizes:
-    """The shortest and the longest step of each of some motions, and which of these took one that
-    was made too long by coefficients that vanish; ``stride`` is how long one is looked at."""
-
-    shortest: np.ndarray
-    longest: np.ndarray
-    overlong: np.ndarray
-    stride: np.ndarray
-
-    @classmethod
-    def of(cls, count: int) -> StepSizes:
-        """No steps yet."""
-        none = np.zeros(count, dtype=bool)
-        return cls(np.full(count, np.inf), np.zeros(count), none, np.full(count, STRIDE))
-
-    def begin(self, which: Any) -> None:
-        """Forget the steps of some motions: others take their places."""
-        self.shortest[which], self.longest[which] = np.inf, 0.0
-        self.overlong[which], self.stride[which] = False, STRIDE
-
-    def note(self, which: int, shortest: float, longest: float) -> None:
-        """Further steps of one motion."""
-        self.shortest[which] = min(self.shortest[which], shortest)
-        self.longest[which] = max(self.longest[which], longest)
-
-    def collapsed(self, which: int, share: float = COLLAPSED) -> bool:
-        """Whether the steps of a motion became so short that it must have passed a place where its
-        equations are singular, or nearly: a pole of coordinates, a zero of a divisor."""
-        return bool(self.shortest[which] < share * self.longest[which])
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,7 +227,7 @@ def _broken(ta: Any, block: np.ndarray, grid: np.ndarray) -> dict[int, Integrati
             good = np.isfinite(block[lane]).all(axis=1)
             last = int(np.argmin(good)) - 1 if not good.all() else len(grid) - 1
             block[lane, last + 1 :] = np.nan
-            found[lane] = _error(INFINITE, float(grid[last]), block[lane, last].copy())
+            found[lane] = broken_off(INFINITE, float(grid[last]), block[lane, last].copy())
     return found
 
 
@@ -294,79 +248,13 @@ def _one_interval(
         steps += sum(r[3] for r in ta.propagate_res)
         if not np.isfinite(ta.state).all():
             bad = [i for i in range(lanes.width) if not np.isfinite(ta.state[:, i]).all()]
-            return {i: _error(INFINITE, before[i], lanes.states[i]) for i in bad}, steps
+            return {i: broken_off(INFINITE, before[i], lanes.states[i]) for i in bad}, steps
         if all(r[0] == hy.taylor_outcome.time_limit for r in ta.propagate_res):
             return {}, steps
         moved = np.abs(ta.time - before) > 1e-13 * np.ptp(ends)
         stuck = [i for i in range(lanes.width) if ta.time[i] != ends[-1] and not moved[i]]
         if stuck:
-            return {i: _error(COLLAPSE, ta.time[i], lanes.states[i]) for i in stuck}, steps
-
-
-def _error(reason: str, time: float, state: np.ndarray) -> IntegrationError:
-    return IntegrationError(f"{reason} after t = {time:.12g}", float(time), state)
-
-
-def strides(
-    program: Program, state: np.ndarray, values: np.ndarray, time: float, end: float, tol: float
-) -> Iterator[Any]:
-    """scipy's DOP853 after each of its steps; ``IntegrationError`` where it cannot go on."""
-    from scipy.integrate import DOP853
-
-    rhs, constants = compiled(program, scalar=True)[0], values.tolist()
-
-    def derivative(t: float, y: np.ndarray) -> Any:
-        try:
-            return rhs(t, y.tolist(), constants)
-        except (ZeroDivisionError, ValueError, OverflowError):
-            # a trial step left the domain: the method then tries a shorter one
-            return np.full(len(y), np.nan)
-
-    finest = max(tol, FINEST)
-    least = finest * units_of_many(program, state[None], values[None])[0]
-    method = DOP853(derivative, time, state, end, rtol=finest, atol=least)
-    while method.status == "running":
-        good, reached = method.y.copy(), float(method.t)
-        with np.errstate(all="ignore"):
-            method.step()
-        if method.status == "failed":
-            raise _error(COLLAPSE, reached, good)
-        if not np.isfinite(method.y).all():
-            raise _error(INFINITE, reached, good)
-        yield method
-
-
-def along_scipy(
-    program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray, tol: float,
-    stopped: Look,
-) -> tuple[np.ndarray, IntegrationError | None, int, bool]:  # fmt: skip
-    """One motion along a grid: states (k, n), the error that ended it, steps, and whether these
-    collapsed."""
-    rows = np.full((len(grid), len(state)), np.nan)
-    rows[0], done, steps = state, 1, 0
-    if len(grid) == 1:
-        return rows, None, 0, False
-    order, sizes = np.sign(grid[-1] - grid[0]), StepSizes.of(1)
-    try:
-        for method in strides(program, state, values, float(grid[0]), float(grid[-1]), tol):
-            steps += 1
-            if stopped():
-                raise Stopped
-            note_step(sizes, method)
-            reached = int(np.searchsorted(order * grid, order * method.t, side="right"))
-            if reached > done:
-                rows[done:reached] = method.dense_output()(grid[done:reached]).T
-                done = reached
-    except IntegrationError as error:
-        return rows, error, steps, False
-    return rows, None, steps, sizes.collapsed(0)
-
-
-def note_step(sizes: StepSizes, method: Any) -> None:
-    """Take down a step of scipy's; the last one is cut."""
-    if method.status == "running":
-        length = abs(method.t - method.t_old)
-        sizes.note(0, length, length)
+            return {i: broken_off(COLLAPSE, ta.time[i], lanes.states[i]) for i in stuck}, steps
 
 
 def require_method(method: str) -> None:
@@ -379,14 +267,22 @@ def require_method(method: str) -> None:
 
 
 def chosen(
-    method: str, program: Program, tol: float, states: np.ndarray, values: np.ndarray
-) -> tuple[Lanes | None, str]:
-    """heyoka's lanes, or None for scipy; and why."""
+    method: str,
+    program: Program,
+    tol: float,
+    states: np.ndarray,
+    values: np.ndarray,
+    grid: np.ndarray | None = None,
+) -> tuple[Lanes | None, str, str]:
+    """heyoka's lanes, or None where motions go one by one; the method, and why.
+
+    ``grid`` are the times of all motions, where they are known.
+    """
     require_method(method)
     if not 0 < tol < 1:
         raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
-    if method == "scipy":
-        return None, "asked for"
+    if method in ("scipy", "numba"):
+        return None, ready(method, program), "asked for"
     try:
         lanes = lanes_of(program, tol, states, values)
     except ImportError:
@@ -394,9 +290,11 @@ def chosen(
             raise DefinitionError(
                 "heyoka is not installed; 'pip install heyoka', or use method='scipy'"
             ) from None
-        return None, "auto: heyoka is not installed"
+        lasting = is_lasting(program, tol, states, values, grid)
+        used = "numba" if METHODS["numba"].is_there and lasting else "scipy"
+        return None, ready(used, program), "auto: heyoka is not installed"
     except EngineLimit as limit:
         if method == "heyoka":
             raise
-        return None, f"auto: {limit}"
-    return lanes, "asked for" if method == "heyoka" else "auto: heyoka is installed"
+        return None, "scipy", f"auto: {limit}"
+    return lanes, "heyoka", "asked for" if method == "heyoka" else "auto: heyoka is installed"

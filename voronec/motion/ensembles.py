@@ -19,9 +19,10 @@ from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
-from voronec.motion.batches import Lanes, Stopped, along, along_scipy, chosen, require_method
+from voronec.motion.batches import Lanes, along, chosen, require_method
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.motion_pool import Many, at_each, drifts, many
+from voronec.motion.one_by_one import Stopped, along_one
 from voronec.motion.request import (  # fmt: skip
     Values,
     grid_of,
@@ -42,6 +43,8 @@ FEW = 20
 """Rows of the table that a notebook shows."""
 BATCHES = 8
 """How many times a worker loads its lanes between two reports."""
+TOGETHER = 64
+"""So many motions of numba's go between two reports: what is looked at afterwards is so at once."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -136,7 +139,8 @@ def ensemble(
         start, is what is integrated.
     method
         ``heyoka`` carries several motions at once in the lanes of one batch integrator, compiled
-        once; ``scipy`` (DOP853) runs them one by one; ``auto`` takes heyoka where it installs.
+        once; ``numba`` and ``scipy`` (DOP853) run them one by one; ``auto`` takes heyoka where it
+        installs, else numba where scipy would take longer than to compile.
     jobs
         threads, each with an integrator of its own; scipy gains nothing by them and takes one.
     progress
@@ -166,12 +170,12 @@ def ensemble(
     wanted = dict(quantity(vocabulary, k) for k in keys or (*own.coordinates, *own.velocities))
     try:
         motions = many(equations, chosen_scene, single, columns, wanted, begin)
-        apart, lanes, reason = _carriers(driven, motions, method, tol, grid)
+        apart, lanes, carrier, reason = _carriers(driven, motions, method, tol, grid)
     except KeyboardInterrupt:
         return _nothing_done(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
     ready = perf_counter()
     finest = tol if lanes else max(tol, FINEST)
-    filled = _Filled.empty(motions, tuple(wanted), grid, apart, finest)
+    filled = _Filled.empty(motions, tuple(wanted), grid, apart, finest, carrier)
     alone = _Alone(driven, inputs, single, chosen_scene, keys, method, tol, progress)
     interrupted = driven.changing is None and _run(filled, lanes, tol, jobs, progress)
     if not interrupted:
@@ -180,9 +184,9 @@ def ensemble(
         raise motions.wrong[0]
     steps = sum(filled.steps) + sum(cost.steps for cost in filled.alone)
     none_else = filled.alone and (driven.changing or not motions.sound)
-    used = filled.alone[0].method if none_else else "scipy" if lanes is None else "heyoka"
+    used = filled.alone[0].method if none_else else carrier
     cost = Cost(
-        method=apart.method if apart else used, reason=reason,
+        method=used, reason=reason,
         tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
         run=perf_counter() - ready, steps=steps, evaluations=steps,
         switches=sum(cost.switches for cost in filled.alone),
@@ -192,17 +196,17 @@ def ensemble(
 
 def _carriers(
     driven: Drive, motions: Many, method: str, tol: float, grid: np.ndarray
-) -> tuple[Apart | None, Lanes | None, str]:
-    """What integrates the motions - nothing where that is ``integrate`` or scipy - and why."""
+) -> tuple[Apart | None, Lanes | None, str, str]:
+    """What integrates the motions, the method where nothing does that is made already, and why."""
     if driven.changing is not None:
         require_method(method)
-        return None, None, "an input changes in time, so one by one"
+        return None, None, "scipy", "an input changes in time, so one by one"
     apart = Apart.of(motions, method, tol, grid)
     if apart is not None:
-        return apart, None, apart.reason
+        return apart, None, apart.method, apart.reason
     if not motions.sound:
-        return None, None, "each start alone"
-    return None, *chosen(method, motions.program, tol, *motions.going)
+        return None, None, "scipy", "each start alone"
+    return None, *chosen(method, motions.program, tol, *motions.going, grid)
 
 
 def _nothing_done(
@@ -265,6 +269,7 @@ class _Filled:
     finished: np.ndarray
     judge: JudgeOfMany
     apart: Apart | None = None
+    single: str = "scipy"
     errors: dict[int, VoronecError] = field(default_factory=dict)
     steps: list[int] = field(default_factory=list)
     collapsed: list[int] = field(default_factory=list)
@@ -278,6 +283,7 @@ class _Filled:
         grid: np.ndarray,
         apart: Apart | None,
         tol: float,
+        single: str,
     ) -> _Filled:
         def nothing(*shape: int) -> np.ndarray:
             return np.full(shape, np.nan)
@@ -291,6 +297,7 @@ class _Filled:
             first={name: nothing(count) for name in integrals},
             finished=np.zeros(count, dtype=bool),
             apart=apart,
+            single=single,
             judge=JudgeOfMany(
                 motions.vocabulary.equations,
                 motions.program,
@@ -402,7 +409,7 @@ class _Filled:
 def _run(filled: _Filled, lanes: Lanes | None, tol: float, jobs: int, progress: Any) -> bool:
     """All motions, block by block; whether it was stopped by hand."""
     sound = np.array(filled.motions.sound, dtype=int)
-    size = BATCHES * lanes.width if lanes else 1
+    size = BATCHES * lanes.width if lanes else TOGETHER if filled.single == "numba" else 1
     blocks = [sound[i : i + size] for i in range(0, len(sound), size)]
     jobs = max(1, min(jobs, len(blocks))) if lanes else 1
     workers: SimpleQueue[Lanes | None] = SimpleQueue()
@@ -462,9 +469,10 @@ def _block(
                 rows, error, steps = filled.apart.along(int(where[0]), filled.grid, halt.is_set)
                 rows, failed = rows[None], {} if error is None else {0: error}
             elif lanes is None:
-                rows, error, steps, short = along_scipy(
-                    motions.program, states[0], values[0], filled.grid, tol, halt.is_set
-                )
+                rows, error, steps, short = along_one(
+                    filled.single, motions.program, states[0], values[0], filled.grid, tol,
+                    halt.is_set,
+                )  # fmt: skip
                 filled.collapsed.extend(where[:short].tolist())
                 rows, failed = rows[None], {} if error is None else {0: error}
             else:

@@ -92,7 +92,7 @@ METHODS: dict[str, Method] = {
     # below EXACT a tolerance would only raise the order of heyoka's series, beyond all bounds
     "heyoka": Method(_taylor, EXACT, symbolic=True, many=True, library="heyoka", other="scipy"),
     "scipy": Method(_dop853, FINEST, many=True, other="heyoka"),
-    "numba": Method(_compiled, FINEST, symbolic=True, library="numba", other="heyoka"),
+    "numba": Method(_compiled, FINEST, symbolic=True, many=True, library="numba", other="heyoka"),
     "lsoda": Method(_lsoda, FINEST, best=1e-13),
     "flint": Method(_digits, best=1e-25, symbolic=True, exact=True),
     CLOSED: Method(None, best=EXACT),

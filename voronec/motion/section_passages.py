@@ -14,14 +14,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voronec.errors import IntegrationError, VoronecError
-from voronec.motion.batches import PASSED, SINGULAR, Lanes, StepSizes, note_step, strides
+from voronec.motion.batches import PASSED, SINGULAR, Lanes
+from voronec.motion.one_by_one import StepSizes, note_step, strides
 from voronec.motion.steppers.run import COLLAPSE, INFINITE
 from voronec.motion.vocabulary import number
 
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
 
-__all__ = ["Passages", "Paths", "Watch", "Zeros", "pass_lanes", "pass_scipy", "zeros"]
+__all__ = ["Passages", "Paths", "Watch", "Zeros", "pass_lanes", "pass_one_by_one", "zeros"]
 
 
 SAMPLES = 4
@@ -537,17 +538,21 @@ def _unfinished_error(
     )
 
 
-def pass_scipy(motions: Many, watch: Watch, passages: Passages, tol: float) -> None:
+def pass_one_by_one(
+    motions: Many, watch: Watch, passages: Passages, method: str, tol: float
+) -> None:
     """Follow the motions one by one with DOP853; crossings are sought on its interpolant."""
     try:
         for i in motions.sound:
-            _follow(motions, watch, passages, tol, i)
+            _follow(motions, watch, passages, method, tol, i)
             passages.tell(motions.sound)
     except KeyboardInterrupt:
         passages.interrupted[0] = True
 
 
-def _follow(motions: Many, watch: Watch, passages: Passages, tol: float, i: int) -> None:
+def _follow(
+    motions: Many, watch: Watch, passages: Passages, method: str, tol: float, i: int
+) -> None:
     values = motions.values[i]
 
     def plane(t: np.ndarray, states: np.ndarray, _lane: np.ndarray) -> np.ndarray:
@@ -559,25 +564,24 @@ def _follow(motions: Many, watch: Watch, passages: Passages, tol: float, i: int)
     last = float(plane(np.array([motions.time]), motions.states[i : i + 1], lane)[0])
     sizes = StepSizes.of(1)
     try:
-        run = strides(motions.program, motions.states[i], values, motions.time, end, tol)
-        for method in run:
+        span = (motions.time, end)
+        run = strides(method, motions.program, motions.states[i], values, span, tol)
+        for step in run:
             passages.steps[0] += 1
-            note_step(sizes, method)
+            note_step(sizes, step)
             if sizes.collapsed(0, SINGULAR):
-                raise IntegrationError(
-                    f"{PASSED} after t = {method.t_old:.12g}", method.t_old, method.y
-                )
-            now = float(plane(np.array([method.t]), method.y[None], lane)[0])
+                raise IntegrationError(f"{PASSED} after t = {step.t_old:.12g}", step.t_old, step.y)
+            now = float(plane(np.array([step.t]), step.y[None], lane)[0])
             if after is None:
-                after = motions.time + STARTING * (method.t - motions.time)
+                after = motions.time + STARTING * (step.t - motions.time)
             # no look where the quantity could not come to zero at twice its latest rate
             near = min(abs(last), abs(now)) <= 2 * max(abs(now - last), rise)
             rise = abs(now - last)
-            rate = rise / (method.t - method.t_old)
+            rate = rise / (step.t - step.t_old)
             if near or last * now <= 0:
-                found = zeros(_as_polynomial(method), plane, everything, passages.direction)
+                found = zeros(_as_polynomial(step), plane, everything, passages.direction)
                 _keep(passages, found, 0, i, after)
-            passages.seen(i, method.t, 1, (min(last, now), max(last, now), rate))
+            passages.seen(i, step.t, 1, (min(last, now), max(last, now), rate))
             last = now
             if passages.over(i):
                 return

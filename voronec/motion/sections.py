@@ -24,7 +24,7 @@ from voronec.motion.ensembles import ensemble
 from voronec.motion.inputs import drive
 from voronec.motion.motion_pool import Many, at_each, drifts, many
 from voronec.motion.request import Values, outputs_of, quantity, scene_of, spread_starts
-from voronec.motion.section_passages import Passages, Watch, pass_lanes, pass_scipy
+from voronec.motion.section_passages import Passages, Watch, pass_lanes, pass_one_by_one
 from voronec.motion.separate_motions import Apart
 from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.steppers.scipy_stepper import FINEST
@@ -340,21 +340,21 @@ def section(
         raise motions.wrong[0]
     watch = _watch(motions, f"plane {surface}", on_plane)
     apart = Apart.of(motions, method, tol, np.array([0.0, 1.0]))
-    lanes, reason = (
+    lanes, used, reason = (
         chosen(method, motions.program, tol, *motions.going)
         if apart is None
-        else (None, apart.reason)
+        else (None, apart.method, apart.reason)
     )
     ready = perf_counter()
     passages = Passages.empty(len(motions), crossings, direction, until, progress)
     if apart is not None:
         apart.passages(watch, passages, f"plane {surface}", on_plane)
     elif lanes is None:
-        pass_scipy(motions, watch, passages, tol)
+        pass_one_by_one(motions, watch, passages, used, tol)
     else:
         pass_lanes(motions, watch, passages, lanes)
     cost = Cost(
-        method=apart.method if apart else "scipy" if lanes is None else "heyoka", reason=reason,
+        method=used, reason=reason,
         tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
         run=perf_counter() - ready, steps=passages.steps[0], evaluations=passages.steps[0],
     )  # fmt: skip

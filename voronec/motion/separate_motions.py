@@ -14,9 +14,10 @@ import symengine as se
 
 from voronec.equations.program import compiled
 from voronec.errors import DefinitionError, IntegrationError
-from voronec.motion.batches import Stopped, require_method
+from voronec.motion.batches import require_method
 from voronec.motion.events import Event
 from voronec.motion.mode_stepper import Switched, through_walls
+from voronec.motion.one_by_one import Stopped
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
 

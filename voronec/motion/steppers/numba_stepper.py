@@ -24,7 +24,7 @@ from voronec.motion.steppers.step_loop import Halted, Stretch, Stride, march
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import FINEST
 
-__all__ = ["Loop", "compiled_dop853"]
+__all__ = ["Loop", "compiled_dop853", "compiled_loop"]
 
 CHUNK = 10_000
 """Steps between two looks at the keyboard."""
@@ -44,7 +44,7 @@ def compiled_dop853(problem: Problem) -> Stepper:
 
     ``ImportError`` without numba.
     """
-    drive = _drive_of(problem.program, problem.levels if problem.events else None)
+    drive = compiled_loop(problem.program, problem.levels if problem.events else None)
 
     def run(grid: np.ndarray) -> Run:
         loop = Loop.of(drive, problem, grid)
@@ -55,7 +55,8 @@ def compiled_dop853(problem: Problem) -> Stepper:
 
 
 @lru_cache(maxsize=32)  # loaded code stays in memory, and to read it takes longer than most runs
-def _drive_of(program: Program, levels: Program | None) -> Callable[..., int]:
+def compiled_loop(program: Program, levels: Program | None = None) -> Callable[..., int]:
+    """The function ``drive`` of a program, and of functions of events."""
     parts = [scalar_source(hoisted(program).program), Path(dop853_source.__file__).read_text()]
     parts += [scalar_source(levels, extras=True)] if levels is not None else []
     parts += [str(len(program.state)), version("scipy")]

@@ -1,0 +1,246 @@
+"""Many motions carried one by one: by scipy, or by the loop that numba compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from voronec.equations.program import Program, compiled
+from voronec.errors import DefinitionError, IntegrationError
+from voronec.motion.steppers.choice import COMPILED, STAGES
+from voronec.motion.steppers.first_step import STRIDE
+from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
+from voronec.motion.steppers.scipy_stepper import estimated_steps
+from voronec.motion.steppers.step_loop import Halted, Stretch, Stride
+from voronec.motion.steppers.units import units_of_many
+from voronec.motion.tolerances import FINEST
+
+__all__ = [
+    "Look",
+    "StepSizes",
+    "Stopped",
+    "along_one",
+    "broken_off",
+    "is_lasting",
+    "note_step",
+    "ready",
+    "strides",
+]
+
+COLLAPSED = 1e-3
+"""Steps are about as long as the way to the next singularity of a motion in complex time, so that
+this share of the longest one tells how near it passed, and how many digits were lost."""
+
+Look = Callable[[], bool]
+"""Whether somebody asked to stop."""
+
+
+class Stopped(Exception):
+    """Somebody asked to stop; what a batch had begun is not finished."""
+
+
+@dataclass(frozen=True, eq=False)
+class StepSizes:
+    """The shortest and the longest step of each of some motions, and which of these took one that
+    was made too long by coefficients that vanish; ``stride`` is how long one is looked at."""
+
+    shortest: np.ndarray
+    longest: np.ndarray
+    overlong: np.ndarray
+    stride: np.ndarray
+
+    @classmethod
+    def of(cls, count: int) -> StepSizes:
+        """No steps yet."""
+        none = np.zeros(count, dtype=bool)
+        return cls(np.full(count, np.inf), np.zeros(count), none, np.full(count, STRIDE))
+
+    def begin(self, which: Any) -> None:
+        """Forget the steps of some motions: others take their places."""
+        self.shortest[which], self.longest[which] = np.inf, 0.0
+        self.overlong[which], self.stride[which] = False, STRIDE
+
+    def note(self, which: int, shortest: float, longest: float) -> None:
+        """Further steps of one motion."""
+        self.shortest[which] = min(self.shortest[which], shortest)
+        self.longest[which] = max(self.longest[which], longest)
+
+    def collapsed(self, which: int, share: float = COLLAPSED) -> bool:
+        """Whether the steps of a motion became so short that it must have passed a place where its
+        equations are singular, or nearly: a pole of coordinates, a zero of a divisor."""
+        return bool(self.shortest[which] < share * self.longest[which])
+
+
+def ready(method: str, program: Program) -> str:
+    """The method, after numba has compiled what it needs; ``DefinitionError`` without it."""
+    if method == "numba":
+        from voronec.motion.steppers.numba_stepper import compiled_loop
+
+        try:
+            compiled_loop(program)
+        except ImportError:
+            raise DefinitionError(
+                "numba is not installed; 'pip install numba', or use method='scipy'"
+            ) from None
+    return method
+
+
+def is_lasting(
+    program: Program, tol: float, states: np.ndarray, values: np.ndarray, grid: np.ndarray | None
+) -> bool:
+    """Whether scipy would take longer than it takes to compile; sections are, of no known span."""
+    if grid is None:
+        return True
+    steps = estimated_steps(Problem(program, states[0], values[0].tolist(), tol), grid)
+    return (steps or 0) * len(states) * STAGES * (program.operations + 1) > COMPILED
+
+
+def broken_off(reason: str, time: float, state: np.ndarray) -> IntegrationError:
+    """The error of a motion that cannot go on, with the last that was good."""
+    return IntegrationError(f"{reason} after t = {time:.12g}", float(time), state)
+
+
+@dataclass(frozen=True)
+class _Step:
+    """A step of the compiled loop, with the names that scipy gives."""
+
+    stride: Stride
+    status: str
+
+    @property
+    def t_old(self) -> float:
+        return float(self.stride.start)
+
+    @property
+    def t(self) -> float:
+        return float(self.stride.end)
+
+    @property
+    def y(self) -> np.ndarray:
+        return self.stride.state
+
+    def dense_output(self) -> Callable[[Any], np.ndarray]:
+        return lambda times: self.stride.at(np.atleast_1d(times)).T
+
+
+def strides(
+    method: str, program: Program, state: np.ndarray, values: np.ndarray, span: tuple[float, float],
+    tol: float,
+) -> Iterator[Any]:  # fmt: skip
+    """DOP853 after each of its steps; ``IntegrationError`` where it cannot go on."""
+    if method == "numba":
+        yield from _compiled_strides(program, state, values, span, tol)
+        return
+    from scipy.integrate import DOP853
+
+    rhs, constants = compiled(program, scalar=True)[0], values.tolist()
+
+    def derivative(t: float, y: np.ndarray) -> Any:
+        try:
+            return rhs(t, y.tolist(), constants)
+        except (ZeroDivisionError, ValueError, OverflowError):
+            # a trial step left the domain: the method then tries a shorter one
+            return np.full(len(y), np.nan)
+
+    finest = max(tol, FINEST)
+    least = finest * units_of_many(program, state[None], values[None])[0]
+    solver = DOP853(derivative, span[0], state, span[1], rtol=finest, atol=least)
+    while solver.status == "running":
+        good, reached = solver.y.copy(), float(solver.t)
+        with np.errstate(all="ignore"):
+            solver.step()
+        if solver.status == "failed":
+            raise broken_off(COLLAPSE, reached, good)
+        if not np.isfinite(solver.y).all():
+            raise broken_off(INFINITE, reached, good)
+        yield solver
+
+
+def _compiled_strides(
+    program: Program, state: np.ndarray, values: np.ndarray, span: tuple[float, float], tol: float
+) -> Iterator[_Step]:
+    for stretch in _stretches(program, state, values, np.array(span), tol, dense=True):
+        for stride in stretch.strides:
+            yield _Step(stride, "finished" if stride.end == span[1] else "running")
+
+
+def _stretches(
+    program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray, tol: float,
+    dense: bool,
+) -> Iterator[Stretch]:  # fmt: skip
+    """Stretches of the compiled loop, up to the end of a grid."""
+    from voronec.motion.steppers.numba_stepper import Loop, compiled_loop
+
+    problem = Problem(program, state, values.tolist(), tol, dense=dense, marked=True)
+    loop, time, good = Loop.of(compiled_loop(program), problem, grid), float(grid[0]), state
+    while time != grid[-1]:
+        try:
+            stretch = loop.advance()
+        except Halted as halted:
+            raise broken_off(str(halted), time, good) from None
+        assert isinstance(stretch, Stretch)
+        yield stretch
+        time, good = stretch.end, stretch.state
+
+
+def along_one(
+    method: str, program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray,
+    tol: float, stopped: Look,
+) -> tuple[np.ndarray, IntegrationError | None, int, bool]:  # fmt: skip
+    """One motion along a grid: states (k, n), the error that ended it, steps, and whether these
+    collapsed."""
+    rows = np.full((len(grid), len(state)), np.nan)
+    rows[0], steps, sizes = state, 0, StepSizes.of(1)
+    if len(grid) == 1:
+        return rows, None, 0, False
+    fill = _fill_compiled if method == "numba" else _fill
+    try:
+        for taken in fill(program, state, values, grid, tol, rows, sizes):
+            steps += taken
+            if stopped():
+                raise Stopped
+    except IntegrationError as error:
+        return rows, error, steps, False
+    return rows, None, steps, sizes.collapsed(0)
+
+
+def _fill(
+    program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray, tol: float,
+    rows: np.ndarray, sizes: StepSizes,
+) -> Iterator[int]:  # fmt: skip
+    """Fill in the rows of a motion by scipy; yields how many steps were taken."""
+    order, done = np.sign(grid[-1] - grid[0]), 1
+    for solver in strides("scipy", program, state, values, (float(grid[0]), float(grid[-1])), tol):
+        note_step(sizes, solver)
+        reached = int(np.searchsorted(order * grid, order * solver.t, side="right"))
+        if reached > done:
+            rows[done:reached] = solver.dense_output()(grid[done:reached]).T
+            done = reached
+        yield 1
+
+
+def _fill_compiled(
+    program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray, tol: float,
+    rows: np.ndarray, sizes: StepSizes,
+) -> Iterator[int]:  # fmt: skip
+    """The same in the compiled loop."""
+    done, begin = 1, float(grid[0])
+    for stretch in _stretches(program, state, values, grid, tol, dense=False):
+        rows[done : done + len(stretch.rows)] = stretch.rows
+        done += len(stretch.rows)
+        lengths = np.abs(np.diff([begin, *stretch.times]))
+        begin = stretch.end
+        whole = lengths[: len(lengths) - (stretch.end == grid[-1])]  # the last one is cut
+        if len(whole):
+            sizes.note(0, whole.min(), whole.max())
+        yield stretch.steps
+
+
+def note_step(sizes: StepSizes, method: Any) -> None:
+    """Take down a step of one motion; the last one is cut."""
+    if method.status == "running":
+        length = abs(method.t - method.t_old)
+        sizes.note(0, length, length)
