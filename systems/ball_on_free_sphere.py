@@ -73,6 +73,9 @@ SYSTEM = System(
     title="Gyroscopic ball on a free sphere",
     description="A ball with a gyroscope rolls without slipping over a sphere that turns freely "
     "about its fixed centre.",
+    sketch=kinematics.rolling_sketch(
+        on="sphere", attitude=angles, place=turns[1:], gamma=place, wheel="kappa"
+    ).turn((0.0, -3.9), 90, 0.35, turns[0]),
     fibration=Fibration(
         base=(*angles, *turns), fibre=place, relations=(sum(n**2 for n in place) - 1,)
     ),

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Frame, Parameter, Scene, System, velocity
+from voronec import Equation, Fibration, Frame, Parameter, Scene, Sketch, System, velocity
 
 r, phi, alpha, beta, psi = sp.symbols("r phi alpha beta psi")
 v, w, s = sp.symbols("v w s")
@@ -49,11 +49,28 @@ kinetic = (
 ) / 2
 potential = m * g * c * r**2 / 2
 
+SKETCH = (
+    Sketch("seen from the side")
+    .line(*((k / 10, 0.28 * (k / 10) ** 2) for k in range(-22, 23)))
+    .arrow((0.0, 0.0), (0.0, 2.3))
+    .turn((0.0, 2.0), 90, 0.3, phi)
+    .ellipse((1.15, 1.05), 0.545, 0.545)
+    .line((0.0, 1.05), (1.15, 1.05), look="dashed")
+    .distance((0.0, 1.05), (1.15, 1.05), r, 0.15)
+    .line((1.15, 1.05), (1.15, 2.2), look="dashed")
+    .turn((1.15, 2.05), 90, 0.22, alpha)
+    .arrow((1.15, 1.05), (2.1, 1.85))
+    .angle((1.15, 1.05), 0.75, 90, 40, beta)
+    .turn((1.93, 1.7), 40, 0.22, psi)
+    .dot((1.15, 1.05), "C", -60)
+)
+
 SYSTEM = System(
     name="ball-on-paraboloid",
     title="Ball whose centre moves on a paraboloid",
     description="A homogeneous ball rolls without slipping on a surface of revolution such that "
     "its centre moves on a paraboloid.",
+    sketch=SKETCH,
     fibration=Fibration(base=(r, phi, psi), fibre=(alpha, beta)),
     frame=Frame.quasi({v: Dr, w: Dphi, s: normal}),
     lagrangian=kinetic - potential,

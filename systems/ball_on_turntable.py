@@ -48,6 +48,9 @@ SYSTEM = System(
     name="ball-on-turntable",
     title="Ball on a turntable",
     description="A balanced symmetric ball rolls without slipping on a table that turns uniformly.",
+    sketch=kinematics.rolling_sketch(
+        on="table", attitude=(phi, theta, psi), place=(x, y), spin=Omega
+    ),
     fibration=Fibration(base=(phi, theta, psi), fibre=(x, y)),
     frame=Frame.quasi({vx: Dx, vy: Dy, n: rates[2]}),
     lagrangian=kinematics.kinetic_energy(m, (Dx, Dy, 0), (A, A, A), rates),

@@ -44,6 +44,9 @@ SYSTEM = System(
     title="Ball on a turntable, seen from the table",
     description="A balanced symmetric ball on a table that turns uniformly, in the axes of the "
     "table: the constraints depend on the time.",
+    sketch=kinematics.rolling_sketch(
+        on="table", attitude=(phi, theta, psi), place=(X, Y), spin=Omega
+    ),
     fibration=Fibration(base=(phi, theta, psi), fibre=(X, Y)),
     frame=Frame.quasi({VX: DX, VY: DY, n: rates[2]}),
     lagrangian=kinematics.kinetic_energy(m, (DX - Omega * Y, DY + Omega * X, 0), (A, A, A), rates),

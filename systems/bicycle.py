@@ -14,7 +14,7 @@ from functools import partial
 
 import sympy as sp
 
-from voronec import Fibration, Frame, Parameter, Scene, System, velocity
+from voronec import Fibration, Frame, Parameter, Scene, Sketch, System, velocity
 
 Vector = tuple[sp.Expr, sp.Expr, sp.Expr]
 ZERO = sp.Integer(0)
@@ -163,10 +163,33 @@ constraints = (
     sp.Add(*[front_depth.diff(q) * velocity(q) for q in (z, phi, theta, delta)]),
 )
 
+SKETCH = (
+    Sketch("seen from the side; z points down")
+    .line((-0.9, -0.6), (3.4, -0.6), look="thin")
+    .ellipse((0.0, 0.0), 0.6, 0.6)
+    .ellipse((2.4, 0.0), 0.6, 0.6)
+    .line((0.0, 0.0), (1.75, 0.95), (0.7, 1.0), (0.0, 0.0))
+    .line((1.4, 1.55), (2.05, 0.45), (2.4, 0.0))
+    .arrow((1.75, 0.95), (1.1, 2.05))
+    .turn((1.25, 1.8), 120, 0.24, delta)
+    .angle((0.0, 0.0), 0.4, 200, 80, beta_R)
+    .angle((2.4, 0.0), 0.4, 200, 80, beta_F)
+    .arrow((-2.3, 0.9), (-1.5, 0.9), x)
+    .arrow((-2.3, 0.9), (-2.3, 0.1), z)
+    .arrow((-2.3, 0.9), (-2.75, 0.55), y)
+    .line((0.0, 0.0), (0.0, 1.75), look="dashed")
+    .turn((0.0, 1.6), -90, 0.24, psi)
+    .line((0.0, 0.0), (-1.3, 0.0), look="dashed")
+    .turn((-1.1, 0.0), 0, 0.24, phi)
+    .angle((0.0, 0.0), 1.0, 0, 30, theta)
+    .dot((0.0, 0.0), "(x, y, z)", -45)
+)
+
 SYSTEM = System(
     name="bicycle",
     title="Whipple bicycle",
     description="Rear frame with rider, front assembly and two knife-edge wheels on a plane.",
+    sketch=SKETCH,
     fibration=Fibration(base=(phi, delta, beta_R), fibre=(x, y, z, psi, theta, beta_F)),
     frame=Frame.quasi({roll_rate: Dphi, steer_rate: Ddelta, speed: track_rate}),
     lagrangian=kinetic - potential,

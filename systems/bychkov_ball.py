@@ -81,6 +81,9 @@ SYSTEM = System(
     title="Gyroscopic ball on a turning sphere",
     description="A ball with a gyroscope rolls without slipping over a sphere that turns "
     "uniformly about a fixed axis.",
+    sketch=kinematics.rolling_sketch(on="sphere", attitude=angles, gamma=place, wheel="kappa").turn(
+        (0.0, -3.9), 90, 0.35, Omega
+    ),
     fibration=Fibration(base=angles, fibre=place, relations=(sum(n**2 for n in place) - 1,)),
     frame=Frame.quasi(dict(zip(omega, rotation.body_rates, strict=True))),
     lagrangian=kinematics.kinetic_energy(m, centre, inertia, omega) + sp.Matrix(kappa).dot(spin),

@@ -16,7 +16,17 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Frame, Measure, Parameter, Scene, System, velocity
+from voronec import (
+    Equation,
+    Fibration,
+    Frame,
+    Measure,
+    Parameter,
+    Scene,
+    System,
+    kinematics,
+    velocity,
+)
 
 x, y, phi, theta, psi = sp.symbols("x y phi theta psi")
 p, q, s = sp.symbols("p q s")
@@ -39,6 +49,7 @@ SYSTEM = System(
     name="falling-disc",
     title="Falling rolling disc",
     description="A disc that rolls on its edge without slipping and leans under its weight.",
+    sketch=kinematics.disc_sketch((x, y), phi, psi, theta),
     fibration=Fibration(base=(phi, theta, psi), fibre=(x, y)),
     frame=Frame.quasi({p: Dtheta, q: Dphi * cos, s: spin}),
     lagrangian=kinetic - potential,

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Parameter, Relation, Scene, System, velocity
+from voronec import Equation, Fibration, Parameter, Relation, Scene, Sketch, System, velocity
 
 X, Y = sp.symbols("X Y")
 m = sp.Symbol("m")
@@ -18,10 +18,15 @@ DX, DY = velocity(X), velocity(Y)
 
 kinetic = m * (DX**2 + DY**2) / 2
 
+SKETCH = (
+    Sketch("seen from above").axes(X, Y).dot((1.1, 0.7), "(X, Y)").arrow((1.1, 0.7), (1.7, 0.95))
+)
+
 SYSTEM = System(
     name="free-particle",
     title="Free particle in the plane",
     description="A particle without constraint and without force.",
+    sketch=SKETCH,
     fibration=Fibration(base=(X, Y)),
     lagrangian=kinetic,
     meanings={

@@ -19,6 +19,7 @@ from voronec import (
     Relation,
     Scene,
     System,
+    kinematics,
     time,
     velocity,
 )
@@ -38,6 +39,7 @@ SYSTEM = System(
     title="Sleigh that gathers snow",
     description="A Chaplygin sleigh that takes up snow lying at rest: mass and inertia depend on "
     "the time.",
+    sketch=kinematics.sleigh_sketch((x, y), phi, a),
     fibration=Fibration(base=(x, phi), fibre=(y,)),
     frame=Frame.quasi({v: Dx * sp.cos(phi) + Dy * sp.sin(phi), w: Dphi}),
     lagrangian=kinetic,

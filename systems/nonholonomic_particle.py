@@ -12,7 +12,17 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Parameter, Poisson, Relation, Scene, System, velocity
+from voronec import (
+    Equation,
+    Fibration,
+    Parameter,
+    Poisson,
+    Relation,
+    Scene,
+    Sketch,
+    System,
+    velocity,
+)
 
 x, y, z, m = sp.symbols("x y z m")
 Dx, Dy, Dz = map(velocity, (x, y, z))
@@ -22,10 +32,21 @@ scale = sp.sqrt(1 + Y**2)
 
 kinetic = m * (Dx**2 + Dy**2 + Dz**2) / 2
 
+SKETCH = (
+    Sketch("seen from the side")
+    .axes(x, z, size=1.6)
+    .arrow((0.0, 0.0), (0.75, 0.5), y)
+    .line((0.9, 0.0), (1.4, 0.33), (1.4, 1.2), look="dashed")
+    .line((0.5, 0.33), (1.4, 0.33), look="dashed")
+    .dot((1.4, 1.2), "(x, y, z)", 150)
+    .arrow((1.4, 1.2), (2.0, 1.35))
+)
+
 SYSTEM = System(
     name="nonholonomic-particle",
     title="Nonholonomic particle",
     description="A particle in space, free but for one constraint, zdot = y xdot.",
+    sketch=SKETCH,
     fibration=Fibration(base=(x, y), fibre=(z,)),
     lagrangian=kinetic,
     constraints=(Dz - y * Dx,),

@@ -64,6 +64,7 @@ SYSTEM = System(
     title="Rattleback",
     description="A heavy ellipsoid on a plane whose principal axes of inertia are turned against "
     "the axes of its surface.",
+    sketch=kinematics.rolling_sketch(body="ellipsoid", attitude=(phi, theta, psi), place=(x, y)),
     fibration=Fibration(base=(phi, theta, psi), fibre=(x, y)),
     frame=Frame.quasi(dict(zip(omega, rates, strict=True))),
     lagrangian=kinetic - m * g * level,

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Equation, Fibration, Frame, Parameter, Scene, System, velocity
+from voronec import Case, Equation, Fibration, Frame, Parameter, Scene, Sketch, System, velocity
 
 x, y = sp.symbols("x y")
 headings = theta0, theta1, theta2 = sp.symbols("theta0:3")
@@ -42,11 +42,37 @@ alpha, beta = theta0 - theta1, theta1 - theta2
 moved = m0 + J1 * sp.sin(alpha) ** 2 / l1**2
 moved += sp.cos(alpha) ** 2 * (m1 + J2 * sp.sin(beta) ** 2 / l2**2 + m2 * sp.cos(beta) ** 2)
 
+SKETCH = (
+    Sketch("seen from above")
+    .axes(x, y, at=(-0.6, -0.4), size=0.8)
+    .box((3.35, 1.55), 1.0, 0.75, 40)
+    .box((1.6, 0.67), 0.8, 0.7, 22)
+    .box((0.0, 0.5), 0.8, 0.7, 6)
+    .line((0.0, 0.5), (1.6, 0.67), (3.15, 1.3))
+    .wheel((3.4, 0.99), 40, 0.5)
+    .wheel((2.9, 1.6), 40, 0.5)
+    .wheel((1.75, 0.3), 22, 0.5)
+    .wheel((1.45, 1.04), 22, 0.5)
+    .wheel((0.04, 0.1), 6, 0.5)
+    .wheel((-0.04, 0.9), 6, 0.5)
+    .line((3.15, 1.3), (4.6, 1.3), look="dashed")
+    .line((3.15, 1.3), (4.4, 2.35), look="dashed")
+    .line((1.6, 0.67), (2.9, 0.67), look="dashed")
+    .line((0.0, 0.5), (1.2, 0.5), look="dashed")
+    .angle((3.15, 1.3), 1.1, 0, 40, theta0)
+    .angle((1.6, 0.67), 1.05, 0, 22, theta1)
+    .angle((0.0, 0.5), 1.0, 0, 6, theta2)
+    .dot((3.15, 1.3), "(x, y)", -90)
+    .distance((1.6, 0.67), (3.15, 1.3), l1, 0.55)
+    .distance((0.0, 0.5), (1.6, 0.67), l2, 0.6)
+)
+
 SYSTEM = System(
     name="robot-with-two-trailers",
     title="Robot with two trailers",
     description="A robot on an axle that does not slip sideways pulls two trailers, each hitched "
     "to the middle of the axle before it.",
+    sketch=SKETCH,
     fibration=Fibration(base=(x, theta0), fibre=(y, theta1, theta2)),
     frame=Frame.quasi(
         {

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Equation, Fibration, Frame, Parameter, Scene, System, velocity
+from voronec import Case, Equation, Fibration, Frame, Parameter, Scene, Sketch, System, velocity
 
 x, y, theta, phi = sp.symbols("x y theta phi")
 v, w = sp.symbols("v w")
@@ -30,10 +30,34 @@ hinge = (Dx - a * Dtheta * sp.sin(theta), Dy + a * Dtheta * sp.cos(theta))
 kinetic = (m * (Dx**2 + Dy**2) + I1 * Dtheta**2 + I2 * handle**2) / 2
 u = v * sp.sin(phi) - a * w * sp.cos(phi)
 
+SKETCH = (
+    Sketch("seen from above")
+    .axes(x, y, size=0.8)
+    .box((1.3, 0.95), 0.9, 0.7, 30)
+    .line((1.3, 0.95), (2.77, 1.8))
+    .line((2.77, 1.8), (3.15, 2.72))
+    .line((1.52, 0.57), (1.08, 1.33))
+    .wheel((1.52, 0.57), 30, 0.5)
+    .wheel((1.08, 1.33), 30, 0.5)
+    .line((3.52, 2.57), (2.78, 2.87))
+    .wheel((3.52, 2.57), 68, 0.5)
+    .wheel((2.78, 2.87), 68, 0.5)
+    .line((1.3, 0.95), (2.9, 0.95), look="dashed")
+    .line((2.77, 1.8), (3.9, 2.45), look="dashed")
+    .angle((1.3, 0.95), 1.25, 0, 30, theta)
+    .angle((2.77, 1.8), 0.6, 30, 68, phi)
+    .dot((1.3, 0.95))
+    .text((0.62, 0.42), "(x, y)")
+    .dot((2.77, 1.8), "hinge", -40)
+    .distance((1.3, 0.95), (2.77, 1.8), a, 0.55)
+    .distance((2.77, 1.8), (3.15, 2.72), b, 0.65)
+)
+
 SYSTEM = System(
     name="roller-racer",
     title="Roller racer",
     description="Two bodies on an axle each, which do not slip sideways, are joined by a hinge.",
+    sketch=SKETCH,
     fibration=Fibration(base=(x, theta), fibre=(y, phi)),
     frame=Frame.quasi({v: Dx * sp.cos(theta) + Dy * sp.sin(theta), w: Dtheta}),
     lagrangian=kinetic,

@@ -38,6 +38,7 @@ SYSTEM = System(
     title="The rubber ball in the new time",
     description="A particle moves freely on a sphere, in the metric that the rubber ball has after "
     "Chaplygin's change of time.",
+    sketch=kinematics.particle_sketch(gamma),
     fibration=Fibration(base=gamma, fibre=(), relations=(gamma.dot(gamma) - 1,)),
     frame=Frame.quasi(dict(zip(names, spin, strict=False))),
     lagrangian=Q ** (1 / epsilon - 2) * spin.dot(motion.tensor * spin) / 2,

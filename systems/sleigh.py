@@ -11,7 +11,18 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Equation, Fibration, Frame, Measure, Parameter, Scene, System, velocity
+from voronec import (
+    Case,
+    Equation,
+    Fibration,
+    Frame,
+    Measure,
+    Parameter,
+    Scene,
+    System,
+    kinematics,
+    velocity,
+)
 
 x, y, phi = sp.symbols("x y phi")
 v, w = sp.symbols("v w")
@@ -31,6 +42,7 @@ SYSTEM = System(
     name="sleigh",
     title="Chaplygin sleigh",
     description="A rigid body on a plane, supported by a blade that does not slip sideways.",
+    sketch=kinematics.sleigh_sketch((x, y), phi, a),
     fibration=Fibration(base=(x, phi), fibre=(y,)),
     frame=Frame.quasi({v: Dx * sp.cos(phi) + Dy * sp.sin(phi), w: Dphi}),
     lagrangian=kinetic,

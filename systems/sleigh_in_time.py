@@ -25,6 +25,7 @@ from voronec import (
     Relation,
     Scene,
     System,
+    kinematics,
     time,
     velocity,
 )
@@ -49,6 +50,7 @@ SYSTEM = System(
     title="Sleigh with a sliding body",
     description="A Chaplygin sleigh whose body slides across the blade in a prescribed way: "
     "the Lagrangian depends on the time.",
+    sketch=kinematics.sleigh_sketch((x, y), phi, a, "b(t)"),
     fibration=Fibration(base=(x, phi), fibre=(y,)),
     frame=Frame.quasi({v: Dx * sp.cos(phi) + Dy * sp.sin(phi), w: Dphi}),
     lagrangian=(m * (forward**2 + across**2) + J * Dphi**2) / 2,

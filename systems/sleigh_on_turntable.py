@@ -29,6 +29,7 @@ from voronec import (
     Relation,
     Scene,
     System,
+    kinematics,
     velocity,
 )
 
@@ -56,11 +57,19 @@ centrifugal = m * Omega**2 * (left**2 + (ahead + a) ** 2) / 2
 drive = a * w**2 + 2 * Omega * a * w + Omega**2 * (ahead + a) - k / m * (ahead + along)
 turn = -m * a * v * (w + 2 * Omega) + m * a * Omega**2 * left + k * (beside * ahead - along * left)
 
+SKETCH = (
+    kinematics.sleigh_sketch((x, y), phi, a)
+    .line((0.0, 0.0), (0.35, 0.12), (0.4, 0.3), (0.6, 0.25), (0.65, 0.45), (0.85, 0.4), (1.3, 1.5))
+    .dot((1.3, 1.5), "hook", 90)
+    .turn((0.0, 0.0), 90, 0.3, Omega)
+)
+
 SYSTEM = System(
     name="sleigh-on-turntable",
     title="Sleigh on a turntable, held by a spring",
     description="A sleigh whose blade does not slip over a turning table, with a spring from the "
     "table's axis to a hook beside the sleigh's middle: neither reversible nor integrable.",
+    sketch=SKETCH,
     fibration=Fibration(base=(x, phi), fibre=(y,)),
     frame=Frame.quasi({v: Dx * cos + Dy * sin, w: Dphi}),
     lagrangian=kinetic - potential,

@@ -14,7 +14,17 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Measure, Parameter, Relation, Scene, System, velocity
+from voronec import (
+    Equation,
+    Fibration,
+    Measure,
+    Parameter,
+    Relation,
+    Scene,
+    Sketch,
+    System,
+    velocity,
+)
 
 theta, psi, phi, x, y = sp.symbols("theta psi phi x y")
 m, length, J, rotor, wheels = sp.symbols("m l J J_r J_w")
@@ -31,10 +41,35 @@ kinetic = (
 # sin(phi)^2 times the board's inertia against turning, with the way it makes along its track.
 turning = (J + 2 * wheels) * sine**2 + m * length**2 * cosine**2
 
+SKETCH = (
+    Sketch("seen from above")
+    .axes(x, y, size=0.8)
+    .line((0.9, 0.5), (3.3, 1.9))
+    .ellipse((2.1, 1.2), 0.45, 0.45)
+    .line((1.66, 1.29), (2.54, 1.11))
+    .line((0.55, 0.86), (1.25, 0.14))
+    .wheel((0.55, 0.86), 44, 0.45)
+    .wheel((1.25, 0.14), 44, 0.45)
+    .line((3.09, 2.36), (3.51, 1.44))
+    .wheel((3.09, 2.36), 16, 0.45)
+    .wheel((3.51, 1.44), 16, 0.45)
+    .line((2.1, 1.2), (3.7, 1.2), look="dashed")
+    .line((0.9, 0.5), (1.85, 1.42), look="dashed")
+    .line((3.3, 1.9), (4.6, 2.27), look="dashed")
+    .line((3.3, 1.9), (4.5, 2.6), look="dashed")
+    .angle((2.1, 1.2), 1.3, 0, 30, theta)
+    .angle((2.1, 1.2), 0.6, 30, -12, psi)
+    .angle((0.9, 0.5), 0.85, 30, 44, phi)
+    .angle((3.3, 1.9), 1.1, 30, 16, "-phi")
+    .dot((2.1, 1.2), "(x, y)", 110)
+    .distance((2.1, 1.2), (0.9, 0.5), "l", -0.75)
+)
+
 SYSTEM = System(
     name="snakeboard",
     title="Snakeboard",
     description="A board with a rotor and two steered pairs of wheels, without torques.",
+    sketch=SKETCH,
     fibration=Fibration(base=(theta, psi, phi), fibre=(x, y)),
     lagrangian=kinetic,
     constraints=(

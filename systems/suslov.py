@@ -43,6 +43,7 @@ SYSTEM = System(
     name="suslov",
     title="Suslov problem",
     description="A rigid body turns about a fixed point, and does not turn about one of its axes.",
+    sketch=kinematics.pinned_sketch((phi, theta, psi), still="no turn about the third axis"),
     fibration=Fibration(base=(phi, theta), fibre=(psi,)),
     frame=Frame.quasi({omega1: rates[0], omega2: rates[1]}),
     lagrangian=kinematics.kinetic_energy(0, (0, 0, 0), inertia, rates),

@@ -82,6 +82,9 @@ SYSTEM = System(
     title="Body of revolution on a sphere",
     description="A body of revolution rolls without slipping over a fixed sphere, drawn to its "
     "centre by a force that depends on the distance.",
+    sketch=kinematics.rolling_sketch(
+        on="sphere", body="ellipsoid", contact=(u, v), place=(u1, v1), turned=theta
+    ),
     fibration=Fibration(base=(u, v, theta), fibre=(u1, v1)),
     frame=Frame.quasi(dict(zip(quasi, contact.spin, strict=True))),
     lagrangian=kinetic - V,

@@ -20,6 +20,7 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
+    Sketch,
     Square,
     System,
     velocity,
@@ -40,11 +41,31 @@ drive = m + 2 * C / R**2
 turn = J + m * a**2 + 2 * C * b**2 / R**2
 root = sp.sqrt(drive * turn)
 
+SKETCH = (
+    Sketch("seen from above")
+    .axes(x, y, size=0.8)
+    .box((1.75, 1.15), 1.9, 1.0, 32)
+    .line((1.72, 0.28), (0.88, 1.62))
+    .wheel((0.88, 1.62), 32, 0.6)
+    .wheel((1.72, 0.28), 32, 0.6)
+    .turn((0.73, 1.86), 122, 0.2, left)
+    .turn((1.87, 0.04), 122, 0.2, right)
+    .line((1.3, 0.95), (2.9, 0.95), look="dashed")
+    .line((1.3, 0.95), (3.0, 2.01), look="dashed")
+    .angle((1.3, 0.95), 1.45, 0, 32, phi)
+    .dot((1.3, 0.95))
+    .text((1.22, 0.62), "(x, y)")
+    .dot((1.81, 1.27), "C", 0)
+    .distance((1.3, 0.95), (1.81, 1.27), a, -0.2)
+    .distance((1.3, 0.95), (0.88, 1.62), b, -0.2)
+)
+
 SYSTEM = System(
     name="two-wheeled-carriage",
     title="Two-wheeled carriage",
     description="A carriage, or a robot, on two wheels with a common axle that roll without "
     "slipping and turn independently.",
+    sketch=SKETCH,
     fibration=Fibration(base=(left, right), fibre=(x, y, phi)),
     frame=Frame.quasi({v: forward, w: Dphi}),
     lagrangian=kinetic,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Parameter, Relation, Scene, System, velocity
+from voronec import Equation, Fibration, Parameter, Relation, Scene, System, kinematics, velocity
 
 x, y, phi, theta = sp.symbols("x y phi theta")
 m, R, B, C = sp.symbols("m R B C")
@@ -20,6 +20,7 @@ SYSTEM = System(
     name="vertical-disc",
     title="Vertical rolling disc",
     description="A disc that rolls upright on a plane without slipping, and turns freely.",
+    sketch=kinematics.disc_sketch((x, y), phi, theta),
     fibration=Fibration(base=(theta, phi), fibre=(x, y)),
     lagrangian=kinetic,
     constraints=(Dx - R * Dtheta * sp.cos(phi), Dy - R * Dtheta * sp.sin(phi)),

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Fibration, Frame, Parameter, Scene, System
+from voronec import Fibration, Frame, Parameter, Scene, System, kinematics
 from voronec.kinematics import (
     Rotation,
     RubberMotion,
@@ -32,6 +32,7 @@ SYSTEM = System(
     title="Veselova's system",
     description="A rigid body about a fixed point whose angular velocity stays at right angles to "
     "a direction fixed in space.",
+    sketch=kinematics.pinned_sketch((phi, theta, psi), still="no turn about the vertical"),
     fibration=Fibration(base=(theta, psi), fibre=(phi,)),
     frame=Frame.quasi(dict(zip((w1, w2), rotation.body_rates[:2], strict=True))),
     lagrangian=kinetic_energy(0, (0, 0, 0), moments, rotation.body_rates),

@@ -36,6 +36,7 @@ SYSTEM = System(
     title="Veselova's system in the new time",
     description="A particle moves freely on a sphere, in the metric that Veselova's system has "
     "after Chaplygin's change of time.",
+    sketch=kinematics.particle_sketch(gamma),
     fibration=Fibration(base=gamma, fibre=(), relations=(gamma.dot(gamma) - 1,)),
     frame=Frame.quasi(dict(zip(names, spin, strict=False))),
     lagrangian=spin.dot(motion.tensor * spin) / Q / 2,

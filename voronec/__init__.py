@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from voronec.declaration.relation import Limit, Relation, Square
     from voronec.declaration.scene import Parameter, Scene
     from voronec.declaration.shapes import Shape
+    from voronec.declaration.sketch import Sketch
     from voronec.declaration.system import System
     from voronec.equations.linearisation import Linearisation, linearise
     from voronec.equations.reduction import Reduction, descend
@@ -122,6 +123,7 @@ _HOME = {
     "Parameter": "voronec.declaration.scene",
     "Scene": "voronec.declaration.scene",
     "Shape": "voronec.declaration.shapes",
+    "Sketch": "voronec.declaration.sketch",
     "System": "voronec.declaration.system",
     "kinematics": "voronec.kinematics",
 }
@@ -160,6 +162,7 @@ __all__ = [
     "Scene",
     "Section",
     "Shape",
+    "Sketch",
     "Space",
     "Square",
     "System",

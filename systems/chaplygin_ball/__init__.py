@@ -28,6 +28,7 @@ SYSTEM = System(
     name="chaplygin-ball",
     title="Chaplygin ball on a plane",
     description="A balanced, dynamically non-symmetric ball rolls without slipping on a plane.",
+    sketch=kinematics.rolling_sketch(attitude=(phi, theta, psi), place=(x, y)),
     fibration=Fibration(base=(phi, theta, psi), fibre=(x, y)),
     frame=Frame.quasi(dict(zip(omega, rotation.body_rates, strict=True))),
     lagrangian=kinematics.kinetic_energy(

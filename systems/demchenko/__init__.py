@@ -135,6 +135,7 @@ SYSTEM = System(
     title="Demchenko's gyroscopic ball on a sphere",
     description="A ball with a rotor along its axis of symmetry, under Zhukovsky's condition, "
     "rolls without slipping over a fixed sphere: outside, inside, or around it as a shell.",
+    sketch=kinematics.ball_sketch((u, v), (u1, v1), theta, (0, 0, k)),
     fibration=Fibration(base=(u, v, theta), fibre=(u1, v1)),
     frame=Frame.quasi(dict(zip((s, tau, n), contact.spin, strict=True))),
     lagrangian=kinetic + rotor,

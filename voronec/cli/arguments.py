@@ -70,6 +70,9 @@ def _list(commands: Any) -> None:
 def _show(commands: Any) -> None:
     parser = _command(commands, "show", "declaration", "show what a system declares")
     _system(parser)
+    parser.add_argument(
+        "--out", metavar="FILE", help="draw its sketch instead: a .svg, .png or .pdf"
+    )
 
 
 def _derive(commands: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from voronec.algebra.columns import columns
 from voronec.cli.output import plain, print_json
 from voronec.cli.subject import entry_of_name, is_file, resolve
+from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
     from voronec.declaration.claims import Poisson
@@ -124,6 +126,8 @@ def _list(things: Iterable[Any]) -> str:
 
 def execute(arguments: Namespace) -> int:
     """Print the declaration."""
+    if arguments.out is not None:
+        return _drawn(arguments.system, Path(arguments.out), arguments.json)
     data, _ = declaration(arguments.system)
     if arguments.json:
         print_json(data)
@@ -132,6 +136,24 @@ def execute(arguments: Namespace) -> int:
     return 0
 
 
+def _drawn(subject: str, path: Path, as_json: bool) -> int:
+    """Write the sketch of a system."""
+    from voronec.declaration.whole_files import replace_file
+    from voronec.motion.pictures.run_pictures import save
+
+    if path.suffix not in PICTURES:
+        raise DefinitionError(f"'{path}' must end in {', '.join(PICTURES)}; rename it")
+    sketch = resolve(subject)[0].sketch
+    if sketch is None:
+        raise DefinitionError(f"'{subject}' declares no sketch; give its System sketch=Sketch(...)")
+    stream = io.BytesIO()
+    save(sketch.figure(), stream, path.suffix)
+    replace_file(path, stream.getvalue())
+    print_json({"file": str(path)}) if as_json else print(f"wrote {path}")
+    return 0
+
+
+PICTURES = (".svg", ".png", ".pdf")
 KEPT = 200
 """Declarations that are remembered: of all systems, in a few states of their files."""
 
@@ -185,6 +207,7 @@ def _data(system: System) -> dict[str, Any]:
         "scenes": {name: _scene(scene) for name, scene in system.scenes.items()},
         "charts": {name: plain(chart.singular) for name, chart in system.charts.items()},
         "references": list(system.references),
+        "sketch": system.sketch is not None,
     }  # fmt: skip
 
 
@@ -253,7 +276,9 @@ def _lines(data: dict[str, Any]) -> list[str]:
     if data["charts"]:
         rows = [[name, f"where {e} vanishes"] for name, e in data["charts"].items()]
         lines += ["", "charts", *columns(rows, "  ")]
-    return [*lines, "", "references  " + (", ".join(data["references"]) or "none")]
+    lines += ["", "references  " + (", ".join(data["references"]) or "none")]
+    drawn = f"sketch      voronec show {data['name']} --out {data['name']}.svg"
+    return [*lines, drawn] if data["sketch"] else lines
 
 
 def _claim_lines(claims: list[dict[str, str]]) -> list[str]:

@@ -49,6 +49,7 @@ from voronec.declaration.reading import (
 )
 from voronec.declaration.scene import Parameter, Scene
 from voronec.declaration.shapes import MESH, Shape
+from voronec.declaration.sketch import Sketch
 from voronec.errors import DefinitionError, did_you_mean
 
 __all__ = ["System", "bare", "require_possible", "require_system", "system_in"]
@@ -120,6 +121,8 @@ class System:
     meanings
         coordinate, velocity, integral, invariant or input, by symbol or name -> what it is, in
         words.
+    sketch
+        a ``Sketch`` of the mechanism with its coordinates named.
     inputs
         what moves the system from outside: symbols, or functions u(t), whose values are given at
         run time.  A function of the time that is nothing else is one without being declared.
@@ -160,6 +163,7 @@ class System:
     assertions: Mapping[str, Any] = field(default_factory=dict)
     meanings: Mapping[Any, str] = field(default_factory=dict)
     shapes: tuple[Shape, ...] = ()
+    sketch: Sketch | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -194,6 +198,11 @@ class System:
             raise DefinitionError(
                 f"system '{self.name}': the fibration is '{shown(self.fibration)}'; "
                 "write Fibration(base=(...), fibre=(...))"
+            )
+        if self.sketch is not None and not isinstance(self.sketch, Sketch):
+            raise DefinitionError(
+                f"system '{self.name}': the sketch is '{shown(self.sketch)}'; "
+                "write Sketch('seen from above').axes('x', 'y')..."
             )
         if self.frame is not None and not isinstance(self.frame, Frame):
             raise DefinitionError(
@@ -303,7 +312,8 @@ class System:
         for parameter in self.parameters:
             value = "" if parameter.value is None else f" = {parameter.value}"
             rows.append((f"{parameter.name}{value}", parameter.meaning or "a parameter"))
-        return html_table(self.title or self.name, rows)
+        table = html_table(self.title or self.name, rows)
+        return table if self.sketch is None else self.sketch.svg() + table
 
     def __getstate__(self) -> dict[str, Any]:
         """What is declared travels; what was derived from it is derived again."""

@@ -35,6 +35,14 @@ from voronec.kinematics.revolution import BodyOfRevolution
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.rubber import RubberMotion
+from voronec.kinematics.sketches import (
+    ball_sketch,
+    disc_sketch,
+    particle_sketch,
+    pinned_sketch,
+    rolling_sketch,
+    sleigh_sketch,
+)
 from voronec.kinematics.surfaces import Surface
 
 __all__ = [
@@ -54,16 +62,22 @@ __all__ = [
     "SurfaceForms",
     "SymmetricBallMotion",
     "axial_rotor",
+    "ball_sketch",
     "contact_meanings",
     "contact_momentum",
+    "disc_sketch",
     "euler_meanings",
     "kinetic_energy",
     "moving_meanings",
+    "particle_sketch",
+    "pinned_sketch",
     "point_velocity",
     "product_form",
     "product_moments",
+    "rolling_sketch",
     "skew",
     "skew_entries",
+    "sleigh_sketch",
     "turned_poles",
     "uniform_field_energy",
     "vector_meanings",

@@ -18,6 +18,7 @@ from voronec.kinematics.bodies import kinetic_energy, point_velocity
 from voronec.kinematics.meanings import NORMAL, contact_meanings, vector_meanings
 from voronec.kinematics.poles import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
+from voronec.kinematics.sketches import ball_sketch
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, applied, cross, dot, three
 
@@ -188,6 +189,7 @@ class RollingBall:
                 **vector_meanings(map(str, GAMMA), NORMAL, "the ball"),
             },
             "shapes": self.contact.shapes,
+            "sketch": ball_sketch((u, v), self.fibre, theta, momentum),
         }
 
     def _along_axes(self, vector: Vector) -> Vector:

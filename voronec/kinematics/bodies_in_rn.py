@@ -14,6 +14,7 @@ from voronec.declaration.claims import Case, Equation, Measure
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import real_text
 from voronec.declaration.scene import Parameter, Scene
+from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.kinematics.families import FIXED_RADIUS, Words, constants, joined
 from voronec.kinematics.groups import (
@@ -25,6 +26,7 @@ from voronec.kinematics.groups import (
     wedge_square,
 )
 from voronec.kinematics.meanings import NORMAL, SPIN, vector_meanings
+from voronec.kinematics.sketches import pinned_sketch, rolling_sketch
 
 __all__ = ["BodyInRn"]
 
@@ -72,6 +74,13 @@ class BodyInRn:
     def normal(self) -> sp.Matrix:
         """gamma."""
         return sp.Matrix(self.body.normal)
+
+    def _sketch(self) -> Sketch:
+        """A ball, or a body about a point, with its normal."""
+        if not self.rolls:
+            return pinned_sketch(gamma=self.normal)
+        on = "plane" if self.fixed is None else "sphere"
+        return rolling_sketch(on=on, gamma=self.normal, note=f"in $R^{self.dimension}$")
 
     @property
     def rolls(self) -> bool:
@@ -246,6 +255,7 @@ class BodyInRn:
             "multiplier": None if self.twists or not three else self.reducer,
             "cases": self.product_case(),
             "meanings": self._meanings,
+            "sketch": self._sketch(),
         }
         return joined(own, declared)
 

@@ -13,6 +13,7 @@ from voronec.algebra.symbols import velocity
 from voronec.algebra.text import sympified
 from voronec.declaration.claims import Equation
 from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.kinematics.balls import ZERO
 from voronec.kinematics.bodies import kinetic_energy
@@ -26,6 +27,7 @@ from voronec.kinematics.meanings import (
 )
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
+from voronec.kinematics.sketches import carried_sketch
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import three
 
@@ -81,6 +83,13 @@ class CarriedContact:
     def spin(self) -> dict[sp.Expr, sp.Expr]:
         """omega by the velocities of Euler's angles."""
         return dict(zip(self.omega, self.rotation.body_rates, strict=True))
+
+    def _sketch(self, rotor: Sequence[Any]) -> Sketch:
+        """The body, with all that is carried along."""
+        place, arm, *lines = self.vectors
+        attitude, contact = self.rotation.coordinates, self.contact
+        rolled = (*contact.body.coordinates, *contact.fixed.coordinates, contact.theta)
+        return carried_sketch(attitude, place, rolled, rotor, body="body", arm=arm, lines=lines)
 
     @property
     def vectors(self) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix, sp.Matrix]:
@@ -150,6 +159,7 @@ class CarriedContact:
             "integrals": {"energy": self.momentum.dot(self.omega) / 2},
             "essential": (*lines, *self.contact.coordinates, *self.omega),
             "meanings": self._meanings,
+            "sketch": self._sketch(kappa),
         }
         return joined(own, declared)
 

@@ -12,6 +12,7 @@ from voronec.algebra.symbols import velocity
 from voronec.declaration.charts import Chart
 from voronec.declaration.claims import Equation, Measure
 from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 from voronec.kinematics.balls import GAMMA, OMEGA, ZERO
@@ -36,6 +37,7 @@ from voronec.kinematics.meanings import (
 from voronec.kinematics.poles import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
+from voronec.kinematics.sketches import carried_sketch, rolling_sketch, wheel_of
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, applied, dot, three
 
@@ -224,6 +226,23 @@ class RollingEllipsoid:
         root = sp.sqrt(equatorial * axial + self.mass * spread)
         return self.body.height * (equatorial + self.mass * (x**2 + y**2 + z**2)) * root
 
+    def _sketch(self, rotor: Sequence[Any]) -> Sketch:
+        """The ellipsoid, on what it rolls."""
+        names, wheel = list(self.fibre), wheel_of(rotor)
+        if self.sphere is None:
+            return rolling_sketch(body="ellipsoid", attitude=self.base, place=names, wheel=wheel)
+        if len(names) == 3:
+            u, v, support = names
+            return rolling_sketch(
+                on="sphere",
+                body="ellipsoid",
+                attitude=self.base,
+                place=(u, v),
+                height=support,
+                wheel=wheel,
+            )
+        return carried_sketch(self.base, names[:3], names[3:], rotor)
+
     @property
     def as_any_body(self) -> tuple[dict[Any, Any], dict[str, Any]]:
         """A spheroid on a sphere as a body of unknown surfaces: its state, and their functions."""
@@ -267,6 +286,7 @@ class RollingEllipsoid:
             "charts": self.charts,
             "essential": (*self._seen, *OMEGA),
             "meanings": self._meanings,
+            "sketch": self._sketch(kappa),
         }
         if (
             self.axes[0] == self.axes[1]

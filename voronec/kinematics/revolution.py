@@ -13,6 +13,7 @@ from voronec.algebra.symbols import velocity
 from voronec.algebra.text import sympified
 from voronec.declaration.claims import Equation
 from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.kinematics.balls import OMEGA
 from voronec.kinematics.bodies import kinetic_energy
@@ -26,6 +27,7 @@ from voronec.kinematics.meanings import (
 )
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
+from voronec.kinematics.sketches import carried_sketch
 
 __all__ = ["BodyOfRevolution"]
 
@@ -60,6 +62,13 @@ class BodyOfRevolution:
     def spins(self) -> tuple[sp.Symbol, ...]:
         """s, tau, n, as symbols."""
         return tuple(SPINS)
+
+    def _sketch(self, further: Mapping[str, sp.Expr]) -> Sketch:
+        """A torus, with what is carried along."""
+        more = [q for q in further.values() if isinstance(q, sp.Symbol)]
+        return carried_sketch(
+            ATTITUDE.coordinates, PLACE, tuple(self.rolled), (self.rotor,), "torus", more
+        )
 
     @property
     def axis(self) -> sp.Matrix:
@@ -147,6 +156,7 @@ class BodyOfRevolution:
                 **contact_meanings(self.contact),
                 **moving_meanings(SPINS),
             },
+            "sketch": self._sketch(further),
         }
         return joined(own, declared)
 
