@@ -42,3 +42,15 @@ def test_the_source_links_to_nothing_outside_of_the_documentation(build, tmp_pat
     build.write_source(tmp_path / "source")
     for page in (tmp_path / "source").glob("*.md"):
         assert "](../" not in page.read_text(), page.name
+
+
+def test_the_index_names_every_page_and_systems_have_their_sketches(build, tmp_path: Path) -> None:
+    source = tmp_path / "source"
+    build.write_source(source)
+    entries = (source / "index.md").read_text().splitlines()
+    assert {p.stem for p in source.glob("*.md")} - {"index"} <= {*entries}
+    assert (
+        "![The mechanism, seen from above](sleigh.svg)"
+        in (source / "systems" / "sleigh.md").read_text()
+    )
+    assert (source / "systems" / "sleigh.svg").exists()

@@ -43,6 +43,8 @@ ROOMS = {
 OUTSIDE = re.compile(r"\[([^\]]*)\]\(\.\./[^)]*\)")
 SYSTEMS = "\n```{toctree}\n:hidden:\n:glob:\n\n*\n```\n"
 """All pages beside the list of systems, for the column on the left."""
+LAST = "special-motions"
+"""After this entry of the index come pages that it does not name."""
 TIME = "The time, the symbol ``t``; also the argument of SymPy's ``dynamicsymbols``."
 
 
@@ -81,12 +83,34 @@ def write_source(source: Path) -> None:
     for page in source.rglob("*.md"):  # what lies outside of the documentation is named, not linked
         text = page.read_text("utf-8")
         page.write_text(OUTSIDE.sub(r"\1", text) if page.parent == source else text, "utf-8")
+    _add_sketches(source / "systems")
+    _list_others(source / "index.md")
     index = source / "systems" / "README.md"
     index.write_text(index.read_text("utf-8") + SYSTEMS, "utf-8")
     reference = source / "reference"
     reference.mkdir(exist_ok=True)
     for room, text in reference_pages().items():
         (reference / f"{room}.rst").write_text(text, "utf-8")
+
+
+def _list_others(index: Path) -> None:
+    """Name the pages that the index does not, below the others that go into detail."""
+    text = index.read_text("utf-8")
+    others = sorted({p.stem for p in index.parent.glob("*.md")} - {*text.splitlines(), index.stem})
+    entry = f"\n{LAST}\n"
+    index.write_text(text.replace(entry, entry + "\n".join([*others, ""]), 1), "utf-8")
+
+
+def _add_sketches(folder: Path) -> None:
+    """Draw the sketch of each system, and show it below the first lines of its page."""
+    for page in folder.glob("*.md"):
+        sketch = None if page.stem == "README" else voronec.load(page.stem).sketch
+        if sketch is None:
+            continue
+        page.with_suffix(".svg").write_text(sketch.svg(), "utf-8")
+        text = page.read_text("utf-8")
+        shown = f"![The mechanism, {sketch.view}]({page.stem}.svg)\n\n## Definition"
+        page.write_text(text.replace("## Definition", shown, 1), "utf-8")
 
 
 class _Links(HTMLParser):

@@ -56,10 +56,11 @@ def _joined(names: Sequence[Any]) -> str:
     return f"({', '.join(map(str, names))})"
 
 
-def plane(sketch: Sketch, x: Any = "", y: Any = "", spin: Any = "") -> Sketch:
+def plane(sketch: Sketch, place: Sequence[Any] = (), spin: Any = "") -> Sketch:
     """A plane in perspective, with its axes, or a table that turns."""
     sketch = sketch.area((-2.1, -1.5), (1.5, -1.5), (2.1, -0.6), (-1.5, -0.6))
-    if x or y:
+    if place:
+        x, y = place
         corner = (-1.75, -1.35)
         sketch = sketch.arrow(corner, (-0.95, -1.35), x).arrow(corner, (-1.4, -0.85), y)
     return sketch.turn((1.6, -0.9), 90, 0.25, spin) if spin else sketch
@@ -118,7 +119,7 @@ def rolling_sketch(
     outline = BODIES[body]
     middle = outline.middle
     sketch = Sketch("seen from the side")
-    sketch = sphere(sketch, *place) if on == "sphere" else plane(sketch, *place, spin=spin)
+    sketch = sphere(sketch, *place) if on == "sphere" else plane(sketch, place, spin)
     sketch = sketch.ellipse(middle, outline.along, outline.across, outline.axis)
     if body == "torus":
         sketch = sketch.ellipse(middle, 0.14, 0.6, outline.axis)
@@ -239,7 +240,7 @@ def sleigh_sketch(place: Sequence[Any], heading: Any, ahead: Any = "", left: Any
     centre = polar(at, 1.0, course)
     if left:
         centre = polar(centre, 0.3, course + 90)
-    sketch = Sketch("seen from above").axes(*place, size=0.8)
+    sketch = Sketch("seen from above").axes(place[0], place[1], size=0.8)
     sketch = sketch.box(polar(at, 0.5, course), 2.1, 1.0, course).wheel(at, course, 0.6)
     sketch = sketch.line(at, (at[0] + 1.5, at[1]), look="dashed")
     sketch = sketch.line(at, polar(at, 2.0, course), look="dashed")
@@ -257,7 +258,7 @@ def disc_sketch(place: Sequence[Any], heading: Any, rolled: Any, lean: Any = "")
     tilt = 17.0 if lean else 0.0
     middle = polar(CONTACT, 1.1, 90 + tilt)
     ahead = (1.0, -0.68)
-    sketch = plane(Sketch("seen from the side"), *place)
+    sketch = plane(Sketch("seen from the side"), place)
     sketch = sketch.line(CONTACT, (1.25, -1.0), look="dashed")
     sketch = sketch.arrow(CONTACT, ahead).angle(CONTACT, 0.85, 0, 18, heading)
     sketch = sketch.ellipse(middle, 0.5, 1.1, tilt)
