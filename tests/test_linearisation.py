@@ -5,12 +5,14 @@ from __future__ import annotations
 import random
 from typing import Any
 
-import mechanics_models as models
 import mpmath as mp
 import pytest
 import sympy as sp
+from tool_modules import tool
 
 import voronec as vo
+
+models = tool("mechanics_models")
 
 # [Meijaard2007, table 2]: castering, capsize and weave, or four real ones, to the digits printed.
 PUBLISHED = """

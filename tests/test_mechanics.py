@@ -7,13 +7,15 @@ import random
 import zlib
 from typing import Any
 
-import mechanics_models as models
 import mpmath as mp
 import pytest
 import sympy as sp
 from sympy.physics import mechanics as me
+from tool_modules import tool
 
 import voronec as vo
+
+models = tool("mechanics_models")
 
 t = sp.Symbol("t")
 DIGITS = 30

@@ -214,10 +214,6 @@ class Door:
         found: list[Any] = []
         for thing, inside in self._inward.items():
             if isinstance(thing, sp.Symbol | AppliedUndef):
-                if thing.is_real is False:
-                    raise DefinitionError(
-                        f"'{thing}' is not real; equalities are between real numbers"
-                    )
                 found += _known_of(thing, inside)
         return found
 
@@ -327,6 +323,11 @@ def _real_where(node: Any, enter: Callable[[Any], Any]) -> Any:
 
 def _known_of(thing: sp.Expr, inside: Any) -> Iterator[Any]:
     """What SymPy knows of a symbol or a function, as hypotheses on what it is inside."""
+    own = thing.assumptions0 if isinstance(thing, sp.Symbol) else thing.func._kwargs
+    if not own.keys() - {"commutative"}:
+        return  # to ask one by one takes as long as a small derivation
+    if thing.is_real is False:
+        raise DefinitionError(f"'{thing}' is not real; equalities are between real numbers")
     if thing.is_zero:
         yield inside
     elif thing.is_positive:

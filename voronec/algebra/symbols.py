@@ -45,7 +45,13 @@ def velocity(coordinate: sp.Expr) -> sp.Expr:
 
     Applied to a velocity it gives the second derivative, and so on.
     """
+    if isinstance(coordinate, AppliedUndef) and coordinate.args == (time,):
+        # what diff returns, without the tens of questions that it asks first
+        return sp.Expr.__new__(sp.Derivative, coordinate, sp.Tuple(time, sp.S.One))
     if isinstance(coordinate, (AppliedUndef, sp.Derivative)):
+        function = coordinate.args[0]
+        if coordinate.args[1:] == ((time, sp.S.One),) and isinstance(function, AppliedUndef):
+            return sp.Expr.__new__(sp.Derivative, function, sp.Tuple(time, sp.Integer(2)))
         return coordinate.diff(time)
     return sp.Symbol(plain_name(coordinate) + "dot")
 

@@ -228,7 +228,8 @@ class System:
             ("invariants", "invariant", "'name': expression"),
         ):
             values = mapping(getattr(self, name), name, entry)
-            read = {k: expression(v, f"{one} '{shown(k)}'") for k, v in values.items()}
+            quoted = {k: plain_name(k) if is_symbolic_name(k) else shown(k) for k in values}
+            read = {k: expression(v, f"{one} '{quoted[k]}'") for k, v in values.items()}
             store(name, mapping(read, name, entry))
         store("forces", mapping(along_coordinates(self), "forces", "coordinate: force"))
         for name, value in read_claims(self).items():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import symengine as se
@@ -186,11 +186,12 @@ def _require_continuity(
     place = f"system '{system.name}'"
     require_no_jump_of_lagrangian(place, lagrangian, dots, variables, known)
     for i, constraint in enumerate(system.constraints):
-        require_no_jump(_constraint(system, i), enter(constraint, f"constraint {i + 1}"), known)
+        name = partial(_constraint, system, i)  # printed where it is refused: that takes long
+        require_no_jump(name, enter(constraint, f"constraint {i + 1}"), known)
     if system.frame is not None and not system.on_group:
         for v, expr in zip(system.frame.velocities, system.frame.expressions, strict=True):
-            name = f"{place}: the quasi-velocity '{plain_name(v)}'"
-            require_no_jump(name, enter(expr, name), known)
+            title = f"{place}: the quasi-velocity '{plain_name(v)}'"
+            require_no_jump(partial(str, title), enter(expr, title), known)
 
 
 def _applied(

@@ -5,7 +5,7 @@ Where one does, velocities jump too, and the equations between the walls do not 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import symengine as se
@@ -17,13 +17,13 @@ from voronec.errors import DefinitionError, EngineLimit
 __all__ = ["require_no_jump", "require_no_jump_of_lagrangian"]
 
 
-def require_no_jump(place: str, expr: Any, conditions: Sequence[Any] = ()) -> None:
+def require_no_jump(place: Callable[[], str], expr: Any, conditions: Sequence[Any] = ()) -> None:
     """Raise ``DefinitionError`` where an expression is proved to jump at a state at which
-    conditions hold; ``place`` is what it is."""
+    conditions hold; ``place`` says what it is."""
     for wall, jump in _jumps(expr):
         if _differs(jump, wall, conditions):
             raise DefinitionError(
-                f"{place} jumps where {wall} = 0, and velocities would with it; use a continuous "
+                f"{place()} jumps where {wall} = 0, and velocities would with it; use a continuous "
                 "one, or end the motion there and start another"
             )
 

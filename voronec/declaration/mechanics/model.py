@@ -9,7 +9,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.symbols import is_symbolic_name
+from voronec.algebra.symbols import is_symbolic_name, velocity
 from voronec.errors import DefinitionError, shown
 
 __all__ = ["MechanicsModel", "read_model"]
@@ -145,13 +145,12 @@ def _of_kane(kane: Any, bodies: Any = None, forcelist: Any = None) -> MechanicsM
         )
     speeds = [*kane.u]
     count = len(speeds) - len(kane._udep)
-    rates = [q.diff(sp.Symbol("t")) for q in kane.q]
-    kinematic, motion = sp.Matrix(), sp.Matrix()
+    kinematic: list[sp.Expr] = []
     if kane._k_ku_implicit:
-        kinematic = kane._k_ku_implicit * kane.u + kane._k_kqdot_implicit * sp.Matrix(rates)
-        kinematic += kane._f_k_implicit
-    if kane._k_nh:
-        motion = kane._k_nh * kane.u + kane._f_nh
+        rates = [*map(velocity, kane.q)]
+        table = kane._k_ku_implicit.row_join(kane._k_kqdot_implicit).row_join(kane._f_k_implicit)
+        kinematic = _sums(table, [*speeds, *rates, sp.S.One])
+    motion = _sums(kane._k_nh.row_join(kane._f_nh), [*speeds, sp.S.One]) if kane._k_nh else []
     return _kane(
         kane._inertial, [*kane.q][: len(kane.q) - len(kane._qdep)], speeds[:count],
         kinematic, kane._qdep, kane._f_h, kane._udep, motion, None, kane._uaux, bodies,
@@ -176,6 +175,17 @@ def _of_system(system: Any, bodies: Any = None, forcelist: Any = None) -> Mechan
         system.holonomic_constraints, system.u_dep, system.velocity_constraints, None,
         system.u_aux, system.bodies if bodies is None else bodies, loads,
     )  # fmt: skip
+
+
+def _sums(table: Any, factors: list[Any]) -> list[sp.Expr]:
+    """The rows of a matrix times a column, as they stand: SymPy would look for what cancels."""
+    return [
+        sp.Add(
+            *[sp.Mul(e, x, evaluate=False) for e, x in zip(row, factors, strict=True) if e != 0],
+            evaluate=False,
+        )
+        for row in table.tolist()
+    ]
 
 
 def _several(things: Any) -> tuple[Any, ...]:

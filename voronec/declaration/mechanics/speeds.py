@@ -9,6 +9,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.elimination import solve_linear
+from voronec.algebra.normal import shortest
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
@@ -73,6 +74,17 @@ def solve_speeds(
         left.append([se.Integer(int(k == j)) for k in range(len(speeds))])
         right.append([fresh[j]])
     values = tuple(v[0] for v in solve_linear(left, right).values) if left else ()
+    if any(e.free_symbols for row in left for e in row):
+        values = _tidy(values)
     meaning = dict(zip(speeds, values, strict=True))
     rest = (equations[i].xreplace(meaning) for i in range(len(equations)) if i not in kept)
     return Speeds(values, tuple(rest), tuple(unplaced))
+
+
+def _tidy(values: Sequence[Any]) -> tuple[Any, ...]:
+    """In the shortest form, where that is within the budget: pivots that vanish somewhere, as the
+    cosine of a yaw, are in vain in most of what they divide."""
+    try:
+        return tuple(shortest(values))
+    except EngineLimit:
+        return tuple(values)

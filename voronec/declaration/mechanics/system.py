@@ -15,7 +15,7 @@ from voronec.algebra.elimination import solve_linear
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.tape import Tape
 from voronec.declaration.geometry import Fibration, Frame
-from voronec.declaration.mechanics.bodies import Places, kinetic_energy
+from voronec.declaration.mechanics.bodies import Places, kinetic_energy, vanish
 from voronec.declaration.mechanics.model import MechanicsModel, read_model
 from voronec.declaration.mechanics.speeds import Speeds, generic_columns, generic_rows, solve_speeds
 from voronec.declaration.mechanics.vectors import Components, dot, in_one_line
@@ -82,7 +82,8 @@ class _Reading:
         symbols = door.inward_all(model.all_speeds)
         speeds = solve_speeds(equations, symbols, dots, rates)
         coordinates = (*model.coordinates, *(angles[j] for j in speeds.unplaced))
-        meaning = dict(zip(symbols, speeds.values, strict=True)) | quiet
+        meaning = dict(zip(symbols, speeds.values, strict=True))
+        free = {u: meaning.pop(u) for u in symbols[: len(model.speeds)]}
 
         def place(body: str, axis: int) -> Any:
             return door.admit(velocity(_fresh(f"{body}_{'xyz'[axis]}", taken)))
@@ -92,15 +93,15 @@ class _Reading:
             tuple(door.admit(velocity(q)) for q in coordinates),
             door.inward(time),
             place,
+            free,
         )
-        return cls(model, door, coordinates, speeds, Components(door, meaning), places)
+        return cls(model, door, coordinates, speeds, Components(door, meaning | quiet), places)
 
     def system(self, name: str, parameters: Any) -> System:
         """The declaration."""
         model, outward = self.model, self.door.outward
         energy = self._lagrangian()
-        own = [self.read.read(e) for e in model.motion] + [*self.speeds.left_over]
-        relations, kept = self._relations(own)
+        own, relations, kept = self._bound()
         constraints = own + [symbol - rate for symbol, rate in self.places.rates]
         added = tuple(outward(symbol).expr for symbol, _ in self.places.rates)
         forces = self._forces()
@@ -140,36 +141,49 @@ class _Reading:
             if not getattr(moved, "args", ()):
                 continue
             axes = vector.args[0][1]
-            force, rate = self.read.of(vector, axes), self.read.of(moved, axes)
-            for q, along in zip(self.coordinates, self.places.dots, strict=True):
-                found[q] += dot(force, [r.diff(along) for r in rate])
+            force = self.read.of(vector, axes)
+            rows = [self.places.form(rate) for rate in self.read.of(moved, axes)]
+            for q, column in zip(self.coordinates, zip(*rows, strict=True), strict=False):
+                found[q] += dot(force, column)
         return found
 
-    def _relations(self, own: Sequence[Any]) -> tuple[list[Any], list[Any]]:
-        """Configuration constraints as relations; as integrals those that the constraints on
-        velocities seem to keep already, where this is beyond what is decided."""
+    def _bound(self) -> tuple[list[Any], list[Any], list[Any]]:
+        """Constraints on velocities, relations, and configuration constraints as integrals.
+
+        Constraints that are the derivative of a relation are left out.  Where those that are left
+        seem to keep a relation, but this is beyond what is decided, the relation is an integral.
+        """
+        own = [self.read.read(e) for e in self.model.motion] + [*self.speeds.left_over]
         given = [self.read.read(e) for e in self.model.configuration]
         slopes = [self._slope(r) for r in given]
-        rows = [*(self.places.form(c)[:-1] for c in own), *slopes]
-        if not given or {*range(len(own), len(rows))} <= {*generic_rows(rows, given)}:
-            return given, []
-        if Tape([e for row in rows for e in row]).size > LONG:
-            return [], given
+        rows = [self.places.form(c) for c in own]
+        short = Tape([e for row in (*rows, *slopes) for e in row]).size <= LONG
+        if short:
+            new = [not any(_is_parallel(row, s) for s in slopes) for row in rows]
+            own = [c for c, kept in zip(own, new, strict=True) if kept]
+            rows = [row for row, kept in zip(rows, new, strict=True) if kept]
+        table = [row[:-1] for row in (*rows, *slopes)]
+        if not given or {*range(len(own), len(table))} <= {*generic_rows(table, given)}:
+            return own, given, []
         try:
-            solve_linear(rows, [[] for _ in rows], given, len(own))
+            if short:
+                solve_linear(table, [[] for _ in table], given, len(own))
+                return own, given, []
         except EngineLimit:
-            return [], given
-        return given, []
+            pass
+        return own, [], given
 
     def _slope(self, relation: Any) -> list[Any]:
-        return [relation.diff(q) for q in self.places.coordinates]
+        """The coefficients of the rates in the derivative of a relation, and the rest."""
+        along = (*self.places.coordinates, self.places.time)
+        return [relation.diff(q) for q in along]
 
     def _split(
         self, own: Sequence[Any], relations: Sequence[Any], held: Sequence[Any]
     ) -> tuple[tuple[sp.Expr, ...], tuple[sp.Expr, ...]]:
         """Base and fibre: the rates of the first determine those of the second."""
         places = self.places
-        rows = [*(places.form(c)[:-1] for c in own), *map(self._slope, relations)]
+        rows = [*(places.form(c)[:-1] for c in own), *(self._slope(r)[:-1] for r in relations)]
         in_use = set().union(*(e.free_symbols for e in held), *(e.free_symbols for e in relations))
         order = sorted(range(len(self.coordinates)), key=lambda i: self._rank(i, in_use))
         chosen = generic_columns([[row[i] for i in order] for row in rows], relations)
@@ -187,6 +201,14 @@ class _Reading:
         if self.coordinates[i] in model.later:
             return 1
         return 3 if self.places.coordinates[i] in in_use else 2
+
+
+def _is_parallel(row: Sequence[Any], other: Sequence[Any]) -> bool:
+    """Whether two rows are multiples of one another, which is proved."""
+    i = next(i for i, e in enumerate(other) if e != 0)
+    return row[i] != 0 and vanish(
+        [a * other[i] - b * row[i] for a, b in zip(row, other, strict=True)]
+    )
 
 
 def _fresh(name: str, taken: set[str]) -> sp.Expr:

@@ -17,6 +17,7 @@ def frame(parent: Any, name: str, angle: Any, axis: Any) -> Any:
 
 
 def kane(inertial: Any, q: Any, u: Any, kd: Any, bodies: Any, loads: Any, **more: Any) -> Any:
+    """A KanesMethod."""
     return me.KanesMethod(
         inertial, q_ind=q, u_ind=u, kd_eqs=kd, bodies=bodies, forcelist=loads, **more
     )

@@ -1,0 +1,104 @@
+"""Models of SymPy's mechanics against SymPy: ``python tools/bench_mechanics.py [MODEL ...]``.
+
+Both sides begin with the objects that a user has (``mechanics_models.py``), SymPy's cache empty:
+SymPy's with ``KanesMethod(...)`` and ``kanes_equations``, or ``form_lagranges_equations``; ours
+with ``from_mechanics`` and what a program is made of.  Times are CPU times of one run, so that only
+their ratio counts.  Operations are those of SymPy's ``rhs()`` after its ``cse``, and of the program
+that we print.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+from typing import Any
+
+import sympy as sp
+from bench_measure import operations
+from mechanics_models import MODELS, whipple_bicycle
+from sympy.core.cache import clear_cache
+from sympy.physics import mechanics as me
+
+import voronec as vo
+from voronec.equations.program import Program
+
+
+def timed(work: Any) -> tuple[float, Any]:
+    """CPU time of one run, and what came out."""
+    clear_cache()
+    start = time.process_time()
+    done = work()
+    return time.process_time() - start, done
+
+
+def remade(method: Any) -> Any:
+    """The call of the method's constructor: for Kane's it solves constraints, which is work."""
+    if isinstance(method, me.LagrangesMethod):
+        return method
+    free = len(method.q) - len(method._qdep)
+    count = len(method.u) - len(method._udep)
+    kinematic = method._k_ku_implicit * method.u
+    kinematic += method._k_kqdot_implicit * method.q.diff(vo.time) + method._f_k_implicit
+    motion = [*(method._k_nh * method.u + method._f_nh)] if method._udep else None
+    return me.KanesMethod(
+        method._inertial, method.q[:free], method.u[:count], kd_eqs=kinematic,
+        q_dependent=[*method._qdep], configuration_constraints=[*method._f_h],
+        u_dependent=[*method._udep], velocity_constraints=motion,
+        u_auxiliary=[*method._uaux], bodies=method.bodies, forcelist=method.loads,
+    )  # fmt: skip
+
+
+def theirs(method: Any) -> Any:
+    """SymPy's derivation."""
+    method = remade(method)
+    if isinstance(method, me.KanesMethod):
+        method.kanes_equations()
+    else:
+        method.form_lagranges_equations()
+    return method.mass_matrix_full, method.forcing_full, method
+
+
+def ours(method: Any) -> vo.VoronecEquations:
+    """The engine's, up to the form that programs are made of."""
+    eqs = vo.derive(vo.from_mechanics(method))
+    _ = eqs.raw.form
+    return eqs
+
+
+def program(eqs: vo.VoronecEquations) -> int:
+    """Operations of the program that is printed."""
+    return Program.of(eqs.form).operations
+
+
+def main() -> int:
+    """Measure, print, and exit with 1 where a figure is missed."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("models", nargs="*", metavar="MODEL", help=", ".join(MODELS))
+    chosen = parser.parse_args().models or [*MODELS]
+    makers = MODELS | {"whipple_bicycle": whipple_bicycle}
+    for warm in (theirs, ours):  # modules are imported, tables made
+        warm(MODELS["rolling_disc"]())
+    faster, shorter = [], []
+    print(f"{'model':36} {'SymPy s':>8} {'ours s':>8} {'times':>6}   {'cse':>6} {'ours':>6} share")
+    for name in chosen:
+        slow, (*_, method) = timed(lambda make=makers[name]: theirs(make()))
+        making, _ = timed(makers[name])
+        quick, eqs = timed(lambda make=makers[name]: ours(make()))
+        slow, quick = slow - making, quick - making
+        count = program(eqs)
+        right = method.rhs() if name != "whipple_bicycle" else sp.zeros(0, 1)
+        there = operations(right)
+        faster.append(slow / quick)
+        shorter.append(count / there if there else float("nan"))
+        print(
+            f"{name:36} {slow:8.3f} {quick:8.3f} {faster[-1]:6.1f}   {there:6} {count:6} "
+            f"{shorter[-1]:.2f}", flush=True,
+        )  # fmt: skip
+    times, share = statistics.median(faster), statistics.median(shorter)
+    print(f"median: {times:.1f} times faster (asked 5), {share:.2f} of the operations (asked 0.5)")
+    return 0 if times >= 5 and share <= 0.5 else 1
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
