@@ -8,6 +8,7 @@ from test_closed_form import ANGLES, CASES, NAMES, START, UPWARD, apart
 import voronec as vo
 from voronec.closed.grid import MANY
 from voronec.closed.space_coordinates import BLOCK
+from voronec.elliptic.panels import Panels
 
 R = sp.Rational
 PERIODIC = {
@@ -24,14 +25,27 @@ def ball():
     return vo.load("demchenko")
 
 
+@pytest.fixture
+def made(monkeypatch):
+    """The tables that are made meanwhile."""
+    found, make = [], Panels.of
+
+    def note(*arguments):
+        found.append(make(*arguments))
+        return found[-1]
+
+    monkeypatch.setattr(Panels, "of", note)
+    return found
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("late", [0, 10**6])
 @pytest.mark.parametrize("case", PERIODIC)
-def test_many_times_give_what_few_give(ball, case, late):
+def test_many_times_give_what_few_give(ball, case, late, made):
     form = vo.closed_form(ball, initial={**START, **PERIODIC[case]})
     times = form.period * (late + np.linspace(0, 30, MANY + 1))
     many, part = form.at(times), form.modulo(times, NAMES[:5])
-    assert form.ready.tables
+    assert made
     some = slice(None, None, MANY // 40)
     few, little = form.at(times[some]), form.modulo(times[some], NAMES[:5])
     for name in NAMES:
@@ -76,13 +90,13 @@ def test_longitudes_are_right_where_a_turned_motion_passes_near_a_pole(ball):
             assert apart(name, exact[name], found[name][place].item()) < 1e-13, name
 
 
-def test_a_fast_angle_and_a_place_on_a_plane_do_without_tables(ball):
+def test_a_fast_angle_and_a_place_on_a_plane_do_without_tables(ball, made):
     fast = vo.closed_form(ball, initial={**START, **UPWARD, "n": R(10**6)})
     assert np.isfinite(fast.at(np.linspace(0, 1, MANY), ["theta"])["theta"]).all()
     sphere = vo.closed_form(vo.load("zhukovsky-ball"))
     names = [str(q) for q in sphere.quadratures.plane.place]
     times = np.linspace(0, 30, MANY)
     many, few = sphere.at(times, names), sphere.at(times[::500], names)
-    assert not sphere.ready.tables
+    assert not made
     for name in names:
         assert np.array_equal(many[name][::500], few[name])

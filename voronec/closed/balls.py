@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from flint import acb, ctx
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import angle, ball, compiled, precise, root
+from voronec.closed.clock import clock_of
 from voronec.closed.compiled_motion import Prepared
 from voronec.closed.expressions import reading
-from voronec.closed.planar_rotation import rolled_in_balls
+from voronec.closed.inverted_motion import InvertedMotion
+from voronec.closed.planar_rotation import rolled_in_balls, steady_rates
 from voronec.closed.ratio import ratios
 from voronec.closed.space import product
+from voronec.closed.winding import winding_of
 from voronec.elliptic.solution import exact_time
 from voronec.errors import EngineLimit
 
-if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
-
-__all__ = ["enclosed", "polynomials", "turned_by"]
+__all__ = ["enclosed", "resting_values", "turned_by"]
 
 
 def turned_by(spin: Sequence[Any], t: Any) -> list[Any]:
@@ -49,7 +49,7 @@ MOST = 1 << 15
 """Bits beyond which an enclosure is given up."""
 
 
-def enclosed(form: ClosedForm, t: Any, digits: int, whole: bool = True) -> dict[str, Any]:
+def enclosed(form: InvertedMotion, t: Any, digits: int, whole: bool = True) -> dict[str, Any]:
     """Coordinates and velocities at a time, each with a radius below 10^-digits; angles continuous
     (``whole``), or those in space up to whole turns.
 
@@ -79,17 +79,17 @@ def enclosed(form: ClosedForm, t: Any, digits: int, whole: bool = True) -> dict[
     )
 
 
-def _begun(form: ClosedForm) -> dict[str, Any]:
+def _begun(form: InvertedMotion) -> dict[str, Any]:
     problem, system = form.problem, form.system
     given = dict(zip(problem.prepared.inputs, problem.given(ctx.prec), strict=True))
     return {plain_name(q): given[q] for q in (*system.coordinates, *system.velocities)}
 
 
-def _moving(form: ClosedForm, t: Any, digits: int, bits: int, whole: bool) -> dict[str, Any]:
+def _moving(form: InvertedMotion, t: Any, digits: int, bits: int, whole: bool) -> dict[str, Any]:
     own, problem = form.problem.prepared, form.problem
     digits = max(digits, int((bits - GUARD) / 3.33))
     timed = form.quadratures.clock != 1
-    at = form.clock.moment(t, digits) if timed else form.solution.enclose(t, digits)
+    at = clock_of(form).moment(t, digits) if timed else form.solution.enclose(t, digits)
     table, x = problem.table(bits), at.x
     shares = list(_shares(table, len(own.poles), at))
     pace = ratios(own)[-1].value(problem, x, bits) if timed else ball(1)
@@ -106,7 +106,7 @@ def _moving(form: ClosedForm, t: Any, digits: int, bits: int, whole: bool) -> di
         values += [sine, cosine, -fall * at.rate / (sine * pace)]
     values += rates
     values += [found[q] for q in reading(own).coordinates]
-    values += polynomials(form, x, bits)
+    values += _polynomials(form, x, bits)
     if form.attitude is not None and not form.attitude.upright:
         found |= _turned(form, found, exact_time(t), bits, whole)
     if own.motion.plane is not None:
@@ -114,7 +114,9 @@ def _moving(form: ClosedForm, t: Any, digits: int, bits: int, whole: bool) -> di
     return _named(form, found, _velocities(own, values))
 
 
-def _straight(form: ClosedForm, table: list[Any], i: int, at: Any, bits: int) -> tuple[Any, ...]:
+def _straight(
+    form: InvertedMotion, table: list[Any], i: int, at: Any, bits: int
+) -> tuple[Any, ...]:
     """1 - cosine and 1 + cosine of a trace, the cosine, and its slope by x, which is constant."""
     first = form.problem.prepared.cosine_at + 2 * i
     offset, slope = table[first : first + 2]
@@ -125,7 +127,7 @@ def _straight(form: ClosedForm, table: list[Any], i: int, at: Any, bits: int) ->
     return south.nonnegative_part(), north.nonnegative_part(), offset + slope * at.x, slope
 
 
-def _bent(form: ClosedForm, _: list[Any], i: int, at: Any, bits: int) -> tuple[Any, ...]:
+def _bent(form: InvertedMotion, _: list[Any], i: int, at: Any, bits: int) -> tuple[Any, ...]:
     """The same where the cosine is a ratio p/q."""
     ratio, problem = ratios(form.problem.prepared)[i], form.problem
     p, q, south, north, bend = (
@@ -136,12 +138,12 @@ def _bent(form: ClosedForm, _: list[Any], i: int, at: Any, bits: int) -> tuple[A
     return south, north, p / q, bend / (q * q)
 
 
-def _rested(form: ClosedForm, t: Any, bits: int, whole: bool) -> dict[str, Any]:
+def _rested(form: InvertedMotion, t: Any, bits: int, whole: bool) -> dict[str, Any]:
     problem, own = form.problem, form.problem.prepared
     time, given = exact_time(t), dict(zip(own.inputs, problem.given(bits), strict=True))
     found = {q: given[q] for q in own.system.coordinates}
     turned = form.attitude is not None and not form.attitude.upright
-    for q, rate in zip(own.system.coordinates, form.steady(bits), strict=True):
+    for q, rate in zip(own.system.coordinates, steady_rates(form, bits), strict=True):
         found[q] = found[q] + rate * time
     if form.wheels:
         found |= rolled_in_balls(form, time, bits)
@@ -152,15 +154,17 @@ def _rested(form: ClosedForm, t: Any, bits: int, whole: bool) -> dict[str, Any]:
     return _named(form, found, _resting(form, found, given, bits))
 
 
-def _resting(form: ClosedForm, found: dict[Any, Any], given: dict[Any, Any], bits: int) -> Any:
+def _resting(form: InvertedMotion, found: dict[Any, Any], given: dict[Any, Any], bits: int) -> Any:
     """The velocities where the variable rests: constant, if they hold no moving coordinate."""
     own = form.problem.prepared
     if not reading(own).coordinates:
         return [given[v] for v in own.system.velocities]
-    return _velocities(own, form.resting(found, bits))
+    return _velocities(own, resting_values(form, found, bits))
 
 
-def placed(form: ClosedForm, table: list[Any], integrals: Any, x: Any, bits: int) -> dict[Any, Any]:
+def placed(
+    form: InvertedMotion, table: list[Any], integrals: Any, x: Any, bits: int
+) -> dict[Any, Any]:
     """The place on a plane: along and across a constant direction."""
     plane, own = form.quadratures.plane, form.problem.prepared
     assert plane is not None
@@ -181,7 +185,7 @@ def placed(form: ClosedForm, table: list[Any], integrals: Any, x: Any, bits: int
 
 
 def _turned(
-    form: ClosedForm, upright: dict[Any, Any], time: Any, bits: int, whole: bool
+    form: InvertedMotion, upright: dict[Any, Any], time: Any, bits: int, whole: bool
 ) -> dict[Any, Any]:
     assert form.attitude is not None
     frame = form.attitude.machines[2]([upright[q] for q in form.attitude.coordinates])
@@ -190,7 +194,7 @@ def _turned(
 
 
 def _read(
-    form: ClosedForm, frame: list[Any], upright: Any, time: Any, bits: int, whole: bool
+    form: InvertedMotion, frame: list[Any], upright: Any, time: Any, bits: int, whole: bool
 ) -> dict[Any, Any]:
     """Coordinates off the frame in space, on the branches on which they start."""
     own = form.attitude
@@ -199,7 +203,7 @@ def _read(
     found = own.shifted(plain, bits)
     if whole:
         read = dict(zip(own.coordinates, plain, strict=True))
-        found |= form.winding.continuous(time, upright, read, bits)
+        found |= winding_of(form).continuous(time, upright, read, bits)
     return found
 
 
@@ -224,7 +228,22 @@ def _rates(own: Any, table: list[Any], shares: list[Any], x: Any) -> list[Any]:
     return found
 
 
-def polynomials(form: ClosedForm, x: Any, bits: int) -> list[Any]:
+def resting_values(form: InvertedMotion, moved: Mapping[Any, Any], bits: int) -> list[Any]:
+    """Values of the symbols of a ``Reading`` where the variable rests, with coordinates that have
+    moved."""
+    own, x = form.problem.prepared, form.problem.place(bits)
+    read, values = reading(own), [*form.problem.level(bits), x]
+    rates = dict(zip(form.system.coordinates, steady_rates(form, bits), strict=True))
+    with precise(bits):
+        for trace in form.quadratures.traces:
+            colatitude = form.exact(trace.colatitude)(bits)
+            values += [colatitude.sin(), colatitude.cos(), ball(0)]
+        values += [rates[q] for q in form.quadratures.angles]
+        values += [moved[q] for q in read.coordinates]
+        return values + _polynomials(form, x, bits)
+
+
+def _polynomials(form: InvertedMotion, x: Any, bits: int) -> list[Any]:
     """The polynomials in x that velocities hold."""
     own = form.problem.prepared
     kept = reading(own).polynomials
@@ -241,7 +260,7 @@ def _velocities(own: Prepared, values: list[Any]) -> list[Any]:
     return made(values)
 
 
-def _named(form: ClosedForm, found: dict[Any, Any], velocities: list[Any]) -> dict[str, Any]:
+def _named(form: InvertedMotion, found: dict[Any, Any], velocities: list[Any]) -> dict[str, Any]:
     system = form.problem.prepared.system
     named = {plain_name(q): found[q] for q in system.coordinates}
     return named | dict(zip(map(plain_name, system.velocities), velocities, strict=True))

@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import comb
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from voronec.closed.arithmetic import ball, precise
-
-if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
+from voronec.closed.inverted_motion import InvertedMotion
 
 __all__ = ["Bernstein", "bernstein", "evaluated", "inner", "rounded"]
 
@@ -30,7 +28,7 @@ Bernstein = tuple[float, ...]
 """The numbers b_k."""
 
 
-def rounded(form: ClosedForm, at: Callable[[int, Any], Sequence[Any]]) -> tuple[float, ...]:
+def rounded(form: InvertedMotion, at: Callable[[int, Any], Sequence[Any]]) -> tuple[float, ...]:
     """Numbers that a function of bits and of the motion's constants gives, to the last bit."""
     bits = 2 * FINE
     while True:
@@ -42,7 +40,7 @@ def rounded(form: ClosedForm, at: Callable[[int, Any], Sequence[Any]]) -> tuple[
         bits *= 2
 
 
-def bernstein(form: ClosedForm, ascending: Callable[[int], Sequence[Any]]) -> Bernstein:
+def bernstein(form: InvertedMotion, ascending: Callable[[int], Sequence[Any]]) -> Bernstein:
     """The numbers b_k of a polynomial whose coefficients are known to any number of bits."""
     return rounded(form, lambda bits, constants: inner(ascending(bits), constants))
 

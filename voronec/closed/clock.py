@@ -14,21 +14,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.precision import FIRST
+from voronec.algebra.precision import FIRST, SHARP
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.bernstein import Bernstein, evaluated, inner
+from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.ratio import Polynomial, ratios
 from voronec.errors import EngineLimit
 
-if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
-
-__all__ = ["Clock", "Summed", "shortened"]
+__all__ = ["Clock", "Summed", "clock_of", "pieces", "shortened", "whole_turns_off"]
 
 
 STEP = 0.125
@@ -42,7 +40,7 @@ LARGE = 16.0
 class Summed:
     """Integral ``j`` of one motion."""
 
-    form: ClosedForm
+    form: InvertedMotion
     j: int
 
     @cached_property
@@ -91,6 +89,8 @@ class Summed:
 
 FINE = 192
 PIECE = 26
+SPLIT = float(2**27 + 1)
+"""Splits a double into halves of 26 bits."""
 """Bits of the pieces of a period: whole numbers of them are exact."""
 NODES = 256
 """Of a table of a period, from which Newton's method starts."""
@@ -103,7 +103,7 @@ SPARE = 12
 class Clock:
     """The time of one motion."""
 
-    form: ClosedForm
+    form: InvertedMotion
 
     @property
     def number(self) -> int:
@@ -283,6 +283,11 @@ class Clock:
         return value
 
 
+def clock_of(form: InvertedMotion) -> Clock:
+    """The time of a motion, kept with it."""
+    return form.memo.once("clock", lambda: Clock(form))
+
+
 def pieces(value: Any) -> list[float]:
     """Doubles whose sum is the number: the first three short, so that products with whole numbers
     below 2^27 are exact."""
@@ -293,6 +298,28 @@ def pieces(value: Any) -> list[float]:
         found.append(round(size / unit) * unit)
         rest = rest - ball(found[-1])
     return [*found, float(rest)]
+
+
+def whole_turns_off(rate: Any, grid: np.ndarray) -> np.ndarray:
+    """rate t in turns, less whole ones, however late: products of short pieces are exact."""
+    with precise(SHARP):
+        rest, pieces = rate / (2 * ball(1).pi()), []
+        for _ in range(4):
+            size = float(abs(rest))
+            if not size:
+                break
+            unit = 2.0 ** (np.frexp(size)[1] - PIECE)
+            piece = round(float(rest) / unit) * unit
+            pieces.append(piece)
+            rest = rest - ball(piece)
+    high = grid * SPLIT
+    high = high - (high - grid)
+    total = np.zeros(grid.shape)
+    for piece in pieces:
+        for part in (high, grid - high):
+            product = piece * part
+            total += product - np.rint(product)
+    return np.asarray(total - np.rint(total))
 
 
 def shortened(times: np.ndarray, parts: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:

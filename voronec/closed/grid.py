@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -13,43 +13,39 @@ import sympy as sp
 from voronec.algebra.precision import SHARP
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
+from voronec.closed.balls import resting_values
 from voronec.closed.bernstein import evaluated
-from voronec.closed.clock import pieces
+from voronec.closed.clock import clock_of, pieces, whole_turns_off
 from voronec.closed.expressions import reading, velocities_in_doubles
+from voronec.closed.inverted_motion import InvertedMotion
+from voronec.closed.planar_rotation import rolled, steady_rates
+from voronec.closed.rounded_constants import rounded_constants
 from voronec.closed.space_coordinates import BLOCK, read_circles
 from voronec.closed.upright_view import UprightView, wrapped
+from voronec.closed.winding import winding_of
 from voronec.declaration.reading import doubles
+from voronec.elliptic.panels import Panels
 from voronec.errors import EngineLimit
 
-if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
-
-__all__ = ["clocked", "sampled", "steadily", "tabulated"]
+__all__ = ["sample_coordinates"]
 
 
-PIECE = 26
-"""Bits of the pieces of a factor: products of two are exact."""
-SPLIT = float(2**27 + 1)
-
-
-def steadily(
-    form: ClosedForm, grid: np.ndarray, names: Sequence[str], whole: bool
+def _where_it_rests(
+    form: InvertedMotion, grid: np.ndarray, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
     """Coordinates and velocities; angles continuous (``whole``) or modulo a turn."""
     system, problem = form.system, form.problem
     given = dict(zip(problem.prepared.inputs, problem.given(SHARP), strict=True))
     plane, found = form.quadratures.plane, {}
     straight = plane.place if plane is not None else ()
-    for q, rate in zip(system.coordinates, form.steady(SHARP), strict=True):
+    for q, rate in zip(system.coordinates, steady_rates(form, SHARP), strict=True):
         if whole or q in straight:
             found[plain_name(q)] = float(given[q]) + float(rate) * grid
         else:
             with precise(SHARP):
                 turn = _part(given[q])
-            found[plain_name(q)] = 2 * np.pi * turned(rate, grid) + turn
+            found[plain_name(q)] = 2 * np.pi * whole_turns_off(rate, grid) + turn
     if form.wheels:
-        from voronec.closed.planar_rotation import rolled
-
         found |= {plain_name(q): x for q, x in rolled(form, grid).items()}
     found |= _steady_velocities(form, grid, given)
     own = form.attitude
@@ -63,20 +59,20 @@ def steadily(
 
 
 def _steady_velocities(
-    form: ClosedForm, grid: np.ndarray, given: Mapping[Any, Any]
+    form: InvertedMotion, grid: np.ndarray, given: Mapping[Any, Any]
 ) -> dict[str, np.ndarray]:
     """Constant, where no moving coordinate is in them."""
     names = list(map(plain_name, form.system.velocities))
     values = [given[v] for v in form.system.velocities]
     read = reading(form.problem.prepared)
     if read.coordinates:
-        rates = dict(zip(form.system.coordinates, form.steady(SHARP), strict=True))
+        rates = dict(zip(form.system.coordinates, steady_rates(form, SHARP), strict=True))
         with precise(SHARP):
             moved: dict[Any, Any] = dict.fromkeys(read.coordinates, ball(0))
             start = [_part(given[q]) for q in read.coordinates]
-            numbers: list[Any] = [float(x) for x in form.resting(moved, SHARP)]
+            numbers: list[Any] = [float(x) for x in resting_values(form, moved, SHARP)]
         for q, turn in zip(read.coordinates, start, strict=True):
-            numbers[read.symbols.index(q)] = 2 * np.pi * turned(rates[q], grid) + turn
+            numbers[read.symbols.index(q)] = 2 * np.pi * whole_turns_off(rates[q], grid) + turn
         values = sp.lambdify(read.symbols, list(read.expressions), "numpy", cse=True)(*numbers)
     return {n: np.broadcast_to(x, grid.shape).astype(float) if np.ndim(x) else
             np.full(grid.shape, float(x)) for n, x in zip(names, values, strict=True)}  # fmt: skip
@@ -88,35 +84,13 @@ def _part(angle: Any) -> float:
     return float(angle - turn * round(float(angle / turn)))
 
 
-def turned(rate: Any, grid: np.ndarray) -> np.ndarray:
-    """rate t in turns, less whole ones, however late: products of short pieces are exact."""
-    with precise(SHARP):
-        rest, pieces = rate / (2 * ball(1).pi()), []
-        for _ in range(4):
-            size = float(abs(rest))
-            if not size:
-                break
-            unit = 2.0 ** (np.frexp(size)[1] - PIECE)
-            piece = round(float(rest) / unit) * unit
-            pieces.append(piece)
-            rest = rest - ball(piece)
-    high = grid * SPLIT
-    high = high - (high - grid)
-    total = np.zeros(grid.shape)
-    for piece in pieces:
-        for part in (high, grid - high):
-            product = piece * part
-            total += product - np.rint(product)
-    return np.asarray(total - np.rint(total))
-
-
 def _frames(start: np.ndarray, spin: Any, grid: np.ndarray) -> Any:
     """E0 exp(t Omega^) on the grid, entries as arrays."""
     with precise(SHARP):
         squared = sum((c * c for c in spin), ball(0))
         size = squared.sqrt() if squared > 0 else ball(0)
         axis = [float(c / size) for c in spin] if size > 0 else [0.0, 0.0, 1.0]
-    angle = 2 * np.pi * turned(size, grid) if size > 0 else np.zeros(grid.shape)
+    angle = 2 * np.pi * whole_turns_off(size, grid) if size > 0 else np.zeros(grid.shape)
     a, b, c = axis
     cross = start @ np.array([[0, -c, b], [c, 0, -a], [-b, a, 0]])
     double = cross @ np.array([[0, -c, b], [c, 0, -a], [-b, a, 0]])
@@ -129,8 +103,8 @@ FINE = 192
 TURN = 2 * np.pi
 
 
-def clocked(
-    form: ClosedForm, grid: np.ndarray, names: Sequence[str], whole: bool
+def _in_own_time(
+    form: InvertedMotion, grid: np.ndarray, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
     """Coordinates and velocities; angles continuous (``whole``) or modulo a turn."""
     if form.attitude is not None:
@@ -152,13 +126,13 @@ def clocked(
 class Timed:
     """One grid of a motion: whole periods, and the elliptic motion in the one that is left."""
 
-    form: ClosedForm
+    form: InvertedMotion
     grid: np.ndarray
     whole: bool
 
     @cached_property
     def _instants(self) -> tuple[np.ndarray, np.ndarray]:
-        return self.form.clock.inverted(self.grid)
+        return clock_of(self.form).inverted(self.grid)
 
     @cached_property
     def sample(self) -> Any:
@@ -176,14 +150,14 @@ class Timed:
     def integral(self, j: int, whole: bool) -> np.ndarray:
         """An integral since the start, or, of an angle, less whole turns that nobody asks for."""
         advances = self.form.solution.constants(FINE).advances
-        count, summed = self._instants[0], self.form.clock.summed[j]
+        count, summed = self._instants[0], clock_of(self.form).summed[j]
         found = summed.at(self._instants[1]) if summed.needed else self.sample.integral(j)
         if advances is None or not count.any():
             return np.asarray(found)
         with precise(FINE):
             advance = advances[j]
             if not whole:
-                return np.asarray(found + TURN * turned(advance, count))
+                return np.asarray(found + TURN * whole_turns_off(advance, count))
             parts = pieces(advance)
         for part in reversed(parts):
             found = found + count * part
@@ -202,12 +176,14 @@ class Timed:
         for i, trace in enumerate(motion.traces):
             if trace.colatitude == q:
                 side, turns = self.form.branch(i)
-                south, north = (self._valued(e) for e in self.form.clock.reach[i])
+                south, north = (self._valued(e) for e in clock_of(self.form).reach[i])
                 return np.asarray(2 * side * np.arctan2(np.sqrt(south), np.sqrt(north))
                                   + turns * TURN)  # fmt: skip
         if q in motion.angles:
             j = motion.angles.index(q)
-            return self.integral(j, whole) + self.form.ready.starts[j][0 if whole else 1]
+            return (
+                self.integral(j, whole) + rounded_constants(self.form).starts[j][0 if whole else 1]
+            )
         return self.place[q]
 
     @cached_property
@@ -227,7 +203,7 @@ class Timed:
     def _slid(self, i: int) -> np.ndarray:
         """What the slope of a place adds: nothing where x has come back."""
         start, x = float(self.form.problem.place(FINE)), self.sample.x
-        a, b, c = self.form.ready.slides[i]
+        a, b, c = rounded_constants(self.form).slides[i]
         moved = x - start
         total = moved * (a + b * (x + start) / 2 + c * (x * x + x * start + start**2) / 3)
         for place, residues in self.form.problem.others(FINE):
@@ -242,7 +218,7 @@ class Timed:
     def velocities(self) -> dict[str, np.ndarray]:
         """The velocities of the equations."""
         form, own, x = self.form, self.form.problem.prepared, self.sample.x
-        clock, angles = form.clock, len(form.quadratures.angles)
+        clock, angles = clock_of(form), len(form.quadratures.angles)
         pace = clock.paces(self.sample)
         values: list[Any] = [*(float(c) for c in form.problem.level(FINE)), x]
         with np.errstate(all="ignore"):
@@ -255,16 +231,16 @@ class Timed:
             values += [rate / pace for rate in self._rates()[:angles]]
             # less whole turns: the sines of late angles lose nothing
             values += [self.coordinate(q, False) for q in reading(own).coordinates]
-            values += [self._valued(p) for p in form.ready.polynomials]
+            values += [self._valued(p) for p in rounded_constants(form).polynomials]
             found = velocities_in_doubles(own)(*values)
         names = map(plain_name, form.system.velocities)
         return {n: np.broadcast_to(e, self.grid.shape).astype(float)
                 for n, e in zip(names, found, strict=True)}  # fmt: skip
 
     def _rates(self) -> list[Any]:
-        apart = [self.sample.affine(*ends) for ends in self.form.ready.distances]
+        apart = [self.sample.affine(*ends) for ends in rounded_constants(self.form).distances]
         found = []
-        for numerator, used in self.form.ready.fractions:
+        for numerator, used in rounded_constants(self.form).fractions:
             rate = self._valued(numerator)
             for i in used:
                 rate = rate / apart[i]
@@ -276,8 +252,12 @@ MANY = 10_000
 """Times from which on a table is worth making."""
 
 
-def tabulated(
-    form: ClosedForm, grid: np.ndarray, plain: Sequence[str], circles: Sequence[Any], whole: bool
+def _by_table(
+    form: InvertedMotion,
+    grid: np.ndarray,
+    plain: Sequence[str],
+    circles: Sequence[Any],
+    whole: bool,
 ) -> Sequence[np.ndarray] | None:
     """What ``UprightView.rows`` gives, by a table; None where that is of no use."""
     if grid.size < MANY or not _repeats(form, plain):
@@ -287,13 +267,13 @@ def tabulated(
     used = [angles[n] for n in (*plain, *map(plain_name, circles)) if n in angles]
     if any(sample.model.courses[j].exact for j in used):
         return None
-    panels = form.ready.panels(tuple(plain), tuple(circles), sample.model)
+    panels = _panels(form, tuple(plain), tuple(circles), sample.model)
     if panels is None:
         return None
     counts, rows = panels.at(sample.times, sample.model.arguments.reduction)
     for name, row in zip(plain, rows, strict=False):
         if name in angles:
-            first, part = form.ready.starts[angles[name]]
+            first, part = rounded_constants(form).starts[angles[name]]
             if whole and first != part:
                 row += first - part
             _grown(row, counts, sample.model.courses[angles[name]], whole)
@@ -305,7 +285,23 @@ def tabulated(
     return list(rows)
 
 
-def _repeats(form: ClosedForm, plain: Sequence[str]) -> bool:
+def _panels(
+    form: InvertedMotion, plain: tuple[str, ...], circles: tuple[Any, ...], model: Any
+) -> Panels | None:
+    """Tables of ``UprightView.rows``, with no whole half periods in them, nor whole turns in the
+    angles at the start."""
+    velocities = {plain_name(v) for v in form.system.velocities}
+    angles = {plain_name(q) for q in form.quadratures.angles}
+    sizes = ["largest" if n in velocities else "turn" if n in angles else "own" for n in plain]
+    sizes += ["turn"] * (2 * len(circles))
+
+    def work(at: Any) -> list[Any]:
+        return UprightView(form, at, True, True).rows(plain, circles)
+
+    return form.memo.once(("panels", plain, circles), lambda: Panels.of(model, work, sizes))
+
+
+def _repeats(form: InvertedMotion, plain: Sequence[str]) -> bool:
     """Whether all that is asked for repeats itself, or grows by the same in each half period."""
     motion = form.quadratures
     traced = {t.colatitude for t in motion.traces}
@@ -369,8 +365,8 @@ def _blocks(size: int) -> Iterator[slice]:
     return (slice(i, i + BLOCK) for i in range(0, size, BLOCK))
 
 
-def sampled(
-    form: ClosedForm, times: Any, names: Sequence[str], whole: bool
+def sample_coordinates(
+    form: InvertedMotion, times: Any, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
     """Coordinates and velocities at times; angles continuous (``whole``) or in (-pi, pi]."""
     given = doubles(times, "times")
@@ -380,9 +376,9 @@ def sampled(
 
 
 def _resting(
-    form: ClosedForm, grid: np.ndarray, names: Sequence[str], whole: bool
+    form: InvertedMotion, grid: np.ndarray, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
-    found = steadily(form, grid, names, whole)
+    found = _where_it_rests(form, grid, names, whole)
     if whole:
         return found
     plane = form.quadratures.plane
@@ -392,17 +388,17 @@ def _resting(
 
 
 def _moving(
-    form: ClosedForm, grid: np.ndarray, names: Sequence[str], whole: bool
+    form: InvertedMotion, grid: np.ndarray, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
     if form.quadratures.clock != 1:
-        return clocked(form, grid, names, whole)
+        return _in_own_time(form, grid, names, whole)
     own = form.attitude
     in_space = () if own is None or own.upright else own.coordinates
     circles = tuple(q for q in in_space if {*names} & {plain_name(q) for q in in_space})
     plain = [n for n in names if n not in {plain_name(q) for q in circles}]
     winding = _winding(form, circles, names) if whole else ()
     turning = [*plain, *map(plain_name, winding)]
-    rows = tabulated(form, grid, turning, circles, whole)
+    rows = _by_table(form, grid, turning, circles, whole)
     if rows is None:
         sample = form.solution.sample(grid)
         rows = sample.each(lambda at: UprightView(form, at, whole).rows(turning, circles))
@@ -413,7 +409,7 @@ def _moving(
     return found
 
 
-def _winding(form: ClosedForm, circles: Sequence[Any], names: Sequence[str]) -> tuple[Any, ...]:
+def _winding(form: InvertedMotion, circles: Sequence[Any], names: Sequence[str]) -> tuple[Any, ...]:
     """The coordinates whose whole turns, of the motion turned upright, tell those in space."""
     traced = {t.colatitude for t in form.quadratures.traces}
-    return form.winding.names if {*names} & {plain_name(q) for q in {*circles} - traced} else ()
+    return winding_of(form).names if {*names} & {plain_name(q) for q in {*circles} - traced} else ()

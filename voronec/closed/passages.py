@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from flint import arb, ctx
@@ -17,12 +17,10 @@ from flint import arb, ctx
 from voronec.closed.arithmetic import angle, ball
 from voronec.closed.composition import Composition
 from voronec.closed.floor_sums import certain_floor_sum, scaled
+from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.space import directed, product, times, transposed
 from voronec.elliptic.ball_evaluation import moment_of
 from voronec.elliptic.roots import Unresolved
-
-if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
 
 __all__ = [
     "DECIDED",
@@ -226,7 +224,7 @@ class Passages:
         return [1 + floor((time - p.time) / self.period) for p in self.passages]
 
 
-def moving_passages(form: ClosedForm, parts: Composition, bits: int) -> Passages:
+def moving_passages(form: InvertedMotion, parts: Composition, bits: int) -> Passages:
     """Those of a motion whose variable moves.
 
     Raises:
@@ -266,7 +264,7 @@ def moving_passages(form: ClosedForm, parts: Composition, bits: int) -> Passages
     )  # fmt: skip
 
 
-def resting_passages(form: ClosedForm, parts: Composition, bits: int, upper: bool) -> Passages:
+def resting_passages(form: InvertedMotion, parts: Composition, bits: int, upper: bool) -> Passages:
     """Where the variable rests there are none: the frame turns evenly about its spin, of which
     ``upper`` says whether it points upwards.
 
@@ -298,7 +296,7 @@ def _pole(turn: list[Any], side: int) -> tuple[int, arb, arb]:
     return side, side * turn[8], angle(side * turn[7], turn[6])
 
 
-def _cosine(form: ClosedForm, parts: Composition, bits: int) -> tuple[arb, arb]:
+def _cosine(form: InvertedMotion, parts: Composition, bits: int) -> tuple[arb, arb]:
     """Offset and slope of the cosine of the colatitude about K."""
     first = form.problem.prepared.cosine_at + 2 * parts.trace
     offset, slope = form.problem.table(bits)[first : first + 2]
@@ -309,7 +307,7 @@ def _cosine(form: ClosedForm, parts: Composition, bits: int) -> tuple[arb, arb]:
 
 
 def _times(
-    form: ClosedForm, constants: Any, signs: list[int], line: tuple[arb, arb], bits: int
+    form: InvertedMotion, constants: Any, signs: list[int], line: tuple[arb, arb], bits: int
 ) -> Iterator[tuple[arb, int]]:
     """When the variable passes ``line[0]/line[1]``, and which way, out of a cap or into it, if
     ``signs`` say where its ends are; in one period."""

@@ -2,35 +2,42 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from voronec.algebra.precision import SHARP
 from voronec.closed.arithmetic import ball, compiled, precise
+from voronec.closed.clock import whole_turns_off
 from voronec.closed.compiled_motion import Prepared
-from voronec.closed.grid import turned
+from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.space import Attitude
 
-if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
-    from voronec.closed.problem import InversionProblem
-
-__all__ = ["rolled", "rolled_in_balls", "velocities"]
+__all__ = ["rolled", "rolled_in_balls", "steady_rates"]
 
 
-def velocities(problem: InversionProblem, bits: int) -> list[Any]:
-    """Of all coordinates at the start, by frame and constraints."""
-    found: list[Any] = Attitude(problem, problem.prepared.motion.space).rates(bits)  # type: ignore[arg-type]
-    return found
+def steady_rates(form: InvertedMotion, bits: int) -> list[Any]:
+    """The velocities of all coordinates at rest of the variable; of a motion that is turned in
+    space, without those of its coordinates in space.  Constant, but for a place on a plane that
+    goes round (``wheels``)."""
+    own, coordinates = form.attitude, form.system.coordinates
+    if own is not None:
+        rates = own.rates(bits)
+        return [ball(0) if q in own.coordinates and not own.upright else r
+                for q, r in zip(coordinates, rates, strict=True)]  # fmt: skip
+    if form.wheels:
+        # by frame and constraints, at the start
+        found: list[Any] = Attitude(form.problem, form.quadratures.space).rates(bits)  # type: ignore[arg-type]
+        return found
+    return [form.exact(e)(bits) for e in form.rates_at_rest]
 
 
-def rolled(form: ClosedForm, grid: np.ndarray) -> dict[Any, np.ndarray]:
+def rolled(form: InvertedMotion, grid: np.ndarray) -> dict[Any, np.ndarray]:
     """The place on a grid of times: with W its velocity at the start and w the rate at which that
     turns, place = start + (2/w) sin(w t/2) W turned by w t/2."""
     x, y, first, second, a, b, spin = _rolling(form, SHARP)
-    half = 2 * np.pi * turned(spin / 2, grid)
+    half = 2 * np.pi * whole_turns_off(spin / 2, grid)
     length = 2 * np.sin(half) / float(spin) if float(spin) else grid
     cosine, sine, a, b = np.cos(half), np.sin(half), float(a), float(b)
     return {
@@ -39,7 +46,7 @@ def rolled(form: ClosedForm, grid: np.ndarray) -> dict[Any, np.ndarray]:
     }
 
 
-def rolled_in_balls(form: ClosedForm, time: Any, bits: int) -> dict[Any, Any]:
+def rolled_in_balls(form: InvertedMotion, time: Any, bits: int) -> dict[Any, Any]:
     """The same at one time."""
     x, y, first, second, a, b, spin = _rolling(form, bits)
     half = spin * time / 2
@@ -50,11 +57,11 @@ def rolled_in_balls(form: ClosedForm, time: Any, bits: int) -> dict[Any, Any]:
     }
 
 
-def _rolling(form: ClosedForm, bits: int) -> tuple[Any, ...]:
+def _rolling(form: InvertedMotion, bits: int) -> tuple[Any, ...]:
     """The place, where it starts, its velocity there, and the rate at which that turns."""
     plane = form.quadratures.plane
     assert plane is not None
-    rates = dict(zip(form.system.coordinates, form.steady(bits), strict=True))
+    rates = dict(zip(form.system.coordinates, steady_rates(form, bits), strict=True))
     (x, y), start = plane.place, [form.exact(q)(bits) for q in plane.place]
     own = form.problem.prepared
     turning = own.memo.once("turning", lambda: _turning(own))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import sympy as sp
 
@@ -12,10 +12,8 @@ from voronec.closed.arithmetic import Function, ball, compiled, precise
 from voronec.closed.bernstein import Bernstein, bernstein
 from voronec.closed.compiled_motion import Prepared
 from voronec.closed.fractions import ascending
-
-if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
-    from voronec.closed.problem import InversionProblem
+from voronec.closed.inverted_motion import InvertedMotion
+from voronec.closed.problem import InversionProblem
 
 __all__ = ["Polynomial", "Ratio", "ratios"]
 
@@ -46,7 +44,7 @@ class Polynomial:
             total = total * x + c
         return total
 
-    def bernstein(self, form: ClosedForm) -> Bernstein:
+    def bernstein(self, form: InvertedMotion) -> Bernstein:
         """For doubles."""
         return bernstein(form, lambda bits: self.row(form.problem, bits))
 

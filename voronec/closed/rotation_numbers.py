@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from voronec.algebra.precision import SHARP
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
-
-if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
+from voronec.closed.inverted_motion import InvertedMotion
 
 __all__ = ["Turn", "turns_of"]
 
@@ -33,7 +31,7 @@ class Turn:
     fraction: Fraction | None = None
 
 
-def turns_of(form: ClosedForm) -> dict[str, Turn]:
+def turns_of(form: InvertedMotion) -> dict[str, Turn]:
     """The turns of all angles by name; none where there is no period."""
     if form.rests:
         return {}

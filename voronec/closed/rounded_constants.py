@@ -5,22 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.bernstein import Bernstein, bernstein, rounded
 from voronec.closed.compiled_motion import ascending
 from voronec.closed.expressions import reading
-from voronec.closed.upright_view import UprightView
-from voronec.elliptic.panels import Panels
+from voronec.closed.inverted_motion import InvertedMotion
 
-if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
-
-__all__ = ["RoundedConstants"]
+__all__ = ["RoundedConstants", "rounded_constants"]
 
 FINE = 192
 """Bits of what is rounded to doubles."""
@@ -30,7 +25,7 @@ FINE = 192
 class RoundedConstants:
     """Numbers of one motion; what nobody asks for is not computed."""
 
-    form: ClosedForm
+    form: InvertedMotion
 
     @cached_property
     def starts(self) -> list[tuple[float, float]]:
@@ -65,27 +60,6 @@ class RoundedConstants:
         origin = [float(self.form.exact(q)(FINE)) for q in plane.place]
         direction = tuple(map(float, self.form.direction(FINE)))
         return float(self.form.problem.place(FINE)), origin, direction
-
-    def panels(self, plain: tuple[str, ...], circles: tuple[Any, ...], model: Any) -> Panels | None:
-        """Tables of ``UprightView.rows``, with no whole half periods in them, nor whole turns in
-        the angles at the start."""
-        if (plain, circles) not in self.tables:
-            velocities = {plain_name(v) for v in self.form.system.velocities}
-            angles = {plain_name(q) for q in self.form.quadratures.angles}
-            sizes = ["largest" if n in velocities else "turn" if n in angles else "own"
-                     for n in plain]  # fmt: skip
-            sizes += ["turn"] * (2 * len(circles))
-
-            def work(at: Any) -> list[Any]:
-                return UprightView(self.form, at, True, True).rows(plain, circles)
-
-            self.tables[plain, circles] = Panels.of(model, work, sizes)
-        return self.tables[plain, circles]
-
-    @cached_property
-    def tables(self) -> dict[Any, Panels | None]:
-        """Those that were made."""
-        return {}
 
     @cached_property
     def reach(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
@@ -177,3 +151,8 @@ class RoundedConstants:
 
 def _at(row: Sequence[Callable[[int], Any]], bits: int) -> list[Any]:
     return [c(bits) for c in row]
+
+
+def rounded_constants(form: InvertedMotion) -> RoundedConstants:
+    """Those of a motion, kept with it."""
+    return form.memo.once("rounded constants", lambda: RoundedConstants(form))

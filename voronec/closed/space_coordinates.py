@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
+from voronec.closed.balls import enclosed
+from voronec.closed.inverted_motion import InvertedMotion
+from voronec.closed.request import exact_instant
+from voronec.closed.rounded_constants import rounded_constants
 from voronec.closed.upright_view import wrapped
-
-if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
+from voronec.closed.winding import winding_of
 
 __all__ = ["BLOCK", "read_circles", "read_frame"]
 
@@ -25,7 +27,7 @@ BLOCK = 8192
 
 
 def read_circles(
-    form: ClosedForm,
+    form: InvertedMotion,
     circles: Sequence[np.ndarray],
     grid: np.ndarray,
     names: Sequence[str],
@@ -37,7 +39,7 @@ def read_circles(
     """
     own = form.attitude
     assert own is not None
-    read, turn = _reader(own.space), form.ready.turn
+    read, turn = _reader(own.space), rounded_constants(form).turn
     found = np.empty((len(own.coordinates), grid.size))
     for part in _blocks(grid.size):
         found[:, part] = read(*turn, *(c[part] for c in circles))
@@ -45,7 +47,7 @@ def read_circles(
 
 
 def read_frame(
-    form: ClosedForm, entries: Any, grid: np.ndarray, names: Sequence[str], whole: bool
+    form: InvertedMotion, entries: Any, grid: np.ndarray, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
     """Coordinates in space from the entries of the frame there, which turns evenly."""
     own = form.attitude
@@ -58,7 +60,7 @@ def read_frame(
 
 
 def _on_branches(
-    form: ClosedForm,
+    form: InvertedMotion,
     found: np.ndarray,
     grid: np.ndarray,
     names: Sequence[str],
@@ -79,13 +81,15 @@ def _on_branches(
     asked = {q: row for q, row in rows.items() if plain_name(q) in names}
     whole = moved is not None and bool({*asked} - traces)
     if moved is not None and whole:
-        form.winding.unwind(grid, moved, {q: row for q, row in asked.items() if q not in traces})
+        winding_of(form).unwind(
+            grid, moved, {q: row for q, row in asked.items() if q not in traces}
+        )
     for (q, row), (side, turns) in zip(rows.items(), own.branches, strict=True):
         if (q in traces or moved is None) and (side, turns) != (1, 0):
             row *= side
             row += turns * np.pi
     for place in np.flatnonzero(near):
-        exact = form.enclose(float(grid[place]), DIGITS, whole)
+        exact = enclosed(form, exact_instant(float(grid[place])), DIGITS, whole)
         for q, row in asked.items():
             row[place] = float(exact[plain_name(q)])
     if moved is None:

@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.bernstein import evaluated
 from voronec.closed.expressions import reading, velocities_in_doubles
-
-if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
+from voronec.closed.inverted_motion import InvertedMotion
+from voronec.closed.rounded_constants import rounded_constants
 
 __all__ = ["UprightView", "wrapped"]
 
@@ -32,7 +31,7 @@ class UprightView:
         shifted: whether continuous angles start in (-pi, pi], whole turns less than they do.
     """
 
-    form: ClosedForm
+    form: InvertedMotion
     at: Any
     whole: bool
     shifted: bool = False
@@ -56,14 +55,14 @@ class UprightView:
         form, angles = self.form, self.form.quadratures.angles
         if q in angles:
             j = angles.index(q)
-            whole, part = form.ready.starts[j]
+            whole, part = rounded_constants(form).starts[j]
             if self.whole:
                 return np.asarray(self.at.integral(j, part if self.shifted else whole))
             return np.asarray(self.at.modulo(j, part))
         for i, trace in enumerate(form.quadratures.traces):
             if trace.colatitude == q:
-                side, turns = form.ready.branches[i]
-                plain = self.at.colatitude(*form.ready.reach[i])
+                side, turns = rounded_constants(form).branches[i]
+                plain = self.at.colatitude(*rounded_constants(form).reach[i])
                 if (side, turns) == (1, 0):
                     return np.asarray(plain)
                 moved = side * plain + turns * TURN
@@ -75,9 +74,9 @@ class UprightView:
         """On a plane."""
         form, plane, x = self.form, self.form.quadratures.plane, self.at.x
         assert plane is not None
-        start, origin, (first, second) = form.ready.place
+        start, origin, (first, second) = rounded_constants(form).place
         moved = []
-        for i, (a, b, c) in enumerate(form.ready.slides):
+        for i, (a, b, c) in enumerate(rounded_constants(form).slides):
             whole = self.at.integral(len(form.quadratures.angles) + i)
             rest = (x - start) * (a + b * (x + start) / 2 + c * (x * x + x * start + start**2) / 3)
             moved.append(whole + rest)
@@ -91,16 +90,16 @@ class UprightView:
         """The velocities of the equations, accurate relative to their size near the poles."""
         form, own, x = self.form, self.form.problem.prepared, self.at.x
         rates = self._rates()
-        values: list[Any] = [*form.ready.level, x]
+        values: list[Any] = [*rounded_constants(form).level, x]
         for i in range(len(form.quadratures.traces)):
-            south, north = (self.at.affine(*ends) for ends in form.ready.reach[i])
-            offset, slope = form.ready.cosines[i]
-            sine = form.ready.branches[i][0] * np.sqrt(south * north)
+            south, north = (self.at.affine(*ends) for ends in rounded_constants(form).reach[i])
+            offset, slope = rounded_constants(form).cosines[i]
+            sine = rounded_constants(form).branches[i][0] * np.sqrt(south * north)
             with np.errstate(all="ignore"):
                 values += [sine, offset + slope * x, -slope * self.at.rate / sine]
         values += rates[: len(form.quadratures.angles)]
         values += [self.coordinate(q) for q in reading(own).coordinates]
-        values += [evaluated(p, *self._weights) for p in form.ready.polynomials]
+        values += [evaluated(p, *self._weights) for p in rounded_constants(form).polynomials]
         with np.errstate(all="ignore"):
             found = velocities_in_doubles(own)(*values)
         names = map(plain_name, form.system.velocities)
@@ -112,9 +111,9 @@ class UprightView:
         return self.at.affine(1.0, 0.0), self.at.affine(0.0, 1.0)
 
     def _rates(self) -> list[Any]:
-        apart = [self.at.affine(*ends) for ends in self.form.ready.distances]
+        apart = [self.at.affine(*ends) for ends in rounded_constants(self.form).distances]
         found = []
-        for numerator, used in self.form.ready.fractions:
+        for numerator, used in rounded_constants(self.form).fractions:
             rate = evaluated(numerator, *self._weights)
             for i in used:
                 rate = rate / apart[i]

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from flint import arb, ctx
@@ -20,6 +20,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import precise
 from voronec.closed.composition import Composition, composition
 from voronec.closed.floor_sums import certain_floor_sum, first_doubt
+from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.passages import (
     DECIDED,
     Passage,
@@ -35,10 +36,7 @@ from voronec.closed.space import transposed
 from voronec.elliptic.roots import Unresolved
 from voronec.errors import EngineLimit
 
-if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
-
-__all__ = ["NoWholeTurns", "Winding", "passed_poles"]
+__all__ = ["NoWholeTurns", "Winding", "passed_poles", "winding_of"]
 
 FIRST, MOST = 192, 1 << 12
 """Bits at which turns are counted, at first and at most."""
@@ -97,7 +95,7 @@ class Passed(Unresolved):
 class Winding:
     """The whole turns of the coordinates in space of one motion that is not upright."""
 
-    form: ClosedForm
+    form: InvertedMotion
     _levels: dict[int, Passages] = field(default_factory=dict, repr=False)
 
     @cached_property
@@ -423,7 +421,12 @@ class Winding:
         return (before + after) / 2
 
 
-def passed_poles(form: ClosedForm, times: np.ndarray) -> dict[float, tuple[Any, ...]]:
+def winding_of(form: InvertedMotion) -> Winding:
+    """The whole turns of a motion that is not upright, kept with it."""
+    return form.memo.once("winding", lambda: Winding(form))
+
+
+def passed_poles(form: InvertedMotion, times: np.ndarray) -> dict[float, tuple[Any, ...]]:
     """Passages through a pole of a motion's own coordinates, on the way from the start to the
     times: the angles that have no number of whole turns beyond, by the first instant.  Half a turn
     is counted at each, and nothing makes it that."""

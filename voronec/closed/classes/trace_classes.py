@@ -34,15 +34,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.classes.root_positions import Tally, tally
 from voronec.closed.classes.trace_polynomials import Curve, declared
-from voronec.closed.rotation_numbers import DIGITS
-
-if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
+from voronec.closed.inverted_motion import InvertedMotion
+from voronec.closed.rotation_numbers import DIGITS, turns_of
 
 __all__ = ["LABELS", "TraceClass", "classify", "label_of", "labelled"]
 
@@ -87,7 +85,7 @@ class TraceClass:
         return self.label
 
 
-def classify(closed: ClosedForm) -> dict[str, TraceClass]:
+def classify(closed: InvertedMotion) -> dict[str, TraceClass]:
     """The class of every trace of a motion, by the trace's title.
 
     Signs and equalities are proved; ``EngineLimit`` where a number cannot be told from zero.
@@ -107,13 +105,13 @@ def classify(closed: ClosedForm) -> dict[str, TraceClass]:
     return {name: found[name] for name in counted}
 
 
-def _classified(closed: ClosedForm, curve: Curve, counts: Tally) -> TraceClass:
+def _classified(closed: InvertedMotion, curve: Curve, counts: Tally) -> TraceClass:
     offset, slope = (float(closed.exact(c)(BITS[0])) for c in curve.cosine)
     ends = zip(counts.ends, counts.poles, strict=True)
     lower, upper = sorted(float(pole) or offset + slope * e for e, pole in ends)
     turns = sorted(offset + slope * place for place, times in counts.inner if times % 2)
     name = plain_name(curve.trace.longitude)
-    turn = None if counts.rest else closed.turns.get(name)
+    turn = None if counts.rest else turns_of(closed).get(name)
     return TraceClass(
         label=labelled(closed, curve, counts),
         reversals=tuple(turns),
@@ -135,7 +133,7 @@ def _note(turn: Any) -> str:
     return f"likely a closed curve: {turns} to {DIGITS} digits (no proof)"
 
 
-def labelled(closed: ClosedForm, curve: Curve, counts: Tally) -> str:
+def labelled(closed: InvertedMotion, curve: Curve, counts: Tally) -> str:
     """The label of a trace; the drift is looked at where it matters."""
     label = label_of(counts, 0)
     if "C" in label and not counts.rest:
@@ -143,7 +141,7 @@ def labelled(closed: ClosedForm, curve: Curve, counts: Tally) -> str:
     return label
 
 
-def _drift_sign(closed: ClosedForm, curve: Curve) -> int:
+def _drift_sign(closed: InvertedMotion, curve: Curve) -> int:
     """The sign of what the longitude grows by in a period; 0 where it cannot be told from zero,
     and where there is no period."""
     index = closed.quadratures.angles.index(curve.trace.longitude)

@@ -1,0 +1,210 @@
+"""One motion whose elliptic integral is inverted: what all its evaluations begin with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from voronec.algebra.memo import Memo
+from voronec.algebra.precision import GENERIC
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import sympified
+from voronec.closed.arithmetic import ball, precise
+from voronec.closed.compiled_motion import ascending
+from voronec.closed.problem import InversionProblem
+from voronec.closed.space import Attitude
+from voronec.declaration.quadratures import Quadratures
+from voronec.declaration.system import System
+from voronec.errors import EngineLimit
+
+__all__ = ["InvertedMotion"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class InvertedMotion:
+    """The variable of a motion by quadratures, inverted, with its constants and its start.
+
+    ``memo`` keeps what evaluations compute of it: the clock, tables, whole turns.
+    """
+
+    problem: InversionProblem
+    memo: Memo = field(default_factory=Memo, init=False)
+
+    @property
+    def system(self) -> System:
+        """The system that moves."""
+        return self.problem.prepared.system
+
+    @property
+    def quadratures(self) -> Quadratures:
+        """The declaration of the motion."""
+        return self.problem.prepared.motion
+
+    @property
+    def rests(self) -> bool:
+        """Whether the variable stays at a multiple root: a regular precession."""
+        return self.problem.rests
+
+    @cached_property
+    def solution(self) -> Any:
+        """The inverted elliptic integral, ``voronec.elliptic.Solution``."""
+        from voronec.elliptic import invert
+
+        return invert(self.problem.source)
+
+    @cached_property
+    def attitude(self) -> Attitude | None:
+        """How the motion lies in space; None where the system declares no space."""
+        space = self.quadratures.space
+        return None if space is None else Attitude(self.problem, space)
+
+    # -- what there is to know -------------------------------------------------------------
+
+    @cached_property
+    def constants(self) -> Mapping[str, float]:
+        """The constants of the motion by name."""
+        level = self.problem.level(GENERIC)[len(self.system.parameters) :]
+        names = map(plain_name, self.quadratures.constants)
+        return MappingProxyType(dict(zip(names, map(float, level), strict=True)))
+
+    @property
+    def kind(self) -> str:
+        """What the functions are: ``trigonometric``, ``hyperbolic``, ``rational``,
+        ``exponential``, or ``rest``."""
+        return "rest" if self.rests else str(self.solution.constants(GENERIC).kind)
+
+    @property
+    def period(self) -> float:
+        """The time from one turning point of the variable to the next alike; infinite where it
+        tends to a limit, and where it rests."""
+        if self.rests:
+            return float("inf")
+        if self.quadratures.clock == 1:
+            return float(self.solution.period)
+        # the last of the integrals is the time
+        advances = self.solution.constants(GENERIC).advances
+        return (
+            float("inf")
+            if advances is None
+            else float(advances[len(self.problem.prepared.rates) - 1])
+        )
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The least and the greatest value of the variable, or their limits."""
+        if self.rests:
+            x = float(self.problem.place(GENERIC))
+            return x, x
+        low, high = self.solution.ends
+        return low, high
+
+    @property
+    def roots(self) -> tuple[complex, ...]:
+        """The finite roots of the quartic, each as often as it is repeated; none where it vanishes
+        for every x."""
+        if self._flat:
+            return ()
+        return tuple(self.solution.roots)
+
+    @property
+    def invariants(self) -> tuple[float, float, float]:
+        """Weierstrass' g2 and g3, and the discriminant g2^3 - 27 g3^2."""
+        if self._flat:
+            return 0.0, 0.0, 0.0
+        g2, g3, discriminant = self.solution.invariants
+        return g2, g3, discriminant
+
+    @property
+    def arguments(self) -> Mapping[str, complex | None]:
+        """The complex times at which the variable reaches each pole, from the turning point at
+        one end; by the place of the pole.  None where it adds no angle."""
+        names = [str(c) for c, _ in self.problem.prepared.poles]
+        if self.rests:
+            return MappingProxyType(dict.fromkeys(names))
+        return MappingProxyType(dict(zip(names, self.solution.arguments, strict=True)))
+
+    @cached_property
+    def _flat(self) -> bool:
+        return self.rests and not self.problem.source(GENERIC).factors
+
+    # -- decisions -------------------------------------------------------------------------
+
+    def exact(self, expr: Any) -> Callable[[int], Any]:
+        """An expression in constants and parameters at any number of bits, as a ball."""
+        return self.problem.exact(sympified(expr))
+
+    def sign(self, expr: Any) -> int:
+        """-1, 0 or 1, decided exactly; ``EngineLimit`` where no proof is found."""
+        return self.problem.sign(expr)
+
+    def polynomial(self, expr: Any) -> tuple[sp.Expr, ...]:
+        """The coefficients of a polynomial in the variable, ascending, as expressions."""
+        degree = sp.degree(sympified(expr), self.quadratures.x) if expr else 0
+        return ascending(expr, self.quadratures.x, int(max(degree, 0)))
+
+    # -- parts -----------------------------------------------------------------------------
+
+    def begin(self, bits: int) -> list[Any]:
+        """The angles at the start, in the order of the integrals; of the motion turned upright."""
+        problem = self.problem
+        given = dict(zip(problem.prepared.inputs, problem.given(bits), strict=True))
+        if self.attitude is not None and not self.attitude.upright and not self.rests:
+            own = self.attitude
+            given |= dict(zip(own.coordinates, own.begin(bits), strict=True))
+        return [given[q] for q in self.quadratures.angles]
+
+    def branch(self, i: int) -> tuple[int, int]:
+        """Of the colatitude of trace i: (sign, turns), colatitude = sign (0..pi) + 2 pi turns."""
+        trace = self.quadratures.traces[i].colatitude
+        turned = self.attitude is not None and not self.attitude.upright
+        if turned and self.attitude is not None and trace in self.attitude.coordinates:
+            return 1, 0
+        with precise(GENERIC):
+            halves = self.problem.exact(trace)(GENERIC) / ball(1).pi()
+            whole = int(np.floor(float(halves)))
+        return (1, whole // 2) if whole % 2 == 0 else (-1, (whole + 1) // 2)
+
+    @cached_property
+    def wheels(self) -> bool:
+        """Whether the variable rests and the vector in the plane vanishes: nothing singles out a
+        direction then, and the place goes round evenly."""
+        plane = self.quadratures.plane
+        if plane is None or not self.rests:
+            return False
+        return all(self.sign(e) == 0 for e in plane.direction)
+
+    @cached_property
+    def rates_at_rest(self) -> tuple[sp.Expr, ...]:
+        """The velocities of all coordinates where the variable rests, in constants."""
+        motion, rates = self.quadratures, self.problem.prepared.rates
+        found = dict(zip(motion.angles, rates, strict=False))
+        if motion.plane is not None:
+            a, b = (e / motion.plane.length for e in motion.plane.direction)
+            along, across = rates[len(motion.angles) : len(motion.angles) + 2]
+            x, y = motion.plane.place
+            found |= {x: a * along - b * across, y: b * along + a * across}
+        meaning = {motion.x: motion.meaning}
+        return tuple(
+            (found.get(q, sp.Integer(0)) / motion.clock).xreplace(meaning)
+            for q in self.system.coordinates
+        )
+
+    def direction(self, bits: int) -> tuple[Any, Any]:
+        """The unit vector along which a place on a plane is counted."""
+        plane = self.quadratures.plane
+        assert plane is not None
+        if self.sign(plane.length) == 0:
+            raise EngineLimit(
+                f"system '{self.system.name}': the vector in the plane vanishes, so that no "
+                "direction tells the place; use another method"
+            )
+        with precise(bits):
+            size = self.exact(plane.length)(bits)
+            first, second = (self.exact(e)(bits) / size for e in plane.direction)
+            return first, second
