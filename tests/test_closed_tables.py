@@ -93,6 +93,7 @@ def test_longitudes_are_right_where_a_turned_motion_passes_near_a_pole(ball):
 def test_a_fast_angle_and_a_place_on_a_plane_do_without_tables(ball, made):
     fast = vo.closed_form(ball, initial={**START, **UPWARD, "n": R(10**6)})
     assert np.isfinite(fast.at(np.linspace(0, 1, MANY), ["theta"])["theta"]).all()
+    made.clear()
     sphere = vo.closed_form(vo.load("zhukovsky-ball"))
     names = [str(q) for q in sphere.quadratures.plane.place]
     times = np.linspace(0, 30, MANY)
