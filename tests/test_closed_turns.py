@@ -16,6 +16,7 @@ from test_closed_form import START, R
 import voronec as vo
 from voronec.closed.floor_sums import certain_floor_sum, first_doubt, floor_sum
 from voronec.closed.passages import tally
+from voronec.closed.winding import winding_of
 
 pytestmark = pytest.mark.slow
 
@@ -92,7 +93,7 @@ def test_one_instant_knows_what_a_fine_grid_knows(ball, changes, way):
 
 def test_turns_are_exact_however_late_and_however_many_periods_lie_between(ball):
     form = tilted(ball, **WINDING[0])
-    assert form.winding.passages(192).passages
+    assert winding_of(form).passages(192).passages
     times = form.period * np.array([-3e9, -1e6, 2.5, 1e6 + 0.3, 7e8])
     found = form.at(times, ANGLES)
     for i, t in enumerate(times):
@@ -104,15 +105,15 @@ def test_turns_are_exact_however_late_and_however_many_periods_lie_between(ball)
 
 def test_sums_over_periods_are_those_of_each_period(ball):
     form = tilted(ball, **WINDING[1])
-    level = form.winding.passages(192)
+    level = winding_of(form).passages(192)
     assert level.passages
     with ctx.workprec(192):
-        near = tally(form.winding, level, form.period * np.arange(-400.0, 400.0))
-        sparse = tally(form.winding, level, form.period * np.array([-4e5, 399.0, 3e5]))
+        near = tally(winding_of(form), level, form.period * np.arange(-400.0, 400.0))
+        sparse = tally(winding_of(form), level, form.period * np.array([-4e5, 399.0, 3e5]))
         for one, place in ((near, -1), (sparse, 1)):
             count = level.numbers(arb(form.period * 399))
             here = one.first[one.state[place]], one.last[one.state[place]]
-            assert here == form.winding.gained(level, count)
+            assert here == winding_of(form).gained(level, count)
 
 
 @pytest.mark.parametrize("changes", [{"u1": 2, "theta": -1}, {"u1": 0.4, "theta": 2.5}])

@@ -323,9 +323,12 @@ def identity(dice: Random, family: str, declared: bool, true: bool) -> Statement
     own = Letters.drawn(dice, declared)
     depth = dice.choice((0, 0, 1, 1, 2))
     branch = not true and own.coin()
-    left, right = (branches if branch else FAMILIES[family])(own, depth)
-    if not true and not branch:
-        right = mutated(own, right)
+    try:
+        left, right = (branches if branch else FAMILIES[family])(own, depth)
+        if not true and not branch:
+            right = mutated(own, right)
+    except ValueError:
+        return None  # SymPy makes no maximum of what is undefined
     if any(bad in sp.Tuple(left, right).atoms() for bad in (sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I)):
         return None
     if sp.count_ops(left) + sp.count_ops(right) > 120 or left == right:
