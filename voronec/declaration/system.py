@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
@@ -67,6 +67,8 @@ class System:
         L(q, qdot, t), any expression of coordinates, their velocities, parameters and the time.
     constraints
         expressions that vanish, affine in the velocities; as many as there are fibre coordinates.
+        One without velocities, as that of a closed loop, becomes a relation of the fibration: the
+        coordinates are redundant, it is differentiated, and the start must satisfy it.
     parameters
         ``Parameter(symbol, value, ...)``, or a bare symbol for one without a default value.
     possible
@@ -219,6 +221,7 @@ class System:
         store("lagrangian", expression(self.lagrangian, "the Lagrangian"))
         given = enumerate(several(self.constraints, "constraints", "expression"))
         store("constraints", tuple(vanishing(c, f"constraint {i + 1}") for i, c in given))
+        self._take_loops(store)
         parameters = several(self.parameters, "parameters", "Parameter(symbol, value)", Parameter)
         store(
             "parameters", tuple(p if isinstance(p, Parameter) else Parameter(p) for p in parameters)
@@ -261,6 +264,21 @@ class System:
         meanings = mapping(self.meanings, "meanings", "coordinate: 'in words'")
         named = {k if isinstance(k, str) else plain_name(k): v for k, v in meanings.items()}
         store("meanings", mapping(named, "meanings", "coordinate: 'in words'"))
+
+    def _take_loops(self, store: Callable[[str, Any], None]) -> None:
+        """Constraints that hold coordinates and no velocity, as those of a closed loop, become
+        relations of redundant coordinates; on a group they stay, and are refused."""
+        if self.on_group:
+            return
+        own, frame = set(self.coordinates), self.frame.velocities if self.frame is not None else ()
+        moving = {*map(velocity, own), *frame}
+        names = [names_in(c) for c in self.constraints]
+        loops = [bool(n & own) and not n & moving for n in names]
+        if any(loops):
+            pairs = [*zip(self.constraints, loops, strict=True)]
+            found = (*self.fibration.relations, *(c for c, loop in pairs if loop))
+            store("fibration", replace(self.fibration, relations=found))
+            store("constraints", tuple(c for c, loop in pairs if not loop))
 
     def _all_inputs(self) -> tuple[sp.Expr, ...]:
         """Those declared, then parameters that are functions, then undeclared functions of time."""

@@ -120,6 +120,8 @@ def _facts(eqs: VoronecEquations) -> list[list[str]]:
     if count:
         none = "undecided" if eqs.distribution.cut else f"none of {count}"
         rows.append(["integrable constraints", whole or none])
+    relations = eqs.system.fibration.relations
+    rows += [["relation, differentiated", f"{caret_text(e)} = 0"] for e in relations]
     frame = eqs.system.frame
     if frame is None or frame.is_group:
         return [*rows, ["velocities", _names(eqs)]]
