@@ -31,7 +31,7 @@ MEANT = {
     "curved constraint": (
         {"constraints": (Dy**2 - Dx,)}, ["constraint 1", "not affine in the velocities"],
     ),
-    "constraint on coordinates": ({"constraints": (y - x,)}, ["constraint 1", "differentiate"]),
+    "constraint on coordinates": ({"constraints": (KNIFE, x - phi)}, ["redundant", "frame="]),
     "constraint nothing": ({"constraints": (sp.Integer(0),)}, ["constraint 1"]),
     "constraint impossible": ({"constraints": (sp.Integer(1),)}, ["constraint 1", "drop it"]),
     "too many": ({"constraints": (KNIFE, Dx)}, ["2 constraints", "1 fibre"]),
