@@ -62,6 +62,7 @@ def test_a_loop_that_is_driven() -> None:
         name="growing-rod", fibration=vo.Fibration(base=(x,), fibre=(y,)),
         lagrangian=(DX**2 + DY**2) / 2, constraints=(x**2 + y**2 - u**2,), inputs=(u,),
     )  # fmt: skip
+    assert vo.derive(rod).kind == "holonomic"
     start = {x: 0, y: 1, DX: 1}
     run = vo.integrate(rod, initial=start, times=GRID[:3], inputs={u: 1 + vo.time / 4})
     length = 1 + GRID[:3] / 4

@@ -80,8 +80,9 @@ def is_possible(conditions: Sequence[Any]) -> bool:
 
 def _onto_relations(point: dict[Any, Any], relations: Sequence[Any], bits: int) -> dict[Any, Any]:
     atoms = Tape(relations).atoms
-    if any(not isinstance(a, se.Symbol) for a in atoms):
-        raise EngineLimit("no point is looked for on relations between unknown functions")
+    functions = [a for a in atoms if not isinstance(a, se.Symbol)]
+    if functions:
+        return _with_values_of(functions, point, relations, bits)
     if not atoms:
         raise EngineLimit("the relations hold no variable, so no point can be found on them")
     jacobian = [[r.diff(a) for a in atoms] for r in relations]
@@ -98,6 +99,24 @@ def _onto_relations(point: dict[Any, Any], relations: Sequence[Any], bits: int) 
     if not all(v.contains(0) for v in tape.arb(found, bits)[: len(relations)]):
         raise EngineLimit("no point was found on all the relations between the coordinates")
     return found
+
+
+def _with_values_of(
+    functions: Sequence[Any], point: dict[Any, Any], relations: Sequence[Any], bits: int
+) -> dict[Any, Any]:
+    """The same where functions of other variables, as inputs are of the time, have values of their
+    own; derivatives are replaced first, since the function stands in them too."""
+    moving = {a for a in Tape(relations).atoms if isinstance(a, se.Symbol)}
+    if any(f.free_symbols & moving for f in functions):
+        raise EngineLimit("no point is looked for on relations between unknown functions")
+    ordered = sorted(functions, key=lambda f: not isinstance(f, se.Derivative))
+    letters = {f: se.Symbol(f"value of {f}") for f in ordered}
+    for function, letter in letters.items():
+        relations = [r.xreplace({function: letter}) for r in relations]
+        point = {letter if a == function else a: x for a, x in point.items()}
+    found = _onto_relations(point, relations, bits)
+    back = {letter: function for function, letter in letters.items()}
+    return {back.get(a, a): x for a, x in found.items()}
 
 
 def _values(tape: Tape, point: dict[Any, Any], n: int, bits: int) -> tuple[Any, Any]:
