@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from voronec.equations.voronec_equations import VoronecEquations, derive
     from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
     from voronec.lessons.judgement import Judgement, judge
+    from voronec.lessons.methods import by_methods
     from voronec.motion import (
         Crossings,
         Ensemble,
@@ -97,6 +98,7 @@ _HOME = {
     "linearise": "voronec.equations.linearisation",
     "Judgement": "voronec.lessons.judgement",
     "judge": "voronec.lessons.judgement",
+    "by_methods": "voronec.lessons.methods",
     "multiplier_acceleration": "voronec.equations.referee",
     "reaction_forces": "voronec.equations.referee",
     "Claim": "voronec.proof.claims",
@@ -173,6 +175,7 @@ __all__ = [
     "VoronecEquations",
     "VoronecError",
     "Witness",
+    "by_methods",
     "check_catalogue",
     "check_claims",
     "check_relation",

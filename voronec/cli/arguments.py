@@ -40,8 +40,8 @@ def command_parser() -> argparse.ArgumentParser:
     parser.set_defaults(module=None)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for add in (
-        _list, _show, _derive, _explain, _judge, _regenerate, _run, _view, _check, _compare,
-        _graph, _section, _gallery, _bench, _hard, _search, _new, _cite,
+        _list, _show, _derive, _explain, _methods, _judge, _regenerate, _run, _view, _check,
+        _compare, _graph, _section, _gallery, _bench, _hard, _search, _new, _cite,
     ):  # fmt: skip
         add(commands)
     return parser
@@ -96,6 +96,11 @@ def _explain(commands: Any) -> None:
     _outputs(parser)
     _setting(parser)
     parser.add_argument("--out", metavar="DIR", help="folder for the text and its pictures")
+
+
+def _methods(commands: Any) -> None:
+    summary = "solve one problem by six methods, and prove that they agree"
+    _system(_command(commands, "methods", "methods", summary))
 
 
 def _judge(commands: Any) -> None:

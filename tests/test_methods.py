@@ -1,0 +1,117 @@
+"""One problem by six methods: each against the multipliers at a point, each proved equal."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import pytest
+import sympy as sp
+
+import voronec as vo
+from voronec.cli import main
+from voronec.lessons.methods import METHODS, Comparison, Method, _compared
+
+PROBLEMS = ("sleigh", "vertical-disc", "two-wheeled-carriage", "snakeboard", "chaplygin-ball")
+MORE = ("roller-racer", "ball-on-turntable", "sleigh-on-turntable", "suslov", "free-particle")
+
+solved = cache(lambda name: vo.by_methods(vo.load(name)))
+
+
+@pytest.mark.parametrize("name", PROBLEMS + MORE)
+def test_all_methods_are_proved_equal(name: str) -> None:
+    """Five equalities of six methods, in less than half a minute."""
+    found = solved(name)
+    assert len(found.methods) == len(METHODS) == 6
+    assert [e.verdict.status for e in found.equalities] == ["proved"] * 5
+    assert found.proved
+    assert found.seconds < 30
+
+
+@pytest.mark.parametrize("name", PROBLEMS + MORE)
+def test_each_method_agrees_with_the_multipliers(name: str) -> None:
+    """At a point, in numbers of the referee, which shares no code with any of them."""
+    found = solved(name)
+    system = found.problem.equations.system
+    things = (*system.coordinates, *system.velocities, *(p.symbol for p in system.parameters))
+    point = {x: sp.Rational(k + 3, 2 * k + 5) for k, x in enumerate(things)}
+    expected = vo.multiplier_acceleration(system, point, digits=30)
+    for method in found.methods:
+        rates = _accelerations(found, method, point)
+        values = {**point, **rates}
+        for symbol, q in zip(found.problem.qdd, system.coordinates, strict=True):
+            outside = found.problem.door.outward(found.problem.accelerations[symbol])
+            assert abs(sp.N(outside.xreplace(values), 30) - expected[q]) < 1e-20, (method.name, q)
+
+
+def _accelerations(found: Comparison, method: Method, point: dict[Any, Any]) -> dict[Any, Any]:
+    """The rates of the velocities that a method's equations give."""
+    outward, symbols = (
+        found.problem.door.outward,
+        list(map(found.problem.door.outward, found.problem.vd)),
+    )
+    if method.solved:
+        values = [sp.N(outward(e).xreplace(point), 40) for e in method.solved]
+        return dict(zip(symbols, values, strict=True))
+    residuals = [sp.expand(outward(e).xreplace(point)) for e in method.residuals]
+    matrix, right = sp.linear_eq_to_matrix(residuals, symbols)
+    return dict(zip(symbols, matrix.evalf(40).LUsolve(right.evalf(40)), strict=True))
+
+
+@pytest.mark.parametrize("k", range(1, 6))
+def test_a_method_with_a_fault_is_refuted(k: int) -> None:
+    """A changed sign in a method's last equation shows, with a witness."""
+    found = solved("sleigh")
+    good = found.methods[k]
+    bad = replace(good, residuals=(*good.residuals[:-1], good.residuals[-1] + found.problem.v[0]))
+    assert _compared(found.problem, found.methods[k - 1], bad).verdict.refuted
+
+
+def test_forces_and_time_and_no_constraint() -> None:
+    """Friction, a law of motion in time, a Lagrangian with gyroscopic terms."""
+    x, y, k, w = sp.symbols("x y k w")
+    dx, dy = vo.velocity(x), vo.velocity(y)
+    system = vo.System(
+        name="driven",
+        fibration=vo.Fibration(base=(x,), fibre=(y,)),
+        lagrangian=(dx**2 + dy**2) / 2 + vo.time * (x * dy - y * dx) - x**2,
+        constraints=(dy - x * sp.sin(w * vo.time) - dx * vo.time,),
+        parameters=(k, w),
+        forces={x: -k * dx, y: -k * dy},
+    )
+    found = vo.by_methods(system)
+    assert found.proved
+    point = {x: 2, y: 3, dx: 5, vo.time: 7, k: 11, w: 13}
+    expected = vo.multiplier_acceleration(system, point)[x]
+    for method in found.methods:
+        (value,) = _accelerations(found, method, point).values()
+        assert abs(value - expected) < 1e-20
+
+
+def test_what_is_refused() -> None:
+    """Redundant coordinates, and kinetic energies that are not quadratic."""
+    x = sp.Symbol("x")
+    quartic = vo.System("quartic", vo.Fibration((x,), ()), vo.velocity(x) ** 4)
+    with pytest.raises(vo.DefinitionError, match="not quadratic"):
+        vo.by_methods(quartic)
+    with pytest.raises(vo.DefinitionError, match="independent coordinates"):
+        vo.by_methods(vo.load("chaplygin-ball-in-rn"))
+
+
+def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+    """Six headings and a proof; the same as data."""
+    assert main(["methods", "vertical-disc"]) == 0
+    text = capsys.readouterr().out
+    for number, name in enumerate(
+        ("d'Alembert", "Lagrange", "Kane", "Gibbs", "Chaplygin", "Hamel")
+    ):
+        assert f"\n{number + 1}. {name}" in text
+    assert text.count("C*dphidot/dt              = 0") == 5
+    assert text.rstrip().endswith("All methods give the same equations: proved.")
+    assert main(["methods", "vertical-disc", "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["proved"] is True
+    assert len(data["methods"]) == 6
+    assert len(data["equalities"]) == 5

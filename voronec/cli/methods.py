@@ -1,0 +1,26 @@
+"""``voronec methods``: one problem by every method, and the proofs that they agree."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+from voronec.cli.output import print_json, progress
+from voronec.cli.subject import resolve
+
+__all__ = ["execute"]
+
+
+def execute(arguments: Namespace) -> int:
+    """Print each method with its equations, then the proofs; 1 unless all are proved."""
+    system, _ = resolve(arguments.system)
+    from voronec.lessons.methods import by_methods
+
+    progress(f"{system.name}: the equations by six methods ...")
+    try:
+        found = by_methods(system)
+        data = found.as_dict() if arguments.json else None
+        text = str(found) if data is None else ""
+    finally:
+        progress("")
+    print_json(data) if data is not None else print(text)
+    return 0 if found.proved else 1

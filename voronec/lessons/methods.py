@@ -1,0 +1,520 @@
+"""One problem by six methods, each by its own way, each proved equal to the next.
+
+d'Alembert        M qddot + gamma = F + A^T lambda, lambda from A M^-1 A^T
+Lagrange          d/dt dL/dqdot - dL/dq = Q + A^T lambda, lambda from the fibre's equations
+Kane              F_r + F*_r = 0, along the partial velocities
+Gibbs-Appell      dS/dvdot_r = Pi_r
+Voronec           d/dt dTheta/drdot - ... = K_nu (A_ij^nu rdot_j + A_i^nu)   [Theory, eq. (9)]
+Hamel             d/dt dL/domega - X(L) + gamma dL/domega omega = Pi, all forms, constraints last
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from time import process_time
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.elimination import solve_linear
+from voronec.algebra.verdicts import Verdict
+from voronec.declaration.system import System
+from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.errors import DefinitionError
+from voronec.lessons.statement import Statement, Vector
+from voronec.proof.decision import all_zero
+
+__all__ = ["METHODS", "Comparison", "Method", "by_methods"]
+
+Rows = tuple[tuple[str, Any], ...]
+
+
+@dataclass(frozen=True)
+class Step:
+    """What is done, in a sentence, and what comes out: names, or texts, with formulas."""
+
+    sentence: str
+    rows: Rows = ()
+
+
+@dataclass(frozen=True)
+class Method:
+    """The steps of one method; ``residuals`` vanish along the motion: they are written with q, v
+    and vdot, and one belongs to each velocity.  Where a method gives accelerations, ``solved`` are
+    those of v instead."""
+
+    name: str
+    steps: tuple[Step, ...]
+    residuals: tuple[Any, ...] = ()
+    solved: tuple[Any, ...] = ()
+
+
+@dataclass(frozen=True)
+class Equality:
+    """Two methods, and the verdict on whether their equations are the same."""
+
+    left: str
+    right: str
+    verdict: Verdict
+    seconds: float
+
+
+def dalembert(problem: Statement) -> Method:
+    """Inertia forces against forces and reactions, coordinate by coordinate, solved for both."""
+    mass, rest = inertia(problem)
+    active = _active(problem)
+    rows = [list(row) for row in problem.constraint_rows]
+    pushed = [f - g for f, g in zip(active, rest, strict=True)]
+    columns = [[pushed[a], *(row[a] for row in rows)] for a in range(len(problem.q))]
+    solved = _matrix(problem, _solved(problem, mass, columns))
+    free, swung = [row[0] for row in solved], [row[1:] for row in solved]
+    lambdas = _reactions(problem, free, swung)
+    found = [
+        f.xreplace(problem.rates) + _dot(row, lambdas).xreplace(problem.rates)
+        for f, row in zip(free, swung, strict=True)
+    ]
+    turned = dict(zip(problem.qdd, found, strict=True))
+    rates = [
+        problem.free_rate(_form(problem, row, offset)).xreplace(turned).xreplace(problem.rates)
+        for row, offset in zip(problem.frame_rows, problem.frame_offsets, strict=True)
+    ]
+    inertias = [
+        se.Add(*[m * a for m, a in zip(row, problem.qdd, strict=True)], g)
+        for row, g in zip(mass, rest, strict=True)
+    ]
+    return Method(
+        "d'Alembert, with reactions",
+        (
+            Step(
+                "Along each coordinate the force of inertia, from the kinetic energy's matrix and "
+                "its Christoffel symbols, balances what is left of the forces and the reactions:",
+                _balance(problem, inertias, active),
+            ),
+            Step(
+                "The accelerations must keep the constraints; that determines the reactions:",
+                _named("lambda", [e.xreplace(problem.rates) for e in lambdas]),
+            ),
+            Step("With these, the accelerations are", _pairs(problem.vd, rates)),
+        ),
+        solved=tuple(rates),
+    )
+
+
+def _reactions(problem: Statement, free: Vector, swung: list[Vector]) -> Vector:
+    """The multipliers with which the accelerations free + swung lambda keep the constraints."""
+    rows, offsets = problem.constraint_rows, problem.constraint_offsets
+    if not rows:
+        return []
+    still = dict.fromkeys(problem.qdd, se.Integer(0))
+    drift = [
+        problem.free_rate(_form(problem, row, offset)).xreplace(still)
+        for row, offset in zip(rows, offsets, strict=True)
+    ]
+    columns = [[line[k] for line in swung] for k in range(len(rows))]
+    gram = [[_dot(row, column) for column in columns] for row in rows]
+    right = [[-_dot(row, free) - d] for row, d in zip(rows, drift, strict=True)]
+    return problem.tidy([row[0] for row in solve_linear(gram, right).values])
+
+
+def lagrange(problem: Statement) -> Method:
+    """Lagrange's equations of the first kind; the multipliers are eliminated."""
+    sides = _euler_lagrange(problem)
+    rows, fibre = problem.constraint_rows, problem.fibre
+    lambdas: Vector = []
+    if rows:
+        transposed = [[row[a] for row in rows] for a in fibre]
+        lambdas = [r[0] for r in solve_linear(transposed, [[sides[a]] for a in fibre]).values]
+    reduced = [
+        sides[b] - se.Add(*[row[b] * x for row, x in zip(rows, lambdas, strict=True)])
+        for b in problem.base
+    ]
+    names = [se.Symbol(f"lambda{k + 1}") for k in range(len(rows))]
+    balance = [
+        (str(q), (sides[a], se.Add(*[r[a] * x for r, x in zip(rows, names, strict=True)])))
+        for a, q in enumerate(problem.q)
+    ]
+    return Method(
+        "Lagrange, with multipliers",
+        (
+            Step(
+                "For each coordinate d/dt dL/dqdot - dL/dq - Q is the reaction, a multiplier for "
+                "each constraint:",
+                tuple(balance),
+            ),
+            Step(
+                "The equations of the fibre coordinates give the multipliers:",
+                _named("lambda", lambdas),
+            ),
+            Step("Put into the others, and along the velocities in use:"),
+        ),
+        tuple(problem.in_velocities(r) for r in _onto(problem, reduced)),
+    )
+
+
+def kane(problem: Statement) -> Method:
+    """Active forces and forces of inertia, along the partial velocities."""
+    matrix, _ = problem.inverse
+    slopes = [problem.lagrangian.diff(d).xreplace(problem.rates) for d in problem.qd]
+    place = [e.xreplace(problem.rates) for e in _kinetic_slopes(problem)]
+    inertia_forces = [place[a] - problem.rate(p) for a, p in enumerate(slopes)]
+    active = [f.xreplace(problem.rates) for f in _active(problem)]
+    pushed = [problem.along(r, active) for r in problem.base]
+    swung = [problem.along(r, inertia_forces) for r in problem.base]
+    partial = tuple(
+        (f"d{d}/d{v}", matrix[a][r])
+        for r, v in enumerate(problem.v)
+        for a, d in enumerate(problem.qd)
+        if matrix[a][r] != 0
+    )
+    return Method(
+        "Kane",
+        (
+            Step("The partial velocities, which are not zero, are", partial),
+            Step("Along them the active forces are", _each("F", problem, pushed)),
+            Step("and the forces of inertia", _each("F*", problem, swung)),
+            Step("Their sums F + F* vanish:"),
+        ),
+        tuple(-(f + s) for f, s in zip(pushed, swung, strict=True)),
+    )
+
+
+def gibbs_appell(problem: Statement) -> Method:
+    """The energy of the accelerations, differentiated by the accelerations in use."""
+    mass, rest = inertia(problem)
+    values = [problem.accelerations[a] for a in problem.qdd]
+    half = se.Rational(1, 2)
+    energy = se.Add(
+        *[half * x * y * mass[a][b] for a, x in enumerate(values) for b, y in enumerate(values)],
+        *[x * g for x, g in zip(values, rest, strict=True)],
+    ).xreplace(problem.rates)
+    forces = [f.xreplace(problem.rates) for f in _active(problem)]
+    pushed = [problem.along(r, forces) for r in problem.base]
+    zero = dict.fromkeys(problem.vd, se.Integer(0))
+    shown = problem.tidy([energy - energy.xreplace(zero)])[0]
+    slopes = [energy.diff(a) for a in problem.vd]
+    return Method(
+        "Gibbs and Appell",
+        (
+            Step(
+                "The energy of the accelerations, without what holds none of the accelerations:",
+                (("S", shown),),
+            ),
+            Step("The forces along the velocities are", _each("Pi", problem, pushed)),
+            Step("The derivatives of S by the accelerations are these forces:"),
+        ),
+        tuple(s - f for s, f in zip(slopes, pushed, strict=True)),
+    )
+
+
+def voronec(problem: Statement) -> Method:
+    """The equations that the engine derives in the velocities of the base, by the curvature."""
+    eqs = derive(_in_base(problem))
+    inward = problem.door.inward
+    base = [*problem.base]
+    mass = [[inward(eqs.mass[i, j]) for j in base] for i in base]
+    values = [
+        se.Add(*[mass[i][j] * problem.qdd[j] for j in base], -inward(eqs.force[i, 0])) for i in base
+    ]
+    names, fibres = eqs.definition.split
+    momenta = [(f"K_{s}", inward(eqs.momenta[k, 0])) for k, s in enumerate(fibres)]
+    return Method(
+        "Chaplygin" if eqs.kind == "chaplygin" else "Voronec",
+        (
+            Step(
+                "On the constraints the Lagrangian and the momenta of the fibre are",
+                (("Theta", inward(eqs.theta)), *momenta),
+            ),
+            Step(
+                "The constraints cannot be integrated as far as their curvature does not vanish:",
+                _curvature(problem, eqs),
+            ),
+            Step(
+                "d/dt dTheta/drdot_i - dTheta/dr_i - a_i dTheta/ds = K_nu (A_ij rdot_j + A_i) + Q:",
+                tuple(
+                    (f"{q}", (value, se.Integer(0))) for q, value in zip(names, values, strict=True)
+                ),
+            ),
+            Step("Along the velocities in use:"),
+        ),
+        tuple(problem.in_velocities(r) for r in _onto(problem, values)),
+    )
+
+
+def _curvature(problem: Statement, eqs: VoronecEquations) -> Rows:
+    """The components A_ij^nu and A_i^nu that do not vanish."""
+    names, fibres = eqs.definition.split
+    found = []
+    for k, s in enumerate(fibres):
+        for i in problem.base:
+            found += [
+                (f"A^{s}[{names[i]}, {names[j]}]", eqs.curvature[k, i, j])
+                for j in problem.base
+                if i < j
+            ]
+            found.append((f"A^{s}[{names[i]}]", eqs.curvature.time[k, i]))
+    return tuple((name, problem.door.inward(e)) for name, e in found if e != 0)
+
+
+def hamel(problem: Statement) -> Method:
+    """All forms as quasi-velocities, those of the constraints last; they vanish at the end."""
+    last = tuple(se.Symbol(f"constraint {k + 1}") for k in range(len(problem.constraint_rows)))
+    omega = (*problem.v, *last)
+    matrix, offset = problem.inverse
+    dots = {
+        d: se.Add(offset[a], *[matrix[a][c] * w for c, w in enumerate(omega)])
+        for a, d in enumerate(problem.qd)
+    }
+    whole = problem.lagrangian.xreplace(dots)
+    kept = dict.fromkeys(last, se.Integer(0))
+    slopes = [whole.diff(w).xreplace(kept) for w in omega]
+    structure = _structure(problem)
+    labels = [*map(str, problem.v), *(f"C{k + 1}" for k in range(len(last)))]
+    behind = [*map(str, problem.v), "t"]
+    brackets = tuple(
+        (f"gamma^{labels[c]}[{problem.v[i]}, {behind[j]}]", entry)
+        for (i, j), entries in structure.items()
+        for c, entry in enumerate(entries)
+        if i < j and entry != 0
+    )
+    return Method(
+        "Hamel",
+        (
+            Step(
+                "The velocities in use and the constraints are quasi-velocities omega; their "
+                "fields have the brackets",
+                brackets,
+            ),
+            Step(
+                "With L written in omega the momenta, on the constraints, are",
+                tuple((f"dL/d{name}", p) for name, p in zip(labels, slopes, strict=True)),
+            ),
+            Step("d/dt dL/domega_i - X_i(L) + gamma^c[i, j] dL/domega_c omega_j = Pi_i:"),
+        ),
+        tuple(_hamel_equations(problem, whole.xreplace(kept), slopes, structure)),
+    )
+
+
+def _hamel_equations(
+    problem: Statement, whole: Any, slopes: Vector, structure: dict[tuple[int, int], Vector]
+) -> Iterator[Any]:
+    """d/dt dL/domega_i - X_i(L) + gamma^c_ij dL/domega_c omega_j - Pi_i, with omega_t = 1."""
+    pushed = [
+        whole.diff(q) + f.xreplace(problem.rates)
+        for q, f in zip(problem.q, problem.forces, strict=True)
+    ]
+    omega = (*problem.v, se.Integer(1))
+    for i in problem.base:
+        turned = [_dot(structure[i, j], slopes) * w for j, w in enumerate(omega)]
+        yield problem.rate(slopes[i]) - problem.along(i, pushed) + se.Add(*turned)
+
+
+METHODS: tuple[Callable[[Statement], Method], ...] = (
+    dalembert,
+    lagrange,
+    kane,
+    gibbs_appell,
+    voronec,
+    hamel,
+)
+"""The methods in the order in which they are taught."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One problem by all methods, and the proofs that they agree."""
+
+    problem: Statement
+    methods: tuple[Method, ...]
+    equalities: tuple[Equality, ...]
+    seconds: float
+
+    @property
+    def proved(self) -> bool:
+        """Whether every equality is proved."""
+        return all(e.verdict.proved for e in self.equalities)
+
+    def lines(self) -> list[str]:
+        """What is asked, each method, and what comes out."""
+        from voronec.lessons.methods_text import comparison_lines
+
+        return comparison_lines(self)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same as data that JSON can hold."""
+        from voronec.lessons.methods_text import comparison_dict
+
+        return comparison_dict(self)
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+
+def by_methods(system: System | VoronecEquations) -> Comparison:
+    """Solve one problem by every method, and prove that the equations are the same.
+
+    Each method goes its own way from Lagrangian, forces and constraints to equations for the
+    velocities in use; only the engine's own, Voronec's, uses the curvature.  The equations of
+    each are compared with the next ones, as functions of coordinates, velocities and accelerations;
+    accelerations that a method gives solved must satisfy the equations of the next.
+
+    Raises ``DefinitionError`` for redundant coordinates, groups and forces that hold accelerations.
+    """
+    begun = process_time()
+    problem = Statement.of(system)
+    found = tuple(method(problem) for method in METHODS)
+    equalities = tuple(_compared(problem, a, b) for a, b in pairwise(found))
+    return Comparison(problem, found, equalities, process_time() - begun)
+
+
+def _compared(problem: Statement, left: Method, right: Method) -> Equality:
+    begun = process_time()
+    if left.solved:
+        places = dict(zip(problem.vd, left.solved, strict=True))
+        differences = [r.xreplace(places) for r in right.residuals]
+    else:
+        differences = [a - b for a, b in zip(left.residuals, right.residuals, strict=True)]
+    labelled = [(str(v), d) for v, d in zip(problem.v, differences, strict=True)]
+    verdict = all_zero(labelled, problem.hypotheses)
+    return Equality(left.name, right.name, verdict, process_time() - begun)
+
+
+def inertia(problem: Statement) -> tuple[list[Vector], Vector]:
+    """The matrix M of the kinetic energy, and gamma: M qddot + gamma is the force of inertia.
+
+    gamma_a = (d_c M_ab - d_a M_bc / 2) qdot_b qdot_c + d_t M_ab qdot_b
+              + (d_b b_a - d_a b_b) qdot_b + d_t b_a,     L = M qdot qdot / 2 + b qdot + ...
+    """
+    still = dict.fromkeys(problem.qd, se.Integer(0))
+    size = range(len(problem.q))
+    slopes = [problem.lagrangian.diff(d) for d in problem.qd]
+    mass = [[slope.diff(d) for d in problem.qd] for slope in slopes]
+    bends = [e.diff(d) for row in mass for e in row for d in problem.qd]
+    if any(e != 0 for e in problem.tidy([e for e in bends if e != 0])):
+        name = problem.equations.system.name
+        raise DefinitionError(f"system '{name}': the Lagrangian is not quadratic in the velocities")
+    linear = [slope.xreplace(still) for slope in slopes]
+    mass = [[e.xreplace(still) for e in row] for row in mass]
+    q, d, t = problem.q, problem.qd, problem.time
+    rest = []
+    for a in size:
+        terms = [linear[a].diff(t)]
+        for b in size:
+            terms.append(d[b] * (mass[a][b].diff(t) + linear[a].diff(q[b]) - linear[b].diff(q[a])))
+            terms += [
+                d[b] * d[c] * (mass[a][b].diff(q[c]) - mass[b][c].diff(q[a]) / 2) for c in size
+            ]
+        rest.append(se.Add(*terms))
+    return mass, rest
+
+
+def _active(problem: Statement) -> Vector:
+    """Q - dV/dq, with -V the part of L that holds no velocity."""
+    potential = problem.lagrangian.xreplace(dict.fromkeys(problem.qd, se.Integer(0)))
+    return [f + potential.diff(q) for f, q in zip(problem.forces, problem.q, strict=True)]
+
+
+def _kinetic_slopes(problem: Statement) -> Vector:
+    """d(L + V)/dq."""
+    still = dict.fromkeys(problem.qd, se.Integer(0))
+    kinetic = problem.lagrangian - problem.lagrangian.xreplace(still)
+    return [kinetic.diff(q) for q in problem.q]
+
+
+def _euler_lagrange(problem: Statement) -> Vector:
+    slopes = [problem.lagrangian.diff(d) for d in problem.qd]
+    return [
+        problem.free_rate(p) - problem.lagrangian.diff(q) - f
+        for p, q, f in zip(slopes, problem.q, problem.forces, strict=True)
+    ]
+
+
+def _onto(problem: Statement, values: Sequence[Any]) -> Vector:
+    """What stands along the base coordinates, along the velocities in use."""
+    matrix, _ = problem.inverse
+    return [se.Add(*[matrix[b][r] * values[b] for b in problem.base]) for r in problem.base]
+
+
+def _in_base(problem: Statement) -> System:
+    """The same system with the velocities of the base in use, and no claims."""
+    declared = problem.equations.system
+    outward = problem.door.outward
+    rows = zip(problem.constraint_rows, problem.constraint_offsets, strict=True)
+    return System(
+        name=declared.name,
+        fibration=declared.fibration,
+        lagrangian=outward(problem.lagrangian),
+        constraints=tuple(outward(_form(problem, row, offset)) for row, offset in rows),
+        parameters=declared.parameters,
+        forces={q: outward(f) for q, f in zip(declared.coordinates, problem.forces, strict=True)},
+        inputs=declared.inputs,
+    )
+
+
+def _structure(problem: Statement) -> dict[tuple[int, int], Vector]:
+    """gamma^c of [X_i, X_j] = gamma^c X_c, for i, j of the velocities in use; the last j is the
+    time."""
+    matrix, offset = problem.inverse
+    size = range(len(problem.q))
+    columns = [[matrix[a][c] for a in size] for c in problem.base]
+    fields = [*columns, offset]
+    found = {}
+    for i, one in enumerate(columns):
+        for j, other in enumerate(fields):
+            bracket = [
+                se.Add(
+                    *[one[b] * other[a].diff(problem.q[b]) for b in size],
+                    *[-other[b] * one[a].diff(problem.q[b]) for b in size],
+                    -one[a].diff(problem.time) if j == len(columns) else se.Integer(0),
+                )
+                for a in size
+            ]
+            found[i, j] = problem.tidy([_dot(row, bracket) for row in problem.forms])
+    return found
+
+
+def _form(problem: Statement, row: Sequence[Any], offset: Any) -> Any:
+    return se.Add(offset, *[e * d for e, d in zip(row, problem.qd, strict=True)])
+
+
+def _dot(one: Sequence[Any], other: Sequence[Any]) -> Any:
+    return se.Add(*[a * b for a, b in zip(one, other, strict=True)])
+
+
+def _matrix(problem: Statement, rows: Sequence[Sequence[Any]]) -> list[Vector]:
+    flat = problem.tidy([e for row in rows for e in row])
+    width = len(rows[0])
+    return [flat[k * width : (k + 1) * width] for k in range(len(rows))]
+
+
+def _solved(problem: Statement, mass: list[Vector], columns: list[Vector]) -> list[Vector]:
+    found = solve_linear(mass, columns)
+    if found.free:
+        name = problem.equations.system.name
+        raise DefinitionError(
+            f"system '{name}': not every coordinate has inertia of its own, which d'Alembert's "
+            "way needs; choose another system"
+        )
+    return found.values
+
+
+def _named(name: str, values: Sequence[Any]) -> Rows:
+    return tuple((f"{name}{k + 1}", value) for k, value in enumerate(values))
+
+
+def _each(name: str, problem: Statement, values: Sequence[Any]) -> Rows:
+    return tuple((f"{name}[{v}]", value) for v, value in zip(problem.v, values, strict=True))
+
+
+def _pairs(names: Sequence[Any], values: Sequence[Any]) -> Rows:
+    return tuple((str(name), value) for name, value in zip(names, values, strict=True))
+
+
+def _balance(problem: Statement, inertias: Sequence[Any], active: Sequence[Any]) -> Rows:
+    names = [se.Symbol(f"lambda{k + 1}") for k in range(len(problem.constraint_rows))]
+    found = []
+    for a, q in enumerate(problem.q):
+        reaction = se.Add(*[r[a] * x for r, x in zip(problem.constraint_rows, names, strict=True)])
+        found.append((str(q), (inertias[a], active[a] + reaction)))
+    return tuple(found)

@@ -1,0 +1,115 @@
+"""One problem by all methods, as text and as data."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import symengine as se
+
+from voronec.equations.voronec_equations import equation_rows
+from voronec.lessons.methods import Comparison, Method
+from voronec.lessons.statement import Statement
+
+__all__ = ["comparison_dict", "comparison_lines"]
+
+
+def comparison_lines(found: Comparison) -> list[str]:
+    """What is asked, each method with its steps and equations, and the proofs."""
+    problem = found.problem
+    system = problem.equations.system
+    lines = [f"{system.name}: {system.title}" if system.title else system.name, ""]
+    lines += ["asked", f"  The equations of motion for {', '.join(map(str, problem.v))}."]
+    lines += equation_rows(_given(problem))
+    for number, method in enumerate(found.methods, 1):
+        lines += ["", f"{number}. {method.name}"]
+        for step in method.steps:
+            lines.append(f"  {step.sentence}")
+            lines += [f"  {row}" for row in equation_rows(_texts(problem, step.rows))]
+        lines += [f"  {row}" for row in equation_rows(_equations(problem, method))]
+    lines += ["", "comes out"]
+    for e in found.equalities:
+        why = f"{e.verdict.status}, {e.verdict.method}"
+        lines.append(f"  {e.left} = {e.right}: {why}")
+    if found.proved:
+        lines.append("  All methods give the same equations: proved.")
+    return lines
+
+
+def comparison_dict(found: Comparison) -> dict[str, Any]:
+    """The same as data that JSON can hold."""
+    problem = found.problem
+    return {
+        "system": problem.equations.system.name,
+        "velocities": [str(v) for v in problem.v],
+        "given": dict(_given(problem)),
+        "methods": [
+            {
+                "name": method.name,
+                "steps": [
+                    {"sentence": s.sentence, "formulas": _texts(problem, s.rows)}
+                    for s in method.steps
+                ],
+                "equations": _equations(problem, method),
+            }
+            for method in found.methods
+        ],
+        "equalities": [
+            {
+                "left": e.left,
+                "right": e.right,
+                "verdict": e.verdict.status,
+                "why": e.verdict.method,
+                "seconds": round(e.seconds, 3),
+            }
+            for e in found.equalities
+        ],
+        "proved": found.proved,
+        "seconds": round(found.seconds, 3),
+    }
+
+
+def _given(problem: Statement) -> list[tuple[str, str]]:
+    """Lagrangian, forces, constraints, velocities."""
+    rows = [("L", problem.text(problem.lagrangian))]
+    rows += [
+        (f"Q[{q}]", problem.text(f))
+        for q, f in zip(problem.q, problem.forces, strict=True)
+        if f != 0
+    ]
+    for row, offset in zip(problem.constraint_rows, problem.constraint_offsets, strict=True):
+        form = se.Add(offset, *[e * d for e, d in zip(row, problem.qd, strict=True)])
+        rows.append(("0", problem.text(form)))
+    pairs = zip(problem.v, problem.frame_rows, problem.frame_offsets, strict=True)
+    for v, row, offset in pairs:
+        form = se.Add(offset, *[e * d for e, d in zip(row, problem.qd, strict=True)])
+        if form != v:
+            rows.append((str(v), problem.text(form)))
+    return rows
+
+
+def _texts(problem: Statement, rows: Any) -> list[tuple[str, str]]:
+    """Names, or left sides, with formulas."""
+    found = []
+    for name, value in rows:
+        if isinstance(value, tuple):
+            left, right = problem.texts(value)
+            found.append((f"{name}:  {left}", right))
+        else:
+            found.append((name, *problem.texts([value])))
+    return found
+
+
+def _equations(problem: Statement, method: Method) -> list[tuple[str, str]]:
+    """What a method ends with: the terms with accelerations on the left, the rest on the right."""
+    found = []
+    still = dict.fromkeys(problem.vd, se.Integer(0))
+    for residual in method.residuals:
+        slopes = problem.tidy([residual.diff(a) for a in problem.vd])
+        texts = problem.texts([*slopes, -residual.xreplace(still)])
+        terms = []
+        for slope, text, v in zip(slopes, texts, problem.v, strict=False):
+            if slope != 0:
+                factor = "" if text == "1" else f"({text})*" if " " in text else f"{text}*"
+                terms.append(f"{factor}d{v}/dt")
+        found.append((" + ".join(terms) or "0", texts[-1]))
+    return found

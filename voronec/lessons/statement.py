@@ -1,0 +1,172 @@
+"""A problem as every method finds it: Lagrangian, forces, constraints, velocities in use."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.door import Door
+from voronec.algebra.elimination import solve_linear
+from voronec.algebra.normal import canonical, shortest
+from voronec.algebra.symbols import velocity
+from voronec.algebra.typeset import caret_text, latex_of
+from voronec.declaration.system import System
+from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.errors import DefinitionError
+
+__all__ = ["LONGEST", "Statement"]
+
+Vector = list[Any]
+LONGEST = 600
+"""How many characters a formula has that is printed whole."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """L(q, qdot, t), forces Q, constraints A qdot + a0 = 0, velocities v = W qdot + w0, inside the
+    door.  ``qdd`` and ``vd`` are the symbols of accelerations.
+    """
+
+    equations: VoronecEquations
+    q: tuple[Any, ...]
+    qd: tuple[Any, ...]
+    qdd: tuple[Any, ...]
+    v: tuple[Any, ...]
+    vd: tuple[Any, ...]
+    time: Any
+    lagrangian: Any
+    forces: tuple[Any, ...]
+    constraint_rows: tuple[tuple[Any, ...], ...]
+    constraint_offsets: tuple[Any, ...]
+    frame_rows: tuple[tuple[Any, ...], ...]
+    frame_offsets: tuple[Any, ...]
+
+    @classmethod
+    def of(cls, system: System | VoronecEquations) -> Statement:
+        """Read from a system; one with redundant coordinates, on a group, or with forces that hold
+        accelerations is refused."""
+        equations = system if isinstance(system, VoronecEquations) else derive(system)
+        own, door, declared = equations.definition, equations.door, equations.system
+        if own.group is not None or own.relations or own.added:
+            raise DefinitionError(
+                f"system '{declared.name}': the methods are compared in independent coordinates, "
+                "with forces that hold no acceleration; choose another system"
+            )
+        count = len(own.coordinates)
+        unit = tuple(tuple(se.Integer(int(a == b)) for b in range(count)) for a in range(own.base))
+        frame = own.frame
+        return cls(
+            equations=equations,
+            q=own.coordinates,
+            qd=own.dots,
+            qdd=tuple(door.inward(velocity(velocity(q))) for q in declared.coordinates),
+            v=own.velocities,
+            vd=tuple(door.inward(velocity(v)) for v in declared.velocities),
+            time=own.time,
+            lagrangian=own.lagrangian,
+            forces=own.forces,
+            constraint_rows=own.constraints.matrix,
+            constraint_offsets=own.constraints.offset,
+            frame_rows=unit if frame is None else frame.matrix,
+            frame_offsets=(se.Integer(0),) * own.base if frame is None else frame.offset,
+        )
+
+    @property
+    def door(self) -> Door:
+        """Between the user's symbols and those inside."""
+        return self.equations.door
+
+    @property
+    def base(self) -> range:
+        """Positions of the base coordinates."""
+        return range(len(self.v))
+
+    @property
+    def fibre(self) -> range:
+        """Positions of the fibre coordinates."""
+        return range(len(self.v), len(self.q))
+
+    @property
+    def hypotheses(self) -> tuple[Any, ...]:
+        """What is known of parameters."""
+        return self.equations.definition.conditions
+
+    @cached_property
+    def forms(self) -> list[Vector]:
+        """The rows of W, then those of A."""
+        return [*map(list, self.frame_rows), *map(list, self.constraint_rows)]
+
+    @cached_property
+    def inverse(self) -> tuple[list[Vector], Vector]:
+        """X and x0 of qdot = X omega + x0, where omega are all forms: v, then the constraints."""
+        size = range(len(self.q))
+        offsets = [*self.frame_offsets, *self.constraint_offsets]
+        right = [[*(se.Integer(int(a == b)) for b in size), -offsets[a]] for a in size]
+        solved = solve_linear(self.forms, right).values
+        flat = canonical([e for row in solved for e in row])
+        rows = [flat[k * (len(size) + 1) : (k + 1) * (len(size) + 1)] for k in size]
+        return [row[:-1] for row in rows], [row[-1] for row in rows]
+
+    @cached_property
+    def rates(self) -> dict[Any, Any]:
+        """qdot -> its value in v, on the constraints."""
+        matrix, offset = self.inverse
+        pairs = zip(self.qd, matrix, offset, strict=True)
+        return {
+            dot: se.Add(row0, *[row[i] * v for i, v in enumerate(self.v)])
+            for dot, row, row0 in pairs
+        }
+
+    @cached_property
+    def accelerations(self) -> dict[Any, Any]:
+        """qddot -> its value in v and vdot."""
+        return {a: self.rate(self.rates[dot]) for a, dot in zip(self.qdd, self.qd, strict=True)}
+
+    def rate(self, function: Any) -> Any:
+        """d/dt of a function of q, v and t, with vdot."""
+        terms = [function.diff(self.time)]
+        terms += [function.diff(q) * self.rates[d] for q, d in zip(self.q, self.qd, strict=True)]
+        terms += [function.diff(v) * d for v, d in zip(self.v, self.vd, strict=True)]
+        return se.Add(*terms)
+
+    def free_rate(self, function: Any) -> Any:
+        """d/dt of a function of q, qdot and t, with qddot."""
+        terms = [function.diff(self.time)]
+        terms += [function.diff(q) * d for q, d in zip(self.q, self.qd, strict=True)]
+        terms += [function.diff(d) * a for d, a in zip(self.qd, self.qdd, strict=True)]
+        return se.Add(*terms)
+
+    def in_velocities(self, function: Any) -> Any:
+        """A function of q, qdot, qddot as one of q, v, vdot."""
+        return function.xreplace(self.accelerations).xreplace(self.rates)
+
+    def along(self, index: int, components: Sequence[Any]) -> Any:
+        """The sum of components along the coordinates with those of the field X_index."""
+        matrix, _ = self.inverse
+        return se.Add(*[row[index] * c for row, c in zip(matrix, components, strict=True)])
+
+    def tidy(self, exprs: Sequence[Any]) -> Vector:
+        """Normal forms."""
+        return canonical(list(exprs))
+
+    def texts(self, exprs: Sequence[Any], latex: bool = False) -> list[str]:
+        """Formulas for print, in their shortest form."""
+        return [self.text(e, latex) for e in shortest(list(exprs), (), self.v)]
+
+    def text(self, expr: Any, latex: bool = False) -> str:
+        """A formula for print as it stands; one too long for a page is told by its length."""
+        outside = self.door.outward(expr)
+        system = self.equations.system
+        found = (
+            latex_of(outside, system.coordinates, system.velocities)
+            if latex
+            else caret_text(outside)
+        )
+        if len(found) <= LONGEST:
+            return found
+        told = f"an expression of {len(found)} characters"
+        return f"\\text{{{told}}}" if latex else told
