@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from matplotlib._pylab_helpers import Gcf
 
 import voronec as vo
 from voronec.closed.pictures.style import INK, PALE
-from voronec.motion.pictures.run_pictures import drawing
+from voronec.motion.pictures.run_pictures import drawing, pictures
 from voronec.motion.pictures.time_plots import plot_trajectory, quantity_label
 
 pytestmark = pytest.mark.slow
@@ -141,3 +142,36 @@ def test_an_output_with_a_pole_on_the_way_is_drawn_where_it_is_finite(output: An
     )
     (panel,) = plot_trajectory(run).axes
     assert np.isfinite(panel.get_ylim()).all()
+
+
+@pytest.mark.parametrize("across", [0.0, 0.01, 0.4, 1.0, 1e3])
+def test_the_numbers_at_a_path_stand_apart(across: float) -> None:
+    """A path that is long and narrow, or a line, has room for the numbers of both axes."""
+    x, y = sp.symbols("x y")
+    moved = vo.System(
+        name="two-free-particles",
+        fibration=vo.Fibration(base=(x, y)),
+        lagrangian=(vo.velocity(x) ** 2 + vo.velocity(y) ** 2) / 2,
+    )
+    start = {vo.velocity(x): across, vo.velocity(y): 1}
+    run = vo.integrate(moved, initial=start, times=np.linspace(0, 10, 11))
+    figure = pictures(run)["path"]
+    (panel,) = figure.axes
+    for axis, low, high in ((panel.xaxis, "x0", "x1"), (panel.yaxis, "y0", "y1")):
+        boxes = [label.get_window_extent() for label in axis.get_ticklabels()]
+        shown = [b for b, at in zip(boxes, axis.get_ticklocs(), strict=True)
+                 if axis.get_view_interval()[0] <= at <= axis.get_view_interval()[1]]  # fmt: skip
+        assert len(shown) >= 2
+        gaps = [getattr(b, low) - getattr(a, high) for a, b in pairwise(shown)]
+        assert min(gaps) > 2.0
+
+
+def test_numbers_at_ticks_are_text_and_powers_of_ten_formulas() -> None:
+    x = sp.Symbol("x")
+    free = vo.System(
+        name="free", fibration=vo.Fibration(base=(x,)), lagrangian=vo.velocity(x) ** 2 / 2
+    )
+    run = vo.integrate(free, initial={vo.velocity(x): "1e-7"}, times=[0, 1, 2])
+    panel = pictures(run)["plot"].axes[0]
+    assert not [t for t in panel.yaxis.get_ticklabels() if "$" in t.get_text()]
+    assert "10^{" in panel.yaxis.get_offset_text().get_text()

@@ -1,8 +1,28 @@
-"""Motions in closed form: a declared motion and numbers make a ``ClosedForm``."""
+"""Motions in closed form: a declared motion and numbers make a ``ClosedForm``.
 
-from voronec.closed.closed_form import ClosedForm
-from voronec.closed.compiled_motion import prepared
-from voronec.closed.problem import InversionProblem
-from voronec.closed.rotation_numbers import Turn
+Names load on first use: the style of figures is read where nothing is in closed form.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from voronec.closed.closed_form import ClosedForm
+    from voronec.closed.compiled_motion import prepared
+    from voronec.closed.problem import InversionProblem
+    from voronec.closed.rotation_numbers import Turn
 
 __all__ = ["ClosedForm", "InversionProblem", "Turn", "prepared"]
+
+_HOME = {
+    "ClosedForm": "closed_form",
+    "InversionProblem": "problem",
+    "Turn": "rotation_numbers",
+    "prepared": "compiled_motion",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'voronec.closed' has no attribute '{name}'")
+    return getattr(import_module(f"voronec.closed.{_HOME[name]}"), name)

@@ -92,17 +92,25 @@ def save(figure: Any, target: Path | BinaryIO, suffix: str = "") -> None:
 
 def _path(trajectory: MotionRecord) -> Any:
     """The curve (x, y) in its plane; the dot is its start."""
+    import numpy as np
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     from voronec.closed.pictures.style import INK, MARK, STYLE
+    from voronec.motion.pictures.time_plots import plain_ticks, settled
 
     x, y = trajectory["x"], trajectory["y"]
     with rc_context(STYLE):
-        figure = Figure(figsize=(5, 5), layout="constrained")
+        # a long and narrow path has a narrow panel, but never one too narrow for its numbers
+        wide, high = (np.ptp(np.asarray(q, dtype=float)) for q in (x, y))
+        slim = np.clip(wide / high if wide and 0 < high < np.inf else 1.0, 0.4, 2.5)
+        size = (4.5 * min(slim, 1.0) + 0.7, 4.5 * min(1 / slim, 1.0) + 0.7)
+        figure = Figure(figsize=size, layout="constrained")
         panel = figure.subplots()
         panel.plot(x, y, color=INK, linewidth=0.9)
         panel.plot(x[:1], y[:1], "o", color=MARK, markersize=4)
-        panel.set(xlabel="$x$", ylabel="$y$", aspect="equal")
-        figure.draw_without_rendering()  # settles fonts while the style is in force
+        panel.set(xlabel="$x$", ylabel="$y$", aspect="equal", adjustable="datalim")
+        plain_ticks(panel.xaxis)
+        plain_ticks(panel.yaxis)
+        settled(figure)
     return figure

@@ -17,7 +17,7 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.motion.pictures.motion_record import MotionRecord
 
-__all__ = ["plot_trajectory", "quantity_label"]
+__all__ = ["plain_ticks", "plot_trajectory", "quantity_label", "settled"]
 
 
 def quantity_label(trajectory: MotionRecord, name: str) -> str:
@@ -72,8 +72,27 @@ def plot_trajectory(
         figure.supxlabel("$t$", fontsize=10)
         if title:
             figure.suptitle(title, fontsize=10)
-        figure.draw_without_rendering()  # settles fonts while the style is in force
+        settled(figure)
     return figure
+
+
+def settled(figure: Any) -> None:
+    """Settle fonts while the style is in force, and the layout, which takes as long as drawing."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+
+
+def plain_ticks(axis: Any) -> None:
+    """Digits at the ticks of an axis are text: only a power of ten above it is a formula, and to
+    typeset each takes longer than the motion."""
+    from matplotlib.ticker import ScalarFormatter
+
+    class Digits(ScalarFormatter):
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            label: str = super().__call__(x, pos)
+            return label.removeprefix("$\\mathdefault{").removesuffix("}$")
+
+    axis.set_major_formatter(Digits(useMathText=True))
 
 
 def _curve(panel: Any, trajectory: MotionRecord, name: str) -> None:
@@ -83,6 +102,8 @@ def _curve(panel: Any, trajectory: MotionRecord, name: str) -> None:
     panel.plot(trajectory.t, values, color=INK, linewidth=0.9)
     panel.set_ylabel(quantity_label(trajectory, name))
     panel.margins(x=0)
+    plain_ticks(panel.xaxis)
+    plain_ticks(panel.yaxis)
     panel.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
     panel.spines[["top", "right"]].set_visible(False)
     known = np.asarray(values, dtype=float)
