@@ -13,7 +13,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import symengine as se
@@ -31,6 +30,7 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import Verdict
 from voronec.equations.connection import AffineForms
+from voronec.equations.flatness import flatness
 from voronec.equations.vector_field import Motions, VectorField
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
@@ -44,8 +44,6 @@ DEGREES = 4, 6, 8, 10, 12
 """Brackets of these degrees are made at a point, one after the other, until they suffice."""
 LONGEST = 400
 """Determinants of more operations are not factored."""
-MOST_RATES = 6
-"""So many rates of flat outputs are tried."""
 
 
 @dataclass(frozen=True)
@@ -186,9 +184,8 @@ class Control:
         """Whether state and inputs are functions of ``outputs`` and finitely many of their rates,
         near a generic point; as many outputs as inputs, functions of the state.
 
-        Proved where outputs and their rates up to some order are as many as the state with those
-        inputs and rates of inputs that occur in them, and independent.  Else ``undecided``, and
-        told what the ranks at one generic point are.
+        Proved by dynamic extension; ``refuted`` where the outputs can be steered at will, and the
+        state still has dimensions that they do not see.
         """
         self._require_still()
         read = [self.system_field.read(sympified(y)) for y in outputs]
@@ -196,33 +193,15 @@ class Control:
             raise DefinitionError(
                 f"{len(read)} flat outputs for {len(self.inputs)} inputs; name as many"
             )
-        state, (drift, fields) = self.system_field.variables, self._simplified
-        jets = [[se.Symbol(f"input {i} rate {k}") for k in range(MOST_RATES + 2)]
-                for i in range(len(self.inputs))]  # fmt: skip
-        inputs = [jet[0] for jet in jets]
-        rates = {
-            x: se.Add(f, *[g[a] * u for g, u in zip(fields, inputs, strict=True)])
-            for a, (x, f) in enumerate(zip(state, drift, strict=True))
-        }
-        rates |= {u: v for jet in jets for u, v in pairwise(jet)}
-        rows, latest = [], read
-        for order in range(MOST_RATES + 1):
-            rows += latest
-            used = [s for jet in jets for s in jet if any(s in e.free_symbols for e in rows)]
-            slopes = [tuple(e.diff(s) for s in (*state, *used)) for e in rows]
-            unit = [tuple(se.Integer(int(a == s)) for s in (*state, *used)) for a in state]
-            if self._independent([*slopes, *unit]) == [*range(len(rows))]:
-                words = f"the outputs and {order} of their rates determine the state"
-                if len(rows) == len(state) + len(used):
-                    return Verdict("proved", f"{words} and inputs on an open dense set")
-                return Verdict("undecided", f"in numbers, {words} at a generic point")
-            latest = [
-                se.Add(*[e.diff(s) * rates[s] for s in sorted(e.free_symbols, key=str)
-                         if s in rates]) for e in latest
-            ]  # fmt: skip
-            if Tape(latest).size > NODES:
-                break
-        return Verdict("undecided", f"no number of rates up to {MOST_RATES} determines the state")
+        field = self.system_field
+        redundant = len(field.independent_relations)
+        try:
+            return flatness(
+                field.variables, *self._simplified, read, field.hypotheses, redundant,
+                self._independent,
+            )  # fmt: skip
+        except EngineLimit as limit:
+            return Verdict("undecided", str(limit))
 
     # -- what these are made of -----------------------------------------------------------
 
