@@ -49,6 +49,9 @@ def test_the_index_names_every_page_and_systems_have_their_sketches(build, tmp_p
     build.write_source(source)
     entries = (source / "index.md").read_text().splitlines()
     assert {p.stem for p in source.glob("*.md")} - {"index"} <= {*entries}
+    assert {f"reference/{p.stem}" for p in source.glob("reference/*.rst")} <= {*entries}
+    tasks = (source / "how-to" / "index.md").read_text().splitlines()
+    assert {p.stem for p in source.glob("how-to/*.md")} - {"index"} <= {*tasks}
     assert (
         "![The mechanism, seen from above](sleigh.svg)"
         in (source / "systems" / "sleigh.md").read_text()

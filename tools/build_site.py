@@ -43,8 +43,6 @@ ROOMS = {
 OUTSIDE = re.compile(r"\[([^\]]*)\]\(\.\./[^)]*\)")
 SYSTEMS = "\n```{toctree}\n:hidden:\n:glob:\n\n*\n```\n"
 """All pages beside the list of systems, for the column on the left."""
-LAST = "special-motions"
-"""After this entry of the index come pages that it does not name."""
 TIME = "The time, the symbol ``t``; also the argument of SymPy's ``dynamicsymbols``."
 
 
@@ -84,20 +82,24 @@ def write_source(source: Path) -> None:
         text = page.read_text("utf-8")
         page.write_text(OUTSIDE.sub(r"\1", text) if page.parent == source else text, "utf-8")
     _add_sketches(source / "systems")
-    _list_others(source / "index.md")
     index = source / "systems" / "README.md"
     index.write_text(index.read_text("utf-8") + SYSTEMS, "utf-8")
     reference = source / "reference"
     reference.mkdir(exist_ok=True)
     for room, text in reference_pages().items():
         (reference / f"{room}.rst").write_text(text, "utf-8")
+    _list_others(source / "index.md", "*.md", "special-motions")
+    _list_others(source / "index.md", "reference/*.rst", "reference/testing")
+    _list_others(source / "how-to" / "index.md", "*.md", "formula")
+    _list_others(source / "notebooks" / "index.md", "*.md", "search-and-prove")
 
 
-def _list_others(index: Path) -> None:
-    """Name the pages that the index does not, below the others that go into detail."""
-    text = index.read_text("utf-8")
-    others = sorted({p.stem for p in index.parent.glob("*.md")} - {*text.splitlines(), index.stem})
-    entry = f"\n{LAST}\n"
+def _list_others(index: Path, pages: str, last: str) -> None:
+    """Name the pages of a pattern that an index does not, after its entry ``last``."""
+    folder, text = index.parent, index.read_text("utf-8")
+    there = {str(p.relative_to(folder).with_suffix("")) for p in folder.glob(pages)}
+    others = sorted(there - {*text.splitlines(), index.stem})
+    entry = f"\n{last}\n"
     index.write_text(text.replace(entry, entry + "\n".join([*others, ""]), 1), "utf-8")
 
 
