@@ -36,7 +36,7 @@ from voronec.declaration.claims import (
     right_of,
     without_claims,
 )
-from voronec.declaration.forces import along_coordinates, check_forces
+from voronec.declaration.forces import along_coordinates
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.reading import (
@@ -234,7 +234,9 @@ class System:
             quoted = {k: plain_name(k) if is_symbolic_name(k) else shown(k) for k in values}
             read = {k: expression(v, f"{one} '{quoted[k]}'") for k, v in values.items()}
             store(name, mapping(read, name, entry))
-        store("forces", mapping(along_coordinates(self), "forces", "coordinate: force"))
+        if not self.on_group:
+            forces = along_coordinates(self.forces, self.coordinates, self.frame)
+            store("forces", mapping(forces, "forces", "coordinate: force"))
         for name, value in read_claims(self).items():
             store(name, value)
         entry = "'in words': condition"
@@ -466,6 +468,25 @@ def require_possible(system: System, given: Mapping[str, Any]) -> None:
             involved = [p.symbol for p in system.parameters if condition.has(p.symbol)]
             held = ", ".join(f"{s} = {values[s]}" for s in involved)
             raise DefinitionError(f"system '{system.name}': {words}; not so with {held}")
+
+
+def check_forces(system: System) -> None:
+    """Forces act along coordinates and velocities; on a group along the fields of its frame."""
+    one, all_of = "neither a coordinate nor a velocity", "coordinates"
+    if system.on_group:
+        one, all_of = "not a velocity of the frame", "these"
+    for direction in system.forces:
+        if direction not in system.directions:
+            listed = ", ".join(f"'{plain_name(q)}'" for q in system.directions)
+            if not system.on_group:
+                listed += ", velocities " + ", ".join(
+                    f"'{plain_name(v)}'"
+                    for v in dict.fromkeys((*system.velocities, *map(velocity, system.coordinates)))
+                )
+            raise DefinitionError(
+                f"system '{system.name}': a force is given for '{shown(direction)}', which is "
+                f"{one}; {all_of} are {listed}"
+            )
 
 
 def check_names(system: System) -> None:
