@@ -7,13 +7,20 @@ import warnings
 
 import numpy as np
 import pytest
+import symengine as se
 import sympy as sp
 
 import voronec as vo
+from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, QUOTIENTS, SIZE
+from voronec.equations.program import Block, Program, compiled
+from voronec.equations.program.printing import FUNCTIONS
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers import choice, kept_code, numba_stepper
+from voronec.motion.steppers.dop853_source import kernel_source
 
 pytest.importorskip("numba")
+
+WORDS_OF_ONE = (*QUOTIENTS, EXPM1, LOG1P, SIZE)
 
 x, y, tau = sp.symbols("x y tau")
 DX = vo.velocity(x)
@@ -158,3 +165,21 @@ def test_ensembles_take_it_where_heyoka_is_missing_and_motions_are_many(monkeypa
     assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "scipy"
     with pytest.raises(DefinitionError, match="pip install numba"):
         vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, method="numba", **given, outputs=("xdot",))
+
+
+def test_every_function_of_programs_is_known_to_numba():
+    import numba
+
+    a, b = se.symbols("a b")
+    plain = [getattr(se, f)(a) for f in FUNCTIONS if f not in ("acosh", "atan2", "power")]
+    plain += [se.acosh(1 + a), se.atan2(a, b), a**b, a**5, a ** se.Rational(3, 2), se.pi / 3]
+    ours = [se.function_symbol(f, a) for f in WORDS_OF_ONE] + [se.function_symbol(HYPOT, a, b)]
+    results = tuple(map(se.sympify, [*plain, *ours]))
+    names = tuple(map(str, range(len(results))))
+    program = Program(se.Symbol("t"), (a, b), (), (), Block((), (a, b)), names, Block((), results))
+    namespace = {"np": np, "jit": numba.njit(error_model="numpy")}
+    exec(kernel_source(program, program), namespace)
+    found = namespace["extras"](0.0, 0.3, 0.7, np.zeros(0))
+    expected = compiled(program, scalar=True)[1](0.0, [0.3, 0.7], [])
+    assert len(found) == len(results) > 30
+    assert np.abs(np.array(found) - expected).max() < 1e-15

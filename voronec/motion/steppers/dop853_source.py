@@ -38,7 +38,7 @@ def kernel_source(program: Program, levels: Program | None) -> str:
         parts.append(scalar_source(levels, extras=True))
     count = 0 if levels is None else len(levels.names)
     parts.append(_drive(len(program.state), count))
-    body = "\n\n".join(parts)
+    body = "\n\n".join([_SIGN, *parts])
     return re.sub(r"^def ", "@jit\ndef ", body, flags=re.MULTILINE)
 
 
@@ -154,6 +154,7 @@ def _looks(n: int, m: int) -> str:
     return _filled(_LOOKS, pieces)
 
 
+_SIGN = "def sign(x):\n    return float((x > 0) - (x < 0))\n"
 _BEGIN = """y@, low@, k0@ = states[0, #], states[1, #], states[2, #]
 atol@, rtol@ = scales[0, #], scales[1, #]"""
 _CHANGES = """change = new@ - y@
