@@ -65,7 +65,7 @@ def test_a_folder_gets_the_words_and_the_pictures(call: Call) -> None:
     ("words", "said"),
     [
         (("--outputs", "phy"), "did you mean 'phi'"),
-        (("--outputs", "phi,"), "names parted by commas"),
+        (("--outputs", "phi,"), "separate names by commas"),
         (("--outputs", "phi+"), "is not a formula"),
         (("--scene", "defalt"), "did you mean 'default'"),
         (("--set", "mm=1"), "no parameter, coordinate or velocity 'mm'"),

@@ -63,7 +63,7 @@ def _command(commands: Any, name: str, module: str, summary: str) -> argparse.Ar
 def _list(commands: Any) -> None:
     parser = _command(commands, "list", "listing", "list the systems and papers")
     parser.add_argument(
-        "--names", action="store_true", help="the names only; runs no system's code"
+        "--names", action="store_true", help="only the names; no system's code is run"
     )
 
 
@@ -84,13 +84,13 @@ def _derive(commands: Any) -> None:
     parser.add_argument(
         "--jacobian",
         action="store_true",
-        help="print its derivatives by state and inputs, too",
+        help="also print its derivatives with respect to state and inputs",
     )
     form.add_argument("--store", metavar="FILE.json", help="store the derivation, for 'compare'")
 
 
 def _explain(commands: Any) -> None:
-    summary = "say what has to be integrated for what is wanted, and why"
+    summary = "show what has to be integrated to get given outputs, and why"
     parser = _command(commands, "explain", "explain", summary)
     _system(parser)
     _outputs(parser)
@@ -104,7 +104,7 @@ def _methods(commands: Any) -> None:
 
 
 def _judge(commands: Any) -> None:
-    summary = "prove or refute an equation that somebody wrote"
+    summary = "prove or refute an equation"
     parser = _command(commands, "judge", "judgement", summary)
     _system(parser)
     parser.add_argument(
@@ -115,7 +115,7 @@ def _judge(commands: Any) -> None:
 
 
 def _regenerate(commands: Any) -> None:
-    summary = "derive every formula of a paper and compare it with print"
+    summary = "check every formula of a paper against what is derived"
     parser = _command(commands, "regenerate", "regeneration", summary)
     parser.add_argument(
         "paper", metavar="NAME|FILE", help="a paper of 'voronec list', or a file that defines PAPER"
@@ -125,20 +125,24 @@ def _regenerate(commands: Any) -> None:
         "--label", metavar="L", help="only this label, or what the page calls 'text 3'"
     )
     parser.add_argument(
-        "--details", action="store_true", help="print a line a record, and every erratum whole"
+        "--details",
+        action="store_true",
+        help="print one line for each record, and every erratum in full",
     )
-    parser.add_argument("--fresh", action="store_true", help="reuse no verdict of an earlier audit")
+    parser.add_argument(
+        "--fresh", action="store_true", help="do not reuse verdicts of an earlier audit"
+    )
 
 
 def _run(commands: Any) -> None:
-    parser = _command(commands, "run", "motion", "integrate a motion, draw and save it")
+    parser = _command(commands, "run", "motion", "integrate a motion, draw it and save it")
     _system(parser)
     _outputs(parser)
     _setting(parser)
     parser.add_argument(
         "--times",
         metavar="[START:]END[:N]",
-        help="other times than the scene's, at N instants (1001)",
+        help="times instead of those of the scene, N of them (1001)",
     )
     parser.add_argument("--method", choices=method_names(), default="auto", help="the integrator")
     parser.add_argument("--tol", metavar="TOL", help="the integrator's tolerance (1e-13)")
@@ -148,12 +152,12 @@ def _run(commands: Any) -> None:
     parser.add_argument(
         "--animate",
         metavar="FILE",
-        help="a film of a ball rolling on a sphere: a .gif, an .mp4, or a .png for single frames",
+        help="an animation of a ball rolling on a sphere: .gif, .mp4, or .png for single frames",
     )
 
 
 def _view(commands: Any) -> None:
-    summary = "write one HTML page of a motion in space, which integrates by itself"
+    summary = "write an HTML page that integrates a motion and shows it in space"
     parser = _command(commands, "view", "view", summary)
     _system(parser)
     _setting(parser)
@@ -162,7 +166,9 @@ def _view(commands: Any) -> None:
         metavar="[START:]END[:N]",
         help="other times than the scene's, at N instants (1001)",
     )
-    parser.add_argument("--out", metavar="DIR", help="folder for the page, NAME.html (this one)")
+    parser.add_argument(
+        "--out", metavar="DIR", help="folder for the page NAME.html (the current folder)"
+    )
 
 
 def _check(commands: Any) -> None:
@@ -172,11 +178,13 @@ def _check(commands: Any) -> None:
         "names",
         metavar="NAME|FILE",
         nargs="*",
-        help="only these systems, with the relations and squares in which they stand",
+        help="only these systems, with their relations and squares",
     )
-    parser.add_argument("--fresh", action="store_true", help="reuse no verdict of an earlier check")
     parser.add_argument(
-        "--jobs", metavar="N", type=int, help="processes; as many as processors unless told"
+        "--fresh", action="store_true", help="do not reuse verdicts of an earlier check"
+    )
+    parser.add_argument(
+        "--jobs", metavar="N", type=int, help="number of processes (one for each processor)"
     )
 
 
@@ -200,7 +208,7 @@ def _graph(commands: Any) -> None:
     parser.add_argument(
         "--out",
         metavar="FILE",
-        help="a .svg, .png, .pdf, .dot or .json; lines of text unless told",
+        help="a .svg, .png, .pdf, .dot or .json file, instead of text",
     )
 
 
@@ -211,7 +219,7 @@ def _section(commands: Any) -> None:
     parser.add_argument(
         "--plane",
         metavar="EXPR=VALUE",
-        help="the surface, such as omega1=0; something that oscillates unless told",
+        help="the surface, such as omega1=0 (by default, something that oscillates)",
     )
     parser.add_argument(
         "--outputs", metavar="A,B", help="what is recorded; the first two are drawn"
@@ -225,9 +233,9 @@ def _section(commands: Any) -> None:
             f"--{name}", metavar="N", type=int, default=default, help=f"{meaning} ({default})"
         )
     parser.add_argument(
-        "--direction", choices=("up", "down", "both"), default="up", help="of the change there"
+        "--direction", choices=("up", "down", "both"), default="up", help="direction of crossing"
     )
-    parser.add_argument("--until", metavar="T", help="the time at which a motion is given up")
+    parser.add_argument("--until", metavar="T", help="give a motion up after this time")
     parser.add_argument(
         "--method", choices=method_names(many=True), default="auto", help="the integrator"
     )
@@ -238,7 +246,7 @@ def _section(commands: Any) -> None:
 
 
 def _gallery(commands: Any) -> None:
-    summary = "find and draw a motion of every class of traces on spheres"
+    summary = "find and draw a motion of every class of traces"
     parser = _command(commands, "gallery", "gallery", summary)
     _system(parser)
     parser.add_argument("--only", metavar="A,B", help="only these classes, such as A,C1,D3")
@@ -253,22 +261,24 @@ def _gallery(commands: Any) -> None:
 
 
 def _bench(commands: Any) -> None:
-    summary = "measure speed against error, of our methods and of others"
+    summary = "measure the speed and the error of our methods and of others"
     parser = _command(commands, "bench", "benchmark", summary)
     _system(parser)
     _setting(parser)
     parser.add_argument(
         "--outputs",
         metavar="A,B",
-        help="what is compared; invariants and velocities unless told, where these are closed",
+        help="what is compared (by default invariants and velocities, where their equations close)",
     )
-    parser.add_argument("--time", metavar="T", help="length of the motion; the scene's unless told")
+    parser.add_argument("--time", metavar="T", help="length of the motion (the scene's)")
     parser.add_argument("--methods", metavar="A,B", help="only these methods and peers")
-    parser.add_argument("--tols", metavar="X,Y", help="these tolerances in place of each method's")
+    parser.add_argument(
+        "--tols", metavar="X,Y", help="these tolerances instead of each method's own"
+    )
     parser.add_argument(
         "--setup",
         action="store_true",
-        help="instead: where the time of a whole call goes, at the first of --tols (1e-9)",
+        help="instead, show where the time of a whole call goes, at the first of --tols (1e-9)",
     )
     parser.add_argument(
         "--out", metavar="DIR", help="folder for bench.json, the table and a plot (./NAME-bench)"
@@ -276,22 +286,20 @@ def _bench(commands: Any) -> None:
 
 
 def _hard(commands: Any) -> None:
-    summary = "hold every integrator against numerically hard cases"
+    summary = "try every integrator on numerically hard cases"
     parser = _command(commands, "hard", "hard", summary)
-    parser.add_argument(
-        "cases", metavar="CASE", nargs="*", help="only these cases; all unless told"
-    )
+    parser.add_argument("cases", metavar="CASE", nargs="*", help="only these cases (all)")
     parser.add_argument(
         "--method", metavar="M", action="append", default=[],
         help="auto, heyoka, scipy, numba, lsoda, flint or closed-form; may be given several times",
     )  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="a short selection of the cases")
-    parser.add_argument("--list", action="store_true", help="say which cases there are; run none")
+    parser.add_argument("--list", action="store_true", help="list the cases without running them")
     parser.add_argument("--out", metavar="DIR", help="write hard-cases.md and hard.json there")
 
 
 def _search(commands: Any) -> None:
-    summary = "search first integrals of a given form; what is not found does not exist"
+    summary = "search for first integrals of a given form, or prove that there are none"
     parser = commands.add_parser("search", help=summary, description=summary, allow_abbrev=False)
     kinds = parser.add_subparsers(title="what is searched", metavar="KIND", required=True)
     parser = _command(kinds, "integrals", "search", summary)
@@ -314,14 +322,16 @@ def _search(commands: Any) -> None:
             f"--{name}", dest=target, metavar=value, action="append", default=[],
             help=f"{meaning}; may be given several times",
         )  # fmt: skip
-    parser.add_argument("--momenta", action="store_true", help="momenta in place of velocities")
-    parser.add_argument("--again", action="store_true", help="find declared integrals too")
+    parser.add_argument("--momenta", action="store_true", help="use momenta instead of velocities")
+    parser.add_argument(
+        "--again", action="store_true", help="also find the integrals that are declared"
+    )
 
 
 def _new(commands: Any) -> None:
-    parser = _command(commands, "new", "template", "write a file with a system that already runs")
+    parser = _command(commands, "new", "template", "write a file with a small system to start from")
     parser.add_argument(
-        "--toml", action="store_true", help="write NAME.toml, a text, instead of NAME.py"
+        "--toml", action="store_true", help="write NAME.toml, a text file, instead of NAME.py"
     )
     parser.add_argument("name", metavar="NAME", help="lower-case letters, digits and hyphens")
 
@@ -333,7 +343,7 @@ def _cite(commands: Any) -> None:
 
 def _setting(parser: argparse.ArgumentParser) -> None:
     """Which motion is meant."""
-    parser.add_argument("--scene", metavar="S", help="the scene; 'default' unless told")
+    parser.add_argument("--scene", metavar="S", help="the scene ('default')")
     parser.add_argument(
         "--set",
         metavar="NAME=VALUE",
@@ -353,7 +363,7 @@ def _setting(parser: argparse.ArgumentParser) -> None:
 
 
 def _outputs(parser: argparse.ArgumentParser) -> None:
-    meaning = "what is wanted: names or formulas; the scene's unless told"
+    meaning = "what to compute: names or formulas (those of the scene)"
     parser.add_argument("--outputs", metavar="A,B", help=meaning)
 
 

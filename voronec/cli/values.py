@@ -32,12 +32,12 @@ BETWEEN = r",(?![^()]*\))"
 
 
 def outputs_of(text: str | None) -> tuple[Any, ...]:
-    """Names and expressions, parted by commas; empty where nothing is said."""
+    """Names and expressions separated by commas; empty where there are none."""
     if text is None:
         return ()
     parts = [part.strip() for part in re.split(BETWEEN, text)]
     if not all(parts):
-        raise DefinitionError(f"--outputs '{text}': give names parted by commas, such as u,v")
+        raise DefinitionError(f"--outputs '{text}': separate names by commas, as in u,v")
     return tuple(p if re.fullmatch(WORDS, p) else formula(p, "--outputs") for p in parts)
 
 
