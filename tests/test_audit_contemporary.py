@@ -160,6 +160,13 @@ def test_the_multiplier_of_the_rubber_ball_is_misprinted():
     assert vo.prove_equal(rubber.multiplier, 0, rubber.relations).refuted
 
 
+def test_what_is_derived_for_a_power_is_printed_without_factors_that_cancel():
+    (record, *_) = audit([found("$\n\\mu_\\epsilon(\\gamma)")], DEFINED)
+    (formula,) = record.formulas
+    assert formula.verdict == "proved"
+    assert formula.derived.endswith(r"\right)^{\frac{1}{2 \epsilon}}")
+
+
 def test_one_sign_of_the_curvature_is_against_the_other():
     """With the other sign both formulas hold, without any further convention."""
     for fragment, before, after in (

@@ -61,7 +61,7 @@ def test_the_rate_of_x_is_true_in_another_unit_of_time(
     records: dict[str, tuple[Record, ...]],
 ) -> None:
     (rate,) = records[QUADRATURES.title][0].formulas
-    assert "unit of time is b_2/k" in rate.method and "(4.4.13)" in rate.method
+    assert "unit of time is $b_2/k$" in rate.method and "(4.4.13)" in rate.method
     assert rate.derived == r"\big(\frac{dx}{dt}\big)^2 = \frac{k^2}{b_2^2}X(x)"
 
 

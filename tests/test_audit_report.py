@@ -12,7 +12,7 @@ from latex_shape import complaints
 
 from voronec import DefinitionError
 from voronec.audit import Audit, FormulaRecord, Record
-from voronec.audit.page.html import audit_page
+from voronec.audit.page.html import audit_page, record_html
 from voronec.audit.page.phrases import clauses, gist
 from voronec.audit.page.report import Figure, audit_table, write_audit
 from voronec.audit.page.witness_points import readable, short
@@ -212,6 +212,22 @@ def test_the_page_is_complete_offline(page):
     assert not re.search(r"@import|url\(|@font-face|<link|<iframe", page)
     assert "On &lt;balls&gt; &amp; spheres" in page
     assert "data:image/svg+xml;base64," in page
+
+
+def test_a_formula_that_is_wider_than_a_column_gets_the_whole_line_and_is_not_broken():
+    long = "+".join(f"a_{{{n}}}" for n in range(14))
+    short = FormulaRecord("a=b", "proved", "m", "b = c")
+    wide = FormulaRecord(f"a={long}", "proved", "m", f"b = {long}")
+    for formula, count in ((short, 0), (wide, 2)):
+        shown = record_html(Record(None, "First", 1, "", (formula,)), {("First", 1): "one"})
+        assert shown.count('<div class="cell wide">') == count
+        assert "mtable" not in shown
+
+
+def test_what_is_wider_than_the_screen_is_scrolled_in_the_list_of_conventions(page):
+    start = page.index('id="conventions-list"')
+    listed = page[start : page.index("</ol>", start)]
+    assert listed.count('<div class="cell"><math') == listed.count("<math display") > 0
 
 
 def test_the_page_begins_with_errata_and_conventions(page):

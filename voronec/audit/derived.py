@@ -131,14 +131,23 @@ def _first_value(part: Node, chain: Chain, study: Study) -> tuple[dict[str, int]
 def print_latex(value: Any, chain: Chain, study: Study) -> str:
     """A value in its shortest proved form, with the abbreviations that the formula uses."""
     value, symbols = _fold(sympified(value), chain, study)
-    value, names = _plain_symbols(shorten([value])[0], study)
-    verbatim = {x: x.name for x in value.free_symbols if "{" in x.name}
-    names = {**verbatim, **study.spelling, **symbols, **names}
-    texts = [str(sp.latex(c, symbol_names=names, fold_func_brackets=True)) for c in _forms(value)]
-    text = min(texts, key=len)
+    short, names = _plain_symbols(shorten([value])[0], study)
+    forms = _forms(short)
+    if sp.count_ops(value) <= sp.count_ops(short):  # a root may bring in what does not cancel
+        value, more = _plain_symbols(value, study)
+        forms, names = (*forms, value), {**names, **more}
+    names = {**study.spelling, **symbols, **names}
+    text = min((_latex(form, names) for form in forms), key=len)
     if len(text) > LONGEST:
         raise EngineLimit(f"the derived expression has {len(text)} characters in print")
     return text
+
+
+def _latex(value: sp.Expr, names: dict[Any, str]) -> str:
+    """An expression in the names of the paper, exponents in their shortest form."""
+    names = {**{x: x.name for x in value.free_symbols if "{" in x.name}, **names}
+    powers = {p: p.base ** shorten([p.exp])[0] for p in value.atoms(sp.Pow) if p.exp.free_symbols}
+    return str(sp.latex(value.xreplace(powers), symbol_names=names, fold_func_brackets=True))
 
 
 def _forms(value: sp.Expr) -> tuple[sp.Expr, ...]:

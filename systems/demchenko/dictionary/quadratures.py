@@ -21,7 +21,7 @@ from .. import R1, R2, A, M, k, n, s, tau, theta, u, u1, v, v1
 
 x = sp.Symbol("x")
 C5, h, GAMMA = sp.symbols("C5 h Gamma")
-INERTIA, RATIO, p, share = sp.symbols("I mu' p share")
+INERTIA, RATIO, p, share = sp.symbols("I mu' p q")
 ROOTS = dict(zip(("x^I", "x^{II}", "x^{III}", "x^{IV}"), sp.symbols("x1:5"), strict=True))
 NUMBERED = frozenset("x")
 HEADS = frozenset({"X", "F", r"\phi", r"\psi", r"\theta"})
@@ -45,10 +45,19 @@ def _range(name: str, statement: str, ratio: Any, body: Mapping[Any, Any], sourc
     return Range(name, statement, {RATIO: ratio, **body}, (p, share, INERTIA), source=source)
 
 
+FULL = r"3A=\frac{2q}{1+q}I<2I,\ q>0"
 RANGES = (
-    _range("outer rolling", r"\mu'>0,\ 3A<2I", p, BALL, ""),
-    _range("inner rolling", r"-1<\mu'<0,\ 3A<2I", -p / (1 + p), BALL, "Epsilon"),
-    _range("shell rolling", r"\mu'<-1,\ 2A>I", -(1 + p), HOLLOW, "Epsilon"),
+    _range("outer rolling", rf"\mu'=p>0,\ {FULL}", p, BALL, ""),
+    _range(
+        "inner rolling",
+        rf"-1<\mu'=\frac{{-p}}{{1+p}}<0,\ p>0,\ {FULL}",
+        -p / (1 + p),
+        BALL,
+        "Epsilon",
+    ),
+    _range(
+        "shell rolling", r"\mu'=-1-p<-1,\ p>0,\ 2A=(1+2q)I>I,\ q>0", -(1 + p), HOLLOW, "Epsilon"
+    ),
 )
 
 
@@ -248,8 +257,8 @@ class Level:
         forms of X by phi, psi and by the roots in the one, from X to phi and psi in the other.
         ``level free`` and ``letters``: nothing is given, and in the latter no equation holds.
         """
-        kept = "C_5, h and Gamma are proved to be constant along the motion"
-        root = "the root of X stands for (b_2/k) dx/dt, with its sign"
+        kept = r"$C_5$, $h$ and $\Gamma$ are proved to be constant along the motion"
+        root = r"the root of $X$ stands for $(b_2/k)\,dx/dt$, with its sign"
         return {
             "state": self.study(self.integrals, kept),
             "level": self.study(self.state, root),

@@ -37,6 +37,7 @@ from .trajectories import height
 
 e = sp.Symbol("e", positive=True)
 FREE = sp.symbols("g l m a b", positive=True)
+NEAR = "at any small distance e from it, g, l, m, a, b being any positive numbers"
 
 
 # -- regular precessions --------------------------------------------------------------------
@@ -59,9 +60,9 @@ def stable(second: int, third: int = 0) -> vo.Verdict:
     right, left = beside(second, third)
     signs = [vo.prove_inequality(side, "<", 0) for side in (right, left)]
     if all(v.proved for v in signs):
-        return chained(*(("X < 0 beside the root", v) for v in signs))
+        return chained(*((f"X < 0 beside the root, {NEAR}", v) for v in signs))
     away = next(v for v in (vo.prove_inequality(w, ">", 0) for w in (right, left)) if v.proved)
-    return refuted(f"X > 0 on one side of the root: {away.method}", {}, "X > 0", "X < 0")
+    return refuted(f"X > 0 on one side of the root, {NEAR}: {away.method}", {}, "X > 0", "X < 0")
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ def rate_squared(value: Any) -> Any:
 
 RATE = Check(
     convention=Convention(
-        "the unit of time is b_2/k here, or X(x) stands for (k/b_2)^2 times that polynomial",
+        "the unit of time is $b_2/k$ here, or $X(x)$ stands for $(k/b_2)^2$ times that polynomial",
         "4.4.13",
         {"X": rate_squared},
     ),

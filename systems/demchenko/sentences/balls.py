@@ -7,7 +7,7 @@ from typing import Any
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
+from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of, tight
 from voronec.audit.latex.nodes import Call, Name
 from voronec.audit.meaning import evaluate
 from voronec.kinematics import Surface
@@ -44,6 +44,7 @@ def epsilon_of(formula: Quoted, study: Study) -> tuple[str, Any]:
 
 def configuration(study: Study, _: Range, *, surface: str, condition: Quoted) -> vo.Verdict:
     """Rolling inside needs a larger sphere; a ball around the sphere is larger."""
+    letters = {"inner": "$R_1=R_2+p$", "shell": "$R_1=p$ and $R_2=p+q$"}
     name = one_of(surface, {"inner": "inner", "outer": "shell"})
     where = NAMED[name]
     radii = {R1: -SIGNED}
@@ -51,7 +52,8 @@ def configuration(study: Study, _: Range, *, surface: str, condition: Quoted) ->
         sp.sympify(v).xreplace(radii).xreplace(dict(where.values)) for v in values(condition, study)
     )
     relation = condition.tree(study).relations[0]
-    return vo.prove_inequality(left, relation, right, where.positive)
+    found = vo.prove_inequality(left, relation, right, where.positive)
+    return vo.Verdict(found.status, f"for {letters[name]}, {found.method}", found.witness)
 
 
 def signs(
@@ -89,9 +91,9 @@ def flattened(study: Study, _: Range, *, limit: str, to: int, sort: str) -> vo.V
 
 def measured(study: Study, where: Range, *, dimension: Quoted, sort: str) -> vo.Verdict:
     """The density in the space of omega and gamma."""
-    size = dimension.latex.replace(" ", "")
+    size = tight(dimension.latex)
     return all_of(
-        agreed(size, rf"$\mathbbR^{len(OMEGA) + len(GAMMA)}({{\omega}},\gamma)$", "the space"),
+        agreed(size, rf"$\mathbb R^{len(OMEGA) + len(GAMMA)}({{\omega}},\gamma)$", "the space"),
         denied(one_of(sort, {"invariant": True}), study.context.measure(where)),
     )
 
@@ -106,7 +108,7 @@ def always_integrals(
     return all_of(
         true,
         agreed(one_of(how, {"always": "all", "never": "none", "sometimes": "some"}), "all", "when"),
-        agreed(count, len(good), f"integrals: {', '.join(good)}"),
+        agreed(count, len(good), f"integrals: ${', '.join(good)}$"),
         lambda: found.independent(good),
     )
 

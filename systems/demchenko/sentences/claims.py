@@ -55,7 +55,10 @@ def _told(value: Any) -> str:
         return ", ".join(sorted(map(_told, value)))
     if isinstance(value, (tuple, list)):
         return ", ".join(map(_told, value))
-    return {True: "yes", False: "no"}[value] if isinstance(value, bool) else str(value)
+    if isinstance(value, bool):
+        return {True: "yes", False: "no"}[value]
+    text = str(value)
+    return f"${text}$" if "\\" in text and "$" not in text else text  # LaTeX is set as such
 
 
 def denied(claimed: bool, found: vo.Verdict) -> vo.Verdict:

@@ -116,11 +116,11 @@ def traces(
     """The rate of a place holds the same velocities as the vector that is said to be it."""
     motion, steps = study.motion, []
     for name, sort, where in zip(names, (first, second), (place, other), strict=True):
-        steps.append(agreed(sort, one_of(name, VELOCITIES), f"the velocity {name}"))
+        steps.append(agreed(sort, one_of(name, VELOCITIES), f"the velocity ${name}$"))
         rates = [motion.derivative(x) for x in left_sides(where, study)]
         held = {w for e in rates for w in e.free_symbols} & set(motion.rates.values())
         mine = {w for e in study.names[name] for w in e.free_symbols} & set(motion.rates.values())
-        steps.append(agreed(held, mine, f"velocities in {name}"))
+        steps.append(agreed(held, mine, f"velocities in ${name}$"))
     return all_of(*steps)
 
 
@@ -134,7 +134,7 @@ def left_side_of(
     mine = study.names.get(name[0])
     if mine is None or not isinstance(found, sp.MatrixBase):
         return vo.Verdict("refuted", f"the {side} side of ({condition.label}) is not {name[0]}")
-    return equals(zip(mine, found, strict=True), f"{name[0]} and the {side} side")
+    return equals(zip(mine, found, strict=True), f"${name[0]}$ and the {side} side")
 
 
 def same_condition(
@@ -226,7 +226,7 @@ def energy_letters(study: Study, _: Range, *, letters: tuple[str, ...]) -> vo.Ve
         return vo.Verdict("refuted", f"{len(letters)} letters for {len(SLIP) + len(QUASI)}")
     pairs = zip(letters, (*SLIP, *QUASI), strict=True)
     return all_of(
-        *(equals([(value(x, study), y)], f"{x} as a projection of m or omega") for x, y in pairs)
+        *(equals([(value(x, study), y)], f"${x}$ as a projection of m or omega") for x, y in pairs)
     )
 
 

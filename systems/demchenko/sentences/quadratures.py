@@ -185,7 +185,7 @@ def in_products(
     mine = int(sp.Poly(getattr(own, one_of(name[0], POLYNOMIALS)), x).degree())
     coefficient = one_of(lead[0], {"a_0": leading()})
     return all_of(
-        agreed(degree, mine, f"the degree of {name[0]}"),
+        agreed(degree, mine, f"the degree of ${name[0]}$"),
         agreed(
             constant(sort), not coefficient.free_symbols & {s, tau, n}, "whether it is constant"
         ),

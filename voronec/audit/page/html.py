@@ -40,7 +40,7 @@ __all__ = [
 ]
 
 
-COLUMN, WIDE = 31.0, 64.0
+COLUMN, WIDE = 24.0, 54.0
 """How wide a formula may be in one of two columns, and in a line of its own, in em."""
 LONG = 200
 """What is said of a formula is folded where it has more characters."""
@@ -123,7 +123,8 @@ def _statement(formula: FormulaRecord) -> str:
     words = f'<p class="claim">{prose(formula.says)}</p>' if formula.says else ""
     if not formula.printed:
         return words
-    return words + mathml(formula.printed, formula.struck, "struck", WIDE)
+    shown = mathml(formula.printed, formula.struck, "struck", WIDE)
+    return f'{words}<div class="cell">{shown}</div>'
 
 
 def _erratum(record: Record, formula: FormulaRecord, places: Places) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from html import escape
 
 from voronec.audit.page.boxes import Box, read_boxes
-from voronec.audit.page.line_breaks import BINARY, RELATIONS, Broken, break_lines
+from voronec.audit.page.line_breaks import BINARY, RELATIONS, Broken, break_lines, width
 from voronec.audit.page.marks import Marks
 from voronec.errors import DefinitionError
 
@@ -44,9 +44,9 @@ def mathml(
 
 
 def fits(latex: str, limit: float) -> bool:
-    """Whether a formula has room in lines of ``limit`` em, or nearly so."""
+    """Whether a formula has room in one line of ``limit`` em."""
     try:
-        return break_lines(read_boxes(latex), limit).width <= 1.15 * limit
+        return width(read_boxes(latex)) <= limit
     except DefinitionError:
         return True
 
