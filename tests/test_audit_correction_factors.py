@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from voronec import velocity
-from voronec.audit import Check, Display, Motion, Section, Study, Transcript
+from voronec.audit import Check, Display, Motion, Range, Section, Study, Transcript
 from voronec.audit.correction import Correction, Spare, closed, correct
 from voronec.audit.correction.changes import applied
 from voronec.audit.correction.edits import single_changes
@@ -34,6 +34,14 @@ def mend(
     transcript = Transcript(Section("s", displays, lambda _: {"only": study}))
     formula = next(iter(transcript.formulas()))
     return correct(formula, check or Check(), study, Spare.of(transcript, study))
+
+
+def test_a_chain_of_inequalities_is_corrected_to_one_that_rises_or_falls():
+    p, q, a, i = sizes = sp.symbols("p q A I", positive=True)
+    names = {"b_0": a + i + p + q, "b_1": a + i + p, "P": a + i, "A": a, "I": i}
+    study = Study(names, ranges=(Range("all", "p,q,A,I>0", {}, sizes),))
+    found = mend("b_0>b_1<P=A+I", None, study)
+    assert found is not None and flat(found.latex) == "b_0>b_1>P=A+I"
 
 
 def flat(latex: str) -> str:

@@ -85,6 +85,14 @@ def test_unbalanced(latex):
     assert unbalanced(latex)
 
 
+def test_the_limits_of_an_integral_have_the_unit_of_its_variable():
+    assert not unbalanced(r"\int_0^t mv\,dt=mx")
+    assert not unbalanced(r"\int_{t_1}^{t_2} mv\,dt=mx")
+    assert unbalanced(r"\int_0^2 mv\,dt=mx")
+    assert unbalanced(r"\int_0^x mv\,dt=mx")
+    assert unbalanced(r"\int_0^t m\,dt=mx")
+
+
 def unbalanced(latex: str) -> bool:
     return Units.of(STUDY).unbalanced(read(latex, STUDY.vocabulary), STUDY)
 

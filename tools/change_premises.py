@@ -48,20 +48,24 @@ class Premise:
 
 @dataclass(frozen=True)
 class Told:
-    """A record's verdict, what is printed as derived, and the sources that it names."""
+    """A record's verdict, what is printed as derived beside each source, and all its sources."""
 
     verdict: str
-    derived: str
+    derived: tuple[tuple[str, str], ...]
     sources: str
 
     @property
     def good(self) -> bool:
         """Whether something was compared with what is derived, and agrees."""
-        return self.verdict in ("proved", "definition") and bool(self.sources)
+        return self.verdict == "proved" and bool(self.sources)
 
     def names(self, system: str) -> bool:
         """Whether a system is a source of it."""
         return f"'{system}'" in self.sources
+
+    def beside(self, system: str) -> list[str]:
+        """What is printed as derived beside the formulas that name a system."""
+        return [derived for source, derived in self.derived if f"'{system}'" in source]
 
 
 Verdicts = dict[str, Told]
@@ -98,7 +102,8 @@ def _changed(
         after, refusal = _after(chosen.paper, k, premise, names)
         fail = {n for n in names if n not in after or not after[n].good}
         good = {n for n in names - fail if before[n].verdict == "proved"}
-        same = [n for n in good if after[n].derived != before[n].derived]
+        name = system.name
+        same = [n for n in good if after[n].beside(name) != before[n].beside(name)]
         never -= fail
         held -= set() if refusal else fail
         count += len(same)
@@ -218,24 +223,23 @@ def _told(work: Work, item: Item) -> Told:
     found = work.examine(item)
     checks: list[Check | Sentence] = [f.display.check(f.position) for f in item.formulas]
     checks += [item.sentence] if item.sentence is not None else []
-    sources = {origin for check in checks for origin in _origins(work, check)}
-    if any(e.record.method.startswith(NOTHING) for e in found):
-        sources = set()
+    origins = [_origins(work, check) for check in checks]
+    nothing = any(e.record.method.startswith(NOTHING) for e in found)
     return Told(
         worst(e.record.verdict for e in found),
-        "; ".join(e.record.derived or "" for e in found),
-        "; ".join(sorted(sources)),
+        tuple((o, e.record.derived or "") for o, e in zip(origins, found, strict=True)),
+        "" if nothing else "; ".join(sorted({*origins} - {""})),
     )
 
 
-def _origins(work: Work, check: Check | Sentence) -> list[str]:
+def _origins(work: Work, check: Check | Sentence) -> str:
     """What a check is compared with: its own source in place of that of its dictionary."""
-    several = check.also if isinstance(check, Check) else ()
     if check.source:
-        return [check.source]
-    if isinstance(check, Check) and check.role in ("words", "condition"):
-        return []
-    return [work.bench.study(check, name).origin for name in ("", *several)]
+        return check.source
+    if isinstance(check, Check) and check.role in ("words", "condition", "definition"):
+        return ""
+    several = check.also if isinstance(check, Check) else ()
+    return "; ".join(work.bench.study(check, name).origin for name in ("", *several))
 
 
 if __name__ == "__main__":

@@ -414,6 +414,8 @@ def _proportional(
 ) -> bool:
     """Whether left minus right has only changed by a number, before anything is put in."""
     (a, b), (c, d) = ([evaluate(part, study, where) for part in link] for link in (old, new))
-    if any(hasattr(x, "shape") for x in (a, b, c, d)):
+    if len({getattr(x, "shape", ()) for x in (a, b, c, d)}) > 1:
         return False
-    return any(prove_equal(c - d, factor * (a - b)).proved for factor in (1, -1, 2))
+    one, two = ([*gap] if hasattr(gap, "shape") else [gap] for gap in (a - b, c - d))
+    pairs = list(zip(one, two, strict=True))
+    return any(all(prove_equal(y, k * x).proved for x, y in pairs) for k in (1, -1, 2))

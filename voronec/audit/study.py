@@ -34,7 +34,8 @@ class Range:
 
     ``values``: parameter -> expression in ``positive`` symbols, which run over all positive
     numbers, and ``real`` ones.  ``statement`` is the range in LaTeX, ``source`` the label of the
-    formula by which the paper admits it.
+    formula by which the paper admits it, and ``letters`` says in LaTeX what symbols mean that
+    the paper does not have: it is added where a method or a witness speaks of them.
     """
 
     name: str = ""
@@ -43,6 +44,7 @@ class Range:
     positive: tuple[sp.Symbol, ...] = ()
     real: tuple[sp.Symbol, ...] = ()
     source: str = ""
+    letters: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -90,9 +90,13 @@ def ranges_of(finding: FormulaOutcome) -> tuple[dict[str, Any], ...]:
 
 
 def _range(where: Range, verdict: Any) -> dict[str, Any]:
+    spoken = set(re.findall(r"[A-Za-z]+", verdict.method))
+    if verdict.witness is not None:
+        spoken |= {*verdict.witness.point}
+    shown = [meaning for letter, meaning in where.letters.items() if letter in spoken]
     return {
         "range": where.name,
-        "statement": where.statement,
+        "statement": ",\\ ".join([where.statement, *shown]),
         "verdict": verdict.status,
         "method": verdict.method,
         "witness": None if verdict.witness is None else _placed(verdict.witness, where),

@@ -173,7 +173,7 @@ class Space:
                 context=self,
                 note=NOTE,
                 letters=STRANGE,
-                source=r"positions and rotations, $R^T\dot R$ for the angular velocities, and the "
+                source="positions and rotations, R^T dR/dt for the angular velocities, and the "
                 f"forms of the surfaces{more}",
             )
 

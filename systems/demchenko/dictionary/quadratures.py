@@ -41,22 +41,29 @@ C2 <= 2 A2 <= A; so 4 A > 2 I.
 """
 
 
-def _range(name: str, statement: str, ratio: Any, body: Mapping[Any, Any], source: str) -> Range:
-    return Range(name, statement, {RATIO: ratio, **body}, (p, share, INERTIA), source=source)
-
-
-FULL = r"3A=\frac{2q}{1+q}I<2I,\ q>0"
 RANGES = (
-    _range("outer rolling", rf"\mu'=p>0,\ {FULL}", p, BALL, ""),
-    _range(
-        "inner rolling",
-        rf"-1<\mu'=\frac{{-p}}{{1+p}}<0,\ p>0,\ {FULL}",
-        -p / (1 + p),
-        BALL,
-        "Epsilon",
+    Range(
+        "outer rolling",
+        r"\mu'>0,\ 3A<2I",
+        {RATIO: p, **BALL},
+        (p, share, INERTIA),
+        letters={"p": r"\mu'=p", "q": "3A=2qI/(1+q)"},
     ),
-    _range(
-        "shell rolling", r"\mu'=-1-p<-1,\ p>0,\ 2A=(1+2q)I>I,\ q>0", -(1 + p), HOLLOW, "Epsilon"
+    Range(
+        "inner rolling",
+        r"-1<\mu'<0,\ 3A<2I",
+        {RATIO: -p / (1 + p), **BALL},
+        (p, share, INERTIA),
+        source="Epsilon",
+        letters={"p": r"\mu'=-p/(1+p)", "q": "3A=2qI/(1+q)"},
+    ),
+    Range(
+        "shell rolling",
+        r"\mu'<-1,\ 2A>I",
+        {RATIO: -(1 + p), **HOLLOW},
+        (p, share, INERTIA),
+        source="Epsilon",
+        letters={"p": r"\mu'=-1-p", "q": "2A=(1+2q)I"},
     ),
 )
 

@@ -205,7 +205,7 @@ def torus_study() -> Study:
     """A flow on a torus of three angles, with an unknown positive factor Phi."""
     factor = sp.Function("Phi")(*PHI)
     value = sp.Symbol("p", positive=True)
-    regular = Range("regular tori", r"\Phi=p>0", {factor: value}, (value,))
+    regular = Range("regular tori", r"\Phi>0", {factor: value}, (value,), letters={"p": r"\Phi=p"})
     rates = {phi: speed / factor for phi, speed in zip(PHI, SPEEDS, strict=True)}
     names = {
         "m": sp.Integer(len(PHI)),

@@ -132,5 +132,5 @@ class Turning:
             context=self,
             note="for any rotation of the axes",
             letters=QUATERNION,
-            source="the kinematics $R^T\\dot R$ of any rotation",
+            source="the kinematics R^T dR/dt of any rotation",
         )

@@ -9,16 +9,17 @@ import sympy as sp
 
 from voronec.audit import Check, Display, Section, Study, Transcript
 
-from ..sentences.ball import SENTENCES
+from ..sentences.ball import FRAMES, SENTENCES
 
 UPRIGHT = "the momentum of ball and rotor, in which k belongs to chi whatever the quasi-velocities"
+DERIVED = "the equations derived for the system 'ball-with-rotor'"
 DEFINITION = Check("definition")
 EVERYWHERE = Check("definition", also=("reduced",))
 ZHUKOVSKY = Check(study="zhukovsky", given=("uslovZh",))
 BOTH = Check(also=("reduced",))
 CONSTRAINT = Check(also=("reduced",), constrains=1)
-ANY_MOTION = Check(source="true of the frames of ball and rotor, whatever their motion")
-NO_VECTOR = Check(value=lambda study, where: sp.zeros(3, 1))
+ANY_MOTION = Check(source=FRAMES)
+NO_VECTOR = Check(value=lambda study, where: sp.zeros(3, 1), source=FRAMES)
 
 
 def motion(row: int) -> Check:
@@ -101,14 +102,14 @@ s=\mu\sin u\dot{v},\quad \tau=-\mu\dot{u},\quad n=-\dot\vartheta-\cos u\dot v-\c
             r"""$$
 C_2r_2=k=const \quad \text{and}\quad p_1^2+q_1^2=p_2^2+q_2^2.
 $$""",
-            (Check(source=UPRIGHT), ANY_MOTION),
+            (Check(source=f"{UPRIGHT}, and {DERIVED}"), ANY_MOTION),
         ),
         Display(
             r"""\begin{eqnarray}
 \tilde{\mathbf T}&=& \frac12\big(A_1 p_1^2+A_1 q_1^2+C_1 r_1^2\big)+\frac12\big(A_2 p_2^2+A_2 q_2^2+C_2 r_2^2\big)+\frac12\mathbf M \mathbf w^2\nonumber \\
 &=& \frac12\big(A p_1^2+A q_1^2+C r_1^2\big)+\frac12 k r_2+\frac12 \mathbf M \mathbf w^2, \quad A=A_1+A_2, \quad C=C_1, \label{kinMod**}
 \end{eqnarray}""",
-            (ANY_MOTION,),
+            (ANY_MOTION, ANY_MOTION, ANY_MOTION),
         ),
         Display(
             r"""\[
@@ -129,7 +130,8 @@ $$""",
         Display(
             r"""\[
 \alpha_1''=\sin u_1\sin\vartheta, \quad \beta_1''=-\sin u_1\cos\vartheta, \quad \gamma_1''=-\cos u_1.
-\]"""
+\]""",
+            (ANY_MOTION, ANY_MOTION, ANY_MOTION),
         ),
         Display(
             r"""\begin{equation}\label{integrali}

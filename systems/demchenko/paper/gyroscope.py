@@ -12,7 +12,7 @@ from ..sentences.gyroscope import SENTENCES
 ROTOR = Check(study="rotor")
 DEFINED = Check("definition", study="rotor")
 MOMENTS = Check(study="gyrostat", also=("particles",))
-TURNED = "the kinematics $R^T\\dot R$ of any rotation, and the forms of any surface"
+TURNED = "the kinematics R^T dR/dt of any rotation, and the forms of any surface"
 COSINES = Check(study="turning", also=("motion",), source=TURNED)
 
 

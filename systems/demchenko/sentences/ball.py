@@ -167,6 +167,8 @@ def _free(study: Study) -> Study:
     return replace(study, motion=replace(study.motion, accelerations={}))
 
 
+FRAMES = "true of the frames of ball and rotor, whatever their motion"
+ENERGIES = "the momentum and the energy of ball and rotor"
 LITERATURE = "a statement on the quadratures of others, which are not derived here"
 
 SENTENCES = (
@@ -180,16 +182,19 @@ SENTENCES = (
         "@system:word{ball + gyroscope} with respect to the axes @sort:word{orthogonal} to the "
         "axis of the gyroscope}.",
         zhukovsky,
+        source=ENERGIES,
     ),
     Sentence(
         "The @sort:word{complements} of a latitude and a longitude of the contact point $M$ are "
         "chosen for Gauss coordinates $u,v$ on the moving ball",
         colatitude,
+        source=FRAMES,
     ),
     Sentence(
         r"The angle $\vartheta$ is as before the angle between @first:names{$u$} and "
         "@second:names{$v_1$} coordinate lines.",
         same_angle,
+        source=FRAMES,
     ),
     Sentence(
         "Now, the nonholonomic constraints "
@@ -209,6 +214,7 @@ SENTENCES = (
         r"of the system expressed as a function of @letters:names{$s,\tau,n$} takes the form",
         by_condition,
         "zhukovsky",
+        source=ENERGIES,
     ),
     Sentence(
         r"Since in the considered system @first:formula{$[\mathfrak v, \mathfrak M]=0$} and "
@@ -221,12 +227,14 @@ SENTENCES = (
         "Since torque of reaction of constrains for gyroscope axis is also @much:number{zero}, one "
         "concludes",
         idle_axis,
+        source="the constraints of ball and rotor, which have no rate of the rotor",
     ),
     Sentence(
         r"The cosines @letters:names{$\alpha_1'',\beta_1'',\gamma_1''$}  of the angles between "
         r"@axis:names{$\mathbf z_1$} and @axes:names{$\mathbf u,\mathbf v,\mathbf n$} in the "
         "Neumann variables are",
         cosines,
+        source=FRAMES,
     ),
     Sentence(
         r"by derivation of @momentum:reference{\eqref{integrali}} and the kinetic energy integral "

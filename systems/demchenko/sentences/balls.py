@@ -8,8 +8,9 @@ import sympy as sp
 
 import voronec as vo
 from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of, tight
-from voronec.audit.latex.nodes import Call, Name
+from voronec.audit.latex.nodes import Call, Dot, Name
 from voronec.audit.meaning import evaluate
+from voronec.audit.study import key_of
 from voronec.kinematics import Surface
 
 from ..dictionary.chaplygin_balls import (
@@ -37,7 +38,9 @@ NAMED = {r.name.split()[0]: r for r in CONFIGURATIONS}
 def epsilon_of(formula: Quoted, study: Study) -> tuple[str, Any]:
     r"""The relation and the number of a condition on \epsilon."""
     tree = formula.tree(study)
-    if len(tree.parts) != 2 or formula.latex.strip("$ ").find(r"\epsilon") != 0:
+    if len(tree.parts) != 2 or not (
+        isinstance(tree.parts[0], Name) and key_of(tree.parts[0]) == r"\epsilon"
+    ):
         raise vo.DefinitionError(f"'{formula.latex}' is no condition on epsilon")
     return tree.relations[0], sp.sympify(evaluate(tree.parts[1], study))
 
@@ -104,7 +107,8 @@ def always_integrals(
     """How many of the functions are integrals whatever epsilon."""
     found = study.context
     good = [name for name in INTEGRALS if found.constants([name], where).proved]
-    true = holds_in(system, study, where)
+    rates = all(isinstance(tree.parts[0], Dot) for tree in system.trees(study))
+    true = all_of(agreed(rates, True, "equations of motion"), holds_in(system, study, where))
     return all_of(
         true,
         agreed(one_of(how, {"always": "all", "never": "none", "sometimes": "some"}), "all", "when"),
@@ -122,12 +126,10 @@ def holds_in(system: Reference, study: Study, where: Range) -> vo.Verdict:
     return all_of(*pairs)
 
 
-def fourth(
-    study: Study, _: Range, *, epsilon: Quoted, which: int, integral: tuple[str, ...]
-) -> vo.Verdict:
+def fourth(study: Study, _: Range, *, epsilon: Quoted, which: int, integral: Quoted) -> vo.Verdict:
     """F_4 on the sphere of that epsilon, or on the plane."""
     relation, number = epsilon_of(epsilon, study)
-    name = one_of(integral[0].split("=")[0], {x: x for x in INTEGRALS})
+    name = one_of(tight(integral.latex).strip("$").split("=")[0], {x: x for x in INTEGRALS})
     if relation != "=":
         return vo.Verdict("undecided", "not one value of epsilon")
     ball = (
@@ -135,6 +137,7 @@ def fourth(
     )
     return all_of(
         agreed(which, INTEGRALS.index(name) + 1, "its number"),
+        equals([(values(integral, study)[1], study.context.integrals[name])], "the function"),
         lambda: ball.constants([name]),
     )
 
@@ -393,9 +396,9 @@ SENTENCES = (
     ),
     Sentence(
         r"For @epsilon:formula{$\epsilon=1$}, there is a @which:number{fourth} first integral "
-        "@integral:names{$F_4=({\\mathbf\nG},\\gamma)$}.",
+        "@integral:formula{$F_4=({\\mathbf\nG},\\gamma)$}.",
         fourth,
-        "outer",
+        "plane",
     ),
     Sentence(
         "The problem is integrable by the @theorem:word{Euler-Jacobi} theorem",

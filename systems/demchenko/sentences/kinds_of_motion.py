@@ -67,13 +67,14 @@ def _double_root(where: Range) -> vo.Verdict:
     return vo.Verdict(status, f"on a regular precession two roots coincide; {number} are left")
 
 
-def no_motion(study: Study, where: Range, *, case: int, moves: bool) -> vo.Verdict:
+def no_motion(study: Study, where: Range, *, case: int, moves: str) -> vo.Verdict:
     """Whether a case produces a motion: the first one has no real root."""
+    some = one_of(moves, {"not produce any": False, "produce": True, "produce a": True})
     if not 1 <= case <= len(CASES):
         return vo.Verdict("refuted", f"there are {len(CASES)} cases")
     if case == 1:
-        return denied(not moves, without_roots(study, where))
-    return denied(moves, vo.Verdict("proved", f"with {CASES[case - 1]} real roots there is motion"))
+        return denied(not some, without_roots(study, where))
+    return denied(some, vo.Verdict("proved", f"with {CASES[case - 1]} real roots there is motion"))
 
 
 def gaps(
@@ -269,7 +270,7 @@ TEXT = (
         counts,
     ),
     Sentence(
-        r"The @case:number{first} case would @moves:affirmed{not produce any} real motion",
+        r"The @case:number{first} case would @moves:word{not produce any} real motion",
         no_motion,
     ),
     Sentence(

@@ -24,6 +24,7 @@ from voronec.audit.latex.nodes import (
     Bound,
     Chain,
     Elementary,
+    Integral,
     Node,
     Number,
     Power,
@@ -33,7 +34,7 @@ from voronec.audit.latex.nodes import (
     Sum,
 )
 from voronec.audit.meaning import SENSELESS, evaluate
-from voronec.audit.structure import names_constant
+from voronec.audit.structure import integrand, names_constant
 from voronec.audit.study import Study
 from voronec.audit.transcript import assignments
 
@@ -218,7 +219,16 @@ class _Reading:
         if isinstance(node, Elementary) and node.function in ("sin", "cos", "tan", "cot"):
             inside = self.weight(node.argument)
             return self.scale.pure(None if inside == SILENT else inside)
+        if isinstance(node, Integral):
+            return self._integral(node)
         return self._value(node)
+
+    def _integral(self, node: Integral) -> Weight | None:
+        """The integrand's times that of the variable, which both limits must have."""
+        variable, body = integrand(node)
+        ends = [self.weight(part) for part in (variable, node.lower, node.upper) if part]
+        along = self.scale.agreed(weight for weight in ends if weight != SILENT)
+        return self._joined([self.weight(body), SILENT if along is None else along])
 
     def _joined(self, factors: list[Weight | None]) -> Weight | None:
         return SILENT if SILENT in factors else self.scale.product(factors)

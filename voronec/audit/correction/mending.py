@@ -335,6 +335,9 @@ REPAIRS = 8
 WORDS_FOR_TWO = 12
 """A formula with fewer words is not changed at two places: almost anything could be reached."""
 
+ORDER = {**dict.fromkeys("< \\le \\leq".split(), -1), **dict.fromkeys("> \\ge \\geq".split(), 1)}
+"""Relations that rise from left to right, and that fall."""
+
 NEAR = 6
 """How many characters on either side of a change are compared with the neighbours."""
 
@@ -386,6 +389,8 @@ class _Case:
                 return None  # true, but it says nothing
             if any(are_multiples(*link) for link in pairwise(chain.parts)):
                 return None  # no more than the sign of a letter
+            if len({ORDER[s] for s in chain.relations if s in ORDER}) > 1:
+                return None  # a chain rises or falls
             if not new_names(chain, self.study) <= self.new or _cancelled(chain) - self.cancelled:
                 return None
             finding = verify(chain, self.check, self.study)

@@ -73,7 +73,7 @@ class _Setter:
     def lines(self, box: Box, broken: Broken) -> str:
         """A formula, on several lines where it is too wide."""
         if len(broken.lines) == 1:
-            return f"<mrow>{self.set(box)}</mrow>"
+            return self.set(box)  # a formula is a row by itself
         rows = []
         for number, parts in enumerate(broken.lines):
             indent = '<mspace width="2em"/>' if number else ""
