@@ -31,6 +31,7 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
+    Shape,
     System,
     kinematics,
     velocity,
@@ -67,6 +68,8 @@ kinetic = kinematics.kinetic_energy(m, centre, inertia, omega) + J * swirl.dot(s
 # A ball on a sphere at rest would have this D.
 carried = D * J / (J + m * R1**2)
 share = sum(carried * g**2 / (i + carried) for g, i in zip(gamma, inertia, strict=True))
+
+outwards = ball.matrix * sp.Matrix(place)
 
 SYSTEM = System(
     name="ball-on-free-sphere",
@@ -140,6 +143,15 @@ SYSTEM = System(
             caption="The ball drives the sphere and is driven; the contact, seen from space.",
         ),
     },
+    shapes=(
+        Shape.ball(
+            R2,
+            centre=(R1 + R2) * outwards,
+            attitude=ball.matrix,
+            contact=R1 * outwards,
+        ),
+        Shape.ball(R1, attitude=sphere.matrix, role="ground"),
+    ),
     references=("Bychkov2004", "DragovicGajicJovanovic2020"),
 )
 

@@ -19,7 +19,18 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Frame, Parameter, Scene, Sketch, System, velocity
+from voronec import (
+    Equation,
+    Fibration,
+    Frame,
+    Parameter,
+    Scene,
+    Shape,
+    Sketch,
+    System,
+    kinematics,
+    velocity,
+)
 
 r, phi, alpha, beta, psi = sp.symbols("r phi alpha beta psi")
 v, w, s = sp.symbols("v w s")
@@ -64,6 +75,9 @@ SKETCH = (
     .turn((1.93, 1.7), 40, 0.22, psi)
     .dot((1.15, 1.05), "C", -60)
 )
+# Where the centre is, and the contact below it.
+place = sp.Matrix([r * sp.cos(phi), r * sp.sin(phi), c * r**2 / 2])
+touched = place - R * sp.Matrix([-c * r * sp.cos(phi), -c * r * sp.sin(phi), 1]) / q
 
 SYSTEM = System(
     name="ball-on-paraboloid",
@@ -126,5 +140,14 @@ SYSTEM = System(
             caption="The centre runs between two parallels.",
         ),
     },
+    shapes=(
+        Shape.ball(
+            R,
+            centre=place,
+            contact=touched,
+            attitude=kinematics.Rotation.euler("zxz", alpha, beta, psi).matrix,
+        ),
+        Shape.surface((r, phi), touched, ((0, sp.Rational(3, 2)), (0, 2 * sp.pi)), role="ground"),
+    ),
     references=("Routh1905", "BorisovMamaevKilin2002"),
 )

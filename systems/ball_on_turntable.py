@@ -24,8 +24,10 @@ from voronec import (
     Poisson,
     Relation,
     Scene,
+    Shape,
     System,
     kinematics,
+    time,
     velocity,
 )
 
@@ -107,6 +109,10 @@ SYSTEM = System(
             caption="Where it is put with the right spin, the ball stays on the turning table.",
         ),
     },
+    shapes=(
+        Shape.ball(R, centre=(x, y, R), attitude=rotation.matrix, contact=(x, y, 0)),
+        Shape.plane(attitude=Omega * time),
+    ),
     references=("NeimarkFufaev1972", "FassoSansonetto2016", "BorisovMamaevBizyaev2015"),
 )
 

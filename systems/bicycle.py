@@ -14,7 +14,7 @@ from functools import partial
 
 import sympy as sp
 
-from voronec import Fibration, Frame, Parameter, Scene, Sketch, System, velocity
+from voronec import Fibration, Frame, Parameter, Scene, Shape, Sketch, System, velocity
 
 Vector = tuple[sp.Expr, sp.Expr, sp.Expr]
 ZERO = sp.Integer(0)
@@ -184,6 +184,23 @@ SKETCH = (
     .angle((0.0, 0.0), 1.0, 0, 30, theta)
     .dot((0.0, 0.0), "(x, y, z)", -45)
 )
+# To draw it, upwards: the frames as matrices, components along them to components in space.
+upwards, axes = sp.diag(1, -1, -1), ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+rolled = [about_x(phi, about_z(psi, axis)) for axis in axes]
+head_frame = sp.Matrix([head(axis) for axis in rolled])
+forks = sp.Matrix([steer(head(axis)) for axis in rolled])
+touched = sp.Matrix([x, y, z])
+rear = touched - sp.Matrix(rolled) * sp.Matrix([0, 0, r_R])
+pivot = rear + head_frame * sp.Matrix([offset, 0, 0])
+front = pivot + forks * sp.Matrix(hub)
+rider = rear + head_frame * sp.Matrix(body)
+
+
+def wheel(angle: sp.Expr) -> sp.Matrix:
+    """A wheel that has turned about the second axis of its frame, its own third."""
+    cos, sin = sp.cos(angle), sp.sin(angle)
+    return sp.Matrix([[sin, cos, 0], [0, 0, 1], [cos, -sin, 0]])
+
 
 SYSTEM = System(
     name="bicycle",
@@ -265,5 +282,25 @@ SYSTEM = System(
             caption="At 4 m/s the weave grows.",
         ),
     },
+    shapes=(
+        Shape.disc(
+            r_R,
+            centre=upwards * rear,
+            attitude=upwards * head_frame * wheel(beta_R),
+            contact=upwards * touched,
+        ),
+        Shape.disc(
+            r_F,
+            centre=upwards * front,
+            attitude=upwards * forks * wheel(beta_F),
+            contact=upwards * (front + forks * sp.Matrix(lowest)),
+        ),
+        Shape.box(
+            (w / 2, 0.06, 0.06), centre=upwards * (rear + pivot) / 2, attitude=upwards * head_frame
+        ),
+        Shape.box((0.06, 0.4, r_F), centre=upwards * (pivot + front) / 2, attitude=upwards * forks),
+        Shape.ellipsoid((0.15, 0.2, 0.45), centre=upwards * rider, attitude=upwards * head_frame),
+        Shape.plane(),
+    ),
     references=("Whipple1899", "Meijaard2007"),
 )

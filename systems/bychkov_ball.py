@@ -36,8 +36,10 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
+    Shape,
     System,
     kinematics,
+    time,
     velocity,
 )
 
@@ -75,6 +77,8 @@ rates = sp.Matrix([velocity(n) for n in place])
 centre = (R1 + R2) * (rates + spin.cross(sp.Matrix(place)))
 vertical = sp.Matrix(rotation.matrix.row(2)).T
 share = sum(D * g**2 / (i + D) for g, i in zip(gamma, inertia, strict=True))
+
+outwards = rotation.matrix * sp.Matrix(place)
 
 SYSTEM = System(
     name="bychkov-ball",
@@ -150,6 +154,15 @@ SYSTEM = System(
             caption="The same start on a sphere at rest: Demchenko's ball.",
         ),
     },
+    shapes=(
+        Shape.ball(
+            R2,
+            centre=(R1 + R2) * outwards,
+            attitude=rotation.matrix,
+            contact=R1 * outwards,
+        ),
+        Shape.ball(R1, attitude=Omega * time, role="ground"),
+    ),
     references=("Bychkov2004", "Demchenko1924", "DragovicGajicJovanovic2020"),
 )
 

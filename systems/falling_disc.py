@@ -23,6 +23,7 @@ from voronec import (
     Measure,
     Parameter,
     Scene,
+    Shape,
     System,
     kinematics,
     velocity,
@@ -44,6 +45,14 @@ spin = Dpsi - Dphi * sin
 kinetic = m * (forward**2 + left**2 + upward**2) / 2
 kinetic += (A * (Dtheta**2 + Dphi**2 * cos**2) + C * spin**2) / 2
 potential = m * g * R * cos
+
+touched, heading = sp.Matrix([x, y, 0]), sp.Matrix([sp.cos(phi), sp.sin(phi), 0])
+radius = sp.Matrix([-sin * sp.sin(phi), sin * sp.cos(phi), cos])
+turned = sp.Matrix.hstack(
+    heading * sp.cos(psi) - radius * sp.sin(psi),
+    -radius * sp.cos(psi) - heading * sp.sin(psi),
+    radius.cross(heading),
+)
 
 SYSTEM = System(
     name="falling-disc",
@@ -94,5 +103,9 @@ SYSTEM = System(
             caption="Fast enough to stay up, the disc nods while it rolls.",
         ),
     },
+    shapes=(
+        Shape.disc(R, centre=touched + R * radius, attitude=turned, contact=(x, y, 0)),
+        Shape.plane(),
+    ),
     references=("Appell1900", "Korteweg1900", "Chaplygin1897", "BorisovMamaevKilin2003"),
 )

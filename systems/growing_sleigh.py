@@ -18,6 +18,7 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
+    Shape,
     System,
     kinematics,
     time,
@@ -78,6 +79,13 @@ SYSTEM = System(
             "more slowly.",
         ),
     },
+    shapes=(
+        Shape.box(
+            (0.8, 0.4, 0.1), centre=(x + a * sp.cos(phi), y + a * sp.sin(phi), 0.25), attitude=phi
+        ),
+        Shape.box((0.3, 0.04, 0.2), centre=(x, y, 0.1), attitude=phi, contact=(x, y, 0)),
+        Shape.plane(),
+    ),
     references=("Chaplygin1911", "NeimarkFufaev1972"),
 )
 

@@ -19,6 +19,7 @@ from voronec import (
     Poisson,
     Relation,
     Scene,
+    Shape,
     Sketch,
     System,
     velocity,
@@ -92,6 +93,7 @@ SYSTEM = System(
             caption="While y grows uniformly, z falls and rises again along a hyperbola.",
         ),
     },
+    shapes=Shape.ball(0.1, centre=(x, y, z), contact=(x, y, z)),
     references=("Rosenberg1977", "BatesSniatycki1993", "Chaplygin1911"),
 )
 

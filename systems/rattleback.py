@@ -25,6 +25,7 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
+    Shape,
     System,
     kinematics,
     velocity,
@@ -124,6 +125,15 @@ SYSTEM = System(
             caption="Spun against its hand, the rattleback rattles, and turns back.",
         ),
     },
+    shapes=(
+        Shape.ellipsoid(
+            axes,
+            centre=(x, y, level),
+            attitude=rotation.matrix,
+            contact=sp.Matrix([x, y, level]) + rotation.matrix * placed.arm,
+        ),
+        Shape.plane(),
+    ),
     references=("Walker1896", "GarciaHubbard1988", "BorisovMamaev2003Rattleback"),
 )
 

@@ -18,7 +18,18 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Equation, Fibration, Frame, Parameter, Scene, Sketch, System, velocity
+from voronec import (
+    Case,
+    Equation,
+    Fibration,
+    Frame,
+    Parameter,
+    Scene,
+    Shape,
+    Sketch,
+    System,
+    velocity,
+)
 
 x, y = sp.symbols("x y")
 headings = theta0, theta1, theta2 = sp.symbols("theta0:3")
@@ -66,6 +77,12 @@ SKETCH = (
     .distance((1.6, 0.67), (3.15, 1.3), l1, 0.55)
     .distance((0.0, 0.5), (1.6, 0.67), l2, 0.6)
 )
+axles, rods, down = [sp.Matrix([x, y, 0.1])], [], sp.Matrix([0, 0, 0.1])
+for bar, heading in zip(bars, headings[1:], strict=True):
+    before = axles[-1]
+    axles.append(before - bar * sp.Matrix([sp.cos(heading), sp.sin(heading), 0]))
+    middle = (before + axles[-1]) / 2
+    rods.append(Shape.box((bar, 0.06, 0.06), centre=middle, attitude=heading))
 
 SYSTEM = System(
     name="robot-with-two-trailers",
@@ -135,5 +152,13 @@ SYSTEM = System(
             caption="The trailers fall in line, and the three of them run round one centre.",
         ),
     },
+    shapes=(
+        *(
+            Shape.box((0.3, 0.5, 0.2), centre=axle, attitude=heading, contact=axle - down)
+            for axle, heading in zip(axles, headings, strict=True)
+        ),
+        *rods,
+        Shape.plane(),
+    ),
     references=("Laumond1993", "NeimarkFufaev1972"),
 )

@@ -17,7 +17,18 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Equation, Fibration, Frame, Parameter, Scene, Sketch, System, velocity
+from voronec import (
+    Case,
+    Equation,
+    Fibration,
+    Frame,
+    Parameter,
+    Scene,
+    Shape,
+    Sketch,
+    System,
+    velocity,
+)
 
 x, y, theta, phi = sp.symbols("x y theta phi")
 v, w = sp.symbols("v w")
@@ -52,6 +63,11 @@ SKETCH = (
     .distance((1.3, 0.95), (2.77, 1.8), a, 0.55)
     .distance((2.77, 1.8), (3.15, 2.72), b, 0.65)
 )
+# The middles of the axles, and the hinge, at a height to draw them at.
+seat = sp.Matrix([x, y, 0.1])
+hinged = seat + a * sp.Matrix([sp.cos(theta), sp.sin(theta), 0])
+grip = hinged + b * sp.Matrix([sp.cos(theta + phi), sp.sin(theta + phi), 0])
+down = sp.Matrix([0, 0, 0.1])
 
 SYSTEM = System(
     name="roller-racer",
@@ -111,5 +127,12 @@ SYSTEM = System(
             caption="The handle folds back, and the racer goes over into a run round a circle.",
         ),
     },
+    shapes=(
+        Shape.box((a, 0.1, 0.1), centre=(seat + hinged) / 2, attitude=theta),
+        Shape.box((0.1, 0.6, 0.2), centre=seat, attitude=theta, contact=seat - down),
+        Shape.box((b, 0.1, 0.1), centre=(hinged + grip) / 2, attitude=theta + phi),
+        Shape.box((0.1, 0.5, 0.2), centre=grip, attitude=theta + phi, contact=grip - down),
+        Shape.plane(),
+    ),
     references=("KrishnaprasadTsakiris2001", "Bizyaev2017"),
 )

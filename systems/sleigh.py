@@ -19,6 +19,7 @@ from voronec import (
     Measure,
     Parameter,
     Scene,
+    Shape,
     System,
     kinematics,
     velocity,
@@ -91,5 +92,12 @@ SYSTEM = System(
             caption="Pushed backwards, the sleigh turns about and goes on with the blade behind.",
         ),
     },
+    shapes=(
+        Shape.box(
+            (0.8, 0.4, 0.1), centre=(x + a * sp.cos(phi), y + a * sp.sin(phi), 0.25), attitude=phi
+        ),
+        Shape.box((0.3, 0.04, 0.2), centre=(x, y, 0.1), attitude=phi, contact=(x, y, 0)),
+        Shape.plane(),
+    ),
     references=("Chaplygin1911", "Caratheodory1933", "NeimarkFufaev1972"),
 )

@@ -28,6 +28,7 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
+    Shape,
     System,
     kinematics,
     velocity,
@@ -118,6 +119,13 @@ SYSTEM = System(
             caption="With its centre of mass before the blade, the sleigh learns to go forward.",
         ),
     },
+    shapes=(
+        Shape.box(
+            (0.8, 0.4, 0.1), centre=(x + a * sp.cos(phi), y + a * sp.sin(phi), 0.25), attitude=phi
+        ),
+        Shape.box((0.3, 0.04, 0.2), centre=(x, y, 0.1), attitude=phi, contact=(x, y, 0)),
+        Shape.plane(),
+    ),
     references=("BorisovMamaevBizyaev2015", "ModinVerdier2020"),
 )
 

@@ -21,6 +21,7 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
+    Shape,
     Sketch,
     System,
     velocity,
@@ -64,6 +65,7 @@ SKETCH = (
     .dot((2.1, 1.2), "(x, y)", 110)
     .distance((2.1, 1.2), (0.9, 0.5), "l", -0.75)
 )
+ahead, left = length * sp.cos(theta), length * sp.sin(theta)
 
 SYSTEM = System(
     name="snakeboard",
@@ -123,6 +125,20 @@ SYSTEM = System(
             caption="The wheels turn steadily, and the board's track curls up.",
         ),
     },
+    shapes=(
+        Shape.box((2 * length, length / 3, 0.05), centre=(x, y, 0.2), attitude=theta),
+        Shape.box((0.1, length, 0.05), centre=(x, y, 0.3), attitude=theta + psi),
+        *(
+            Shape.box(
+                (0.25, 0.4, 0.15),
+                centre=(*end, 0.08),
+                attitude=theta + steered,
+                contact=(*end, 0),
+            )
+            for end, steered in (((x - ahead, y - left), phi), ((x + ahead, y + left), -phi))
+        ),
+        Shape.plane(),
+    ),
     references=("OstrowskiLewisMurrayBurdick1994", "BlochKrishnaprasadMarsdenMurray1996"),
 )
 

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Parameter, Relation, Scene, kinematics
+from voronec import Parameter, Relation, Scene, Shape, kinematics
 
 u, v, theta, u1, v1, w = sp.symbols("u v theta u1 v1 w")
 s, tau, n = quasi = sp.symbols("s tau n")
@@ -34,7 +34,11 @@ torus = kinematics.Surface.torus(R, r, u, v)
 ellipsoid = kinematics.SurfaceForms.revolution(u1, v1, (c**2 / (a * w**3), a / w))
 contact = kinematics.RollingContact(torus, ellipsoid, theta)
 
-SYSTEM = kinematics.BodyOfRevolution(contact, m, A, C).system(
+body = kinematics.BodyOfRevolution(contact, m, A, C)
+around, up = a * sp.sin(u1) / w, c**2 * sp.cos(u1) / (a * w)
+touched = (around * sp.cos(v1), around * sp.sin(v1), up)
+
+SYSTEM = body.system(
     name="torus-on-ellipsoid",
     title="Torus on an ellipsoid",
     description="A torus rolls without slipping over an ellipsoid of revolution.",
@@ -61,6 +65,7 @@ SYSTEM = kinematics.BodyOfRevolution(contact, m, A, C).system(
         ),
     },
     drawing={"on the ellipsoid, by its normal": ("u1", "v1")},
+    shapes=body.shapes(touched, Shape.ellipsoid((a, a, c), role="ground")),
     references=("Neumann1899", "Voronec1911", "Voronec1912"),
 )
 

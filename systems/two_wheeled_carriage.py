@@ -20,6 +20,7 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
+    Shape,
     Sketch,
     Square,
     System,
@@ -127,6 +128,17 @@ SYSTEM = System(
             caption="Pushed with the load behind the axle, the carriage turns about.",
         ),
     },
+    shapes=(
+        Shape.box((R, 2 * b, R), centre=(x, y, R), attitude=phi),
+        *(
+            Shape.wheel(R, phi, rolled, centre=(*hub, R), contact=(*hub, 0))
+            for rolled, hub in (
+                (left, (x - b * sin, y + b * cos)),
+                (right, (x + b * sin, y - b * cos)),
+            )
+        ),
+        Shape.plane(),
+    ),
     references=("NeimarkFufaev1972", "Bloch2015"),
 )
 

@@ -8,7 +8,17 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Parameter, Relation, Scene, System, kinematics, velocity
+from voronec import (
+    Equation,
+    Fibration,
+    Parameter,
+    Relation,
+    Scene,
+    Shape,
+    System,
+    kinematics,
+    velocity,
+)
 
 x, y, phi, theta = sp.symbols("x y phi theta")
 m, R, B, C = sp.symbols("m R B C")
@@ -71,6 +81,10 @@ SYSTEM = System(
             caption="Without turning, the disc rolls straight on.",
         ),
     },
+    shapes=(
+        Shape.wheel(R, phi, theta, centre=(x, y, R), contact=(x, y, 0)),
+        Shape.plane(),
+    ),
     references=("NeimarkFufaev1972", "Bloch2015"),
 )
 

@@ -91,6 +91,45 @@ def test_the_contact_lies_on_both_bodies() -> None:
     assert lengths[0] == pytest.approx(lengths[1], rel=3e-4)
 
 
+SHOWN = [name for name in vo.names() if vo.load(name).shapes]
+QUICK = "bychkov-ball", "vertical-disc", "two-wheeled-carriage"
+
+
+@pytest.mark.parametrize(
+    "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in SHOWN]
+)
+def test_what_touches_rests_on_the_ground_there(name: str) -> None:
+    """Bodies of round shape do not slip where they are drawn to touch, and blades not sideways."""
+    page, step = page_of(name, times=(0.0, 0.01)), 1e-6
+    rates, extras = compiled(page.program)
+    values = [page.trajectory.parameters[str(p)] for p in page.program.parameters]
+    state = page.states[0]
+    flow = np.array(rates(0.0, list(state), values), dtype=float)
+
+    def poses(time: float) -> np.ndarray:
+        count = 15 * len(page.system.shapes)
+        there = extras(time, list(state + time * flow), values)[:count]
+        return np.array(there, dtype=float).reshape(-1, 15)
+
+    here, change = poses(0.0), (poses(step) - poses(-step)) / (2 * step)
+
+    def carried(k: int, place: np.ndarray) -> np.ndarray:
+        """The velocity of what is fixed in shape k at a place."""
+        turned, turning = here[k, 3:12].reshape(3, 3), change[k, 3:12].reshape(3, 3)
+        return change[k, :3] + turning @ turned.T @ (place - here[k, :3])
+
+    grounds = [k for k, shape in enumerate(page.system.shapes) if shape.role == "ground"]
+    for k, shape in enumerate(page.system.shapes):
+        turned = here[k, 3:12].reshape(3, 3)
+        np.testing.assert_allclose(turned @ turned.T, np.eye(3), atol=1e-12)
+        assert np.linalg.det(turned) > 0
+        if shape.contact is None or not grounds:
+            continue
+        slip = turned.T @ (carried(k, here[k, 12:]) - carried(grounds[0], here[k, 12:]))
+        blade = len(shape.patches) == 6  # a box stands for one, along its first axis
+        assert np.abs(slip[1] if blade else slip).max() < 1e-6, (name, slip)
+
+
 @needs_node
 def test_a_motion_that_cannot_go_on_says_where() -> None:
     page = page_of("rubber-ball-on-plane")

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Fibration, Frame, Parameter, Scene, System, kinematics, velocity
+from voronec import Case, Fibration, Frame, Parameter, Scene, Shape, System, kinematics, velocity
 
 x, y, phi, theta, psi = sp.symbols("x y phi theta psi")
 m, R = sp.symbols("m R")
@@ -74,5 +74,9 @@ SYSTEM = System(
             caption="The ball spins about a direction close to its middle axis, and wanders.",
         ),
     },
+    shapes=(
+        Shape.ball(R, centre=(x, y, R), attitude=rotation.matrix, contact=(x, y, 0)),
+        Shape.plane(),
+    ),
     references=("Chaplygin1903", "BorisovMamaev2001", "BorisovMamaev2002"),
 )

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
 
 from voronec.algebra.text import sympified
+from voronec.declaration.reading import several
 from voronec.errors import DefinitionError, shown
 
 __all__ = ["MESH", "Patch", "Shape"]
@@ -37,8 +38,8 @@ class Shape:
         what it consists of, in axes of its own.
     centre, attitude
         where the origin of these axes is in space, three expressions, and the matrix that takes
-        components along them to components in space; expressions of coordinates, velocities,
-        parameters and the time.
+        components along them to components in space, or the angle of a turn about the vertical;
+        expressions of coordinates, velocities, parameters and the time.
     contact
         the point in space at which it touches, three expressions: its trace is drawn on the body
         and in space.
@@ -62,10 +63,13 @@ class Shape:
             raise DefinitionError(
                 f"{place} has the role '{shown(self.role)}'; give one of {', '.join(ROLES)}"
             )
-        turned = sp.eye(3) if self.attitude is None else sp.ImmutableMatrix(self.attitude)
+        turned = self.attitude
+        if not isinstance(turned, sp.MatrixBase | list | tuple):
+            turned = _about_vertical(sympified(turned or 0, f"the attitude of {place}"))
+        turned = sp.ImmutableMatrix(turned)
         if turned.shape != (3, 3):
             raise DefinitionError(f"{place} has an attitude {turned.shape}; give a 3 x 3 matrix")
-        object.__setattr__(self, "attitude", sp.ImmutableMatrix(turned))
+        object.__setattr__(self, "attitude", turned)
         object.__setattr__(self, "centre", _three(self.centre, f"the centre of {place}"))
         if self.contact is not None:
             object.__setattr__(self, "contact", _three(self.contact, f"the contact of {place}"))
@@ -103,6 +107,17 @@ class Shape:
         return cls((Patch((*round_, a * half), (UNIT, WHOLE)), *caps), **placed)
 
     @classmethod
+    def wheel(
+        cls, radius: Any, heading: Any, turned: Any = 0, width: Any = None, **placed: Any
+    ) -> Shape:
+        """A wheel on a level axle: its heading is an angle from the first axis of space, and it has
+        turned forwards by another."""
+        along, down = (sp.cos(turned), -sp.sin(turned)), (-sp.sin(turned), -sp.cos(turned))
+        upright = sp.Matrix([[along[0], down[0], 0], [0, 0, 1], [along[1], down[1], 0]])
+        attitude = _about_vertical(sympified(heading)) * upright
+        return cls.disc(radius, width, **{"attitude": attitude, **placed})
+
+    @classmethod
     def box(cls, lengths: Sequence[Any], **placed: Any) -> Shape:
         """A box with edges of these lengths, about its middle."""
         halves = [length / 2 for length in _three(lengths, "the edges of a shape")]
@@ -124,7 +139,7 @@ class Shape:
     def surface(
         cls,
         coordinates: Sequence[Any],
-        position: Iterable[Any],
+        position: Any,
         ranges: Sequence[Any] | None = None,
         **placed: Any,
     ) -> Shape:
@@ -136,8 +151,15 @@ class Shape:
         return cls((Patch(tuple(e.xreplace(named) for e in parts), pairs),), **placed)
 
 
+def _about_vertical(angle: sp.Expr) -> sp.Matrix:
+    """The turn by an angle about the third axis."""
+    cos, sin = sp.cos(angle), sp.sin(angle)
+    return sp.Matrix([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
+
+
 def _three(values: Any, what: str) -> tuple[sp.Expr, ...]:
-    parts = tuple(values) if isinstance(values, Iterable) else (values,)
+    """Three expressions, in a tuple or a matrix of SymPy's."""
+    parts = several(values, what, "expression")
     if len(parts) != 3:
         raise DefinitionError(f"{what} has {len(parts)} components; give three")
     return tuple(sympified(part, what) for part in parts)

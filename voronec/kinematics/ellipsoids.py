@@ -12,6 +12,7 @@ from voronec.algebra.symbols import velocity
 from voronec.declaration.charts import Chart
 from voronec.declaration.claims import Equation, Measure
 from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.shapes import Shape
 from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
@@ -254,6 +255,23 @@ class RollingEllipsoid:
         own = {q: q for q in (*self.base, *self.fibre, *OMEGA)}
         return {**own, **carried_vectors(arm, frame)}, form_values(self.surfaces)
 
+    @property
+    def shapes(self) -> tuple[Shape, Shape]:
+        """The ellipsoid, and the plane or sphere, as they are drawn."""
+        named = {sp.Symbol(name): e for name, e in self.invariants.items()}
+        turned = self.rotation.matrix
+        if self.surfaces is not None:
+            (u, v), polar = (s.coordinates for s in (self.surfaces.body, self.surfaces.fixed))
+            spheres = Surface.sphere(1, u, v), Surface.sphere(1, *polar)
+            turned = RollingContact(*spheres, self.surfaces.theta).attitude
+        touched = sp.Matrix([*self.contact, 0][:3])
+        ground = Shape.plane()
+        if self.sphere is not None:
+            touched, ground = self.sphere * touched, Shape.ball(self.sphere, role="ground")
+        centre = touched - turned * self.body.arm.xreplace(named)
+        placed = {"centre": centre, "attitude": turned, "contact": touched}
+        return Shape.ellipsoid(self.axes, **placed), ground
+
     def system(
         self,
         *,
@@ -287,6 +305,7 @@ class RollingEllipsoid:
             "essential": (*self._seen, *OMEGA),
             "meanings": self._meanings,
             "sketch": self._sketch(kappa),
+            "shapes": self.shapes,
         }
         if (
             self.axes[0] == self.axes[1]

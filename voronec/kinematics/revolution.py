@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +13,7 @@ from voronec.algebra.symbols import velocity
 from voronec.algebra.text import sympified
 from voronec.declaration.claims import Equation
 from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.shapes import Shape
 from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.kinematics.balls import OMEGA
@@ -28,6 +29,8 @@ from voronec.kinematics.meanings import (
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.sketches import carried_sketch
+from voronec.kinematics.surfaces import Surface
+from voronec.kinematics.vectors import three
 
 __all__ = ["BodyOfRevolution"]
 
@@ -127,6 +130,19 @@ class BodyOfRevolution:
         same = (*ATTITUDE.coordinates, *PLACE, *self.contact.coordinates)
         state = {q: q for q in same} | carried_vectors(surface.position, surface.frame)
         return state | dict(zip(OMEGA, omega, strict=True)), form_values(self.contact)
+
+    def shapes(self, touched: Sequence[Any], ground: Shape) -> tuple[Shape, Shape]:
+        """The body and what it rolls on, as they are drawn: ``touched`` is the place of M in space.
+
+        Of the fixed surface u1 and v1 are the colatitude and longitude of the normal.
+        """
+        body, fixed = self.contact.body, self.contact.fixed
+        normal = Surface.sphere(1, *fixed.coordinates)
+        attitude = RollingContact(body, normal, self.contact.theta).attitude
+        place = sp.Matrix(three(touched, "a place"))
+        own = Shape.surface(body.coordinates, body.position, getattr(body, "ranges", None))
+        centre = place - attitude * sp.Matrix(body.position)
+        return replace(own, centre=centre, attitude=attitude, contact=place), ground
 
     def system(
         self,

@@ -96,9 +96,8 @@ class RollingContact:
         body, fixed = (
             Shape.surface(s.coordinates, s.position, s.ranges) for s in (self.body, self.fixed)
         )
-        touched = tuple(self.fixed.position)
-        centre = tuple(self.centre)
-        moving = replace(body, centre=centre, attitude=self.attitude, contact=touched)
+        placed = {"centre": self.centre, "attitude": self.attitude}
+        moving = replace(body, contact=self.fixed.position, **placed)
         return moving, replace(fixed, role="ground")
 
     @cached_property

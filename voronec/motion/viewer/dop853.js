@@ -22,7 +22,7 @@ const E3 = [-0.18980075407240762, 0.0, 0.0, 0.0, 0.0, 4.450312892752409, 1.89151
 const E5 = [0.01312004499419488, 0.0, 0.0, 0.0, 0.0, -1.2251564463762044, -0.4957589496572502, 1.6643771824549864, -0.35032884874997366, 0.3341791187130175, 0.08192320648511571, -0.022355307863886294, 0.0];
 // The states at `times`, of y' = rhs(t, y, parameters) that is `start` at the first of them: an
 // array of arrays, shorter than `times` where the motion cannot go on, with `why`.
-function integrate(rhs, times, start, parameters, tolerance = 1e-12, most = 200000) {
+function integrate(rhs, times, start, parameters, tolerance = 1e-13, most = 200000) {
   const n = start.length, slopes = Array.from({ length: 12 }, () => new Array(n));
   const direction = times[times.length - 1] < times[0] ? -1 : 1;
   const states = [Array.from(start)], found = { states, steps: 0, evaluations: 1, why: "" };

@@ -33,7 +33,8 @@ function recordedStates(count) {
 // How an integral changes along the motion, in parts of itself, or of its terms where it is nothing
 // against them.
 function changes(name, place, rows) {
-  const first = rows[0][place], size = Math.abs(rows[0][place + DATA.integrals.length]);
+  const first = rows[0][place], terms = rows.map((row) => Math.abs(row[place + DATA.integrals.length]));
+  const size = terms.reduce((most, x) => (x > most ? x : most), 0);
   const unit = Math.abs(first) > 1e-6 * size ? Math.abs(first) : size || 1;
   const along = rows.map((row) => (row[place] - first) / unit);
   return { name, value: first, along, drift: along.reduce((most, x) => (Math.abs(x) > most ? Math.abs(x) : most), 0) };

@@ -34,7 +34,8 @@ function extent(motion) {
     }
   });
   if (low[0] === Infinity) hold(0, 0, 0, 1);
-  return { low, high, size: Math.max(high[0] - low[0], high[1] - low[1], high[2] - low[2]) };
+  const sides = low.map((c, j) => high[j] - c);
+  return { low, high, size: Math.max(...sides), radius: Math.hypot(...sides) / 2 };
 }
 
 function pointsOf(place) {
@@ -63,12 +64,14 @@ function roundNumber(most) {
 }
 
 // A patch as triangles, chequered so that one sees it turn.
-function patchGeometry(place, ranges, box, colours) {
+function patchGeometry(place, ranges, box, colours, turns) {
   const point = pointsOf(place);
   let spans = ranges, cells = [24, 48], every = [3, 4];
   if (!spans) {
     const step = roundNumber(box.size / 4);
-    spans = [0, 1].map((j) => [step * (Math.floor(box.low[j] / step) - 1), step * (Math.ceil(box.high[j] / step) + 1)]);
+    const ends = [0, 1].map((j) => [Math.floor(box.low[j] / step) - 1, Math.ceil(box.high[j] / step) + 1]);
+    const most = Math.max(...ends.flat().map(Math.abs));
+    spans = ends.map((pair) => (turns ? [-most, most] : pair).map((n) => n * step));
     cells = spans.map((s) => 2 * Math.round((s[1] - s[0]) / step));
     every = [1, 1];
   }
@@ -146,7 +149,7 @@ function begin() {
 // Whether shape `i` holds another within: then it is of glass.
 function holds(i, motion, sizes) {
   return DATA.shapes.some((other, j) => {
-    if (i === j || !(sizes[i] > sizes[j])) return false;
+    if (i === j || !sizes[j] || !(sizes[i] > sizes[j])) return false;
     const p = i * POSE, q = j * POSE, c = motion.poses;
     return Math.hypot(c[p] - c[q], c[p + 1] - c[q + 1], c[p + 2] - c[q + 2]) < sizes[i] && Boolean(DATA.shapes[i].contact || other.contact);
   });
@@ -162,10 +165,11 @@ function build(motion) {
   drawn = DATA.shapes.map((shape, i) => {
     const group = new THREE.Group(), beside = [], traces = [];
     group.matrixAutoUpdate = false;
-    const glass = holds(i, motion, sizes);
+    const glass = holds(i, motion, sizes), last = motion.times.length - 1;
+    const turns = [3, 4, 5, 6].some((j) => motion.poses[i * POSE + j] !== motion.poses[((last >> 1) * motion.shapes + i) * POSE + j]);
     shape.patches.forEach((ranges, p) => {
       const look = { vertexColors: true, side: THREE.DoubleSide, transparent: glass, opacity: glass ? 0.3 : 1, depthWrite: !glass, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
-      const part = new THREE.Mesh(patchGeometry(first[i] + p, ranges, box, COLOURS[shape.role]), new THREE.MeshLambertMaterial(look));
+      const part = new THREE.Mesh(patchGeometry(first[i] + p, ranges, box, COLOURS[shape.role], turns), new THREE.MeshLambertMaterial(look));
       part.renderOrder = glass ? 2 : 0;
       group.add(part);
     });
@@ -191,7 +195,7 @@ function build(motion) {
     return { group, beside, traces, spot: beside[1], sized: shape.patches.some((p) => !p) };
   });
   if (!home) {
-    home = { turn: 0.9, height: 0.45, far: 1.5 * box.size, middle: box.low.map((c, j) => (c + box.high[j]) / 2) };
+    home = { turn: 0.9, height: 0.45, far: (0.95 * box.radius) / Math.sin((eye.fov * Math.PI) / 360), middle: box.low.map((c, j) => (c + box.high[j]) / 2) };
     Object.assign(camera, home);
   }
   eye.near = box.size / 200;
@@ -394,6 +398,11 @@ function listen() {
   new ResizeObserver(resize).observe(one("stage"));
 }
 
+function timeAt(at) {
+  const times = now.motion.times, k = Math.floor(at), next = Math.min(k + 1, times.length - 1);
+  return times[k] + (at - k) * (times[next] - times[k]);
+}
+
 // The place among the instants that lies `span` of time later.
 function later(at, span) {
   const times = now.motion.times;
@@ -430,7 +439,7 @@ function frame(stamp) {
 function draw() {
   now.dirty = false;
   one("time").value = now.at;
-  one("clock").textContent = `t = ${now.motion.times[Math.floor(now.at)].toFixed(2)}`;
+  one("clock").textContent = `t = ${timeAt(now.at).toFixed(2)}`;
   drawCursor();
   if (renderer) {
     place();
