@@ -93,7 +93,7 @@ SYSTEM = System(
             caption="While y grows uniformly, z falls and rises again along a hyperbola.",
         ),
     },
-    shapes=Shape.ball(0.1, centre=(x, y, z), contact=(x, y, z)),
+    shapes=(Shape.ball(0.1, centre=(x, y, z), contact=(x, y, z)),),
     references=("Rosenberg1977", "BatesSniatycki1993", "Chaplygin1911"),
 )
 

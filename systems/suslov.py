@@ -97,7 +97,7 @@ SYSTEM = System(
             caption="Where the forbidden axis is principal, the turning is steady.",
         ),
     },
-    shapes=Shape.box((1, 0.7, 0.4), attitude=rotation.matrix),
+    shapes=(Shape.box((1, 0.7, 0.4), attitude=rotation.matrix),),
     references=("Suslov1946", "FedorovMaciejewskiPrzybylska2009", "Bloch2015"),
 )
 

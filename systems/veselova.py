@@ -61,6 +61,6 @@ SYSTEM = System(
             caption="The body swings about a fixed point without turning about the vertical.",
         ),
     },
-    shapes=Shape.box((1, 0.7, 0.4), attitude=rotation.matrix),
+    shapes=(Shape.box((1, 0.7, 0.4), attitude=rotation.matrix),),
     references=("VeselovVeselova1988", "DragovicGajicJovanovic2020"),
 )

@@ -66,14 +66,17 @@ function roundNumber(most) {
 // A patch as triangles, chequered so that one sees it turn.
 function patchGeometry(place, ranges, box, colours, turns) {
   const point = pointsOf(place);
-  let spans = ranges, cells = [24, 48], every = [3, 4];
-  if (!spans) {
+  let spans = ranges, cells = [], every = [];
+  if (!ranges) {
     const step = roundNumber(box.size / 4);
     const ends = [0, 1].map((j) => [Math.floor(box.low[j] / step) - 1, Math.ceil(box.high[j] / step) + 1]);
     const most = Math.max(...ends.flat().map(Math.abs));
     spans = ends.map((pair) => (turns ? [-most, most] : pair).map((n) => n * step));
     cells = spans.map((s) => 2 * Math.round((s[1] - s[0]) / step));
     every = [1, 1];
+  } else {
+    cells = ranges.map(([from, to]) => (to - from > 6 ? 48 : to - from > 3 ? 24 : 12));
+    every = cells.map((count) => (count === 48 ? 4 : 3));
   }
   const grid = [];
   for (let i = 0; i <= cells[0]; i++) for (let j = 0; j <= cells[1]; j++) {
@@ -146,12 +149,13 @@ function begin() {
   renderer.setClearColor(0xffffff);
 }
 
-// Whether shape `i` holds another within: then it is of glass.
+// Whether a body holds what it rolls on within, or is held by it: what is outside is of glass.
 function holds(i, motion, sizes) {
   return DATA.shapes.some((other, j) => {
     if (i === j || !sizes[j] || !(sizes[i] > sizes[j])) return false;
+    if ((DATA.shapes[i].role === "ground") === (other.role === "ground")) return false;
     const p = i * POSE, q = j * POSE, c = motion.poses;
-    return Math.hypot(c[p] - c[q], c[p + 1] - c[q + 1], c[p + 2] - c[q + 2]) < sizes[i] && Boolean(DATA.shapes[i].contact || other.contact);
+    return Math.hypot(c[p] - c[q], c[p + 1] - c[q + 1], c[p + 2] - c[q + 2]) < sizes[i];
   });
 }
 
@@ -192,10 +196,15 @@ function build(motion) {
       beside.push(line(space, MARK), spot);
     }
     scene.add(group, ...beside);
-    return { group, beside, traces, spot: beside[1], sized: shape.patches.some((p) => !p) };
+    return { group, beside, traces, spot: beside[1] };
   });
   if (!home) {
     home = { turn: 0.9, height: 0.45, far: (0.95 * box.radius) / Math.sin((eye.fov * Math.PI) / 360), middle: box.low.map((c, j) => (c + box.high[j]) / 2) };
+    const largest = Math.max(...sizes.filter((_, i) => DATA.shapes[i].role === "body"));
+    if (12 * largest < box.radius) {
+      one("follow").checked = true;
+      home.far = 14 * largest;
+    }
     Object.assign(camera, home);
   }
   eye.near = box.size / 200;
