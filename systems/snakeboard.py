@@ -126,12 +126,14 @@ SYSTEM = System(
         ),
     },
     shapes=(
-        Shape.box((2 * length, length / 3, 0.05), centre=(x, y, 0.2), attitude=theta),
-        Shape.box((0.1, length, 0.05), centre=(x, y, 0.3), attitude=theta + psi),
+        Shape.box((2 * length, length / 3, length / 10), centre=(x, y, length / 3), attitude=theta),
+        Shape.box(
+            (length / 5, length, length / 10), centre=(x, y, length / 2), attitude=theta + psi
+        ),
         *(
             Shape.box(
-                (0.25, 0.4, 0.15),
-                centre=(*end, 0.08),
+                (length / 4, length / 2, length / 4),
+                centre=(*end, length / 8),
                 attitude=theta + steered,
                 contact=(*end, 0),
             )

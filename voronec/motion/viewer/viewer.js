@@ -164,8 +164,10 @@ function build(motion) {
     scene.remove(thing.group, ...thing.beside);
     [...thing.group.children, ...thing.beside].forEach((m) => { m.geometry.dispose(); m.material.dispose(); });
   });
-  const box = extent(motion), thin = box.size / 330;
+  const box = extent(motion);
   const sizes = DATA.shapes.map((shape, i) => (shape.patches.some((p) => !p) ? 0 : sizeOf(i)));
+  const largest = Math.max(...sizes.filter((_, i) => DATA.shapes[i].role === "body"));
+  const thin = Math.min(box.size / 330, largest / 30);
   drawn = DATA.shapes.map((shape, i) => {
     const group = new THREE.Group(), beside = [], traces = [];
     group.matrixAutoUpdate = false;
@@ -200,7 +202,6 @@ function build(motion) {
   });
   if (!home) {
     home = { turn: 0.9, height: 0.45, far: (0.95 * box.radius) / Math.sin((eye.fov * Math.PI) / 360), middle: box.low.map((c, j) => (c + box.high[j]) / 2) };
-    const largest = Math.max(...sizes.filter((_, i) => DATA.shapes[i].role === "body"));
     if (12 * largest < box.radius) {
       one("follow").checked = true;
       home.far = 14 * largest;
