@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -141,3 +142,26 @@ def test_stopped_by_hand_writes_the_points_there_are(oscillators, tmp_path, monk
     assert status == 130
     assert "stopped by hand" in capsys.readouterr().out
     assert len(points(tmp_path / "oscillators-section" / "points.csv")["t"]) > 0
+
+
+def test_a_section_with_a_table_for_an_input(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "driven.py").write_text(
+        "import sympy as sp\nimport voronec as vo\n"
+        "x, u = sp.symbols('x u')\n"
+        "SYSTEM = vo.System(name='driven', fibration=vo.Fibration(x), inputs=(u,),\n"
+        "    lagrangian=vo.velocity(x)**2/2 - x**2/2, forces={x: u},\n"
+        "    scenes={'default': vo.Scene({x: 2}, (0, 9))})\n",
+        encoding="utf-8",
+    )
+    (tmp_path / "u.csv").write_text("t,u\n0,1\n20,1\n", encoding="utf-8")
+    base = ["section", "driven.py", "--input", "u=u.csv", "--out", "out"]
+    assert main([*base, "--plane", "x=1", "--until", "19"]) == 0
+    rows = (tmp_path / "out" / "points.csv").read_text().splitlines()[1:]
+    assert len(rows) == 3  # x = 1 + cos t passes upwards at 3, 7, 11 quarters of a turn
+    capsys.readouterr()
+    for wrong in ([*base, "--until", "19"], [*base, "--plane", "x=1"]):
+        assert main(wrong) == 2
+        assert len(capsys.readouterr().err.strip().splitlines()) == 1

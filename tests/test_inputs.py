@@ -220,8 +220,35 @@ def test_ensembles_and_sections_take_numbers_and_expressions():
     assert np.abs(found["x"][0] - by_duhamel(lambda t: math.sin(2 * t))).max() < 1e-11
     points = vo.section(SPRING, "x", starts={x: 2}, value=1, crossings=3, inputs={tau: 1})
     assert points.t == pytest.approx(np.pi * np.array([3, 7, 11]) / 2)  # x = 1 + cos t
-    with pytest.raises(DefinitionError, match="a section takes numbers and expressions"):
+    with pytest.raises(DefinitionError, match="give until="):
         vo.section(SPRING, "x", starts={x: 2}, inputs={tau: ([0, 3], [0, 1])})
+
+
+def test_a_section_takes_tables_and_functions() -> None:
+    """With force 1 for ten units and then 2 the swing about 1 becomes one about 2."""
+    held = Table([0, 10], [1, 2], "held")
+    found = vo.section(
+        SPRING, "x", starts={x: [2, 3]}, value=1, until=20, direction=0, inputs={tau: held},
+        outputs=(DX,),
+    )  # fmt: skip
+    for k, size in enumerate((1, 2)):  # x = 1 + size cos t at first
+        own = found.start == k
+        early = found.t[own][found.t[own] < 10]
+        assert early == pytest.approx(np.pi * np.array([1, 3, 5]) / 2, abs=1e-10)
+        assert np.abs(found["xdot"][own][:3]) == pytest.approx([size] * 3, abs=1e-10)
+        x10, v10 = 1 + size * math.cos(10), -size * math.sin(10)
+        wave, phase = math.hypot(x10 - 2, v10), math.atan2(-v10, x10 - 2)
+        late = found.t[own][found.t[own] > 10]
+        assert 2 + wave * np.cos(late - 10 + phase) == pytest.approx(np.ones(len(late)), abs=1e-9)
+        assert len(late) in (3, 4) and wave > 1
+        assert found.speed[own] == pytest.approx(found["xdot"][own], abs=1e-6)
+    assert found.ends == ("no more crossings up to t = 20",) * 2 and not found.errors
+    once = vo.section(
+        SPRING, "x", starts={x: 2}, value=1, crossings=1, until=9, inputs={tau: lambda t: 1.0}
+    )
+    assert once.t == pytest.approx([3 * np.pi / 2], abs=1e-9) and once.ends == ("complete",)
+    with pytest.raises(DefinitionError, match="no motion passes through x = 9"):
+        vo.section(SPRING, "x", starts={x: 2}, value=9, until=9, inputs={tau: held})
 
 
 @pytest.mark.parametrize("case", [*VALUES.values(), (math.sin, math.sin, ())])

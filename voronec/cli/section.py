@@ -56,10 +56,17 @@ def execute(arguments: Namespace) -> int:
     try:
         scene = arguments.scene or first_scene(system)
         chosen = system.scenes.get(scene) if scene else None
-        driven = drive(system, inputs, chosen, steady="a section")
-        equations, parameters = driven.equations, {**parameters, **driven.constants}
+        driven = drive(system, inputs, chosen)
+        equations: Any = driven.equations
+        if driven.changing is None:
+            parameters = {**parameters, **driven.constants}
         given: dict[str, Any] = {"scene": scene, "initial": initial, "parameters": parameters}
-        plane, value, outputs = _completed(equations, plane, outputs, given)
+        if driven.changing is None:
+            plane, value, outputs = _completed(equations, plane, outputs, given)
+        elif plane is None:
+            raise DefinitionError("--plane: with a table for an input name one, EXPR=VALUE")
+        else:
+            (plane, value), equations, given = plane, system, {**given, "inputs": inputs}
         found = section(
             equations, plane, outputs, **given, value=value, starts=arguments.starts,
             crossings=arguments.crossings, direction=DIRECTIONS[arguments.direction], until=until,

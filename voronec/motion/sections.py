@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from types import MappingProxyType
 from typing import Any
@@ -20,6 +20,7 @@ from voronec.equations.vector_field import Motions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.batches import chosen
+from voronec.motion.driven_sections import DrivenPassages, driven_passages
 from voronec.motion.ensembles import ensemble
 from voronec.motion.inputs import drive
 from voronec.motion.motion_pool import Many, at_each, drifts, many
@@ -313,7 +314,8 @@ def section(
         number: that many starts around the one of ``scene`` and ``initial``, on which all
         integrals of the system have the same values.
     scene, parameters, method, tol, progress, inputs
-        as for ``ensemble``.
+        as for ``ensemble``; with tables and functions for inputs motions are followed one by one,
+        up to ``until``, which must be given.
 
     Each crossing is found on the Taylor polynomial of its step (with scipy, on the interpolant) and
     polished to rounding.  Raises ``DefinitionError`` where no motion ever passes through
@@ -325,12 +327,21 @@ def section(
     if direction not in (-1, 0, 1) or crossings < 1:
         raise DefinitionError("direction must be 1, -1 or 0, and crossings at least 1")
     chosen_scene = scene_of(declared, scene, starts is None or isinstance(starts, int))
-    driven = drive(system, inputs, chosen_scene, steady="a section")
-    equations, parameters = driven.equations, {**(parameters or {}), **driven.constants}
+    driven = drive(system, inputs, chosen_scene)
+    equations, given = driven.equations, {**(parameters or {}), **driven.constants}
     vocabulary = Vocabulary.of(equations, driven.meaning)
     surface, expr = quantity(vocabulary, plane, "plane")
     on_plane = number(value, "the value of the plane")
     keys = outputs_of(None, outputs) or _whole(equations, expr)
+    if driven.changing is not None:
+        single, columns = _starts(equations, chosen_scene, starts, initial, parameters)
+        found = driven_passages(
+            declared, plane, on_plane, direction, keys, single, columns, crossings, until,
+            progress, scene=chosen_scene, inputs=inputs, method=method, tol=tol,
+        )  # fmt: skip
+        names = tuple(quantity(vocabulary, key)[0] for key in keys)
+        return _of_driven(declared, found, names, surface, on_plane, direction)
+    parameters = given
     wanted = dict(quantity(vocabulary, key) for key in keys)
     single, columns = _starts(equations, chosen_scene, starts, initial, parameters)
     motions = many(
@@ -485,6 +496,44 @@ def _section(
         level=motions.ground.level,
         cost=cost,
         interrupted=passages.interrupted[0],
+    )
+
+
+def _of_driven(
+    system: System, found: DrivenPassages, outputs: tuple[str, ...], surface: str, value: float,
+    direction: int,
+) -> Section:  # fmt: skip
+    """The section of motions that were followed one by one."""
+    if found.cost is None:
+        for error in found.errors.values():
+            raise error
+        raise KeyboardInterrupt
+    if not found.rows and not found.interrupted:
+        raise DefinitionError(
+            f"system '{system.name}': no motion passes through {surface} = {value:g} in that time; "
+            "choose another value, direction, plane or until"
+        )
+    start = np.array([row[0] for row in found.rows], dtype=int)
+    speed = np.array([row[3] for row in found.rows])
+    return Section(
+        system=system,
+        plane=surface,
+        value=value,
+        direction=direction,
+        outputs=outputs,
+        points=np.array([row[2] for row in found.rows]).reshape(len(start), len(outputs)),
+        t=np.array([row[1] for row in found.rows]),
+        start=start,
+        speed=speed,
+        near_tangent=np.abs(speed) < GRAZING * np.array(found.fastest)[start],
+        touches=(),
+        ends=tuple(found.ends),
+        errors=MappingProxyType(found.errors),
+        parameters=MappingProxyType({}),
+        drift=MappingProxyType({n: np.array(x) for n, x in found.drift.items()}),
+        level=found.cost.level,
+        cost=replace(found.cost, steps=found.steps),
+        interrupted=found.interrupted,
     )
 
 
