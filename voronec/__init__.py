@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from voronec.equations.voronec_equations import VoronecEquations, derive
     from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
     from voronec.lessons.judgement import Judgement, judge
+    from voronec.lessons.lesson import lesson
     from voronec.lessons.methods import by_methods
     from voronec.motion import (
         Crossings,
@@ -99,6 +100,7 @@ _HOME = {
     "Judgement": "voronec.lessons.judgement",
     "judge": "voronec.lessons.judgement",
     "by_methods": "voronec.lessons.methods",
+    "lesson": "voronec.lessons.lesson",
     "multiplier_acceleration": "voronec.equations.referee",
     "reaction_forces": "voronec.equations.referee",
     "Claim": "voronec.proof.claims",
@@ -191,6 +193,7 @@ __all__ = [
     "integrate",
     "judge",
     "kinematics",
+    "lesson",
     "linearise",
     "load",
     "multiplier_acceleration",

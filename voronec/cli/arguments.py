@@ -93,9 +93,17 @@ def _explain(commands: Any) -> None:
     summary = "show what has to be integrated to get given outputs, and why"
     parser = _command(commands, "explain", "explain", summary)
     _system(parser)
+    parser.add_argument(
+        "--derivation",
+        action="store_true",
+        help="instead, derive the equations step by step, with the formulas of the theory",
+    )
+    parser.add_argument("--latex", action="store_true", help="print the derivation as LaTeX")
     _outputs(parser)
     _setting(parser)
-    parser.add_argument("--out", metavar="DIR", help="folder for the text and its pictures")
+    parser.add_argument(
+        "--out", metavar="DIR", help="folder for the text and its pictures, or pages"
+    )
 
 
 def _methods(commands: Any) -> None:

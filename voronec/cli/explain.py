@@ -1,4 +1,5 @@
-"""``voronec explain``: what of a system has to be integrated for what is wanted, and why."""
+"""``voronec explain``: what of a system has to be integrated for what is wanted, and why; or the
+derivation of its equations, step by step."""
 
 from __future__ import annotations
 
@@ -10,6 +11,7 @@ from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import print_json, progress
 from voronec.cli.subject import resolve
 from voronec.cli.values import first_scene, input_values, outputs_of, pair, split_values
+from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
     from voronec.motion.model import Model
@@ -21,6 +23,10 @@ PICTURES = (".svg", ".png")
 
 def execute(arguments: Namespace) -> int:
     """Explain in words, as data, or in a folder of both with the dependence drawn."""
+    if arguments.derivation:
+        return _derivation(arguments)
+    if arguments.latex:
+        raise DefinitionError("--latex: it prints a derivation; add --derivation")
     outputs = outputs_of(arguments.outputs)
     pairs, inputs = [pair(text) for text in arguments.set], input_values(arguments.input)
     folder = None if arguments.out is None else wanted_folder(arguments.out)
@@ -51,6 +57,38 @@ def execute(arguments: Namespace) -> int:
     if files:
         print("wrote " + ", ".join(str(f) for f in files))
     return 0
+
+
+def _derivation(arguments: Namespace) -> int:
+    """The steps as text, as LaTeX, as data, or as files of the first two and a page."""
+    for name in ("outputs", "scene", "set", "input"):
+        if getattr(arguments, name):
+            raise DefinitionError(f"--{name}: a derivation is that of all motions; leave it out")
+    folder = None if arguments.out is None else wanted_folder(arguments.out)
+    system, _ = resolve(arguments.system)
+    from voronec.lessons.lesson import lesson
+
+    progress(f"{system.name}: the derivation step by step ...")
+    try:
+        found = lesson(system)
+        told = found.as_dict() if arguments.json else None
+        text = found.latex() if arguments.latex else str(found)
+    finally:
+        progress("")
+    files = []
+    if folder is not None:
+        pages = {"txt": f"{found}\n", "tex": found.latex(), "html": found.html()}
+        with delivery(folder) as workshop:
+            for suffix, content in pages.items():
+                (workshop / f"derivation.{suffix}").write_text(content, encoding="utf-8")
+        files = [str(folder / f"derivation.{suffix}") for suffix in pages]
+    if told is not None:
+        print_json({**told, "files": files})
+    else:
+        print(text)
+        if files:
+            print("wrote " + ", ".join(files))
+    return 0 if found.verdict.proved else 1
 
 
 def _write(model: Model, text: str, folder: Path) -> list[Path]:

@@ -1,0 +1,444 @@
+r"""The derivation of a system's equations, step by step, with the numbers of the theory's formulas.
+
+Each step is computed from the one before it by the formula that it names [Theory, eq. (2) to (11)];
+at the end what the steps give is proved to be what ``voronec derive`` prints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.normal import shortest
+from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.typeset import symbol_latex
+from voronec.algebra.verdicts import Verdict
+from voronec.declaration.system import System
+from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.errors import DefinitionError
+from voronec.proof.decision import all_zero
+
+__all__ = ["FIELD", "Lesson", "Part", "Row", "lesson"]
+
+
+FIELD = "partial_"
+"""Begins the name of the symbol that stands for differentiation by a coordinate."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A formula: its left side as text and as LaTeX, and the value."""
+
+    text: str
+    latex: str
+    value: Any
+
+
+@dataclass(frozen=True)
+class Part:
+    """A step: what is asked and done, the formula of the theory, and what comes out.
+
+    ``numbers`` are those of the formulas in ``docs/theory.md``; ``formula`` is the one that is
+    used, as text and as LaTeX.  Where nothing comes out, ``nothing`` says so.
+    """
+
+    title: str
+    sentence: str
+    numbers: str = ""
+    formula: tuple[str, str] = ("", "")
+    rows: tuple[Row, ...] = ()
+    nothing: str = ""
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """The steps of a derivation, and the verdict on their sum."""
+
+    equations: VoronecEquations
+    parts: tuple[Part, ...]
+    verdict: Verdict
+
+    @property
+    def system(self) -> System:
+        """The system."""
+        return self.equations.system
+
+    def lines(self) -> list[str]:
+        """As text."""
+        from voronec.lessons.lesson_text import lesson_lines
+
+        return lesson_lines(self)
+
+    def latex(self) -> str:
+        """As a LaTeX document."""
+        from voronec.lessons.lesson_text import lesson_latex
+
+        return lesson_latex(self)
+
+    def html(self) -> str:
+        """As one page without scripts, formulas in MathML."""
+        from voronec.lessons.lesson_text import lesson_html
+
+        return lesson_html(self)
+
+    def as_dict(self) -> dict[str, Any]:
+        """As data that JSON can hold."""
+        from voronec.lessons.lesson_text import lesson_dict
+
+        return lesson_dict(self)
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+
+def lesson(system: System | VoronecEquations) -> Lesson:
+    """The derivation of the equations of motion, step by step [Theory, eq. (2) to (11)].
+
+    What is given; the velocities that the constraints admit; the horizontal fields; their brackets
+    and the curvature; the Lagrangian on the constraints and the momenta of the fibre; the terms of
+    the equations, and the equations.  Raises ``DefinitionError`` for systems on groups, with forces
+    that hold accelerations, or too large to be written out.
+    """
+    equations = system if isinstance(system, VoronecEquations) else derive(system)
+    name, own = equations.system.name, equations.definition
+    if own.group is not None or own.added:
+        raise DefinitionError(
+            f"system '{name}': a derivation is told step by step in coordinates, with forces that "
+            "hold no acceleration; 'voronec derive' prints its equations"
+        )
+    if not equations.in_normal_form:
+        raise DefinitionError(
+            f"system '{name}': its derivation is too long to be written out; "
+            f"'voronec derive {name} --python' prints its program"
+        )
+    work = _Work(equations)
+    verdict = all_zero(work.differences(), (*own.relations, *own.conditions))
+    return Lesson(equations, tuple(work.parts()), verdict)
+
+
+TERMS = (
+    (
+        "The momenta",
+        "Lc is differentiated by the velocities in use:",
+        ("dLc/dv^i", r"\frac{\partial L_c}{\partial v^i}"),
+        ("dLc/d{}", r"\frac{{\partial L_c}}{{\partial {}}}"),
+    ),
+    (
+        "The slopes of Lc along the fields",
+        "Lc is differentiated along each of the fields:",
+        ("h_i(Lc)", r"h_i(L_c)"),
+        ("h[{}](Lc)", r"h_{{{}}}(L_c)"),
+    ),
+    (
+        "The term of the curvature",
+        "What Lagrange's equations do not have: the brackets, with the momenta and the velocities.",
+        (
+            "(c_ij^k dLc/dv^k + B_ij^A p_A) v^j",
+            r"\Big(c_{ij}^k\frac{\partial L_c}{\partial v^k} + B_{ij}^A p_A\Big)v^j",
+        ),
+        ("G[{}]", r"G_{{{}}}"),
+    ),
+    (
+        "The forces along the fields",
+        "The work of the forces along each of the fields:",
+        ("E_i^b Q_b + a_i^A Q_A", r"E_i^b Q_b + a_i^A Q_A"),
+        ("Pi[{}]", r"\Pi_{{{}}}"),
+    ),
+)
+"""The terms of the equations (9), one step each: title, sentence, formula, and names of values."""
+
+
+class _Work:
+    """What the steps compute, inside the door; each from those before it."""
+
+    def __init__(self, equations: VoronecEquations) -> None:
+        self.eqs = equations
+        own, inward = equations.definition, equations.door.inward
+        self.own, self.inward, self.outward = own, inward, equations.door.outward
+        self.names = [plain_name(v) for v in equations.velocities]
+        self.size = range(len(self.names))
+        self.rates = [inward(e) for e in equations.rates]
+        self.lagrangian = inward(equations.theta)
+        self.fields = [[r.diff(v) for r in self.rates] for v in own.velocities]
+        still = dict.fromkeys(own.velocities, 0)
+        self.drift = [r.xreplace(still) for r in self.rates]
+        self.slopes = [self.lagrangian.diff(v) for v in own.velocities]
+        self.fibre = [inward(p) for p in equations.momenta]
+        self.lifted = [
+            self._along(i, [self.lagrangian.diff(q) for q in own.coordinates]) for i in self.size
+        ]
+        dots = dict(zip(own.coordinate_velocities, self.rates, strict=True))
+        self.pushed = [self._along(i, [f.xreplace(dots) for f in own.forces]) for i in self.size]
+        self.turned = [self._turned(i) for i in self.size]
+
+    def _along(self, index: int, components: Sequence[Any]) -> Any:
+        return sum(
+            (h * c for h, c in zip(self.fields[index], components, strict=True)),
+            start=self.inward(0),
+        )
+
+    def _turned(self, i: int) -> Any:
+        """(c_ij^k dLc/dv^k + B_ij^A p_A) v^j, with v^0 = 1."""
+        brackets, total = self.eqs.brackets, self.inward(0)
+        for j in (*self.size, len(self.names)):
+            speed = self.own.velocities[j] if j in self.size else self.inward(1)
+            for k, p in enumerate(self.slopes):
+                total += self.inward(brackets.c[k, i, j]) * p * speed
+            for a, p in enumerate(self.fibre):
+                total += self.inward(brackets.B[a, i, j]) * p * speed
+        return total
+
+    def differences(self) -> Iterator[tuple[str, Any]]:
+        """The sum of the terms of (9), less mass * vdot - force."""
+        own, eqs = self.own, self.eqs
+        dots = [self.inward(velocity(v)) for v in eqs.velocities]
+        for i in self.size:
+            p = self.slopes[i]
+            left = p.diff(own.time) - self.lifted[i] + self.turned[i] - self.pushed[i]
+            left += sum(
+                (p.diff(q) * r for q, r in zip(own.coordinates, self.rates, strict=True)),
+                start=self.inward(0),
+            )
+            left += sum(
+                (p.diff(v) * d for v, d in zip(own.velocities, dots, strict=True)),
+                start=self.inward(0),
+            )
+            right = -self.inward(eqs.force[i, 0])
+            right += sum(
+                (self.inward(eqs.mass[i, j]) * d for j, d in enumerate(dots)), start=self.inward(0)
+            )
+            yield self.names[i], left - right
+
+    def parts(self) -> Iterator[Part]:
+        """The steps in their order."""
+        yield self._given()
+        yield self._velocities()
+        yield self._fields()
+        yield self._brackets()
+        if self.eqs.has_coordinate_frame:
+            yield self._curvature()
+        yield self._kind()
+        yield self._reduced()
+        yield from self._terms()
+        yield self._sum()
+        yield self._solved()
+
+    def _given(self) -> Part:
+        system = self.eqs.system
+        rows = [Row("L", "L", system.lagrangian)]
+        rows += [
+            Row(f"Q[{plain_name(q)}]", f"Q_{{{symbol_latex(plain_name(q))}}}", f)
+            for q, f in system.forces.items()
+        ]
+        rows += [Row("0", "0", c) for c in system.constraints]
+        rows += [Row("0", "0", r) for r in system.fibration.relations]
+        base = ", ".join(map(plain_name, system.fibration.base))
+        fibre = ", ".join(map(plain_name, system.fibration.fibre))
+        over = f", and of the fibre over them, {fibre}" if fibre else ""
+        return Part(
+            "What is given",
+            f"The coordinates of the base, {base}{over}; the Lagrangian, the forces, and the "
+            "constraints, which vanish. What is asked: equations of motion without multipliers for "
+            f"{', '.join(self.names)}.",
+            "(1), (2)",
+            rows=tuple(rows),
+        )
+
+    def _velocities(self) -> Part:
+        system = self.eqs.system
+        rows = []
+        if system.frame is not None:
+            pairs = zip(system.frame.velocities, system.frame.expressions, strict=True)
+            rows = [Row(plain_name(v), symbol_latex(plain_name(v)), e) for v, e in pairs]
+        rows += [
+            Row(plain_name(velocity(q)), f"\\dot{{{symbol_latex(plain_name(q))}}}", rate)
+            for q, rate in zip(self.eqs.coordinates, self.eqs.rates, strict=True)
+            if velocity(q) != rate
+        ]
+        return Part(
+            "The velocities that the constraints admit",
+            "The constraints, with the definitions of the velocities in use, are linear equations "
+            "for the velocities of the coordinates; they are solved.",
+            "(3), (4)",
+            ("rdot = E v + e0,  sdot = a v + a0", r"\dot r = E v + e_0,\qquad \dot s = a v + a_0"),
+            tuple(rows),
+            "The velocities of the coordinates are free.",
+        )
+
+    def _fields(self) -> Part:
+        rows = []
+        for i, name in enumerate((*self.names, "0")):
+            field = self.fields[i] if i in self.size else self.drift
+            if i in self.size or any(e != 0 for e in field) or self.own.time in self._held():
+                value = sp.Integer(0) if i in self.size else sp.Symbol(f"{FIELD}t")
+                for q, e in zip(
+                    self.eqs.coordinates, shortest(field, self.own.relations), strict=True
+                ):
+                    value += self.outward(e) * sp.Symbol(FIELD + plain_name(q))
+                label = symbol_latex(name) if i in self.size else "0"
+                rows.append(Row(f"h[{name}]", f"h_{{{label}}}", value))
+        return Part(
+            "The horizontal fields",
+            "The coefficient of each velocity is a field on the configurations along which the "
+            "system can move; d_x is differentiation by x.",
+            "(5)",
+            ("h_i = E_i^b d_b + a_i^A d_A", r"h_i = E_i^b\,\partial_b + a_i^A\,\partial_A"),
+            tuple(rows),
+        )
+
+    def _held(self) -> set[Any]:
+        return set().union(*(r.free_symbols for r in self.rates))
+
+    def _brackets(self) -> Part:
+        rows = []
+        fibre = self.own.split[1]
+        behind = [*self.names, "0"]
+        for i, j in combinations(range(len(behind)), 2):
+            for symbol, above, table in (
+                ("c", self.names, self.eqs.brackets.c),
+                ("B", fibre, self.eqs.brackets.B),
+            ):
+                rows += [
+                    Row(
+                        f"{symbol}^{name}[{behind[i]}, {behind[j]}]",
+                        f"{symbol}_{{{_tex(behind[i])}\\,{_tex(behind[j])}}}^{{{_tex(name)}}}",
+                        table[k, i, j],
+                    )
+                    for k, name in enumerate(above)
+                    if table[k, i, j] != 0
+                ]
+        return Part(
+            "The brackets of the fields",
+            "Going round a small parallelogram along two of the fields does not lead back: their "
+            "bracket has a part along the fields, c, and one along the fibre, the curvature B.",
+            "(6)",
+            (
+                "[h_i, h_j] = c_ij^k h_k + B_ij^A d_A",
+                r"[h_i, h_j] = c_{ij}^k h_k + B_{ij}^A\,\partial_A",
+            ),
+            tuple(rows),
+            "All brackets vanish.",
+        )
+
+    def _curvature(self) -> Part:
+        base, fibre = self.own.split
+        rows = []
+        for k, name in enumerate(fibre):
+            for i, one in enumerate(base):
+                rows += [
+                    Row(
+                        f"A^{name}[{one}, {base[j]}]",
+                        f"A_{{{_tex(one)}\\,{_tex(base[j])}}}^{{{_tex(name)}}}",
+                        self.eqs.curvature[k, i, j],
+                    )
+                    for j in range(i + 1, len(base))
+                ]
+                label = f"A_{{{_tex(one)}}}^{{{_tex(name)}}}"
+                rows.append(Row(f"A^{name}[{one}]", label, self.eqs.curvature.time[k, i]))
+        return Part(
+            "The curvature in the coordinates of the base",
+            "In the frame of the base velocities, with Voronec's sign:",
+            "(7), (8)",
+            (
+                "A_ij^nu = -B_ij^nu,  A_i^nu = -B_i0^nu",
+                r"A_{ij}^{\nu} = -B_{ij}^{\nu},\qquad A_i^{\nu} = -B_{i0}^{\nu}",
+            ),
+            tuple(row for row in rows if row.value != 0),
+            "It vanishes.",
+        )
+
+    def _kind(self) -> Part:
+        why = {
+            "holonomic": "The curvature vanishes, or there is no fibre: the system is holonomic, "
+            "and the equations are Lagrange's.",
+            "chaplygin": "Nothing depends on the coordinates of the fibre: this is a Chaplygin "
+            "system.",
+            "voronec": "The curvature does not vanish, and coordinates of the fibre occur: this "
+            "is the general case, Voronec's.",
+        }
+        growth = ", ".join(map(str, self.eqs.growth))
+        return Part(
+            "The kind of the system",
+            f"{why[self.eqs.kind]} The fields span {self.eqs.growth[0]} directions; with their "
+            "brackets, and the brackets of these, "
+            f"({growth}) of {self.eqs.distribution.dimension}.",
+        )
+
+    def _reduced(self) -> Part:
+        rows = [Row("Lc", "L_c", self.eqs.theta)]
+        pairs = zip(self.own.split[1], self.eqs.momenta, strict=True)
+        rows += [Row(f"p[{name}]", f"p_{{{_tex(name)}}}", p) for name, p in pairs]
+        return Part(
+            "The Lagrangian on the constraints",
+            "The velocities of the coordinates are replaced in L. Before that, L is differentiated "
+            "by the velocities of the fibre: these momenta are what the curvature acts on.",
+            "",
+            (
+                "Lc = L on the constraints,  p_A = dL/dsdot^A there",
+                r"L_c = L|_{\dot q = h_j v^j},\qquad "
+                r"p_A = \frac{\partial L}{\partial \dot s^A}\Big|_{\dot q = h_j v^j}",
+            ),
+            tuple(rows),
+        )
+
+    def _terms(self) -> Iterator[Part]:
+        for title, sentence, formula, labels, values in zip(
+            *zip(*TERMS, strict=True),
+            (self.slopes, self.lifted, self.turned, self.pushed),
+            strict=True,
+        ):
+            found = [
+                self.outward(e) for e in shortest(values, self.own.relations, self.own.velocities)
+            ]
+            rows = [
+                Row(labels[0].format(name), labels[1].format(_tex(name)), value)
+                for name, value in zip(self.names, found, strict=True)
+            ]
+            shown = rows if values is not self.pushed or any(e != 0 for e in found) else []
+            yield Part(title, sentence, "", formula, tuple(shown), "There are no other forces.")
+
+    def _sum(self) -> Part:
+        rows = tuple(
+            Row(
+                f"d/dt dLc/d{name}",
+                f"\\frac{{d}}{{dt}}\\frac{{\\partial L_c}}{{\\partial {_tex(name)}}}",
+                value,
+            )
+            for name, value in zip(self.names, self.eqs.right, strict=True)
+        )
+        return Part(
+            "The equations",
+            "The principle of d'Alembert and Lagrange, along each field, puts the terms together:",
+            "(9)",
+            (
+                "d/dt dLc/dv^i - h_i(Lc) + (c_ij^k dLc/dv^k + B_ij^A p_A) v^j"
+                " = E_i^b Q_b + a_i^A Q_A",
+                r"\frac{d}{dt}\frac{\partial L_c}{\partial v^i} - h_i(L_c) + \Big(c_{ij}^k"
+                r"\frac{\partial L_c}{\partial v^k} + B_{ij}^A p_A\Big)v^j = E_i^b Q_b + a_i^A Q_A",
+            ),
+            rows,
+        )
+
+    def _solved(self) -> Part:
+        rows = []
+        for i in self.size:
+            terms = [self.eqs.mass[i, j] * velocity(v) for j, v in enumerate(self.eqs.velocities)]
+            rows.append(Row("", "", (sp.Add(*terms), self.eqs.force[i, 0])))
+        return Part(
+            "For the accelerations",
+            "The derivative by the time is carried out: linear equations for the accelerations.",
+            "(11)",
+            (
+                "mass vdot = force",
+                r"\frac{\partial^2 L_c}{\partial v^i\partial v^j}\,\dot v^j = \text{force}_i",
+            ),
+            tuple(rows),
+        )
+
+
+def _tex(name: str) -> str:
+    return "0" if name == "0" else symbol_latex(name)

@@ -1,0 +1,170 @@
+"""A derivation step by step as text, as a LaTeX document, as a page, and as data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from html import escape
+from textwrap import wrap
+from typing import Any
+
+from voronec.algebra.typeset import caret_text, latex_of, plain_text
+from voronec.audit.page.article import escape_text
+from voronec.audit.page.mathml import mathml
+from voronec.equations.voronec_equations import equation_rows
+from voronec.lessons.lesson import FIELD, Lesson, Part, Row
+
+__all__ = ["lesson_dict", "lesson_html", "lesson_latex", "lesson_lines"]
+
+WIDTH = 96
+COLUMN = 52.0
+"""How wide a formula on the page may be, in em."""
+
+
+def lesson_lines(found: Lesson) -> list[str]:
+    """Numbered steps: what is done, the formula with its number, what comes out."""
+    lines = [_title(found)]
+    for number, part in enumerate(found.parts, 1):
+        lines += ["", f"{number}. {part.title}", *wrap(part.sentence, WIDTH, **_INDENT)]
+        if part.formula[0]:
+            lines.append(f"      {part.formula[0]}    {part.numbers}".rstrip())
+        rows = [_text(row) for row in part.rows]
+        lines += [f"  {row}" for row in equation_rows(rows)] or _nothing(part)
+    return [*lines, "", *wrap(_end(found), WIDTH, **_INDENT)]
+
+
+_INDENT: dict[str, Any] = {"initial_indent": "  ", "subsequent_indent": "  "}
+
+
+def _nothing(part: Part) -> list[str]:
+    return [f"  {part.nothing}"] if part.nothing else []
+
+
+def _title(found: Lesson) -> str:
+    system = found.system
+    return f"{system.name}: {system.title}" if system.title else system.name
+
+
+def _end(found: Lesson) -> str:
+    """What the proof at the end says."""
+    if found.verdict.proved:
+        why = "identical" if "identical" in found.verdict.method else "their difference is zero"
+        return (
+            "Check: the terms, put together, are the equations that 'voronec derive' prints: "
+            f"proved, {why} in exact normal form."
+        )
+    return f"Check: {found.verdict.status}: {found.verdict.method}."
+
+
+def _text(row: Row) -> tuple[str, str]:
+    if isinstance(row.value, tuple):
+        left, right = map(caret_text, row.value)
+        return left, right
+    return row.text, caret_text(row.value).replace(FIELD, "d_")
+
+
+def _formula(found: Lesson, value: Any) -> str:
+    system = found.system
+    return latex_of(value, system.coordinates, system.velocities).replace(FIELD, r"\partial_")
+
+
+def _latex(found: Lesson, row: Row) -> str:
+    if isinstance(row.value, tuple):
+        left, right = (_formula(found, value) for value in row.value)
+        return f"{left} = {right}"
+    return f"{row.latex} = {_formula(found, row.value)}"
+
+
+def lesson_latex(found: Lesson) -> str:
+    """A document of its own; formulas of the theory bear its numbers."""
+    body = [f"\\section*{{{escape_text(_title(found))}}}"]
+    for number, part in enumerate(found.parts, 1):
+        body.append(f"\\subsection*{{{number}. {escape_text(part.title)}}}")
+        body.append(escape_text(part.sentence))
+        if part.formula[1]:
+            tag = f"\\tag*{{{part.numbers}}}" if part.numbers else ""
+            body.append(f"\\[ {part.formula[1]} {tag}\\]")
+        rows = [f"\\[ {_latex(found, row)} \\]" for row in part.rows]
+        body += rows or ([escape_text(part.nothing)] if part.nothing else [])
+    body.append(escape_text(_end(found)))
+    return "\n".join(
+        [
+            "\\documentclass{article}",
+            "\\usepackage{amsmath,amssymb}",
+            "\\begin{document}",
+            *body,
+            "\\end{document}",
+            "",
+        ]
+    )
+
+
+def lesson_html(found: Lesson) -> str:
+    """One page; formulas are MathML, and nothing is loaded."""
+    title = escape(_title(found))
+    return "\n".join(
+        [
+            '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">',
+            '<meta name="viewport" content="width=device-width, initial-scale=1">',
+            f"<title>{title}</title><style>{STYLE}</style></head><body><h1>{title}</h1>",
+            *_sections(found),
+            f"<p class='end'>{escape(_end(found))}</p></body></html>",
+            "",
+        ]
+    )
+
+
+def _sections(found: Lesson) -> Iterator[str]:
+    for number, part in enumerate(found.parts, 1):
+        yield f"<h2>{number}. {escape(part.title)}</h2><p>{escape(part.sentence)}</p>"
+        if part.formula[1]:
+            told = f"<span>{escape(part.numbers)}</span>" if part.numbers else ""
+            yield f"<div class='theory'>{mathml(part.formula[1], limit=COLUMN)}{told}</div>"
+        for row in part.rows:
+            yield f"<div class='row'>{mathml(_latex(found, row), limit=COLUMN)}</div>"
+        if not part.rows and part.nothing:
+            yield f"<p>{escape(part.nothing)}</p>"
+
+
+STYLE = """
+:root { color-scheme: light dark; }
+body { font: 17px/1.55 "STIX Two Text", "Latin Modern Roman", Georgia, serif; max-width: 56rem;
+  margin: 0 auto; padding: 1.5rem; }
+h1 { font-size: 1.7rem; } h2 { font-size: 1.2rem; margin: 2rem 0 .3rem; }
+.theory { display: flex; align-items: center; gap: 1rem; background: #8881; padding: .4rem 1rem;
+  border-left: 3px solid #43549a; overflow-x: auto; }
+.theory math { flex: 1; } .theory span { color: #777; white-space: nowrap; }
+.row { overflow-x: auto; padding: .25rem 1rem; }
+.end { margin-top: 2rem; border-top: 1px solid #8885; padding-top: .8rem; }
+"""
+
+
+def lesson_dict(found: Lesson) -> dict[str, Any]:
+    """The steps with their formulas as text and LaTeX."""
+    return {
+        "system": found.system.name,
+        "steps": [
+            {
+                "title": part.title,
+                "sentence": part.sentence,
+                "theory": part.numbers,
+                "formula": part.formula[0],
+                "results": [
+                    {
+                        "left": plain_text(row.value[0]) if _is_pair(row) else row.text,
+                        "right": plain_text(row.value[1])
+                        if _is_pair(row)
+                        else plain_text(row.value).replace(FIELD, "d_"),
+                        "latex": _latex(found, row),
+                    }
+                    for row in part.rows
+                ],
+            }
+            for part in found.parts
+        ],
+        "check": found.verdict.status,
+        "why": found.verdict.method,
+    }
+
+
+def _is_pair(row: Row) -> bool:
+    return isinstance(row.value, tuple)
