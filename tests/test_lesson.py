@@ -103,8 +103,8 @@ def test_the_latex_is_balanced() -> None:
     text = told("snakeboard").latex()
     assert text.count("{") == text.count("}")
     assert text.count("\\[") == text.count("\\]")
-    assert "\\partial_{\\theta}" in text
-    assert "partial_{" not in text.replace("\\partial_{", "")
+    assert "h_{\\dot{\\theta}} = \\partial_{\\theta} - " in text
+    assert "\\frac{l \\cos{\\left(\\phi \\right)}" in text
 
 
 def test_what_is_too_large_or_on_a_group_is_refused() -> None:

@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.normal import shortest
-from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.typeset import symbol_latex
 from voronec.algebra.verdicts import Verdict
 from voronec.declaration.system import System
@@ -22,16 +22,19 @@ from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError
 from voronec.proof.decision import all_zero
 
-__all__ = ["FIELD", "Lesson", "Part", "Row", "lesson"]
+__all__ = ["Field", "Lesson", "Part", "Row", "lesson"]
 
 
-FIELD = "partial_"
-"""Begins the name of the symbol that stands for differentiation by a coordinate."""
+@dataclass(frozen=True)
+class Field:
+    """A vector field: coefficients, each with the coordinate (or time) of its differentiation."""
+
+    terms: tuple[tuple[Any, Any], ...]
 
 
 @dataclass(frozen=True)
 class Row:
-    """A formula: its left side as text and as LaTeX, and the value."""
+    """A formula: its left side as text and as LaTeX, and the value; or both sides as values."""
 
     text: str
     latex: str
@@ -274,12 +277,12 @@ class _Work:
         for i, name in enumerate((*self.names, "0")):
             field = self.fields[i] if i in self.size else self.drift
             if i in self.size or any(e != 0 for e in field) or self.own.time in self._held():
-                value = sp.Integer(0) if i in self.size else sp.Symbol(f"{FIELD}t")
-                for q, e in zip(
-                    self.eqs.coordinates, shortest(field, self.own.relations), strict=True
-                ):
-                    value += self.outward(e) * sp.Symbol(FIELD + plain_name(q))
-                label = symbol_latex(name) if i in self.size else "0"
+                entries = map(self.outward, shortest(field, self.own.relations))
+                terms = [*zip(entries, self.eqs.coordinates, strict=True)]
+                if i not in self.size:
+                    terms.insert(0, (sp.Integer(1), time))
+                value = Field(tuple(term for term in terms if term[0] != 0))
+                label = _tex(name)
                 rows.append(Row(f"h[{name}]", f"h_{{{label}}}", value))
         return Part(
             "The horizontal fields",
@@ -441,4 +444,7 @@ class _Work:
 
 
 def _tex(name: str) -> str:
+    """LaTeX of a name; what ends so is a velocity."""
+    if name.endswith("dot") and name != "dot":
+        return f"\\dot{{{symbol_latex(name.removesuffix('dot'))}}}"
     return "0" if name == "0" else symbol_latex(name)

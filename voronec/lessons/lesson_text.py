@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from html import escape
 from textwrap import wrap
 from typing import Any
 
-from voronec.algebra.typeset import caret_text, latex_of, plain_text
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.typeset import caret_text, latex_of, symbol_latex
 from voronec.audit.page.article import escape_text
 from voronec.audit.page.mathml import mathml
 from voronec.equations.voronec_equations import equation_rows
-from voronec.lessons.lesson import FIELD, Lesson, Part, Row
+from voronec.lessons.lesson import Field, Lesson, Part, Row
 
 __all__ = ["lesson_dict", "lesson_html", "lesson_latex", "lesson_lines"]
 
@@ -59,12 +60,39 @@ def _text(row: Row) -> tuple[str, str]:
     if isinstance(row.value, tuple):
         left, right = map(caret_text, row.value)
         return left, right
-    return row.text, caret_text(row.value).replace(FIELD, "d_")
+    if isinstance(row.value, Field):
+        terms = [(c, caret_text(c), f"d_{plain_name(q)}") for c, q in row.value.terms]
+        return row.text, _sum(terms, " ", "({})")
+    return row.text, caret_text(row.value)
 
 
 def _formula(found: Lesson, value: Any) -> str:
     system = found.system
-    return latex_of(value, system.coordinates, system.velocities).replace(FIELD, r"\partial_")
+    if isinstance(value, Field):
+        terms = [
+            (c, _formula(found, c), f"\\partial_{{{symbol_latex(plain_name(q))}}}")
+            for c, q in value.terms
+        ]
+        return _sum(terms, "\\,", "\\left({}\\right)")
+    return latex_of(value, system.coordinates, system.velocities)
+
+
+def _sum(terms: Sequence[tuple[Any, str, str]], times: str, brackets: str) -> str:
+    """Coefficients before signs of differentiation, which act on what the field is applied to."""
+    text = ""
+    for coefficient, written, sign in terms:
+        factor = brackets.format(written) if coefficient.is_Add else written
+        term = (
+            sign if coefficient == 1 else f"-{sign}" if coefficient == -1 else factor + times + sign
+        )
+        text += (
+            f" - {term[1:].lstrip()}"
+            if term.startswith("-") and text
+            else f" + {term}"
+            if text
+            else term
+        )
+    return text
 
 
 def _latex(found: Lesson, row: Row) -> str:
@@ -133,7 +161,7 @@ h1 { font-size: 1.7rem; } h2 { font-size: 1.2rem; margin: 2rem 0 .3rem; }
 .theory { display: flex; align-items: center; gap: 1rem; background: #8881; padding: .4rem 1rem;
   border-left: 3px solid #43549a; overflow-x: auto; }
 .theory math { flex: 1; } .theory span { color: #777; white-space: nowrap; }
-.row { overflow-x: auto; padding: .25rem 1rem; }
+.row { overflow: auto hidden; padding: .4rem 1rem; }
 .end { margin-top: 2rem; border-top: 1px solid #8885; padding-top: .8rem; }
 """
 
@@ -150,10 +178,8 @@ def lesson_dict(found: Lesson) -> dict[str, Any]:
                 "formula": part.formula[0],
                 "results": [
                     {
-                        "left": plain_text(row.value[0]) if _is_pair(row) else row.text,
-                        "right": plain_text(row.value[1])
-                        if _is_pair(row)
-                        else plain_text(row.value).replace(FIELD, "d_"),
+                        "left": _text(row)[0],
+                        "right": _text(row)[1],
                         "latex": _latex(found, row),
                     }
                     for row in part.rows
@@ -164,7 +190,3 @@ def lesson_dict(found: Lesson) -> dict[str, Any]:
         "check": found.verdict.status,
         "why": found.verdict.method,
     }
-
-
-def _is_pair(row: Row) -> bool:
-    return isinstance(row.value, tuple)
