@@ -118,6 +118,7 @@ def test_a_trajectory_draws_itself(results: dict[str, Any], tmp_path: Path) -> N
     figure = motion.plot(["v", "w"])
     assert [panel.get_ylabel() for panel in figure.axes] == ["$v$", "$w$"]
     assert np.array_equal(figure.axes[0].lines[0].get_ydata(), motion["v"])
+    assert figure._repr_png_().startswith(b"\x89PNG")  # a notebook shows it without pyplot
     with pytest.raises(vo.DefinitionError, match="speed"):
         motion.plot(["speed"])
     with pytest.raises(vo.DefinitionError, match="makes no film"):

@@ -40,6 +40,7 @@ def test_a_picture_is_one_element_and_the_same_each_time() -> None:
     sketch = vo.load("sleigh").sketch
     assert sketch.svg().startswith("<svg") and sketch.svg() == sketch.svg()
     assert vo.load("sleigh")._repr_html_().startswith("<svg")
+    assert sketch._repr_html_() == sketch.svg() and len(repr(sketch)) < 60
 
 
 @pytest.mark.parametrize("ending", ["svg", "png", "pdf"])

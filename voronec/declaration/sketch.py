@@ -52,7 +52,7 @@ class Stroke:
     look: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Sketch:
     """A picture of a mechanism, with its coordinates named.
 
@@ -79,6 +79,9 @@ class Sketch:
         words = re.findall(r"[A-Za-z_]\w*", text)
         stroke = Stroke(kind, tuple(points), tuple(numbers), _typeset(text), look)
         return Sketch(self.view, (*self.strokes, stroke), self.names | {*words})
+
+    def __repr__(self) -> str:
+        return f"Sketch({self.view!r}, {len(self.strokes)} strokes)"
 
     def line(self, *points: Point, look: str = "outline") -> Sketch:
         """A line through points; looks are ``outline``, ``thin``, ``dashed`` and ``heavy``."""
@@ -157,6 +160,10 @@ class Sketch:
             spans = axes.dataLim.width, axes.dataLim.height
             figure.set_size_inches(*(INCHES * span + 0.6 for span in spans))
         return figure
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the picture."""
+        return self.svg()
 
     def svg(self) -> str:
         """The picture as SVG: the element alone, without a prologue."""

@@ -50,7 +50,8 @@ def plot_trajectory(
     matplotlib ``Figure``; save it as SVG or PDF for print.
     """
     from matplotlib import rc_context
-    from matplotlib.figure import Figure
+
+    from voronec.closed.pictures.notebook_figure import NotebookFigure
 
     shown = tuple(trajectory.outputs if names is None else names)
     if not shown:
@@ -59,7 +60,7 @@ def plot_trajectory(
     rows = -(-len(shown) // columns)
     with rc_context(STYLE):
         height = 1.15 if rows < 5 else 0.95
-        figure = Figure(figsize=(WIDTH, 0.5 + height * rows), layout="constrained")
+        figure = NotebookFigure(figsize=(WIDTH, 0.5 + height * rows), layout="constrained")
         panels = figure.subplots(rows, columns, sharex=True, squeeze=False)
         for place, panel in enumerate(panels.T.flat):
             if place >= len(shown):
