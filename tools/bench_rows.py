@@ -120,7 +120,8 @@ def _ratio(bench: Bench, slow: str, error: float, factor: float, row: str, why: 
 
 
 PEERS = {
-    "dop853-lambdify-invariants": "(G, gamma)-like equations, `lambdify` to `math` with `cse`",
+    "dop853-by-hand": "(G, gamma) by hand, `lambdify` to `math` with `cse`",
+    "dop853-lambdify-invariants": "(gamma, omega), no mass matrix, `lambdify` to `math`, `cse`",
     "dop853-lambdify-invariants-plain": "the same equations, `lambdify` with nothing else said",
     "dop853-lambdify-coordinates": "equations in Euler angles, `lambdify` with `cse`, "
     "`numpy.linalg.solve`",

@@ -7,5 +7,5 @@ from voronec.accuracy.bench.peers.physics import PHYSICS
 
 __all__ = ["PEERS"]
 
-PEERS = (HANDWRITTEN, *JITTED, *LAMBDIFIED, *PHYSICS)
+PEERS = (*HANDWRITTEN, *JITTED, *LAMBDIFIED, *PHYSICS)
 """Every peer, fastest kind first."""

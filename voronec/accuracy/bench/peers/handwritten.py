@@ -1,4 +1,5 @@
-"""The best programs by hand, for heyoka: rolling balls in a momentum G and the normal gamma.
+"""The best programs by hand, for heyoka and for scipy: rolling balls in a momentum G and the normal
+gamma.
 
 Constants are numbers in the programs, and everything is written so as to multiply least.
 """
@@ -7,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,7 +26,14 @@ from voronec.accuracy.bench.level import BenchLevel, level
 from voronec.accuracy.bench.question import BenchMotion
 from voronec.errors import VoronecError
 
-__all__ = ["BY_HAND", "HANDWRITTEN", "Handwritten", "ball", "demchenko", "start_values"]
+__all__ = [
+    "BY_HAND",
+    "HANDWRITTEN",
+    "Handwritten",
+    "ball",
+    "demchenko",
+    "start_values",
+]
 
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16)
 NORMAL = ("gamma1", "gamma2", "gamma3")
@@ -165,30 +174,26 @@ def _level(question: BenchMotion) -> BenchLevel:
     raise NotHere(str(last))
 
 
-def _prepare(question: BenchMotion) -> Run:
+Rows = Callable[[float], tuple[int, int, np.ndarray]]
+"""A run at a tolerance: steps, evaluations and states (k, n)."""
+
+
+def _prepare(
+    question: BenchMotion, by: Callable[[Handwritten, np.ndarray, np.ndarray], Rows]
+) -> Run:
     if question.system.name not in BY_HAND:
         raise NotHere("nobody has written this system by hand")
     try:
-        import heyoka as hy
+        program = BY_HAND[question.system.name](question.parameters)
     except ImportError:
         raise without("heyoka") from None
-    program = BY_HAND[question.system.name](question.parameters)
     missing(question.outputs, program.offered)
     start, at, grid = program.start(start_values(question)), _level(question), question.grid
     whole = {str(s) for s in at.field.variables} <= set(program.offered)
-    made: dict[float, Any] = {}
+    rows_at = by(program, start, grid)
 
     def run(tol: float) -> Outcome:
-        if tol not in made:
-            made[tol] = hy.taylor_adaptive(program.equations, start.tolist(), tol=tol)
-        integrator = made[tol]
-
-        def once() -> tuple[int, np.ndarray]:
-            integrator.time, integrator.state[:] = float(grid[0]), start
-            _, _, _, steps, _, rows = integrator.propagate_grid(grid)
-            return steps, rows
-
-        (steps, rows), seconds = timed(once)
+        (steps, evaluations, rows), seconds = timed(lambda: rows_at(tol))
         if len(rows) < len(grid):
             raise NotHere("the integration stopped short")
         known, drift = program.back(rows), dict[str, float]()
@@ -196,12 +201,60 @@ def _prepare(question: BenchMotion) -> Run:
         if whole:
             states = np.column_stack([known[str(s)] for s in at.field.variables])
             values, drift = at.observed(grid, states)
-        return Outcome(values, seconds, steps, steps, drift)
+        return Outcome(values, seconds, evaluations, steps, drift)
 
     return run
 
 
-HANDWRITTEN = Contender(
-    "heyoka-by-hand", "a heyoka program written by hand, in momentum and normal", TOLERANCES,
-    _prepare,
+def _by_heyoka(program: Handwritten, start: np.ndarray, grid: np.ndarray) -> Rows:
+    """Taylor's method; what is compiled for a tolerance is kept."""
+    import heyoka as hy
+
+    made: dict[float, Any] = {}
+
+    def rows(tol: float) -> tuple[int, int, np.ndarray]:
+        if tol not in made:
+            made[tol] = hy.taylor_adaptive(program.equations, start.tolist(), tol=tol)
+        integrator = made[tol]
+        integrator.time, integrator.state[:] = float(grid[0]), start
+        _, _, _, steps, _, found = integrator.propagate_grid(grid)
+        return steps, steps, found
+
+    return rows
+
+
+def _by_scipy(program: Handwritten, start: np.ndarray, grid: np.ndarray) -> Rows:
+    """DOP853 on plain numbers: the same equations, common subexpressions shared."""
+    from scipy.integrate import solve_ivp
+
+    right = _right_side(program)
+
+    def rows(tol: float) -> tuple[int, int, np.ndarray]:
+        found = solve_ivp(
+            right, (grid[0], grid[-1]), start, method="DOP853", t_eval=grid, rtol=tol, atol=tol
+        )
+        return 0, int(found.nfev), found.y.T
+
+    return rows
+
+
+def _right_side(program: Handwritten) -> Callable[[float, np.ndarray], list[float]]:
+    """The equations as a good hand gives them to scipy: ``lambdify`` to ``math`` with ``cse``."""
+    import heyoka as hy
+    import sympy as sp
+
+    pairs = [(hy.to_sympy(x), hy.to_sympy(rate)) for x, rate in program.equations]
+    rates = sp.lambdify([[x for x, _ in pairs]], [e for _, e in pairs], modules="math", cse=True)
+    return lambda _t, state: rates(state.tolist())
+
+
+HANDWRITTEN = (
+    Contender(
+        "heyoka-by-hand", "a heyoka program written by hand, in momentum and normal", TOLERANCES,
+        partial(_prepare, by=_by_heyoka),
+    ),
+    Contender(
+        "dop853-by-hand", "the same program for scipy's DOP853, on plain numbers",
+        tuple(tol for tol in TOLERANCES if tol >= 1e-13), partial(_prepare, by=_by_scipy),
+    ),
 )  # fmt: skip
