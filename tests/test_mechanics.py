@@ -14,6 +14,7 @@ from sympy.physics import mechanics as me
 from tool_modules import tool
 
 import voronec as vo
+from voronec.equations.program import Program
 
 models = tool("mechanics_models")
 
@@ -73,6 +74,7 @@ def kane_speeds(kane: Any, seed: str) -> tuple[dict[sp.Expr, Any], dict[sp.Expr,
 
 KANE = [n for n, make in models.MODELS.items() if isinstance(make(), me.KanesMethod)]
 LAGRANGE = [n for n in models.MODELS if n not in KANE]
+KANE.remove("whipple_bicycle")  # its matrices are too long to be written out
 
 
 @pytest.mark.parametrize("name", KANE)
@@ -138,6 +140,20 @@ def test_the_form_has_the_shapes_that_kanes_method_has() -> None:
     assert form.rhs().shape == kane.forcing_full.shape
     assert form.kindiffdict() == kane.kindiffdict()
     assert form.coordinates == [*kane.q] and form.speeds == [*kane.u]
+
+
+def test_the_program_is_solved_for_the_rates_where_that_is_shorter() -> None:
+    eqs = vo.derive(vo.from_mechanics(models.rolling_disc()))
+    assert eqs.program.operations < Program.of(eqs.form).operations
+    form, names = eqs.to_mechanics(), {}
+    exec(eqs.python(), names)
+    state = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.1]
+    values = dict(zip([*form.q, *form.u], state, strict=True)) | {
+        p.symbol: 1.5 for p in eqs.system.parameters
+    }
+    expected = [float(e.subs(values)) for e in form.rhs()]
+    assert names["rhs"](0.0, state, [1.5, 1.5, 1.5]) == pytest.approx(expected, rel=1e-13)
+    assert vo.derive(vo.load("bicycle")).program.operations < 1500  # too long to be solved
 
 
 def test_plain_symbols_become_functions_of_the_time() -> None:

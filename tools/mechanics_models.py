@@ -397,5 +397,6 @@ MODELS: dict[str, Callable[[], Any]] = {
         rattleback,
         n_pendulum_on_a_cart,
         skate,
+        whipple_bicycle,
     )
 }

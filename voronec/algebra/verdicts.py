@@ -238,6 +238,8 @@ def _forms(a: Any, b: Any) -> Iterator[tuple[Any, Any]]:
 def all_vanish(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> bool:
     """Whether all expressions vanish; ``EngineLimit`` where that stays undecided."""
     exprs = [e for e in exprs if e != 0]
+    if not exprs:
+        return True
     for _, values in sample_evaluable(Tape(exprs), relations, tries=4):
         if any(not value.contains(0) for value in values):
             return False

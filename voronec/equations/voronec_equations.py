@@ -49,6 +49,7 @@ from voronec.errors import DefinitionError, EngineLimit
 if TYPE_CHECKING:
     from voronec.equations.control import Control
     from voronec.equations.mechanics_form import MechanicsForm
+    from voronec.equations.program import Program
 
 __all__ = [
     "Brackets",
@@ -486,30 +487,41 @@ class VoronecEquations:
         """Sent elsewhere, the system goes alone: there its equations are derived again."""
         return derive, (self.system,)
 
+    @cached_property
+    def program(self) -> Program:
+        """What is printed: the straight-line program of ``form``, or of the same solved for the
+        rates of the velocities, whichever takes fewer operations."""
+        from voronec.equations.program import Program
+        from voronec.equations.solved_form import solved_form
+
+        solved = solved_form(self)
+        found = [Program.of(f) for f in (self.form, solved) if f is not None]
+        return min(found, key=lambda p: p.operations)
+
     def python(self, jacobian: bool = False) -> str:
         """Python source of the first-order right-hand side, on numpy; with its ``jacobian`` by
         state and inputs where that is asked for."""
-        from voronec.equations.program import Program, python_source
+        from voronec.equations.program import python_source
 
-        return python_source(Program.of(self.form), jacobian)
+        return python_source(self.program, jacobian)
 
     def c(self, jacobian: bool = False) -> str:
         """C99 source of the same."""
-        from voronec.equations.program import Program, c_source
+        from voronec.equations.program import c_source
 
-        return c_source(Program.of(self.form), jacobian)
+        return c_source(self.program, jacobian)
 
     def javascript(self, jacobian: bool = False) -> str:
         """An ECMAScript module of the same, without dependencies."""
-        from voronec.equations.program import Program, javascript_source
+        from voronec.equations.program import javascript_source
 
-        return javascript_source(Program.of(self.form), jacobian)
+        return javascript_source(self.program, jacobian)
 
     def casadi(self, jacobian: bool = False) -> str:
         """Python source of the same, on CasADi's expressions."""
-        from voronec.equations.program import Program, casadi_source
+        from voronec.equations.program import casadi_source
 
-        return casadi_source(Program.of(self.form), jacobian)
+        return casadi_source(self.program, jacobian)
 
     def to_casadi(self) -> Any:
         """The right-hand side as a ``casadi.Function`` of ``t``, ``state`` (coordinates, then
@@ -517,9 +529,9 @@ class VoronecEquations:
 
         CasADi differentiates it itself.  Raises ``DefinitionError`` where CasADi is not installed.
         """
-        from voronec.equations.program import Program, casadi_function
+        from voronec.equations.program import casadi_function
 
-        return casadi_function(Program.of(self.form))
+        return casadi_function(self.program)
 
     def to_mechanics(self) -> MechanicsForm:
         """The equations in the form of SymPy's ``KanesMethod``, for PyDy and what else takes it."""

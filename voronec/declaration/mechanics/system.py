@@ -74,14 +74,14 @@ class _Reading:
         """Solve the kinematic equations, and give speeds without a coordinate one."""
         door = Door([*model.coordinates, *map(velocity, model.coordinates), *model.all_speeds])
         taken = {plain_name(x) for x in (*model.coordinates, *model.all_speeds)}
-        angles = [_fresh(f"integral_{plain_name(u)}", taken) for u in model.all_speeds]
         quiet = dict.fromkeys(door.inward_all(model.auxiliary), se.Integer(0))
         equations = [door.inward(e).xreplace(quiet) for e in model.kinematic]
         dots = [door.inward(velocity(q)) for q in model.coordinates]
-        rates = [door.admit(velocity(a)) for a in angles]
         symbols = door.inward_all(model.all_speeds)
-        speeds = solve_speeds(equations, symbols, dots, rates)
-        coordinates = (*model.coordinates, *(angles[j] for j in speeds.unplaced))
+        names = [f"integral_{plain_name(u)}" for u in model.all_speeds]
+        speeds = solve_speeds(equations, symbols, dots, [se.Symbol(f"{n}dot") for n in names])
+        angles = [_function(names[j]) for j in speeds.unplaced]
+        coordinates = (*model.coordinates, *angles)
         meaning = dict(zip(symbols, speeds.values, strict=True))
         free = {u: meaning.pop(u) for u in symbols[: len(model.speeds)]}
 
@@ -216,6 +216,10 @@ def _fresh(name: str, taken: set[str]) -> sp.Expr:
     while name in taken:
         name += "_"
     taken.add(name)
+    return _function(name)
+
+
+def _function(name: str) -> sp.Expr:
     return sp.Function(name)(time)
 
 

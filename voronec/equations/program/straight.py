@@ -32,6 +32,7 @@ __all__ = [
     "fresh_names",
     "nested",
     "opened",
+    "pruned",
     "shared",
     "with_plain_roots",
 ]
@@ -325,7 +326,7 @@ def _eliminated(
         entries = [name(results.pop(0)) for _ in block.expressions]
         values = block.solve(entries, [force[i] for i in block.rows], name)
         vdot |= zip((left[i] for i in block.rows), values, strict=True)
-    return _pruned(assignments, [*rates, *(vdot[i] for i in range(len(form.force)))])
+    return pruned(assignments, [*rates, *(vdot[i] for i in range(len(form.force)))])
 
 
 def fresh_names(known: Iterable[Any]) -> Iterator[Any]:
@@ -341,7 +342,7 @@ def shared(
     exprs: Sequence[Any], fresh: Iterator[Any], stages: Sequence[tuple[Any, Any]] = ()
 ) -> Block:
     """Common subexpressions of several expressions and of the stages they need, freshly named."""
-    stages = _pruned(stages, exprs).assignments
+    stages = pruned(stages, exprs).assignments
     if not exprs:
         return Block((), ())
     replacements, reduced = se.cse(stable_all([*(e for _, e in stages), *exprs]))
@@ -367,7 +368,7 @@ def _renamed(expr: Any, names: Mapping[Any, Any]) -> Any:
     return expr.xreplace({s: names[s] for s in expr.free_symbols if s in names})
 
 
-def _pruned(assignments: Sequence[tuple[Any, Any]], results: Sequence[Any]) -> Block:
+def pruned(assignments: Sequence[tuple[Any, Any]], results: Sequence[Any]) -> Block:
     """Only what the results need."""
     needed = set().union(*(se.sympify(r).free_symbols for r in results)) if results else set()
     kept = []
