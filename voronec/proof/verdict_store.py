@@ -124,6 +124,7 @@ def _homes() -> dict[str, str]:
     return homes
 
 
+@remembered
 def _file_of(module: str) -> Path | None:
     parts = module.split(".")
     if parts[0] != PACKAGE or parts[1:2] in (["systems"], ["docs"]):
@@ -133,6 +134,7 @@ def _file_of(module: str) -> Path | None:
     return next((c for c in candidates if c.is_file()), None)
 
 
+@remembered
 def engine_folder() -> Path:
     """The folder of the package ``voronec``."""
     return Path(__file__).resolve().parents[1]
@@ -184,10 +186,19 @@ def _that_bring_in(source: bytes) -> tuple[ast.AST, ...]:
         return ()  # a library in another encoding or of another Python: its bytes count alone
     return tuple(
         node
-        for node in ast.walk(tree)
+        for node in (ast.walk(tree) if b"load" in source else _statements([tree]))
         if isinstance(node, ast.ImportFrom | ast.Import)
         or (isinstance(node, ast.Call) and _called(node.func) == "load")
     )
+
+
+def _statements(nodes: Iterable[ast.AST]) -> Iterator[ast.AST]:
+    """The statements of a source without their expressions, which are most of it."""
+    for node in nodes:
+        yield node
+        for part in ("body", "orelse", "finalbody", "handlers", "cases"):
+            inner = getattr(node, part, ())
+            yield from _statements(inner if isinstance(inner, list) else ())
 
 
 def _called(function: ast.expr) -> str:
