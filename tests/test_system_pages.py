@@ -50,6 +50,13 @@ def test_the_pages_say_what_is_declared(
         assert (build.FOLDER / name).read_text("utf-8") == text, f"{name} is stale; {STALE}"
 
 
+def test_lists_and_pages_count_claims_alike(stock: Inventory, results: list[Result]) -> None:
+    own = {r.name: len(r.findings) for r in results if r.kind == "system"}
+    assert {name: s.claims for name, s in stock.contents.systems.items() if name in own} == {
+        name: own[name] for name in stock.contents.systems if name in own
+    }
+
+
 def test_every_claim_relation_and_square_has_its_verdict(
     stock: Inventory, results: list[Result]
 ) -> None:

@@ -306,12 +306,14 @@ def replaced(claim: Any, at: Mapping[Any, Any]) -> Any:
 
 
 def claim_names(system: Any) -> Iterator[str]:
-    """Each claim of a system by the name it has; those without one by their kind."""
+    """Each claim of a system, its charts and its motion in closed form among them, by the name it
+    has; those without one by their kind."""
     for label, holder in (("", system), *((f"{n}: ", c) for n, c in system.cases.items())):
         yield from (f"{label}{claim.key}" for claim in declared_claims(holder))
     if system.invariants:
         yield "descent"
     yield from system.charts
+    yield from system.motion.claims if system.motion is not None else ()
 
 
 def right_of(claim: Any) -> Any:

@@ -564,7 +564,7 @@ def check_claims(system: System) -> None:
                 raise DefinitionError(
                     f"{place}: case '{label}' gives a value to '{name}', which is no parameter"
                 )
-    claimed = {*claim_names(system), *(system.motion.claims if system.motion else ())}
+    claimed = {*claim_names(system)}
     for name in system.undecided:
         if name not in claimed:
             raise DefinitionError(

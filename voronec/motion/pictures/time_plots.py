@@ -78,8 +78,8 @@ def plot_trajectory(
 
 
 def settled(figure: Any) -> None:
-    """Settle fonts while the style is in force, and the layout, which takes as long as drawing."""
-    figure.draw_without_rendering()
+    """Settle the fonts, while the style is in force, and the layout, which costs a drawing."""
+    figure.get_layout_engine().execute(figure)
     figure.set_layout_engine("none")
 
 

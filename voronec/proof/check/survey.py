@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from voronec.declaration.catalogue import Entry, entry_of
-from voronec.declaration.claims import declared_claims
+from voronec.declaration.claims import claim_names
 from voronec.declaration.relation import Relation, Square
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, did_you_mean
@@ -56,13 +56,8 @@ def _edge(declared: _Declared) -> Edge:
 
 
 def _summary(system: System) -> Summary:
-    claims = _claims(system) + sum(_claims(case) for case in system.cases.values())
+    claims = len([*claim_names(system)])
     return Summary(system.title or system.description, claims, (*system.scenes,))
-
-
-def _claims(holder: Any) -> int:
-    """How many claims a system makes, or a case of it."""
-    return len([*declared_claims(holder)]) + bool(getattr(holder, "invariants", ()))
 
 
 @dataclass(frozen=True)
