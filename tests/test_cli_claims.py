@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from command_line import Call
 
 from voronec.cli import main
 
@@ -78,3 +79,15 @@ def test_a_large_system_is_told_by_its_size(capsys: pytest.CaptureFixture[str]) 
     assert main(["derive", "bicycle", "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
     assert data["operations"] < 1500 and "def " in data["program"] and "mass" not in data
+
+
+def test_derive_tells_on_a_terminal_what_it_is_at(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[str] = []
+    monkeypatch.setattr("voronec.cli.derivation.progress", told.append)
+    assert call("derive", "sleigh").status == 0
+    assert told[:3] == ["sleigh: the equations of motion", "sleigh: integral energy",
+                        "sleigh: integral heading"]  # fmt: skip
+    assert "sleigh: case centre of mass over the blade" in told
+    assert told[-3:] == ["sleigh: the short form of the equations", "", ""]

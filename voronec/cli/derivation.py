@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
-from voronec.cli.output import plain, print_json
+from voronec.cli.output import plain, print_json, progress
 from voronec.cli.subject import resolve
 from voronec.equations.printers import PRINTERS
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
@@ -25,31 +25,45 @@ __all__ = ["execute"]
 
 def execute(arguments: Namespace) -> int:
     """Derive and print; the options of ``PRINTERS`` print source only."""
-    from voronec.equations.vector_field import Motions
-    from voronec.equations.voronec_equations import derive, equations_lines
-    from voronec.proof.claims import check_claims
+    from voronec.equations.voronec_equations import derive
 
     chosen = next((name for name in PRINTERS if getattr(arguments, name)), None)
     _require_program(chosen, arguments.jacobian)
     system, _ = resolve(arguments.system)
-    eqs = derive(system)
+    progress(f"{system.name}: the equations of motion")
+    try:
+        return _execute(arguments, derive(system), chosen)
+    finally:
+        progress("")
+
+
+def _execute(arguments: Namespace, eqs: VoronecEquations, chosen: str | None) -> int:
+    """Write what is asked for."""
+    from voronec.equations.vector_field import Motions
+    from voronec.equations.voronec_equations import equations_lines
+    from voronec.proof.claims import check_claims
+
     if arguments.store is not None:
         return _store(eqs, Path(arguments.store), arguments.json)
     if chosen is not None:
         printer = PRINTERS[chosen]
         write = printer.with_jacobian if arguments.jacobian else None
         text = (write or printer.text)(eqs)
+        progress("")
         print_json({chosen: text}) if arguments.json else print(text.rstrip("\n"))
         return 0
-    motions = Motions(eqs)
+    motions, name = Motions(eqs), eqs.system.name
     reduction = _reduction(motions)
-    claims = check_claims(motions)
+    claims = check_claims(motions, lambda what: progress(f"{name}: {what}"))
+    progress(f"{name}: the short form of the equations")
     if arguments.json:
-        found = {"claims": [_claim_data(claim) for claim in claims]}
-        print_json(eqs.as_dict() | _descent_data(reduction) | found)
+        found = eqs.as_dict() | _descent_data(reduction)
+        progress("")
+        print_json(found | {"claims": [_claim_data(claim) for claim in claims]})
     else:
         width = shutil.get_terminal_size((100, 24)).columns
         lines = [*equations_lines(eqs, width), *_descent(eqs, reduction), *_claims(claims)]
+        progress("")
         print("\n".join(lines))
     return 1 if any(claim.verdict.refuted for claim in claims) else 0
 
@@ -67,6 +81,7 @@ def _store(eqs: VoronecEquations, path: Path, as_json: bool) -> int:
     from voronec.proof.comparison import Derived
 
     replace_file(path, Derived.of(eqs).text())
+    progress("")
     if as_json:
         print_json({"system": eqs.system.name, "file": str(path)})
     else:

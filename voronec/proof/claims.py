@@ -13,6 +13,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.arguments import callback
 from voronec.algebra.graphs import is_atom
 from voronec.algebra.rank import generic_rank
 from voronec.algebra.typeset import html_table
@@ -209,22 +210,31 @@ class _Known:
         return replace(self, integrals=integrals)
 
 
-def check_claims(system: System | VoronecEquations | Motions) -> list[Claim]:
-    """Prove or refute every claim that a system declares, those of its cases included."""
+def check_claims(
+    system: System | VoronecEquations | Motions, progress: Callable[[str], None] | None = None
+) -> list[Claim]:
+    """Prove or refute every claim that a system declares, those of its cases included.
+
+    ``progress`` is called with the words for each claim before it is decided.
+    """
+    tell = callback("check_claims", "progress", progress) or (lambda _: None)
     motions = system if isinstance(system, Motions) else Motions.of(system)
     own = motions.system
-    claims = _claims_of(motions, _Known())
+    claims = _claims_of(motions, _Known(), tell)
     known = [*claims]
     for name, case in own.cases.items():
-        claims += _claims_of_case(own, name, case, known)
+        claims += _claims_of_case(own, name, case, known, tell)
     return [_admitted(claim, own) for claim in claims]
 
 
-def _claims_of_case(system: System, name: str, case: Case, known: list[Claim]) -> list[Claim]:
+def _claims_of_case(
+    system: System, name: str, case: Case, known: list[Claim], tell: Callable[[str], None]
+) -> list[Claim]:
     """The claims of one case; that it makes no sense, or is too much, is found of it alone."""
+    tell(f"case {name}")
     try:
         general = _Known().with_claims(specialised(system, case.parameters), known)
-        found = _claims_of(Motions.of(case_of(system, case)), general)
+        found = _claims_of(Motions.of(case_of(system, case)), general, tell)
     except DefinitionError as error:
         return [Claim("case", name, Verdict("refuted", str(error)))]
     except EngineLimit as limit:
@@ -235,7 +245,7 @@ def _claims_of_case(system: System, name: str, case: Case, known: list[Claim]) -
     return [replace(c, name=f"{name}: {c.name}") for c in found if c.kind != "descent"]
 
 
-def _claims_of(motions: Motions, general: _Known) -> list[Claim]:
+def _claims_of(motions: Motions, general: _Known, tell: Callable[[str], None]) -> list[Claim]:
     """The claims of one system; ``general`` is what is known already."""
     own = motions.system
     _ = motions.on_coordinates  # the derivation belongs to no claim
@@ -245,6 +255,7 @@ def _claims_of(motions: Motions, general: _Known) -> list[Claim]:
         decide = DECIDERS.get(kind, _decide_assertion)
         # a theorem rests on what has been decided before it
         about = general.with_claims(own, claims) if kind == "integrable" else value
+        tell(f"{kind} {name}")
         claims.append(_decided(kind, name, decide, motions, about))
     return [*claims, descent] if own.invariants else claims
 
