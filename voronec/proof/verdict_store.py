@@ -124,7 +124,6 @@ def _homes() -> dict[str, str]:
     return homes
 
 
-@remembered
 def _file_of(module: str) -> Path | None:
     parts = module.split(".")
     if parts[0] != PACKAGE or parts[1:2] in (["systems"], ["docs"]):
