@@ -194,5 +194,6 @@ def _named(study: Study) -> Iterator[Name]:
 
 
 def _letter(name: Name) -> str:
-    """The letter of a name without its accents."""
-    return re.sub(r"^(?:\\[a-zA-Z]+\{)+|\}+$", "", name.head) or name.head
+    """The letter of a name without its accents and primes."""
+    bare = re.sub(r"^(?:\\[a-zA-Z]+\{)+|\}+$", "", name.head) or name.head
+    return bare.rstrip("'")
