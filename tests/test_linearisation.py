@@ -54,6 +54,52 @@ def test_the_bicycle_has_the_published_eigenvalues_at_eleven_speeds() -> None:
             assert abs(here - there) < SHARE * max(1, abs(there)), (speed, here, there)
 
 
+def benchmark_in_sympys_model() -> dict[str, Any]:
+    """The benchmark's bicycle, to sixty digits, in the lengths of SymPy's model: along the fork and
+    across."""
+    number, angle = sp.Rational, 2 * sp.pi / 5
+    sine, cosine = sp.sin(angle), sp.cos(angle)
+    front, rear, base = number("0.35"), number("0.3"), number("1.02")
+    offset = front * cosine - number("0.08") * sine
+    x, z = number("0.3"), number("0.6")
+    up, back = number("0.35"), number("0.12")
+    far = sp.sqrt(up**2 + back**2)
+    lean = sp.pi / 2 - angle - sp.acos(up / far)
+    fork = base * cosine - (front - rear) * sine
+    lengths = {
+        "offset": offset,
+        "forklength": fork,
+        "framelength": base * sine - (offset - (front - rear) * cosine),
+        "frame1": (z - x / sine * cosine) * sine,
+        "frame3": x / sine + (z - x / sine * cosine) * cosine,
+        "fork1": far * sp.cos(lean) - fork,
+        "fork3": offset + far * sp.sin(lean),
+    }
+    given = """r_F 0.35 r_R 0.3 g 9.81 m_B 85 m_H 4 m_F 3 m_R 2 I_R11 0.0603 I_R22 0.12 I_F11 0.1405
+    I_F22 0.28 I_B11 9.2 I_B22 11 I_B33 2.8 I_B31 -2.4 I_H11 0.05892 I_H22 0.06 I_H33 0.00708
+    I_H31 0.00756""".split()
+    values = dict(zip(given[::2], map(number, given[1::2]), strict=True))
+    lengths = {name: number(str(sp.N(e, 60))) for name, e in lengths.items()}
+    return {"tilt": angle, **values, **lengths}
+
+
+def test_the_bicycle_of_sympys_tests_has_the_same_eigenvalues() -> None:
+    """Another model of it, other coordinates and speeds, read from SymPy's objects."""
+    system = vo.from_mechanics(models.whipple_bicycle())
+    still = {str(q.func): 0 for q in system.coordinates}
+    turning = {"u2": 0, "u5": 0, "u3": sp.Symbol("v") / sp.Rational("0.3")}
+    found = vo.linearise(vo.derive(system), still | turning | benchmark_in_sympys_model())
+    here = found.of("q2", "q5", "u2", "u5")
+    ours = vo.load("bicycle")
+    there = vo.linearise(vo.derive(ours), upright(ours))
+    there = there.of("phi", "delta", "roll_rate", "steer_rate")
+    for speed in (0, 5, 10):
+        pairs = zip(
+            here.eigenvalues({"v": speed}), there.eigenvalues({"speed": speed}), strict=True
+        )
+        assert all(abs(a - b) < 1e-14 * max(1, abs(b)) for a, b in pairs), speed
+
+
 def test_one_published_eigenvalue_is_misprinted() -> None:
     rows = [[*map(mp.mpf, line.split())] for line in PUBLISHED.strip().splitlines()]
     slopes = [(a + b + 2 * c) / v for v, (a, b, c, _) in enumerate(rows) if v]
