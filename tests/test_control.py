@@ -251,3 +251,22 @@ def test_a_span_knows_what_lies_in_it() -> None:
     assert all(span.add(row) for row in rows) and len(span) == 2
     assert not span.rest({0: flint.fmpq(1), 2: flint.fmpq(-2)})
     assert span.rest({2: flint.fmpq(1)})
+
+
+def test_a_bad_bracket_obstructs() -> None:
+    """z'' = x'^2 only grows: no state with less z is reached, though the brackets span everything;
+    where z'' = x' y' both signs can be had."""
+    z, u1, u2 = sp.symbols("z u1 u2")
+    dx, dy, dz = map(vo.velocity, (x, y, z))
+
+    def pushed(force: sp.Expr) -> vo.System:
+        return vo.System(
+            name="pushed", fibration=vo.Fibration((x, y, z)), inputs=(u1, u2),
+            lagrangian=(dx**2 + dy**2 + dz**2) / 2, forces={x: u1, y: u2, z: force},
+        )  # fmt: skip
+
+    one_way = vo.derive(pushed(dx**2)).control
+    assert one_way.accessibility.verdict.proved
+    found = one_way.controllability()
+    assert found.undecided and "Sussmann's condition fails" in found.method
+    assert vo.derive(pushed(dx * dy)).control.controllability().proved
