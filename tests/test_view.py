@@ -25,6 +25,13 @@ needs_browser = pytest.mark.skipif(BROWSER is None, reason="chromium is not inst
 SHAPED = "gyroscopic-ball-on-sphere", "rubber-ball-on-plane"
 
 
+SHOWN = [name for name in vo.names() if vo.load(name).shapes]
+QUICK = "bychkov-ball", "vertical-disc", "two-wheeled-carriage"
+every = pytest.mark.parametrize(
+    "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in SHOWN]
+)
+
+
 @cache
 def page_of(name: str, **given: Any) -> Page:
     return Page(vo.integrate(vo.load(name), outputs=everything(name), **given))
@@ -45,13 +52,14 @@ def in_node(page: Page, last: str) -> Any:
 
 
 @needs_node
-@pytest.mark.parametrize("name", SHAPED)
+@every
 def test_rates_places_and_integrals_are_those_of_python(name: str) -> None:
-    page, random = page_of(name), np.random.default_rng(19)
+    """At five random states of each system, 240 in all, with parameters as random."""
+    page, random = page_of(name, times=(0.0, 0.01)), np.random.default_rng(19)
     program = page.program
-    width, constants = len(program.state), len(program.parameters)
-    states = random.uniform(0.3, 1.4, (100, width))
-    values = random.uniform(0.5, 1.5, (100, constants))
+    first = np.array([page.trajectory.parameters[str(p)] for p in program.parameters])
+    states = page.states[0] + random.uniform(-0.05, 0.05, (5, len(program.state)))
+    values = first * random.uniform(0.95, 1.05, (5, len(first)))
     pairs = json.dumps([[*map(list, pair)] for pair in zip(states, values, strict=True)])
     both = f"{pairs}.map(([y, p]) => [...program.rhs(0.7, y, p), ...program.extras(0.7, y, p)])"
     rates, extras = compiled(program)
@@ -91,13 +99,7 @@ def test_the_contact_lies_on_both_bodies() -> None:
     assert lengths[0] == pytest.approx(lengths[1], rel=3e-4)
 
 
-SHOWN = [name for name in vo.names() if vo.load(name).shapes]
-QUICK = "bychkov-ball", "vertical-disc", "two-wheeled-carriage"
-
-
-@pytest.mark.parametrize(
-    "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in SHOWN]
-)
+@every
 def test_what_touches_rests_on_the_ground_there(name: str) -> None:
     """Bodies of round shape do not slip where they are drawn to touch, and blades not sideways."""
     page, step = page_of(name, times=(0.0, 0.01)), 1e-6
@@ -128,6 +130,20 @@ def test_what_touches_rests_on_the_ground_there(name: str) -> None:
         slip = turned.T @ (carried(k, here[k, 12:]) - carried(grounds[0], here[k, 12:]))
         blade = len(shape.patches) == 6  # a box stands for one, along its first axis
         assert np.abs(slip[1] if blade else slip).max() < 1e-6, (name, slip)
+
+
+@needs_node
+def test_the_quartic_is_the_square_of_the_rate() -> None:
+    page = page_of("demchenko")
+    quartic = (
+        "motionOf(DATA.start.map((e) => e.value), DATA.parameters.map((e) => e.value)).quartic"
+    )
+    found = in_node(page, f"{quartic}.map(([x, ...values]) => [x, quarticAt(values, x)])")
+    (x, value), t = np.transpose(found), page.trajectory.t
+    # of the fourth order in the step
+    rate = (8 * (x[3:-1] - x[1:-3]) - (x[4:] - x[:-4])) / (12 * (t[1] - t[0]))
+    np.testing.assert_allclose(rate**2, value[2:-2], atol=1e-3 * np.max(value))
+    assert "on the ball: class" in page.data["quartic"]["classes"]
 
 
 @needs_node

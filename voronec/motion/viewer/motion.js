@@ -21,7 +21,8 @@ function motionOf(start, parameters) {
     poses.set(extras.slice(0, shapes * POSE), k * shapes * POSE);
     rows.push(extras.slice(shapes * POSE));
   }
-  return { times: times.slice(0, count), whole: times.length, states: found.states, poses, shapes, why: found.why,
+  const quartic = DATA.quartic ? rows.map((row) => row.slice(2 * DATA.integrals.length)) : null;
+  return { quartic, times: times.slice(0, count), whole: times.length, states: found.states, poses, shapes, why: found.why,
     steps: found.steps, integrals: DATA.integrals.map((name, i) => changes(name, i, rows)) };
 }
 
@@ -38,6 +39,12 @@ function changes(name, place, rows) {
   const unit = Math.abs(first) > 1e-6 * size ? Math.abs(first) : size || 1;
   const along = rows.map((row) => (row[place] - first) / unit);
   return { name, value: first, along, drift: along.reduce((most, x) => (Math.abs(x) > most ? Math.abs(x) : most), 0) };
+}
+
+// The quartic with these values at -1, -1/2, 0, 1/2, 1, at x (Lagrange).
+function quarticAt(values, x) {
+  const places = [-1, -0.5, 0, 0.5, 1];
+  return values.reduce((sum, value, i) => sum + places.reduce((part, p, j) => (i === j ? part : (part * (x - p)) / (places[i] - p)), value), 0);
 }
 
 // Centre, attitude (rows) and contact of shape `i` at the place `at` between instants: straight lines

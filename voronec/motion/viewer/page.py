@@ -21,7 +21,8 @@ from voronec.declaration.shapes import Shape
 from voronec.declaration.whole_files import draft
 from voronec.equations.program import Program, javascript_source
 from voronec.equations.voronec_equations import derive
-from voronec.errors import DefinitionError, IntegrationError
+from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.motion.closed_form import closed_form
 from voronec.motion.viewer.page_program import mesh_source, page_program
 from voronec.motion.vocabulary import Vocabulary
 
@@ -156,9 +157,25 @@ class Page:
                 for name in self.program.names
                 if name.startswith("integral ")
             ],
+            "quartic": self._quartic,
             "shapes": [_drawn(shape) for shape in self.system.shapes],
             "pace": 1.0 if SECONDS / 5 <= self.span <= 2 * SECONDS else self.span / SECONDS,
         }
+
+    @property
+    def _quartic(self) -> dict[str, str] | None:
+        """Of a motion by quadratures: its variable, and the classes of its traces."""
+        motion = self.system.motion
+        if motion is None:
+            return None
+        start = dict(zip(map(str, self.program.state), map(float, self.states[0]), strict=True))
+        values = {name: float(x) for name, x in self.trajectory.parameters.items()}
+        try:
+            found = closed_form(self.system, parameters=values, initial=start).classes
+            classes = "; ".join(f"{title}: class {of}" for title, of in found.items())
+        except VoronecError:  # the page shows the motion all the same
+            classes = ""
+        return {"variable": f"{motion.x} = {motion.meaning}", "classes": classes}
 
     def _require_values(self) -> None:
         missing = [str(p) for p in self.program.parameters

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import symengine as se
+import sympy as sp
 
 from voronec.declaration.shapes import MESH, Shape
 from voronec.equations.program import Program, javascript_source
@@ -15,7 +16,7 @@ from voronec.motion.observables import watched
 if TYPE_CHECKING:
     from voronec.motion.vocabulary import Vocabulary
 
-__all__ = ["POSE", "mesh_source", "page_program"]
+__all__ = ["POSE", "mesh_source", "page_program", "quartic_parts"]
 
 POSE = 15
 """How many numbers place a shape: centre, attitude row by row, contact."""
@@ -23,7 +24,7 @@ POSE = 15
 
 def page_program(vocabulary: Vocabulary, shapes: Sequence[Shape]) -> Program:
     """The whole equations on coordinates and velocities; its extra quantities are ``POSE`` numbers
-    for each shape, then integrals, each with the size of its terms."""
+    for each shape, then integrals, the sizes of their terms, and ``quartic_parts``."""
     placed = {
         f"shape {i} {k}": vocabulary.inward(e)
         for i, shape in enumerate(shapes)
@@ -32,7 +33,20 @@ def page_program(vocabulary: Vocabulary, shapes: Sequence[Shape]) -> Program:
     beside = watched(vocabulary, ())
     names = [*beside.integrals.values(), *beside.sizes.values()]
     kept = {name: beside.expressions[name] for name in names}
-    return Program.of(vocabulary.equations.form, placed | kept)
+    return Program.of(vocabulary.equations.form, placed | kept | quartic_parts(vocabulary))
+
+
+def quartic_parts(vocabulary: Vocabulary) -> dict[str, Any]:
+    """Of a motion by quadratures, (dx/dtau)^2 = f(x): x, and f at -1, -1/2, 0, 1/2, 1, which fix a
+    quartic, as functions of the state; nothing of other motions."""
+    motion = vocabulary.equations.system.motion
+    if motion is None:
+        return {}
+    known = dict(motion.constants)
+    places = [sp.Rational(k, 2) for k in range(-2, 3)]
+    values = [motion.quartic.xreplace({motion.x: place}).xreplace(known) for place in places]
+    parts = [motion.meaning, *values]
+    return {f"quartic {i}": vocabulary.inward(part) for i, part in enumerate(parts)}
 
 
 def mesh_source(shapes: Sequence[Shape], vocabulary: Vocabulary) -> str:

@@ -282,6 +282,51 @@ function drawCursor() {
   pen.fillRect((canvas.width * now.at) / Math.max(now.motion.whole - 1, 1), 0, Math.max(1, canvas.width / 900), canvas.height);
 }
 
+// --- the quartic of a motion by quadratures -----------------------------------------------------
+
+const PLOT = 150;
+
+// f(x) about where the motion runs, with the point (x, f(x)) that moves there and back.
+function drawQuartic() {
+  const rows = now.motion.quartic, canvas = one("quartic");
+  one("quartic-box").hidden = !rows;
+  if (!rows) return;
+  const wide = canvas.clientWidth || 800, ratio = window.devicePixelRatio || 1, pen = canvas.getContext("2d");
+  canvas.style.height = `${PLOT}px`;
+  canvas.width = wide * ratio;
+  canvas.height = PLOT * ratio;
+  pen.scale(ratio, ratio);
+  const values = rows[0].slice(1), value = (x) => quarticAt(values, x);
+  const xs = rows.map((row) => row[0]), low = Math.min(...xs), high = Math.max(...xs), margin = 0.35 * (high - low) || 0.1;
+  const from = low - margin, span = high - low + 2 * margin, top = Math.max(...xs.map(value), 1e-12);
+  const across = (x) => (wide * (x - from)) / span, down = (y) => PLOT * 0.72 - (PLOT * 0.45 * y) / top;
+  pen.strokeStyle = "#b5c0cc";
+  pen.strokeRect(0.5, 0.5, wide - 1, PLOT - 1);
+  pen.beginPath();
+  pen.moveTo(0, down(0));
+  pen.lineTo(wide, down(0));
+  pen.stroke();
+  const trace = (a, b, colour, width) => {
+    pen.strokeStyle = colour;
+    pen.lineWidth = width;
+    pen.beginPath();
+    for (let i = 0; i <= 200; i++) pen.lineTo(across(a + ((b - a) * i) / 200), down(value(a + ((b - a) * i) / 200)));
+    pen.stroke();
+  };
+  trace(from, from + span, "#8fa3b8", 1);
+  trace(low, high, "#1f4e8c", 2.5);
+  const k = Math.floor(now.at), next = Math.min(k + 1, rows.length - 1), x = xs[k] + (now.at - k) * (xs[next] - xs[k]);
+  pen.fillStyle = "#c2371c";
+  pen.beginPath();
+  pen.arc(across(x), down(value(x)), 5, 0, 2 * Math.PI);
+  pen.fill();
+  pen.fillStyle = "#1d2733";
+  pen.font = "13px system-ui, sans-serif";
+  const same = [...now.start, ...now.parameters].every((v, i) => v === [...DATA.start, ...DATA.parameters][i].value);
+  const classes = same && DATA.quartic.classes ? `.  ${DATA.quartic.classes}` : "";
+  pen.fillText(`the square of the rate of ${DATA.quartic.variable}, a quartic in it, from ${low.toPrecision(4)} to ${high.toPrecision(4)}${classes}`, 6, 16);
+}
+
 // --- motion and controls ------------------------------------------------------------------------
 
 function recompute() {
@@ -451,6 +496,7 @@ function draw() {
   one("time").value = now.at;
   one("clock").textContent = `t = ${timeAt(now.at).toFixed(2)}`;
   drawCursor();
+  drawQuartic();
   if (renderer) {
     place();
     look();
