@@ -14,6 +14,7 @@ import voronec as vo
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.declaration import catalogue
 from voronec.declaration.catalogue import members
+from voronec.testing import names_are_fine
 
 ROOT = Path(__file__).parents[1]
 PLUGIN = Path(__file__).parent / "plugin_package"
@@ -164,9 +165,19 @@ def test_every_coordinate_velocity_and_integral_is_said_in_words() -> None:
             assert len({*system.meanings.values()}) > 1, full
 
 
-def test_words_are_said_of_what_there_is() -> None:
+def test_meanings_are_words() -> None:
     x = sp.Symbol("x")
-    with pytest.raises(vo.DefinitionError, match="meanings explain 'y', which is no coordinate"):
-        vo.System(name="a", fibration=vo.Fibration(x), lagrangian=x, meanings={"y": "nothing"})
     with pytest.raises(vo.DefinitionError, match="the meaning of 'x' is ''; give words"):
         vo.System(name="a", fibration=vo.Fibration(x), lagrangian=x, meanings={x: ""})
+
+
+def test_conformance_asks_what_meanings_are_of(tmp_path: Path) -> None:
+    file = tmp_path / "point.py"
+    file.write_text(
+        "import sympy as sp\nimport voronec as vo\nx = sp.Symbol('x')\n"
+        "SYSTEM = vo.System(name='point', title='Point', fibration=vo.Fibration(x),\n"
+        "    lagrangian=vo.velocity(x)**2, scenes={'default': vo.Scene({x: 1})},\n"
+        "    meanings={'y': 'nothing'})\n"
+    )
+    with pytest.raises(AssertionError, match="meanings explain 'y', which is no coordinate"):
+        names_are_fine(str(file))

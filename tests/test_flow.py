@@ -117,7 +117,8 @@ def test_two_integrators_agree_and_say_what_they_did() -> None:
 
 def test_auto_takes_scipy_where_heyoka_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     # None in the table of modules is how Python says that an import fails
-    monkeypatch.setitem(sys.modules, "heyoka", None)
+    for name in ("heyoka", "numba"):
+        monkeypatch.setitem(sys.modules, name, None)
     traj = vo.integrate(SLEIGH, tol=1e-15)
     assert traj.cost.method == "scipy" and "not installed" in traj.cost.reason
     assert traj.cost.tolerance == stepwise.FINEST
@@ -270,8 +271,11 @@ def test_relations_are_checked_at_the_start_and_watched() -> None:
         ({"times": []}, "strictly monotonic"),
         ({"times": "soon"}, "strictly monotonic"),
         ({"times": [0, np.inf]}, "finite"),
-        ({"method": "euler"}, "no method 'euler'; methods are auto, heyoka, scipy, lsoda, flint"),
-        ({"tol": 0}, "tol = 0 must lie between"),
+        (
+            {"method": "euler"},
+            "no method 'euler'; methods are auto, heyoka, scipy, numba, lsoda, flint",
+        ),
+        ({"tol": 0}, "tol = 0.0 must lie between"),
     ],
 )
 def test_mistakes_are_named(mistake: dict[str, Any], message: str) -> None:

@@ -61,7 +61,7 @@ def test_a_sleigh_runs_round_in_both_precisions():
         sleigh,
         lagrangian=sleigh.lagrangian.subs({"m": 1, "J": 1, "a": 0}),
         parameters=(), integrals={}, equations={}, measure=None, integrable="", essential=(),
-        cases={}, scenes={},
+        cases={}, scenes={}, shapes=(),
     )  # fmt: skip
     for precision, tolerance, off in (("long double", 3e-17, 1e-14), ("quad", 1e-24, 1e-15)):
         row = motion(system, [0, 0, 0], [1, 2], [0.0, 7.0], tolerance, precision).states[-1]

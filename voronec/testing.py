@@ -19,7 +19,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.symbols import plain_name, time
+from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.text import sympified
 from voronec.declaration.bibliography import bibtex
 from voronec.declaration.catalogue import Entry, entry_of, file_entry, is_file
@@ -28,6 +28,7 @@ from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.equations.referee import multiplier_acceleration
 from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.errors import did_you_mean
 from voronec.motion import integrate
 from voronec.proof.check import Inventory, Result
 from voronec.proof.check.record import failure_line
@@ -75,7 +76,8 @@ def conformance(*names: str, statements: Mapping[str, Callable[[str], None]] | N
 
 
 def names_are_fine(name: str) -> None:
-    """The system loads, under its name, with a title, and a scene to look at; so do neighbours."""
+    """The system loads, under its name, with a title, a scene to look at, and meanings of what it
+    has; so do neighbours."""
     system = _entry(name).load()
     shape = "lower-case letters, digits and single hyphens, a letter first"
     assert re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*(@\w+)?", system.name), (
@@ -85,6 +87,14 @@ def names_are_fine(name: str) -> None:
     assert "default" in system.scenes or is_general(system), (
         f"'{name}' has no scene 'default' for 'voronec run'"
     )
+    frame = system.frame.ambient if system.frame is not None else ()
+    things = (*system.coordinates, *map(velocity, system.coordinates), *frame, *system.inputs)
+    known = {*map(plain_name, things), *system.integrals, *system.invariants}
+    for said in system.meanings:
+        assert said in known, (
+            f"'{name}': meanings explain '{said}', which is no coordinate, velocity, integral, "
+            f"invariant or input{did_you_mean(said, known)}"
+        )
     _entry(name).load_relations()
 
 

@@ -16,6 +16,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.numeric_functions import elementary
+from voronec.algebra.text import sympified
 from voronec.errors import EngineLimit
 
 __all__ = ["Expansion", "FieldJet", "Span"]
@@ -80,12 +81,12 @@ class Expansion:
 
     def _value(self, expr: Any) -> sp.Rational:
         """The exact value at the point."""
-        value = sp.sympify(expr.xreplace(self._point))
+        value = sympified(expr.xreplace(self._point))
         if value.has(sp.sin, sp.cos, sp.tan):
             value = sp.expand(sp.expand_trig(value))  # of 2*atan(3/4), say
         if not value.is_Rational:
             raise EngineLimit(
-                f"at this point '{sp.sympify(expr)}' = {value} is no rational number; give a point "
+                f"at this point '{sympified(expr)}' = {value} is no rational number; give a point "
                 "where all is rational, such as angles that are zero or atan(3/4)"
             )
         return value
@@ -99,14 +100,14 @@ class Expansion:
 
     def _power(self, expr: Any) -> Parts:
         """b = a^e: a_0 k b_k = sum_(i > 0) (e i - (k - i)) a_i b_(k - i)."""
-        base, exponent = self.of(expr.args[0]), sp.sympify(expr.args[1])
+        base, exponent = self.of(expr.args[0]), sympified(expr.args[1])
         if exponent.is_Integer and exponent > 0:
             total = base
             for _ in range(int(exponent) - 1):
                 total = self._product(total, base)
             return total
         if base[0] == 0:
-            raise EngineLimit(f"'{sp.sympify(expr)}' is singular at this point; give another")
+            raise EngineLimit(f"'{sympified(expr)}' is singular at this point; give another")
         e = flint.fmpq(int(exponent.p), int(exponent.q))
         scale, parts = 1 / _rational(base[0]), [self._constant(self._value(expr))]
         for k in range(1, self._order + 1):
@@ -140,7 +141,7 @@ class Expansion:
             return parts
         plain = elementary(expr)
         if plain == expr:
-            raise EngineLimit(f"'{sp.sympify(expr)}' has no expansion here; use smooth functions")
+            raise EngineLimit(f"'{sympified(expr)}' has no expansion here; use smooth functions")
         return self.of(plain)
 
     def _solved(
@@ -162,7 +163,7 @@ class Expansion:
     def _moving(self, expr: Any) -> Parts:
         """The parts of an angle above order 0; its own value, as pi/2, need not be rational."""
         constant = expr.xreplace(self._point)
-        if sp.sympify(constant).is_Rational:
+        if sympified(constant).is_Rational:
             return self.of(expr)
         return self.of((expr.xreplace(self._moved) - constant).expand())
 

@@ -276,7 +276,7 @@ class Control:
 
     def _require_equilibrium(self, at: Mapping[Any, Any]) -> None:
         for s, rate in zip(self.state, self.inner_drift, strict=True):
-            value = sp.sympify(rate.xreplace(dict(at)))
+            value = sympified(rate.xreplace(dict(at)))
             place = f"system '{self.system_field.system.name}'"
             if value.has(sp.nan, sp.zoo, sp.oo):
                 raise DefinitionError(

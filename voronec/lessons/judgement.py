@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-import sympy as sp
-
 from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.text import sympified
 from voronec.algebra.typeset import caret_text, plain_text
 from voronec.algebra.verdicts import Verdict, decide_equal
 from voronec.declaration.system import System
@@ -215,5 +214,5 @@ def _accelerations(equations: VoronecEquations, sides: list[Any]) -> dict[Any, A
         equations.velocities, Motions.of(equations).on_coordinates.accelerations, strict=True
     ):
         if velocity(v) in held or (integral and v in held):
-            found[velocity(v)] = sp.sympify(outward(value))
+            found[velocity(v)] = sympified(outward(value))
     return found

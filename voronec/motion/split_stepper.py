@@ -42,6 +42,11 @@ LEAST = 1e-6
 for dependent: they lose more digits than they leave."""
 GAIN = 4.0
 """A split is left for another only where that is so many times better."""
+BEFORE = 0.9
+"""Where equations break down in one split, the run goes back to this part of the way there and on
+in another: next to the place all velocities of a state of that split have lost their digits."""
+SHORT = 1e-6
+"""A way shorter than this part of the whole is not gone back on: no split leads past its end."""
 
 
 def guarding(guards: Sequence[Divisor]) -> tuple[tuple[Event, ...], dict[str, Any]]:
@@ -116,6 +121,12 @@ class SplitRun:
         split = self.best_split(time, wide, None)
         while True:
             part = self.judged(split, self.stretch(split, time, wide, self.grid[done:]))
+            back = None if part.halt is None else self.turned_back(split, part, wide, done)
+            if back is not None:
+                part, wide, best = back
+                done += self.take(split, part, done)
+                time, split = part.t[-1], best
+                continue
             done += self.take(split, part, done)
             ended = part.stopped not in ("", *self._guards(split))
             if part.interrupted or ended or (part.halt is None and done >= len(self.grid)):
@@ -134,11 +145,16 @@ class SplitRun:
 
     # -- splits -----------------------------------------------------------------------------
 
-    def best_split(self, time: Any, wide: np.ndarray, last: SplitModel | None) -> SplitModel:
+    def best_split(
+        self, time: Any, wide: np.ndarray, last: SplitModel | None, leaves: bool = False
+    ) -> SplitModel:
         """The split to go on in: one that is ready and good enough, else the first of those that
-        can be made that is, else the best; not the last one, unless no other is much better."""
+        can be made that is, else the best; not the last one, unless no other is much better, or,
+        where that ``leaves`` the last one in any case, none is good."""
         plain = wide.astype(float)
         sizes = {p: p.quality(time, plain) for p in self.splits}
+        if leaves and last is not None:
+            sizes[last] = NEAR / GAIN
         ready = max(self.splits, key=lambda p: sizes[p], default=None)
         if ready is not None and ready is not last and sizes[ready] > CLEAR:
             return ready
@@ -168,6 +184,25 @@ class SplitRun:
         if last is not None and sizes[best] < GAIN * sizes[last]:
             return last
         return best
+
+    def turned_back(
+        self, split: SplitModel, part: Run, wide: np.ndarray, done: int
+    ) -> tuple[Run, np.ndarray, SplitModel] | None:
+        """A stretch that broke down anew, up to shortly before, with the wide state there and the
+        split in which to go on; None where there is no other that is good."""
+        assert part.halt is not None
+        time, way = part.t[0], part.halt.time - part.t[0]
+        if not abs(way) > SHORT * np.ptp(self.grid):
+            return None
+        end = time + BEFORE * way
+        ahead = self.grid[done:]
+        ahead = ahead[(ahead - end) * np.sign(way) < 0]
+        again = self.stretch(split, time, wide, np.append(ahead, end))
+        if again.halt is not None or again.stopped or again.interrupted:
+            return None
+        wide = self.widened(split, end, again.states[-1])
+        best = self.best_split(end, wide, split, leaves=True)
+        return None if best is split else (again, wide, best)
 
     def alone(
         self, split: SplitModel, time: Any, state: np.ndarray, wide: np.ndarray, busy: float
