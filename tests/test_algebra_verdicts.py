@@ -549,3 +549,18 @@ def test_a_letter_for_an_exponent_does_not_make_its_base_positive():
     sides = x ** sp.Abs(n), sp.Abs(x) ** sp.Abs(n)
     assert not prove_equal(*sides).proved
     assert not prove_equal(x ** sp.floor(y), sp.Abs(x) ** sp.floor(y)).proved
+
+
+def test_a_witness_has_values_for_letters_that_cancel():
+    a, x, m = sp.symbols("a x m")
+    b = sp.Symbol("b", positive=True)
+    one = sp.sqrt(x - 1) * sp.sqrt(1 / (x - 1))
+    for left, right in (
+        (one, sp.Rational(1001, 1000)),
+        (b * sp.sqrt(a - 5) * sp.sqrt(1 / (a - 5)), m),
+    ):
+        verdict = prove_equal(left, right)
+        assert verdict.refuted
+        at = {s: sp.Rational(verdict.witness.point[str(s)]) for s in (left - right).free_symbols}
+        for side, value in ((left, verdict.witness.left), (right, verdict.witness.right)):
+            assert abs(sp.N(side.subs(at), 30) - sp.Rational(value)) < 1e-25

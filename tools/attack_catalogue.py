@@ -47,7 +47,8 @@ def catalogue(dice: Random, declared: bool, true: bool) -> Statement | None:
     function = dice.choice((function, 2 * function + 1, function**2, sp.sin(function)))
     if not true:
         function = mutated(Letters(dice, declared, letters, letters), function)
-        if function.has(sp.zoo, sp.nan, sp.I) or _changes(system, function, dice) is not True:
+        odd = (sp.zoo, sp.nan, sp.I, sp.Derivative, sp.Subs)
+        if function.has(*odd) or _changes(system, function, dice) is not True:
             return None
     text = f"{system.name}: integral {function}"
     return Statement(

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from random import Random
 from typing import Any
 
 import flint
 import symengine as se
 import sympy as sp
+from sympy.core.function import AppliedUndef
 from sympy.logic.boolalg import Boolean
 
 from voronec.algebra.arguments import SEVERAL, accepts
@@ -128,7 +130,7 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
         left, right = door.inward(a), door.inward(b)
         known = [*door.hypotheses, *door.lost_conditions(a), *door.lost_conditions(b)]
         verdict = decide_equal(left, right, [*ideal, *known], pointwise=True)
-        return _possible(verdict, a.free_symbols | b.free_symbols)
+        return _possible(_filled(verdict, a, b), a.free_symbols | b.free_symbols)
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))
 
@@ -140,6 +142,36 @@ def _taken_in(relation: Any, door: Door) -> Any:
     """A relation, or a condition, inside the door."""
     holds = isinstance(relation, Boolean) and not relation.is_Symbol
     return condition(relation, door.inward) if holds else door.inward(relation)
+
+
+TRIALS, HEIGHT, CLOSE = 200, 300, sp.Float("1e-20")
+"""So many random points are tried for letters that cancel, with numerators up to the second; both
+sides have the values of the witness to that part."""
+
+
+def _filled(verdict: Verdict, a: sp.Expr, b: sp.Expr) -> Verdict:
+    """The verdict, with values in its witness for letters that cancel at the door: those at which
+    both sides are real, as sqrt(x - 1) sqrt(1/(x - 1)) is where x > 1."""
+    witness, sides = verdict.witness, sp.Tuple(a, b)
+    if witness is None or sides.atoms(AppliedUndef):
+        return verdict
+    named = {plain_name(x): x for x in sides.free_symbols}
+    absent = sorted(named.keys() - witness.point.keys())
+    if not absent:
+        return verdict
+    known = {x: sp.Rational(witness.point[n]) for n, x in named.items() if n in witness.point}
+    values, dice = [sp.Rational(v) for v in (witness.left, witness.right)], Random(0)
+    for _ in range(TRIALS):
+        point = {
+            n: sp.Rational(dice.randint(-HEIGHT, HEIGHT), dice.choice((97, 13, 2))) for n in absent
+        }
+        at = {**known, **{named[n]: value for n, value in point.items()}}
+        found = [sp.N(side.xreplace(at), DIGITS) for side in sides]
+        if all(f.is_Float and abs(f - v) <= CLOSE * max(1, abs(v))
+               for f, v in zip(found, values, strict=True)):  # fmt: skip
+            whole = {**witness.point, **{n: str(value) for n, value in point.items()}}
+            return replace(verdict, witness=replace(witness, point=whole))
+    return verdict
 
 
 def _possible(verdict: Verdict, symbols: Iterable[Any]) -> Verdict:
