@@ -183,3 +183,8 @@ def test_an_angle_that_sympy_writes_with_a_logarithm_is_that_angle():
     with precise(100):
         (found,) = compiled([written + sp.pi], ())(())
         assert abs(found - arb.pi() - ball(sp.atan2(across, along))) < 1e-25
+
+
+def test_velocities_of_coordinates_at_a_pole_are_refused_in_a_line(system):
+    with pytest.raises(vo.EngineLimit, match="do not tell the start to many digits at a pole"):
+        vo.closed_form(system, initial={"u": 1, "vdot": 0.3, "n": 1})

@@ -18,6 +18,7 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import sympified
 from voronec.equations.program import Program
 from voronec.equations.program.digits import compiled_digits
+from voronec.errors import EngineLimit
 from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["Exactly", "exact_number"]
@@ -97,7 +98,13 @@ class Exactly:
         asked = not {*conditions} <= {*own}  # at poles of angles their rates are infinite
 
         def reached(state: np.ndarray) -> list[Any]:
-            slopes = rates(self.time, list(state), values)[:n] if asked else ()
+            try:
+                slopes = rates(self.time, list(state), values)[:n] if asked else ()
+            except ZeroDivisionError:
+                raise EngineLimit(
+                    f"system '{system.name}': velocities of coordinates do not tell the start to "
+                    f"many digits at a pole of these; give {', '.join(own)}"
+                ) from None
             found = dict(zip(dots, slopes, strict=asked))
             found |= zip(own, state[n:], strict=True)
             return [found[name] for name in conditions]
