@@ -166,6 +166,8 @@ def _filled(verdict: Verdict, a: sp.Expr, b: sp.Expr) -> Verdict:
             n: sp.Rational(dice.randint(-HEIGHT, HEIGHT), dice.choice((97, 13, 2))) for n in absent
         }
         at = {**known, **{named[n]: value for n, value in point.items()}}
+        if not all(_fits(named[n], value) for n, value in point.items()):
+            continue
         found = [sp.N(side.xreplace(at), DIGITS) for side in sides]
         if all(f.is_Float and abs(f - v) <= CLOSE * max(1, abs(v))
                for f, v in zip(found, values, strict=True)):  # fmt: skip
@@ -174,17 +176,22 @@ def _filled(verdict: Verdict, a: sp.Expr, b: sp.Expr) -> Verdict:
     return verdict
 
 
+def _fits(symbol: Any, value: sp.Rational) -> bool:
+    """Whether a number is what SymPy knows of a symbol."""
+    return all(
+        getattr(value, f"is_{fact}", holds) in (holds, None)
+        for fact, holds in symbol.assumptions0.items()
+    )
+
+
 def _possible(verdict: Verdict, symbols: Iterable[Any]) -> Verdict:
     """The verdict, unless SymPy knows of a symbol what the number in the witness contradicts: that
     it is prime, or irrational."""
     if verdict.witness is None:
         return verdict
     for symbol in symbols:
-        value = sp.Rational(verdict.witness.point.get(plain_name(symbol), "0"))
-        facts = symbol.assumptions0.items()
-        if str(symbol) in verdict.witness.point and any(
-            getattr(value, f"is_{fact}", holds) not in (holds, None) for fact, holds in facts
-        ):
+        value = verdict.witness.point.get(plain_name(symbol))
+        if value is not None and not _fits(symbol, sp.Rational(value)):
             why = f"no witness was found with what is known of '{symbol}'"
             return Verdict("undecided", why)
     return verdict
