@@ -138,6 +138,18 @@ def test_a_state_where_it_fails() -> None:
         ("", "empty"),
         (r"\dot v = a + const", "alone on one side"),
         (r"\dot v = a \# w", "character 12"),
+        # what one book means one way and another in another
+        (r"\ddot v = 0", "the rate of an acceleration is not read"),
+        ("d/dt(v' + w) = w'", "the rate of an acceleration is not read"),
+        ("v*-w = v - w", "a factor is missing"),
+        (r"a\cdot -w = a - w", "a factor is missing"),
+        ("v^2^3 = v^3", "two exponents"),
+        ("v**2**3 = v^8", "two exponents"),
+        (r"\frac{dy}{dx} = 0", "a derivative with d is by t"),
+        (r"\frac{dv}{d\phi} = 0", "a derivative with d is by t"),
+        (r"\frac{\partial L}{\partial v} = 0", "no velocities of a frame"),
+        (r"\frac{\partial v}{\partial\dot x} = 0", "no velocities of a frame"),
+        ("(" * 3000 + "v" + ")" * 3000 + " = v", "nested too deeply"),
     ],
 )
 def test_what_is_not_understood(text: str, said: str) -> None:
@@ -175,3 +187,26 @@ def test_notations(pair: tuple[str, str]) -> None:
     one, other = (vo.judge(vo.load("sleigh"), text) for text in pair)
     assert one.read == other.read
     assert one.proved and other.proved
+
+
+@pytest.mark.parametrize(
+    ("text", "status"),
+    [
+        ("u' = 0", "refuted"),
+        ("d/dt(x' - u) = -x + u", "refuted"),
+        ("d/dt(x' - u) = -x + u - u'", "proved"),
+        ("d/dt(u x) = u x'", "refuted"),
+        ("d/dt(u x) = u x' + u' x", "proved"),
+        ("xdotdot = u - x", "proved"),
+    ],
+)
+def test_inputs_have_rates(text: str, status: str) -> None:
+    """An input is any function of the time."""
+    x, u = sp.symbols("x u")
+    system = vo.System(
+        name="spring",
+        fibration=vo.Fibration(x),
+        lagrangian=vo.velocity(x) ** 2 / 2 - (x - u) ** 2 / 2,
+        inputs=(u,),
+    )
+    assert vo.judge(system, text).verdict.status == status

@@ -214,3 +214,26 @@ def test_refusals_are_one_line() -> None:
         vo.linearise(pendulum(), {"theta": 0}).eigenvalues()
     with pytest.raises(vo.DefinitionError, match="no linearisation at the point"):
         vo.linearise(pendulum(), {"L": 0})
+
+
+@pytest.mark.parametrize(
+    ("force", "smooth", "corner"),
+    [
+        (lambda x, dx: -sp.sign(dx), ({"x": 1, "xdot": 2}, 0, 0), {"x": 1, "xdot": 0}),
+        (lambda x, dx: -sp.Abs(x), ({"x": -2, "xdot": 0}, 1, 0), {"x": 0, "xdot": 1}),
+        (lambda x, dx: sp.Max(x, 0) - dx, ({"x": 3, "xdot": 0}, 1, -1), {"x": 0, "xdot": 1}),
+        (lambda x, dx: dx * sp.floor(x), ({"x": 1.5, "xdot": 1}, 0, 1), {"x": 1, "xdot": 1}),
+    ],
+)
+def test_there_is_no_slope_at_a_corner(force: Any, smooth: Any, corner: Any) -> None:
+    """Beside it there is one."""
+    x = sp.Symbol("x")
+    dx = vo.velocity(x)
+    system = vo.System(
+        name="k", fibration=vo.Fibration(x), lagrangian=dx**2 / 2, forces={x: force(x, dx)}
+    )
+    eqs = vo.derive(system)
+    at, by_place, by_speed = smooth
+    assert sp.Matrix([[0, 1], [by_place, by_speed]]) == vo.linearise(eqs, at).A
+    with pytest.raises(vo.DefinitionError, match=r"no linearisation at the point: .* has a corner"):
+        vo.linearise(eqs, corner)

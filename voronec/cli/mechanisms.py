@@ -142,11 +142,12 @@ COIN_PYTHON = '''\
 
     voronec derive FILE     its equations of motion
     voronec run FILE        a motion, saved and drawn
+    voronec view FILE       the motion in space, a page for the browser
 """
 
 import sympy as sp
 
-from voronec import Fibration, Parameter, Scene, System, velocity
+from voronec import Fibration, Parameter, Scene, Shape, System, velocity
 
 # 1. Symbols: coordinates, and constants.  velocity(x) is the symbol of dx/dt.
 x, y, phi, theta = sp.symbols("x y phi theta")
@@ -183,6 +184,11 @@ SYSTEM = System(
         phi: "heading, the angle from the x axis",
         theta: "angle by which the coin has rolled",
     },
+    # What rolls, for 'view'.
+    shapes=(
+        Shape.wheel(R, phi, theta, centre=(x, y, R), contact=(x, y, 0)),
+        Shape.plane(),
+    ),
     # Motions to look at: what is not given starts at zero.
     scenes={
         "default": Scene(

@@ -58,14 +58,40 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
         return _product(parts)
     values = [v for v, _ in parts]
     value = expr.func(*values)
+    root = isinstance(expr, se.Pow) and values[0] == 0 and values[1].is_Number and values[1] < 1
+    if root and any(known[s][1] for s in expr.args[0].free_symbols if s in known):
+        raise EngineLimit(f"'{expr}' has a corner there")
     moving = [i for i, (_, slopes) in enumerate(parts) if slopes]
     if not moving:
         return value, {}
+    if (corner := _corner(expr, values)) is not None:
+        return value, _sums([(slope, parts[i][1]) for i, slope in corner.items()])
     names = [se.Symbol(f"argument {i}") for i in range(len(parts))]
     form, at = expr.func(*names), dict(zip(names, values, strict=True))
     if isinstance(expr, se.Pow) and moving == [0]:
         form = names[0] ** values[1]
     return value, _sums([(form.diff(names[i]).xreplace(at), parts[i][1]) for i in moving])
+
+
+def _corner(expr: Any, values: Sequence[Any]) -> dict[int, Any] | None:
+    """The slopes of a function with corners or steps by its arguments, where these are numbers;
+    None for all else.  ``EngineLimit`` at a corner, where there are no slopes."""
+    kinds = (se.sign, se.Abs, se.floor, se.ceiling, se.Max, se.Min)
+    if not isinstance(expr, kinds) or any(v.free_symbols for v in values):
+        return None
+    sizes = [float(v) for v in values]
+    if isinstance(expr, se.Max | se.Min):
+        best = (max if isinstance(expr, se.Max) else min)(sizes)
+        at = [i for i, size in enumerate(sizes) if size == best]
+        slopes, on_corner = {at[0]: se.Integer(1)}, len(at) > 1
+    elif isinstance(expr, se.floor | se.ceiling):
+        slopes, on_corner = {}, sizes[0].is_integer()
+    else:
+        slopes = {0: se.sign(values[0])} if isinstance(expr, se.Abs) else {}
+        on_corner = sizes[0] == 0
+    if on_corner:
+        raise EngineLimit(f"'{expr}' has a corner or a step there")
+    return slopes
 
 
 def _product(parts: Sequence[FirstOrder]) -> FirstOrder:

@@ -12,9 +12,9 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.symbols import plain_name, time
+from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.typeset import symbol_latex
-from voronec.audit.latex.nodes import Chain, Dot, Name, Node, walk
+from voronec.audit.latex.nodes import Chain, Derivative, Dot, Name, Node, Partial, walk
 from voronec.audit.latex.reader import read_tokens
 from voronec.audit.latex.tokens import complain
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
@@ -27,6 +27,8 @@ __all__ = ["CONSTANT", "Language"]
 
 CONSTANT = sp.Symbol("const")
 """What stands for a constant of the motion."""
+BEYOND = sp.Symbol("{rate of an acceleration}")
+"""What stands for a rate that is not read."""
 _SHAPES = {"\\phi": "\\varphi", "\\theta": "\\vartheta", "\\epsilon": "\\varepsilon"}
 _ALIKE = {"\\omega": "w", "\\nu": "v", "\\rho": "p", "\\chi": "x", "\\upsilon": "v"}
 _NO_VALUE = (sp.nan, sp.zoo, sp.oo, -sp.oo)
@@ -64,7 +66,18 @@ class Language:
         names.setdefault("L", self.equations.system.lagrangian)
         names.setdefault("\\pi", sp.pi)
         names.setdefault("const", CONSTANT)
-        return Study(names=names, motion=Motion.of(self.equations))
+        return Study(names=names, motion=self._motion)
+
+    @property
+    def _motion(self) -> Motion:
+        """How symbols change: inputs too, by their own rates; those of accelerations are not read,
+        and are marked so."""
+        motion = Motion.of(self.equations)
+        rates = dict(motion.rates)
+        for u in self.equations.system.inputs:
+            rates |= {u: velocity(u), velocity(u): velocity(velocity(u))}
+        rates |= {velocity(v): BEYOND for v in self.equations.velocities}
+        return replace(motion, rates=rates)
 
     @property
     def _unaccented(self) -> dict[str, Any]:
@@ -78,17 +91,49 @@ class Language:
         ``DefinitionError`` names the place of what is not understood, and of a symbol that the
         system does not have, with the nearest one.
         """
-        moving = [plain_name(x) for x in (*self.equations.coordinates, *self.equations.velocities)]
+        dots = {velocity(q) for q in self.equations.coordinates}
+        free = [v for v in self.equations.velocities if v not in dots]
+        moving = [plain_name(x) for x in (*self.equations.coordinates, *free)]
         words = words_of(text, spelling_of([*self._unaccented], moving))
         if not words:
             raise DefinitionError("the equation is empty; write one such as \\dot v = a w^2")
         vocabulary = replace(self.study.vocabulary, by_hand=True)
-        tree = read_tokens(words, text, vocabulary)
+        try:
+            tree = read_tokens(words, text, vocabulary)
+        except RecursionError:
+            raise DefinitionError(
+                "the equation is nested too deeply; leave out parentheses"
+            ) from None
         if not tree.relations or {*tree.relations} != {"="}:
             sign = next((s for s in tree.relations if s != "="), "")
             what = f"'{sign}' is no sign of equality" if sign else "there is no sign of equality"
             raise DefinitionError(f"{what} in '{text}'; write left = right, or = const")
+        self._refuse_doubtful(tree, text)
         return [self._value(part, text, tree) for part in tree.parts]
+
+    def _refuse_doubtful(self, tree: Chain, text: str) -> None:
+        """Derivatives that one book takes along the motion, or on the constraints, and another
+        with everything else held."""
+        system = self.equations.system
+        quasi = {*self.equations.velocities} - {velocity(q) for q in system.coordinates}
+        for node in walk(tree):
+            if isinstance(node, Derivative) and self._found(node.variable) not in (time, None):
+                what = "a derivative with d is by t; write \\partial, or a quotient such as dy/dx"
+                raise complain(text, node.at[0], what)
+            if not isinstance(node, Partial) or node.body is None:
+                continue
+            held = getattr(self._found(node.body), "free_symbols", None)
+            by = {self._found(v) for v in node.variables}
+            if held is not None and not by <= held and (by | held) & quasi:
+                what = "no velocities of a frame stand in this; take those of the coordinates"
+                raise complain(text, node.at[0], what)
+
+    def _found(self, node: Node) -> Any:
+        """The value of a part; None where it has none, which is told elsewhere."""
+        try:
+            return evaluate(node, self.study)
+        except SENSELESS:
+            return None
 
     def _value(self, part: Node, text: str, tree: Chain) -> Any:
         try:
@@ -100,6 +145,9 @@ class Language:
         except SENSELESS as error:
             what = f"this has no value: {type(error).__name__.lower()}"
             raise complain(text, part.at[0], what) from None
+        if isinstance(value, sp.Expr) and value.has(BEYOND):
+            what = "the rate of an acceleration is not read; write accelerations and lower rates"
+            raise complain(text, part.at[0], what)
         if not isinstance(value, sp.Expr) or value.has(*_NO_VALUE):
             raise complain(text, part.at[0], "this has no value that is a real number")
         return value

@@ -369,10 +369,12 @@ def scripts(reader: Reader, node: Node, start: int) -> Node:
             primes += 1 if mark == "'" else 2
         elif mark == "_":
             sub = _indices(reader)
-        elif _is_numeral(reader, node):
+        elif _is_numeral(reader, node) and exponent is None:
             sup, exponent = _numeral(reader)
         elif _labels(reader, node):
             sup = _indices(reader)
+        elif exponent is not None:
+            reader.fail("two exponents stand above one another; write a^{b^c}")
         else:
             exponent = reader.argument()
     if primes or sub or sup:
@@ -595,6 +597,8 @@ class Reader:
             text = self.peek()
             if text == "\\cdot":
                 self.take()
+                if self.vocabulary.by_hand and self.ends_term():
+                    self.fail("a factor is missing; a sign behind a product wants parentheses")
             elif text in _BETWEEN or text == "\\oplus":
                 factors = self._joined(text, factors, start)
             else:
