@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import wraps
 from typing import Any, TypeVar, cast
 
-from voronec.errors import DefinitionError, shown
+from voronec.errors import DefinitionError, VoronecError, shown
 
 __all__ = [
     "CALLABLE",
@@ -30,6 +30,7 @@ __all__ = [
     "accepts",
     "callback",
     "instance",
+    "reads",
     "require",
     "require_digits",
 ]
@@ -159,6 +160,25 @@ def accepts(**kinds: Kind) -> Callable[[Function], Function]:
                     if kinds[name] is CALLABLE:
                         bound.arguments[name] = callback(function.__name__, name, value)
             return function(*bound.args, **bound.kwargs)
+
+        return cast(Function, checked)
+
+    return guarded
+
+
+def reads(advice: str) -> Callable[[Function], Function]:
+    """Let a function that only puts names into words or strokes refuse what it cannot read: in one
+    line, with what to give."""
+
+    def guarded(function: Function) -> Function:
+        @wraps(function)
+        def checked(*args: Any, **options: Any) -> Any:
+            try:
+                return function(*args, **options)
+            except VoronecError:
+                raise
+            except (TypeError, ValueError, AttributeError, LookupError) as error:
+                raise DefinitionError(f"{function.__name__}: give {advice} ({error})") from error
 
         return cast(Function, checked)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from voronec.algebra.arguments import reads
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.surfaces import Surface
 
@@ -19,6 +20,7 @@ NORMAL = "normal of the fixed surface at the contact"
 SPIN = "angular velocity"
 
 
+@reads("three angles")
 def euler_meanings(angles: Sequence[Any]) -> Meanings:
     """Of Euler's angles in the sequence zxz: precession, nutation, spin."""
     words = (
@@ -29,17 +31,20 @@ def euler_meanings(angles: Sequence[Any]) -> Meanings:
     return dict(zip(angles, words, strict=True))
 
 
+@reads("three names")
 def vector_meanings(names: Iterable[Any], what: str = SPIN, whose: str = "the body") -> Meanings:
     """Of the components of a vector along the axes of a body, from the first on."""
     return {x: f"{what} along axis {k} of {whose}" for k, x in enumerate(names, 1)}
 
 
+@reads("three names")
 def moving_meanings(spins: Iterable[Any]) -> Meanings:
     """Of the angular velocity along the directions that go with the contact, (e_u, e_v, n)."""
     where = ("the direction of u", "the direction of v", "the normal")
     return {x: f"{SPIN} along {d} at the contact" for x, d in zip(spins, where, strict=True)}
 
 
+@reads("a contact of kinematics")
 def contact_meanings(
     contact: RollingContact, body: str = "the body", on: tuple[str, str] = ROUND
 ) -> Meanings:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import cos, hypot, radians, sin
 from typing import Any
 
+from voronec.algebra.arguments import reads
 from voronec.declaration.sketch import Point, Sketch, polar
 
 __all__ = [
@@ -79,6 +80,7 @@ def sphere(sketch: Sketch, u: Any = "", v: Any = "") -> Sketch:
     return sketch.turn(polar(centre, RADIUS + 0.3, axis), axis, 0.24, v)
 
 
+@reads("coordinates and names")
 def rolling_sketch(
     *,
     on: str = "plane",
@@ -177,6 +179,7 @@ def _gyroscope(sketch: Sketch, middle: Point, axis: float, wheel: Any) -> Sketch
     return sketch.ellipse(at, 0.06, 0.22, axis).text((at[0] + 0.24, at[1] + 0.16), wheel)
 
 
+@reads("coordinates of the contact and names")
 def ball_sketch(
     contact: Sequence[Any], place: Sequence[Any], turned: Any, rotor: Sequence[Any] = ()
 ) -> Sketch:
@@ -201,6 +204,7 @@ def wheel_of(rotor: Sequence[Any]) -> str:
     return "kappa" if any(rotor[:-1]) else str(rotor[-1])
 
 
+@reads("coordinates and names")
 def carried_sketch(
     attitude: Sequence[Any],
     centre: Sequence[Any],
@@ -234,6 +238,7 @@ def carried_sketch(
     return sketch
 
 
+@reads("two coordinates and a heading")
 def sleigh_sketch(place: Sequence[Any], heading: Any, ahead: Any = "", left: Any = "") -> Sketch:
     """A body with a blade, from above: its centre of mass ``ahead`` of the blade and ``left``."""
     at, course = (1.2, 0.8), 32.0
@@ -253,6 +258,7 @@ def sleigh_sketch(place: Sequence[Any], heading: Any, ahead: Any = "", left: Any
     return sketch.distance(at, polar(at, 1.0, course), ahead, 0.28)
 
 
+@reads("two coordinates, a heading and an angle")
 def disc_sketch(place: Sequence[Any], heading: Any, rolled: Any, lean: Any = "") -> Sketch:
     """A disc on its edge, upright or leaning."""
     tilt = 17.0 if lean else 0.0
@@ -271,6 +277,7 @@ def disc_sketch(place: Sequence[Any], heading: Any, rolled: Any, lean: Any = "")
     return sketch.dot(CONTACT, f"M{_joined(place)}", -110)
 
 
+@reads("names")
 def pinned_sketch(
     attitude: Sequence[Any] = (), gamma: Sequence[Any] = (), still: str = ""
 ) -> Sketch:
@@ -288,6 +295,7 @@ def pinned_sketch(
     return sketch.dot((0.0, 0.0), "O", -20)
 
 
+@reads("names of three components")
 def particle_sketch(gamma: Sequence[Any]) -> Sketch:
     """A particle on the unit sphere."""
     sketch = Sketch("seen from the side").ellipse((0, 0), 1.2, 1.2).ring((0, 0), 1.2, 0.3)
