@@ -159,6 +159,7 @@ def _filled(verdict: Verdict, a: sp.Expr, b: sp.Expr) -> Verdict:
     absent = sorted(named.keys() - witness.point.keys())
     if not absent:
         return verdict
+    radicands = [p.base for p in sides.atoms(sp.Pow) if p.exp.is_Rational and not p.exp.is_Integer]
     known = {x: sp.Rational(witness.point[n]) for n, x in named.items() if n in witness.point}
     values, dice = [sp.Rational(v) for v in (witness.left, witness.right)], Random(0)
     for _ in range(TRIALS):
@@ -167,6 +168,8 @@ def _filled(verdict: Verdict, a: sp.Expr, b: sp.Expr) -> Verdict:
         }
         at = {**known, **{named[n]: value for n, value in point.items()}}
         if not all(_fits(named[n], value) for n, value in point.items()):
+            continue
+        if not all(sp.N(inside.xreplace(at), DIGITS).is_nonnegative for inside in radicands):
             continue
         found = [sp.N(side.xreplace(at), DIGITS) for side in sides]
         if all(f.is_Float and abs(f - v) <= CLOSE * max(1, abs(v))
