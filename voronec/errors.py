@@ -6,7 +6,9 @@ what the engine decides.  ``IntegrationError``: the numbers failed on the way.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 __all__ = [
@@ -15,6 +17,7 @@ __all__ = [
     "IntegrationError",
     "VoronecError",
     "did_you_mean",
+    "file_errors",
     "printable",
     "shown",
 ]
@@ -85,3 +88,16 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     if near:
         return f"; did you mean {' or '.join(map(repr, near))}?"
     return f"; there are: {', '.join(listed) or 'none'}"
+
+
+@contextmanager
+def file_errors(path: Path, what: str) -> Iterator[None]:
+    """While a file is read: that it is not there, or cannot be read, as a ``DefinitionError``."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise DefinitionError(f"there is no file '{path}'") from None
+    except IsADirectoryError:
+        raise DefinitionError(f"'{path}' is a folder; name {what}") from None
+    except OSError as error:
+        raise DefinitionError(f"'{path}' cannot be read: {error.strerror}") from None

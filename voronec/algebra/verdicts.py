@@ -166,9 +166,9 @@ def _filled(verdict: Verdict, a: sp.Expr, b: sp.Expr) -> Verdict:
         point = {
             n: sp.Rational(dice.randint(-HEIGHT, HEIGHT), dice.choice((97, 13, 2))) for n in absent
         }
-        at = {**known, **{named[n]: value for n, value in point.items()}}
         if not all(_fits(named[n], value) for n, value in point.items()):
             continue
+        at = {**known, **{named[n]: value for n, value in point.items()}}
         if not all(sp.N(inside.xreplace(at), DIGITS).is_nonnegative for inside in radicands):
             continue
         found = [sp.N(side.xreplace(at), DIGITS) for side in sides]

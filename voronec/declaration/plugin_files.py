@@ -9,7 +9,7 @@ from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
 
-from voronec.errors import DefinitionError, VoronecError
+from voronec.errors import DefinitionError, VoronecError, file_errors
 
 __all__ = ["failure", "run_file"]
 
@@ -51,15 +51,9 @@ def failure(error: BaseException, near: str) -> str:
 
 def _compiled(path: Path) -> CodeType:
     try:
-        with tokenize.open(path) as stream:
+        with file_errors(path, "a Python file"), tokenize.open(path) as stream:
             source = stream.read()
         return compile(source, str(path), "exec")
-    except FileNotFoundError:
-        raise DefinitionError(f"there is no file '{path}'") from None
-    except IsADirectoryError:
-        raise DefinitionError(f"'{path}' is a folder; name a Python file") from None
-    except OSError as error:
-        raise DefinitionError(f"'{path}' cannot be read: {error.strerror}") from None
     except SyntaxError as error:
         line = f", line {error.lineno}" if error.lineno else ""
         raise DefinitionError(f"{path}{line}: {error.msg}; correct it") from None

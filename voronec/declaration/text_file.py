@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from voronec.algebra.text import NotAFormula
-from voronec.errors import DefinitionError, did_you_mean, shown
+from voronec.errors import DefinitionError, did_you_mean, file_errors, shown
 
 __all__ = ["Item", "read_toml"]
 
@@ -154,13 +154,8 @@ class Item:
 def read_toml(path: Path) -> Item:
     """The table that a file holds; ``DefinitionError`` with line and column where it is no TOML."""
     try:
-        text = path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
-    except FileNotFoundError:
-        raise DefinitionError(f"there is no file '{path}'") from None
-    except IsADirectoryError:
-        raise DefinitionError(f"'{path}' is a folder; name a file") from None
-    except OSError as error:
-        raise DefinitionError(f"'{path}' cannot be read: {error.strerror}") from None
+        with file_errors(path, "a file"):
+            text = path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
         raise DefinitionError(
             f"'{path}' is no text: its byte {error.start + 1} is not UTF-8; save it as UTF-8"
