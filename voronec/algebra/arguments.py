@@ -177,7 +177,7 @@ def reads(advice: str) -> Callable[[Function], Function]:
                 return function(*args, **options)
             except VoronecError:
                 raise
-            except (TypeError, ValueError, AttributeError, LookupError) as error:
+            except (TypeError, ValueError, AttributeError, LookupError, RuntimeError) as error:
                 raise DefinitionError(f"{function.__name__}: give {advice} ({error})") from error
 
         return cast(Function, checked)
