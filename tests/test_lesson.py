@@ -13,8 +13,8 @@ import sympy as sp
 from command_line import refused
 
 import voronec as vo
+from voronec.audit.lessons.lesson import Part, _Work
 from voronec.cli import main
-from voronec.lessons.lesson import Part, _Work
 
 told = cache(lambda name: vo.lesson(vo.load(name)))
 

@@ -11,8 +11,8 @@ import pytest
 import sympy as sp
 
 import voronec as vo
+from voronec.audit.lessons.methods import METHODS, Comparison, Method, _compared
 from voronec.cli import main
-from voronec.lessons.methods import METHODS, Comparison, Method, _compared
 
 PROBLEMS = ("sleigh", "vertical-disc", "two-wheeled-carriage", "snakeboard", "chaplygin-ball")
 MORE = ("roller-racer", "ball-on-turntable", "sleigh-on-turntable", "suslov", "free-particle")

@@ -31,7 +31,7 @@ ROOMS = {
     "motion": "Motions",
     "closed": "Motions in closed form",
     "proof": "Claims, relations and searches",
-    "lessons": "Teaching",
+    "audit": "Teaching",
     "algebra": "Symbols and verdicts",
     "accuracy": "Hard cases",
     "errors": "Errors",

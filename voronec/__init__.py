@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from voronec.algebra.signs import prove_inequality
     from voronec.algebra.symbols import time, velocity
     from voronec.algebra.verdicts import Verdict, Witness, prove_equal
+    from voronec.audit.lessons.judgement import Judgement, judge
+    from voronec.audit.lessons.lesson import lesson
+    from voronec.audit.lessons.methods import by_methods
     from voronec.closed import ClosedForm
     from voronec.closed.special.family import Precessions, precessions
     from voronec.declaration.catalogue import load, names
@@ -31,9 +34,6 @@ if TYPE_CHECKING:
     from voronec.equations.referee import multiplier_acceleration, reaction_forces
     from voronec.equations.voronec_equations import VoronecEquations, derive
     from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
-    from voronec.lessons.judgement import Judgement, judge
-    from voronec.lessons.lesson import lesson
-    from voronec.lessons.methods import by_methods
     from voronec.motion import (
         Crossings,
         Ensemble,
@@ -97,10 +97,10 @@ _HOME = {
     "HardCase": "voronec.accuracy.hard",
     "Linearisation": "voronec.equations.linearisation",
     "linearise": "voronec.equations.linearisation",
-    "Judgement": "voronec.lessons.judgement",
-    "judge": "voronec.lessons.judgement",
-    "by_methods": "voronec.lessons.methods",
-    "lesson": "voronec.lessons.lesson",
+    "Judgement": "voronec.audit.lessons.judgement",
+    "judge": "voronec.audit.lessons.judgement",
+    "by_methods": "voronec.audit.lessons.methods",
+    "lesson": "voronec.audit.lessons.lesson",
     "multiplier_acceleration": "voronec.equations.referee",
     "reaction_forces": "voronec.equations.referee",
     "Claim": "voronec.proof.claims",

@@ -66,7 +66,7 @@ def _derivation(arguments: Namespace) -> int:
             raise DefinitionError(f"--{name}: a derivation is that of all motions; leave it out")
     folder = None if arguments.out is None else wanted_folder(arguments.out)
     system, _ = resolve(arguments.system)
-    from voronec.lessons.lesson import lesson
+    from voronec.audit.lessons.lesson import lesson
 
     progress(f"{system.name}: the derivation step by step ...")
     try:

@@ -12,7 +12,7 @@ __all__ = ["execute"]
 
 def execute(arguments: Namespace) -> int:
     """Print what was read, what was done and what came out; 1 unless it is proved."""
-    from voronec.lessons.judgement import judge
+    from voronec.audit.lessons.judgement import judge
 
     system, _ = resolve(arguments.system)
     found = judge(system, arguments.equation)

@@ -13,7 +13,7 @@ __all__ = ["execute"]
 def execute(arguments: Namespace) -> int:
     """Print each method with its equations, then the proofs; 1 unless all are proved."""
     system, _ = resolve(arguments.system)
-    from voronec.lessons.methods import by_methods
+    from voronec.audit.lessons.methods import by_methods
 
     progress(f"{system.name}: the equations by six methods ...")
     try:

@@ -20,10 +20,10 @@ import symengine as se
 
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.verdicts import Verdict
+from voronec.audit.lessons.statement import Statement, Vector
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError
-from voronec.lessons.statement import Statement, Vector
 from voronec.proof.decision import all_zero
 
 __all__ = ["METHODS", "Comparison", "Method", "by_methods"]
@@ -337,13 +337,13 @@ class Comparison:
 
     def lines(self) -> list[str]:
         """What is asked, each method, and what comes out."""
-        from voronec.lessons.methods_text import comparison_lines
+        from voronec.audit.lessons.methods_text import comparison_lines
 
         return comparison_lines(self)
 
     def as_dict(self) -> dict[str, Any]:
         """The same as data that JSON can hold."""
-        from voronec.lessons.methods_text import comparison_dict
+        from voronec.audit.lessons.methods_text import comparison_dict
 
         return comparison_dict(self)
 

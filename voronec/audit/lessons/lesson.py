@@ -72,25 +72,25 @@ class Lesson:
 
     def lines(self) -> list[str]:
         """As text."""
-        from voronec.lessons.lesson_text import lesson_lines
+        from voronec.audit.lessons.lesson_text import lesson_lines
 
         return lesson_lines(self)
 
     def latex(self) -> str:
         """As a LaTeX document."""
-        from voronec.lessons.lesson_text import lesson_latex
+        from voronec.audit.lessons.lesson_text import lesson_latex
 
         return lesson_latex(self)
 
     def html(self) -> str:
         """As one page without scripts, formulas in MathML."""
-        from voronec.lessons.lesson_text import lesson_html
+        from voronec.audit.lessons.lesson_text import lesson_html
 
         return lesson_html(self)
 
     def as_dict(self) -> dict[str, Any]:
         """As data that JSON can hold."""
-        from voronec.lessons.lesson_text import lesson_dict
+        from voronec.audit.lessons.lesson_text import lesson_dict
 
         return lesson_dict(self)
 

@@ -9,10 +9,10 @@ from typing import Any
 
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.typeset import caret_text, latex_of, symbol_latex
+from voronec.audit.lessons.lesson import Field, Lesson, Part, Row
 from voronec.audit.page.article import escape_text
 from voronec.audit.page.mathml import mathml
 from voronec.equations.voronec_equations import equation_rows
-from voronec.lessons.lesson import Field, Lesson, Part, Row
 
 __all__ = ["lesson_dict", "lesson_html", "lesson_latex", "lesson_lines"]
 

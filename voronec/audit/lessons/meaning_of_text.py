@@ -17,11 +17,11 @@ from voronec.algebra.typeset import symbol_latex
 from voronec.audit.latex.nodes import Chain, Derivative, Dot, Name, Node, Partial, walk
 from voronec.audit.latex.reader import read_tokens
 from voronec.audit.latex.tokens import complain
+from voronec.audit.lessons.notation import spelling_of, words_of
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.study import Motion, Study, key_of
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, did_you_mean
-from voronec.lessons.notation import spelling_of, words_of
 
 __all__ = ["CONSTANT", "Language"]
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import symengine as se
 
+from voronec.audit.lessons.methods import Comparison, Method
+from voronec.audit.lessons.statement import Statement
 from voronec.equations.voronec_equations import equation_rows
-from voronec.lessons.methods import Comparison, Method
-from voronec.lessons.statement import Statement
 
 __all__ = ["comparison_dict", "comparison_lines"]
 
