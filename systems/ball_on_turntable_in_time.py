@@ -18,6 +18,7 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
+    Shape,
     System,
     kinematics,
     time,
@@ -37,6 +38,7 @@ q = A / (A + m * R**2)
 # Along the axes of the table: the angular velocity, and the velocity of the centre in space.
 along, across = cos * rates[0] + sin * rates[1], cos * rates[1] - sin * rates[0]
 centre = (VX - Omega * Y, VY + Omega * X)
+place = (cos * X - sin * Y, sin * X + cos * Y)
 turned = (cos * centre[0] - sin * centre[1], sin * centre[0] + cos * centre[1])
 
 SYSTEM = System(
@@ -72,8 +74,8 @@ SYSTEM = System(
     integrals={
         "speed squared": centre[0] ** 2 + centre[1] ** 2,
         "twist": n,
-        "centre of the circle, x": q * Omega * (cos * X - sin * Y) - turned[1],
-        "centre of the circle, y": q * Omega * (sin * X + cos * Y) + turned[0],
+        "centre of the circle, x": q * Omega * place[0] - turned[1],
+        "centre of the circle, y": q * Omega * place[1] + turned[0],
     },
     equations={
         "Coriolis, centrifugal and magnetic": Equation(
@@ -94,6 +96,10 @@ SYSTEM = System(
             caption="On the table the ball leaves the trace of a point of a rolling circle.",
         ),
     },
+    shapes=(
+        Shape.ball(R, centre=(*place, R), attitude=rotation.matrix, contact=(*place, 0)),
+        Shape.plane(attitude=Omega * time),
+    ),
     references=("NeimarkFufaev1972", "FassoSansonetto2016"),
 )
 
@@ -105,8 +111,8 @@ RELATIONS = (
         "ball-on-turntable-in-time",
         "ball-on-turntable",
         state={
-            "x": cos * X - sin * Y,
-            "y": sin * X + cos * Y,
+            "x": place[0],
+            "y": place[1],
             "vx": turned[0],
             "vy": turned[1],
             **attitude,

@@ -10,7 +10,17 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Fibration, Parameter, Relation, Scene, Sketch, System, velocity
+from voronec import (
+    Equation,
+    Fibration,
+    Parameter,
+    Relation,
+    Scene,
+    Shape,
+    Sketch,
+    System,
+    velocity,
+)
 
 X, Y = sp.symbols("X Y")
 m = sp.Symbol("m")
@@ -56,6 +66,7 @@ SYSTEM = System(
             caption="A straight line.",
         ),
     },
+    shapes=(Shape.ball(0.25, centre=(X, Y, 0), contact=(X, Y, 0)), Shape.plane()),
     references=("Chaplygin1911",),
 )
 

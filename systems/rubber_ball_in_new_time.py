@@ -22,6 +22,7 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
+    Shape,
     System,
     kinematics,
     velocity,
@@ -68,6 +69,10 @@ SYSTEM = System(
             caption="The trace of the normal on the ball.",
         ),
     },
+    shapes=(
+        Shape.ball(0.1, centre=gamma, contact=gamma),
+        Shape.ball(1, role="ground"),
+    ),
     references=("EhlersKoiller2007", "BorisovMamaev2007"),
 )
 

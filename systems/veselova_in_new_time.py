@@ -21,6 +21,7 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
+    Shape,
     System,
     kinematics,
     velocity,
@@ -63,6 +64,10 @@ SYSTEM = System(
             caption="The trace of the direction on the body.",
         ),
     },
+    shapes=(
+        Shape.ball(0.1, centre=gamma, contact=gamma),
+        Shape.ball(1, role="ground"),
+    ),
     references=("EhlersKoillerMontgomeryRios2005", "VeselovVeselova1988"),
 )
 

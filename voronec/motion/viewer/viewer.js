@@ -202,7 +202,8 @@ function build(motion) {
   });
   if (!home) {
     home = { turn: 0.9, height: 0.45, far: (0.95 * box.radius) / Math.sin((eye.fov * Math.PI) / 360), middle: box.low.map((c, j) => (c + box.high[j]) / 2) };
-    if (12 * largest < box.radius) {
+    const bounded = DATA.shapes.some((shape) => shape.role === "ground" && shape.patches.every(Boolean));
+    if (12 * largest < box.radius && !bounded) {
       one("follow").checked = true;
       home.far = 14 * largest;
     }
@@ -263,7 +264,7 @@ function drawCurves() {
   motion.integrals.forEach((integral, i) => {
     const top = ROW * i, scale = integral.drift || 1, middle = top + 40;
     pen.fillStyle = "#1d2733";
-    pen.fillText(`${integral.name} = ${integral.value.toPrecision(8)}; changes by ${integral.drift.toExponential(1)} of itself`, 4, top + 15);
+    pen.fillText(`${integral.name} = ${integral.value.toPrecision(8)}; ${integral.drift ? `changes by ${integral.drift.toExponential(1)} of itself` : "does not change"}`, 4, top + 15);
     pen.strokeStyle = "#d5dce4";
     pen.strokeRect(0.5, top + 20.5, wide - 1, ROW - 25);
     pen.strokeStyle = "#1f4e8c";
@@ -332,7 +333,7 @@ function drawQuartic() {
 function recompute() {
   const motion = motionOf(now.start, now.parameters);
   now.motion = motion;
-  document.documentElement.dataset.frames = motion.times.length;
+  document.documentElement.dataset.computed = Number(document.documentElement.dataset.computed || 0) + 1;
   fail(motion.why ? `The motion ends early: ${motion.why}.` : "");
   one("time").max = motion.times.length - 1;
   now.at = Math.min(now.at, motion.times.length - 1);
