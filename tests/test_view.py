@@ -93,7 +93,7 @@ def test_the_page_integrates_as_python_does(name: str) -> None:
 def test_another_start_and_other_parameters_as_sliders_give_them() -> None:
     page = page_of("vertical-disc")
     start, values = page.states[0].copy(), [e["value"] for e in page.data["parameters"]]
-    start[-1], values[0] = 0.9 * start[-1] + 0.05, 1.25 * values[0]
+    start[-1], values = 0.9 * start[-1] + 0.1, [1.25 * value for value in values]
     motion = in_node(page, f"motionOf({json.dumps(start.tolist())}, {json.dumps(values)})")
     names = [e["name"] for e in page.data["parameters"]]
     system = page.system
