@@ -7,7 +7,6 @@ at the end what the steps give is proved to be what ``voronec derive`` prints.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
@@ -16,86 +15,13 @@ import sympy as sp
 from voronec.algebra.normal import shortest
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.typeset import symbol_latex
-from voronec.algebra.verdicts import Verdict
+from voronec.audit.lessons.lesson_record import Field, Lesson, Part, Row
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError
 from voronec.proof.decision import all_zero
 
-__all__ = ["Field", "Lesson", "Part", "Row", "lesson"]
-
-
-@dataclass(frozen=True)
-class Field:
-    """A vector field: coefficients, each with the coordinate (or time) of its differentiation."""
-
-    terms: tuple[tuple[Any, Any], ...]
-
-
-@dataclass(frozen=True)
-class Row:
-    """A formula: its left side as text and as LaTeX, and the value; or both sides as values."""
-
-    text: str
-    latex: str
-    value: Any
-
-
-@dataclass(frozen=True)
-class Part:
-    """A step: what is asked and done, the formula of the theory, and what comes out.
-
-    ``numbers`` are those of the formulas in ``docs/theory.md``; ``formula`` is the one that is
-    used, as text and as LaTeX.  Where nothing comes out, ``nothing`` says so.
-    """
-
-    title: str
-    sentence: str
-    numbers: str = ""
-    formula: tuple[str, str] = ("", "")
-    rows: tuple[Row, ...] = ()
-    nothing: str = ""
-
-
-@dataclass(frozen=True)
-class Lesson:
-    """The steps of a derivation, and the verdict on their sum."""
-
-    equations: VoronecEquations
-    parts: tuple[Part, ...]
-    verdict: Verdict
-
-    @property
-    def system(self) -> System:
-        """The system."""
-        return self.equations.system
-
-    def lines(self) -> list[str]:
-        """As text."""
-        from voronec.audit.lessons.lesson_text import lesson_lines
-
-        return lesson_lines(self)
-
-    def latex(self) -> str:
-        """As a LaTeX document."""
-        from voronec.audit.lessons.lesson_text import lesson_latex
-
-        return lesson_latex(self)
-
-    def html(self) -> str:
-        """As one page without scripts, formulas in MathML."""
-        from voronec.audit.lessons.lesson_text import lesson_html
-
-        return lesson_html(self)
-
-    def as_dict(self) -> dict[str, Any]:
-        """As data that JSON can hold."""
-        from voronec.audit.lessons.lesson_text import lesson_dict
-
-        return lesson_dict(self)
-
-    def __str__(self) -> str:
-        return "\n".join(self.lines())
+__all__ = ["lesson"]
 
 
 def lesson(system: System | VoronecEquations) -> Lesson:

@@ -11,7 +11,6 @@ Hamel             d/dt dL/domega - X(L) + gamma dL/domega omega = Pi, all forms,
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from time import process_time
 from typing import Any
@@ -19,46 +18,14 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.elimination import solve_linear
-from voronec.algebra.verdicts import Verdict
+from voronec.audit.lessons.comparison import Comparison, Equality, Method, Rows, Step
 from voronec.audit.lessons.statement import Statement, Vector
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError
 from voronec.proof.decision import all_zero
 
-__all__ = ["METHODS", "Comparison", "Method", "by_methods"]
-
-Rows = tuple[tuple[str, Any], ...]
-
-
-@dataclass(frozen=True)
-class Step:
-    """What is done, in a sentence, and what comes out: names, or texts, with formulas."""
-
-    sentence: str
-    rows: Rows = ()
-
-
-@dataclass(frozen=True)
-class Method:
-    """The steps of one method; ``residuals`` vanish along the motion: they are written with q, v
-    and vdot, and one belongs to each velocity.  Where a method gives accelerations, ``solved`` are
-    those of v instead."""
-
-    name: str
-    steps: tuple[Step, ...]
-    residuals: tuple[Any, ...] = ()
-    solved: tuple[Any, ...] = ()
-
-
-@dataclass(frozen=True)
-class Equality:
-    """Two methods, and the verdict on whether their equations are the same."""
-
-    left: str
-    right: str
-    verdict: Verdict
-    seconds: float
+__all__ = ["METHODS", "by_methods"]
 
 
 def dalembert(problem: Statement) -> Method:
@@ -319,36 +286,6 @@ METHODS: tuple[Callable[[Statement], Method], ...] = (
     hamel,
 )
 """The methods in the order in which they are taught."""
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """One problem by all methods, and the proofs that they agree."""
-
-    problem: Statement
-    methods: tuple[Method, ...]
-    equalities: tuple[Equality, ...]
-    seconds: float
-
-    @property
-    def proved(self) -> bool:
-        """Whether every equality is proved."""
-        return all(e.verdict.proved for e in self.equalities)
-
-    def lines(self) -> list[str]:
-        """What is asked, each method, and what comes out."""
-        from voronec.audit.lessons.methods_text import comparison_lines
-
-        return comparison_lines(self)
-
-    def as_dict(self) -> dict[str, Any]:
-        """The same as data that JSON can hold."""
-        from voronec.audit.lessons.methods_text import comparison_dict
-
-        return comparison_dict(self)
-
-    def __str__(self) -> str:
-        return "\n".join(self.lines())
 
 
 def by_methods(system: System | VoronecEquations) -> Comparison:
