@@ -8,8 +8,8 @@ import sympy as sp
 from pole_free import VALUES, reference, without_poles
 
 import voronec as vo
+from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compiled
-from voronec.equations.vector_field import Motions
 from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.events import Event

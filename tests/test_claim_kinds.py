@@ -21,7 +21,7 @@ from voronec import (
     System,
     velocity,
 )
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.proof.cases import specialised
 
 pytestmark = pytest.mark.slow

@@ -14,7 +14,7 @@ from sympy.core.function import AppliedUndef
 import voronec as vo
 from voronec import Fibration, Frame, Measure, System, kinematics, prove_equal, velocity
 from voronec.declaration.claims import right_of
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.proof.cases import specialised
 from voronec.proof.claims import check_claims
 from voronec.proof.measures import defect, measured_field

@@ -13,7 +13,7 @@ from sympy import Abs, Max, atan, atan2, cos, floor, sign, sin, sqrt
 import voronec as vo
 from voronec.declaration.charts import Chart
 from voronec.declaration.quadratures import Quadratures
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.proof.claims import check_claims
 from voronec.proof.quadratures import check_motion
 from voronec.proof.relations.charts import check_charts

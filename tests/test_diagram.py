@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.errors import EngineLimit
 from voronec.proof.check.inventory import Inventory
 from voronec.proof.relations.chains import check_square

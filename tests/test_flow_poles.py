@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 import voronec as vo
 from voronec.equations.attitudes import with_attitude_charts
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.motion.model.denominators import with_positive_denominators
 from voronec.proof.relations.charts import check_charts
 

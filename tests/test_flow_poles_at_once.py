@@ -9,7 +9,7 @@ from test_flow_poles import euler, turning
 
 import voronec as vo
 from voronec.equations.attitudes import angles_without_chart, with_attitude_charts
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.proof.relations.charts import check_charts
 
 pytestmark = pytest.mark.slow

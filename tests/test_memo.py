@@ -14,7 +14,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.algebra.memo import Memo
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 
 PACKAGE = Path(vo.__file__).parent
 

@@ -10,7 +10,7 @@ import sympy as sp
 from model_agreement import agreed, kinds, names
 
 import voronec as vo
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.motion.model import Model, smallest, smallest_model
 from voronec.motion.numeric_model import numbers_at
 from voronec.motion.steppers import heyoka_stepper

@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.proof.quadratures import Ground, statements
 
 pytestmark = pytest.mark.slow

@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.proof.relations.decision import check_relation
 
 x, y, h = sp.symbols("x y h")

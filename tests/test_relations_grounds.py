@@ -5,7 +5,7 @@ import symengine as se
 import sympy as sp
 
 import voronec as vo
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.proof.relations.decision import check_relation
 from voronec.proof.relations.orders import vanishes
 

@@ -10,7 +10,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.proof.search import gradings, search, searches
 from voronec.proof.search.question import Question
 

@@ -12,9 +12,9 @@ import sympy as sp
 
 import voronec as vo
 from voronec import Equation, Measure, prove_equal, velocity
+from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compiled
 from voronec.equations.staged_equations import lean_form
-from voronec.equations.vector_field import Motions
 from voronec.kinematics import ConvexBody, RollingContact, Surface, SurfaceForms, kinetic_energy
 from voronec.proof.claims import check_claims
 from voronec.proof.relations.decision import check_relation

@@ -10,7 +10,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.declaration.catalogue import entry_of, members, names
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.proof.relations.decision import check_relation
 
 pytestmark = pytest.mark.slow

@@ -13,7 +13,7 @@ import sympy as sp
 import voronec as vo
 from voronec import Measure
 from voronec.algebra.verdicts import decide_zero
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.proof.claims import check_claims
 from voronec.proof.relations.decision import check_relation
 

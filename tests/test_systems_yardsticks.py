@@ -12,7 +12,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec import Equation, Measure, Relation, System, prove_equal, velocity
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.proof.claims import check_claims
 from voronec.proof.relations.decision import check_relation
 

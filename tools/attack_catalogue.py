@@ -15,7 +15,7 @@ from attack_truth import STEP, Outside, Statement, number
 
 import voronec as vo
 from voronec.declaration.claims import right_of
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.proof.claims import decide_integral
 
 __all__ = ["accelerations", "catalogue", "coordinate_rates", "states"]

@@ -70,7 +70,10 @@ def _reference_page(title: str, names: list[str]) -> str:
         if kind == "class" and issubclass(value, Exception):
             kind = "exception"
         lines += [last, "-" * len(last), "", f".. auto{kind}:: {name}"]
-        lines += ["   :members:", ""] if kind in ("class", "exception") else [""]
+        options = ["   :members:"] if kind in ("class", "exception") else []
+        if kind == "class":  # what is derived, and what is inverted, is their base's
+            options.append("   :inherited-members: object, tuple")
+        lines += [*options, ""]
     return "\n".join(lines)
 
 

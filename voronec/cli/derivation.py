@@ -15,8 +15,8 @@ from voronec.equations.printers import PRINTERS
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 
 if TYPE_CHECKING:
+    from voronec.equations.motions import Motions
     from voronec.equations.reduction import Reduction
-    from voronec.equations.vector_field import Motions
     from voronec.equations.voronec_equations import VoronecEquations
     from voronec.proof.claims import Claim
 
@@ -39,7 +39,7 @@ def execute(arguments: Namespace) -> int:
 
 def _execute(arguments: Namespace, eqs: VoronecEquations, chosen: str | None) -> int:
     """Write what is asked for."""
-    from voronec.equations.vector_field import Motions
+    from voronec.equations.motions import Motions
     from voronec.equations.voronec_equations import equations_lines
     from voronec.proof.claims import check_claims
 

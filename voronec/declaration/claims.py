@@ -130,7 +130,7 @@ class Assertion:
     expressions
         functions of the state, as in every claim.
     decide
-        a function of the motions, ``voronec.equations.vector_field.Motions``, and of the
+        a function of the motions, ``voronec.equations.motions.Motions``, and of the
         expressions, that returns a ``Verdict``.  ``motions.deciding(expressions)`` is the vector
         field on which they are decided.
     """

@@ -30,9 +30,9 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import Verdict
 from voronec.equations.connection import AffineForms
+from voronec.equations.derived_equations import DerivedEquations
 from voronec.equations.flatness import flatness
-from voronec.equations.vector_field import Motions, VectorField
-from voronec.equations.voronec_equations import VoronecEquations
+from voronec.equations.vector_field import VectorField, on_coordinates
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 
 __all__ = ["Accessibility", "Control", "control_form"]
@@ -379,7 +379,7 @@ def _regular(control: Control, expansion: Expansion) -> bool:
     return sum(span.add(value) for value in values) == len(values)
 
 
-def control_form(equations: VoronecEquations) -> Control:
+def control_form(equations: DerivedEquations) -> Control:
     """The control-affine form of a system's equations.
 
     Raises ``DefinitionError`` where the system has no inputs, where one enters otherwise than
@@ -393,7 +393,7 @@ def control_form(equations: VoronecEquations) -> Control:
             f"system '{system.name}': the equations hold '{name}dot', the rate of the input "
             f"'{name}'; make '{name}' a coordinate, whose velocity an input drives"
         )
-    field = Motions.of(equations).on_coordinates
+    field = on_coordinates(equations)
     letters = {u: se.Symbol(f"input {i}") for i, u in enumerate(definition.inputs)}
     exprs = [se.sympify(e).xreplace(letters) for e in (*field.rates, *field.force)]
     held = set().union(*(se.sympify(e).xreplace(letters).free_symbols

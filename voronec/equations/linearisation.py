@@ -28,9 +28,9 @@ from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.declaration.reading import expression, shown
 from voronec.equations.derivation import Derivation
+from voronec.equations.derived_equations import DerivedEquations
 from voronec.equations.evaluation import jets
 from voronec.equations.first_order import FirstOrder, expand
-from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 
 __all__ = ["Linearisation", "linearise"]
@@ -45,7 +45,7 @@ class Linearisation:
     itself.  Entries hold what the point leaves open, parameters above all.
     """
 
-    equations: VoronecEquations
+    equations: DerivedEquations
     point: Mapping[str, sp.Expr]
     state: tuple[sp.Expr, ...]
     inputs: tuple[sp.Expr, ...]
@@ -120,7 +120,7 @@ class Linearisation:
         return Tape(self.equations.door.inward_all([*self.A]))
 
 
-def linearise(equations: VoronecEquations, at: Mapping[Any, Any] | None = None) -> Linearisation:
+def linearise(equations: DerivedEquations, at: Mapping[Any, Any] | None = None) -> Linearisation:
     """The equations of motion to first order about a point or a motion: exact A and B.
 
     ``at`` gives, by symbol or name, values of coordinates, velocities of the equations, parameters
@@ -145,7 +145,7 @@ def linearise(equations: VoronecEquations, at: Mapping[Any, Any] | None = None) 
 
 
 def _point(
-    equations: VoronecEquations, at: Mapping[Any, Any]
+    equations: DerivedEquations, at: Mapping[Any, Any]
 ) -> tuple[dict[Any, Any], dict[str, sp.Expr]]:
     """Values inside the door by what they replace there, and as they were read."""
     system, d = equations.system, equations.definition
@@ -164,7 +164,7 @@ def _point(
 
 
 def _about(
-    equations: VoronecEquations, d: Derivation, point: dict[Any, Any], read: dict[str, sp.Expr]
+    equations: DerivedEquations, d: Derivation, point: dict[Any, Any], read: dict[str, sp.Expr]
 ) -> Linearisation:
     own, form = d.definition, d.form
     # pi/10 is put in at the end: its sine is no root of rational numbers, that of a symbol is easy

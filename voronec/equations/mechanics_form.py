@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, time, velocity
-
-if TYPE_CHECKING:
-    from voronec.equations.voronec_equations import VoronecEquations
+from voronec.equations.derived_equations import DerivedEquations
+from voronec.equations.linearisation import linearise
+from voronec.equations.vector_field import for_numbers
 
 __all__ = ["MechanicsForm"]
 
@@ -32,7 +32,7 @@ class MechanicsForm:
     where it takes a ``KanesMethod``.
     """
 
-    equations: VoronecEquations
+    equations: DerivedEquations
 
     @cached_property
     def q(self) -> sp.Matrix:
@@ -82,11 +82,8 @@ class MechanicsForm:
 
     def rhs(self) -> sp.Matrix:
         """(qdot, udot) solved for, (k + n) x 1."""
-        from voronec.equations.vector_field import Motions
-
         equations = self.equations
-        field = Motions.of(equations).for_numbers
-        solved = [[a] for a in field.accelerations]
+        solved = [[a] for a in for_numbers(equations).accelerations]
         return sp.Matrix([self._rates, self._named(equations.door.outward_matrix(solved))])
 
     def linearize(
@@ -98,8 +95,6 @@ class MechanicsForm:
         ``op_point`` gives coordinates and speeds as for ``KanesMethod.linearize``; their rates
         follow from the equations, and are not read.
         """
-        from voronec.equations.linearisation import linearise
-
         names = {name: x for x, name in self._names.items()}
         given = (op_point or {}).items()
         at = {names.get(x, x): value for x, value in given if not isinstance(x, sp.Derivative)}

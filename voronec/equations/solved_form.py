@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import symengine as se
 
 from voronec.algebra.normal import shortest
-from voronec.equations.vector_field import Motions
+from voronec.equations.vector_field import on_coordinates
 from voronec.errors import EngineLimit
 
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
-    from voronec.equations.voronec_equations import VoronecEquations
+    from voronec.equations.derived_equations import DerivedEquations
 
 __all__ = ["solved_form"]
 
@@ -21,7 +21,7 @@ SHORT = 300
 """Forms that cost more operations are not solved: what comes out is longer, nearly always."""
 
 
-def solved_form(equations: VoronecEquations) -> FirstOrderForm | None:
+def solved_form(equations: DerivedEquations) -> FirstOrderForm | None:
     """vdot = mass^-1 force in the shortest form: what mass and force share is gone.
 
     None where it is not tried, or beyond the budget.
@@ -30,9 +30,7 @@ def solved_form(equations: VoronecEquations) -> FirstOrderForm | None:
         return None
     form = equations.exact.form
     try:
-        rates = shortest(
-            Motions.of(equations).on_coordinates.accelerations, form.relations, form.velocities
-        )
+        rates = shortest(on_coordinates(equations).accelerations, form.relations, form.velocities)
     except EngineLimit:
         return None
     size = range(len(rates))

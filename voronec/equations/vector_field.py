@@ -1,4 +1,4 @@
-"""The motion of a system as a vector field: on coordinates and velocities, or on invariants.
+"""The motion of a system as a vector field.
 
     positions' = rates,   mass * velocities' = force
 
@@ -7,7 +7,7 @@ Claims and relations are statements about such fields.  Everything here is insid
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -23,15 +23,13 @@ from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
-from voronec.algebra.text import sympified
 from voronec.declaration.geometry import moving_names
 from voronec.declaration.system import System
 from voronec.equations.derivation import Derivation
-from voronec.equations.reduction import Reduction, descend
-from voronec.equations.voronec_equations import VoronecEquations, derive
-from voronec.errors import DefinitionError, EngineLimit, VoronecError
+from voronec.equations.derived_equations import DerivedEquations
+from voronec.errors import EngineLimit
 
-__all__ = ["Motions", "VectorField"]
+__all__ = ["VectorField", "for_numbers", "on_coordinates"]
 
 
 @dataclass(frozen=True)
@@ -211,116 +209,44 @@ class VectorField:
         raise EngineLimit("no point was found on the relations between the variables")
 
 
-@dataclass(frozen=True)
-class Motions:
-    """The motion of one system on both levels, each made when it is asked for."""
+def on_coordinates(equations: DerivedEquations) -> VectorField:
+    """The field on coordinates and velocities, which is made once."""
+    return equations.memo.once("field", lambda: _field(equations, equations.best))
 
-    equations: VoronecEquations
 
-    @classmethod
-    def of(cls, system: System | VoronecEquations) -> Motions:
-        """Derive the equations; what is made here is kept with them."""
-        equations = system if isinstance(system, VoronecEquations) else derive(system)
-        return equations.memo.once("motions", lambda: cls(equations))
+def for_numbers(equations: DerivedEquations) -> VectorField:
+    """The same, without normal forms where these would be too large to be of use."""
+    if not equations.is_large:
+        return on_coordinates(equations)
+    return equations.memo.once("field for numbers", lambda: _field(equations, equations.raw))
 
-    @property
-    def system(self) -> System:
-        """The system."""
-        return self.equations.system
 
-    @cached_property
-    def _descent(self) -> Reduction | VoronecError:
-        """The descent, or why there is none: it is tried once."""
-        try:
-            return descend(self.equations)
-        except (DefinitionError, EngineLimit) as refusal:
-            return refusal
-
-    @property
-    def reduction(self) -> Reduction:
-        """The descent to the declared invariants; raises as ``descend`` does."""
-        if isinstance(self._descent, VoronecError):
-            raise self._descent
-        return self._descent
-
-    @cached_property
-    def on_coordinates(self) -> VectorField:
-        """The field on coordinates and velocities."""
-        return self._on_coordinates(self.equations.best)
-
-    @cached_property
-    def for_numbers(self) -> VectorField:
-        """The same, without normal forms where these would be too large to be of use."""
-        large = self.equations.is_large
-        return self._on_coordinates(self.equations.raw) if large else self.on_coordinates
-
-    def _on_coordinates(self, d: Derivation) -> VectorField:
-        door = self.equations.door
-        own = d.definition
-        rates = tuple(d.rates)
-        meaning = dict(zip(own.coordinate_velocities, rates, strict=True)) | dict(d.dependent)
-        for v in own.velocities:
-            meaning.pop(v, None)
-        for name, g in self.system.invariants.items():
-            meaning[se.Symbol(name)] = door.inward(g)
-        return VectorField(
-            system=self.system,
-            level="coordinates",
-            door=door,
-            positions=own.coordinates,
-            velocities=own.velocities,
-            time=own.time,
-            parameters=own.parameters,
-            rates=rates,
-            mass=tuple(map(tuple, d.mass)),
-            force=tuple(d.force),
-            relations=own.relations,
-            meaning=meaning,
-            dots=tuple(own.coordinate_velocities),
-            definitions=dict(zip(own.velocities, d.definitions, strict=True)),
-            momenta=dict(d.named_momenta),
-            determinant=own.determinant,
-            turning=d.turning,
-            conditions=own.conditions,
-        )
-
-    @cached_property
-    def on_invariants(self) -> VectorField:
-        """The field on invariants and velocities."""
-        found, door = self.reduction, self.equations.door
-        own = self.equations.definition
-        return VectorField(
-            system=self.system,
-            level="invariants",
-            door=door,
-            positions=tuple(door.inward(g) for g in found.invariants),
-            velocities=own.velocities,
-            time=own.time,
-            parameters=own.parameters,
-            rates=tuple(door.inward_all(found.rates)),
-            mass=tuple(tuple(door.inward_all(found.mass.row(i))) for i in range(found.mass.rows)),
-            force=tuple(door.inward_all(found.force)),
-            relations=tuple(door.inward_all(found.relations)),
-            meaning={},
-            determinant=own.determinant,
-            conditions=own.conditions,
-        )
-
-    def at(self, level: str) -> VectorField:
-        """The field on ``coordinates`` or on ``invariants``."""
-        return self.on_invariants if level == "invariants" else self.on_coordinates
-
-    def holds_coordinate(self, exprs: Iterable[sp.Expr]) -> bool:
-        """Whether any of the expressions holds what has no meaning on the invariants: a
-        coordinate, a velocity that is none of the equations, a named momentum."""
-        names = moving_names(self.system.coordinates, self.system.frame)
-        moving = {*names} - {*self.system.velocities}
-        return any(sympified(e).has(*moving) for e in exprs)
-
-    def deciding(self, exprs: Sequence[sp.Expr]) -> VectorField:
-        """The field on which a claim about these functions is decided: the reduced one, where they
-        hold no coordinate and the system descends to its invariants."""
-        low = not self.system.invariants or self.holds_coordinate(exprs)
-        if low or isinstance(self._descent, VoronecError):
-            return self.on_coordinates
-        return self.on_invariants
+def _field(equations: DerivedEquations, d: Derivation) -> VectorField:
+    door = equations.door
+    own = d.definition
+    rates = tuple(d.rates)
+    meaning = dict(zip(own.coordinate_velocities, rates, strict=True)) | dict(d.dependent)
+    for v in own.velocities:
+        meaning.pop(v, None)
+    for name, g in equations.system.invariants.items():
+        meaning[se.Symbol(name)] = door.inward(g)
+    return VectorField(
+        system=equations.system,
+        level="coordinates",
+        door=door,
+        positions=own.coordinates,
+        velocities=own.velocities,
+        time=own.time,
+        parameters=own.parameters,
+        rates=rates,
+        mass=tuple(map(tuple, d.mass)),
+        force=tuple(d.force),
+        relations=own.relations,
+        meaning=meaning,
+        dots=tuple(own.coordinate_velocities),
+        definitions=dict(zip(own.velocities, d.definitions, strict=True)),
+        momenta=dict(d.named_momenta),
+        determinant=own.determinant,
+        turning=d.turning,
+        conditions=own.conditions,
+    )

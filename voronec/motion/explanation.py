@@ -11,7 +11,7 @@ from voronec.algebra.arguments import SEVERAL, VALUES, accepts
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError
 from voronec.motion.initial_state import parameter_values, start_of

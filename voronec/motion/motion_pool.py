@@ -12,8 +12,8 @@ import sympy as sp
 
 from voronec.declaration.scene import Scene
 from voronec.equations.attitudes import euler_angles
+from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compiled
-from voronec.equations.vector_field import Motions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.divisors import Divisor

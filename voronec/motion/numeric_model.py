@@ -12,9 +12,9 @@ import mpmath
 import numpy as np
 import symengine as se
 
+from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compiled
 from voronec.equations.program.digits import compiled_digits
-from voronec.equations.vector_field import Motions
 from voronec.motion.model import Model, smallest_model
 from voronec.motion.observables import Branch, Watch, watched
 from voronec.motion.state_probe import Probe, quantities

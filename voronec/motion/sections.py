@@ -15,8 +15,8 @@ from voronec.algebra.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALU
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
+from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compiled
-from voronec.equations.vector_field import Motions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.batches import chosen

@@ -25,8 +25,8 @@ from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.numeric_functions import elementary
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.claims import right_of
+from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compiled
-from voronec.equations.vector_field import Motions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
 from voronec.motion.model.special import is_many_valued

@@ -19,7 +19,8 @@ from voronec.algebra.elimination import solve_linear
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.verdicts import Verdict
 from voronec.declaration.claims import Poisson
-from voronec.equations.vector_field import Motions, VectorField
+from voronec.equations.motions import Motions
+from voronec.equations.vector_field import VectorField
 from voronec.proof.decision import Decision, all_zero
 from voronec.proof.walls import across_walls
 

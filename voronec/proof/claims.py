@@ -29,7 +29,8 @@ from voronec.declaration.claims import (
     right_of,
 )
 from voronec.declaration.system import System
-from voronec.equations.vector_field import Motions, VectorField
+from voronec.equations.motions import Motions
+from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, shown
 from voronec.proof.brackets import decide_poisson

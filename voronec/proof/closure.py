@@ -15,7 +15,8 @@ from voronec.algebra.rank import proved_rank
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, decide_zero
-from voronec.equations.vector_field import Motions, VectorField
+from voronec.equations.motions import Motions
+from voronec.equations.vector_field import VectorField
 from voronec.proof.decision import Decision
 
 __all__ = ["decide_essential", "foreign_rate"]

@@ -27,7 +27,8 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.declaration.claims import Measure
 from voronec.declaration.reading import expression, shown
-from voronec.equations.vector_field import Motions, VectorField
+from voronec.equations.motions import Motions
+from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.closure import foreign_rate
 from voronec.proof.decision import Decision, all_zero, zero_everywhere

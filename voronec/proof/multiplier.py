@@ -28,7 +28,8 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, decide_zero
-from voronec.equations.vector_field import Motions, VectorField
+from voronec.equations.motions import Motions
+from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit
 from voronec.proof.decision import Decision, all_zero, zero_everywhere
 from voronec.proof.walls import across_walls

@@ -26,7 +26,8 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, witness_at
 from voronec.declaration.quadratures import Plane, Quadratures, Space, Trace
 from voronec.declaration.reading import shown
-from voronec.equations.vector_field import Motions, VectorField
+from voronec.equations.motions import Motions
+from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.claims import Claim
 from voronec.proof.decision import all_zero

@@ -14,7 +14,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import sympified
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
 from voronec.motion import integrate

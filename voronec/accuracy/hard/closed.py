@@ -13,8 +13,8 @@ from voronec.accuracy.hard.case import HardCase
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import sympified
 from voronec.equations.derivation import FirstOrderForm
+from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program
-from voronec.equations.vector_field import Motions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError
 from voronec.motion.vocabulary import Vocabulary

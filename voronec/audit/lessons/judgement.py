@@ -13,7 +13,7 @@ from voronec.algebra.typeset import caret_text, plain_text
 from voronec.algebra.verdicts import Verdict, decide_equal
 from voronec.audit.lessons.meaning_of_text import CONSTANT, Language
 from voronec.declaration.system import System
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError
 from voronec.proof.claims import decide_integral

@@ -31,7 +31,7 @@ from voronec.declaration.quadratures import Quadratures, Space
 from voronec.declaration.reading import shown
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = [

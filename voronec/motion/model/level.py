@@ -23,8 +23,9 @@ import sympy as sp
 from voronec.algebra.normal import canonical
 from voronec.algebra.verdicts import all_vanish
 from voronec.equations.derivation import FirstOrderForm
+from voronec.equations.motions import Motions
 from voronec.equations.reduction import in_invariants
-from voronec.equations.vector_field import Motions, VectorField
+from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit, VoronecError
 from voronec.motion.model.denominators import with_positive_denominators
 

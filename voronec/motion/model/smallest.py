@@ -15,8 +15,8 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.verdicts import all_vanish
+from voronec.equations.motions import Motions
 from voronec.equations.program import Program
-from voronec.equations.vector_field import Motions
 from voronec.errors import EngineLimit
 from voronec.motion.model.dependence import cyclic, dependence, needed_variables, restricted
 from voronec.motion.model.level import Level, coordinates_level, invariants_level

@@ -24,7 +24,7 @@ from voronec.proof.verdict_store import Store
 if TYPE_CHECKING:
     from voronec.declaration.relation import Relation
     from voronec.declaration.system import System
-    from voronec.equations.vector_field import Motions
+    from voronec.equations.motions import Motions
     from voronec.proof.relations.decision import CheckedRelation
 
 __all__ = [
@@ -49,7 +49,7 @@ def check_relation(relation: Relation, systems: Iterable[System] = ()) -> Checke
     from voronec.declaration.reading import several
     from voronec.declaration.relation import Relation
     from voronec.declaration.system import System, require_system
-    from voronec.equations.vector_field import Motions
+    from voronec.equations.motions import Motions
     from voronec.proof.relations.decision import check_relation as decide
 
     if not isinstance(relation, Relation):

@@ -8,7 +8,7 @@ from time import perf_counter
 from voronec.algebra.verdicts import Verdict
 from voronec.declaration.catalogue import Entry
 from voronec.declaration.plugin_files import failure
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 from voronec.proof.check.record import Finding, Result
 from voronec.proof.check.unit import Unit

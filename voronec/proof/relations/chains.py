@@ -14,7 +14,8 @@ from voronec.algebra.conditions import moved_hypotheses, parted
 from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import Verdict, decide_equal
 from voronec.declaration.relation import Relation, Square
-from voronec.equations.vector_field import Motions, VectorField
+from voronec.equations.motions import Motions
+from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.relations.decision import completed, decided_at_limit
 from voronec.proof.relations.families import Course, carried_back

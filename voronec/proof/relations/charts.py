@@ -21,7 +21,7 @@ from voronec.declaration.charts import Chart
 from voronec.declaration.claims import without_claims
 from voronec.declaration.relation import Relation
 from voronec.declaration.system import System, system_in
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.claims import Claim
 from voronec.proof.decision import all_zero

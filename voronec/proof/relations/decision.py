@@ -16,7 +16,7 @@ from voronec.algebra.rank import generic_rank
 from voronec.algebra.typeset import html_table
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.declaration.relation import Relation
-from voronec.equations.vector_field import Motions
+from voronec.equations.motions import Motions
 from voronec.errors import EngineLimit
 from voronec.proof.claims import Claim
 from voronec.proof.relations.carried_claims import pulled_claims

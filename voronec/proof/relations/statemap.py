@@ -18,7 +18,8 @@ from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.text import sympified
 from voronec.declaration.relation import Relation
 from voronec.declaration.system import System
-from voronec.equations.vector_field import Motions, VectorField
+from voronec.equations.motions import Motions
+from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.proof.relations.functions import Functions
 from voronec.proof.relations.parameters import by_name, read_parameters, refuse_unknown

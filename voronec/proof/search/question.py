@@ -18,7 +18,8 @@ from voronec.algebra.text import sympified
 from voronec.declaration.claims import Corrected
 from voronec.declaration.reading import shown
 from voronec.declaration.system import System
-from voronec.equations.vector_field import Motions, VectorField
+from voronec.equations.motions import Motions
+from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 from voronec.proof.search.residues import Array

@@ -1,0 +1,299 @@
+"""What is derived of a system: equations, curvature, kind, growth; raw, exact, and for numbers.
+
+The equations are kept twice: as a shared expression graph (made in milliseconds, good for
+numbers) and as exact normal forms (short, made where asked, given up where too large).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import flint
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.door import Door
+from voronec.algebra.generators import holds_far_multiples
+from voronec.algebra.memo import Memo
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
+from voronec.algebra.shape import operations
+from voronec.algebra.symbols import velocity
+from voronec.algebra.tape import Tape
+from voronec.algebra.verdicts import all_vanish
+from voronec.declaration.system import System
+from voronec.equations.curvature import (
+    Brackets,
+    Curvature,
+    bracket_parts,
+    brackets_of,
+    curvature_of,
+    vertical_parts,
+)
+from voronec.equations.definition import Definition
+from voronec.equations.derivation import Derivation, FirstOrderForm
+from voronec.equations.distribution import Distribution, grow
+from voronec.equations.evaluation import acceleration
+from voronec.equations.staged_equations import lean_form
+from voronec.errors import EngineLimit
+
+__all__ = ["DerivedEquations"]
+
+SHORT = 1500
+"""Normal forms that cost no more operations are taken without looking for a shorter form."""
+LARGE = 2000
+"""Where there are no invariants to descend to and the raw form costs more operations than this,
+normal forms are not tried for numbers: they would take seconds and come out longer; unless it
+seems to hold coordinates in vain, which only a normal form proves."""
+LONG = 10
+"""A normal form with so many times the nodes of the raw form is too long for numbers, where it is
+not short in itself: SHORT nodes."""
+
+
+@dataclass(frozen=True, repr=False)
+class DerivedEquations:
+    """Equations mass * vdot = force, with what they are made of; users hold ``VoronecEquations``.
+
+    ``velocities`` v are the quasi-velocities of the frame, else the velocities of the base;
+    ``rates`` gives the time derivative of each coordinate.  Matrices are SymPy's, in the user's
+    symbols.
+    """
+
+    system: System
+    definition: Definition
+    raw: Derivation
+    exact: Derivation
+
+    @cached_property
+    def memo(self) -> Memo:
+        """What is computed of it once."""
+        return Memo()
+
+    @property
+    def door(self) -> Door:
+        """Between the user's symbols and those inside."""
+        return self.definition.door
+
+    @property
+    def coordinates(self) -> tuple[sp.Expr, ...]:
+        """Base coordinates, then fibre coordinates."""
+        return self.system.coordinates
+
+    @property
+    def velocities(self) -> tuple[sp.Expr, ...]:
+        """The independent velocities v."""
+        return self.system.velocities
+
+    @property
+    def has_coordinate_frame(self) -> bool:
+        """Whether the base velocities are independent; redundant coordinates make them not so."""
+        return len(self.velocities) == self.definition.base
+
+    @cached_property
+    def best(self) -> Derivation:
+        """The exact derivation; the unsimplified one where normal forms are beyond the budget."""
+        try:
+            _ = self.exact.form
+        except EngineLimit:
+            return self.raw
+        return self.exact
+
+    @property
+    def in_normal_form(self) -> bool:
+        """Whether mass, force and rates are exact normal forms."""
+        return self.best is self.exact
+
+    @cached_property
+    def is_large(self) -> bool:
+        """Whether numbers are better computed from the straight-line form."""
+        form = self.raw.form
+        if holds_far_multiples([*form.rates, *form.force, *(e for row in form.mass for e in row)]):
+            return True
+        if self.system.invariants:
+            return False
+        if _cost(self.raw.form) > LARGE:
+            short = _holds_in_vain(self.raw.form) and self.in_normal_form
+            return not (short and _cost(self.exact.form) <= SHORT)
+        return self.in_normal_form and _nodes(self.exact.form) > max(
+            SHORT, LONG * _nodes(self.raw.form)
+        )
+
+    @cached_property
+    def form(self) -> FirstOrderForm:
+        """The first-order form that costs the fewest operations, inside the door.
+
+        Where normal forms are beyond the budget, or long, it is a straight-line program.
+        """
+        if not self.is_large and self.in_normal_form and _cost(self.exact.form) <= SHORT:
+            return self.exact.form
+        try:
+            lean = lean_form(self.raw)
+        except EngineLimit:
+            return self.best.form
+        if self.is_large:
+            return lean
+        return min(lean, self.exact.form, key=_cost) if self.in_normal_form else lean
+
+    @property
+    def operations(self) -> int:
+        """How many operations ``form`` costs, what is shared counted once."""
+        return _cost(self.form)
+
+    @cached_property
+    def mass(self) -> sp.ImmutableMatrix:
+        """The mass matrix, n x n: d2Lc/dv2, with what forces linear in accelerations add."""
+        return self.door.outward_matrix(self.best.mass)
+
+    @cached_property
+    def force(self) -> sp.ImmutableMatrix:
+        """The right side of mass * vdot = force, n x 1."""
+        return self._column(self.best.force)
+
+    @cached_property
+    def rates(self) -> sp.ImmutableMatrix:
+        """The time derivatives of the coordinates in terms of q, v, t."""
+        return self._column(self.best.form.rates)
+
+    @cached_property
+    def theta(self) -> sp.Expr:
+        """The Lagrangian on the constraints; without a potential, Theta of
+        [DragovicGajicJovanovic2020, eq. (v2)]."""
+        return self.door.outward(self.best.polish([self.best.constrained_lagrangian])[0])
+
+    @cached_property
+    def momenta(self) -> sp.ImmutableMatrix:
+        """K_nu = dL/d(sdot_nu) on the constraints, for each fibre coordinate (or velocity)."""
+        return self._column(self.best.polish(self.best.momenta[self.definition.base :]))
+
+    @cached_property
+    def left(self) -> sp.ImmutableMatrix:
+        """d/dt dLc/dv written out: accelerations are ``velocity(v)``."""
+        dots = [velocity(v) for v in self.velocities]
+        inertial = self._column(self.best.polish(self.best.inertial))
+        return sp.ImmutableMatrix(self.mass * sp.Matrix(dots) + inertial)
+
+    @cached_property
+    def right(self) -> sp.ImmutableMatrix:
+        """h_i(Lc) - (c dLc/dv + B p) v + forces: what d/dt dLc/dv equals."""
+        return self._column(self.best.polish(self.best.right))
+
+    @cached_property
+    def coefficients(self) -> tuple[sp.ImmutableMatrix, sp.ImmutableMatrix]:
+        """a_(nu i) and a_nu of sdot = a rdot + a_0 [DragovicGajicJovanovic2020, eq. (v1)]."""
+        fibre = self._exact_or_raw(lambda d: d.fibre)
+        rows = [self.best.polish(row) for row in fibre.matrix]
+        return self.door.outward_matrix(rows), self._column(self.best.polish(fibre.offset))
+
+    @cached_property
+    def curvature(self) -> Curvature:
+        """A_ij^(nu) and A_i^(nu), always in the coordinate frame."""
+        parts = self._vertical_parts
+        return curvature_of(parts, self.definition, self.door.outward)
+
+    @cached_property
+    def _vertical_parts(self) -> dict[tuple[int, int], list[Any]]:
+        return self._exact_or_raw(vertical_parts)
+
+    @cached_property
+    def _bracket_parts(self) -> dict[tuple[int, int], tuple[list[Any], list[Any]]]:
+        return self._exact_or_raw(bracket_parts)
+
+    @cached_property
+    def brackets(self) -> Brackets:
+        """c_ij^k and B_ij^A of the frame in use."""
+        return brackets_of(self._bracket_parts, self.definition, self.door.outward)
+
+    @cached_property
+    def kind(self) -> str:
+        """``holonomic``: every B_ij^A vanishes (proved), or there is no fibre; ``chaplygin``: L,
+        constraints and forces are free of the fibre coordinates; ``voronec``: neither."""
+        ideal = self.definition.relations
+        if self.has_coordinate_frame:
+            flat = [x for part in self._vertical_parts.values() for x in part]
+        else:
+            flat = [x for _, part in self._bracket_parts.values() for x in part]
+        if all_vanish(flat, ideal):
+            return "holonomic"
+        d, raw = self.definition, self.raw.fibre
+        rows = (*raw.matrix, *d.added)
+        exprs = [d.lagrangian, *d.forces, *raw.offset, *(e for row in rows for e in row)]
+        free = d.keeps_vertical and all_vanish(
+            [along for e in exprs for along in d.along_fibre(e)], ideal
+        )
+        return "chaplygin" if free else "voronec"
+
+    @cached_property
+    def distribution(self) -> Distribution:
+        """Growth vector and integrable constraints."""
+        free = self.has_coordinate_frame
+        return grow(
+            self.definition,
+            self._exact_or_raw(lambda d: d.coordinate_connection if free else d.connection),
+        )
+
+    @cached_property
+    def orders(self) -> dict[str, int]:
+        """The highest derivative of each input, by name, that the equations hold."""
+        form = self.raw.form
+        exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]
+        found = set().union(*(se.sympify(e).atoms(se.Derivative) for e in exprs))
+        functions = [f for f in self.definition.inputs if any(d.args[0] == f for d in found)]
+        return {
+            f.get_name(): max(len(d.args) - 1 for d in found if d.args[0] == f) for f in functions
+        }
+
+    @property
+    def growth(self) -> tuple[int, ...]:
+        """The growth vector of the distribution at a generic point."""
+        return self.distribution.growth
+
+    @property
+    def integrable(self) -> tuple[int, ...]:
+        """Positions of the constraints that are integrable (holonomic)."""
+        return self.distribution.integrable
+
+    def acceleration(self, point: Mapping[Any, Any], digits: int = 30) -> dict[sp.Expr, sp.Float]:
+        """Second time derivatives of all coordinates, to ``digits`` digits, by ball arithmetic.
+
+        ``point`` gives coordinates, velocities v, parameters (defaults stand in) and ``time``.
+        """
+        return acceleration(self.system, self.raw, point, digits)
+
+    def _column(self, entries: Any) -> sp.ImmutableMatrix:
+        return self.door.outward_matrix([[e] for e in entries])
+
+    def _exact_or_raw(self, make: Any) -> Any:
+        try:
+            return make(self.exact)
+        except EngineLimit:
+            return make(self.raw)
+
+
+def _cost(form: FirstOrderForm) -> int:
+    """The operations of a first-order form, shared subexpressions counted once."""
+    rows = [e for row in form.mass for e in row]
+    return operations([*(e for _, e in form.stages), *form.rates, *form.force, *rows])
+
+
+def _nodes(form: FirstOrderForm) -> int:
+    """The nodes of the graph of a first-order form, shared ones counted once: quicker than
+    operations, where forms are long."""
+    return Tape([*form.rates, *form.force, *(e for row in form.mass for e in row)]).size
+
+
+def _holds_in_vain(form: FirstOrderForm) -> bool:
+    """Whether mass and force seem not to depend on a coordinate that is written in them: they are
+    the same, to many digits, where it is moved."""
+    if form.relations:
+        return False
+    tape = Tape([*form.force, *(e for row in form.mass for e in row)])
+    for point, values in sample_evaluable(tape, bits=GENERIC, count=1):
+        for q in form.coordinates:
+            if q in point:
+                moved = tape.arb({**point, q: point[q] + flint.fmpq(1, 7)}, GENERIC)
+                if all(a.overlaps(b) for a, b in zip(values, moved, strict=True)):
+                    return True
+    return False
