@@ -11,13 +11,13 @@ import sympy as sp
 
 import voronec as vo
 from voronec.closed import ClosedForm
-from voronec.closed.classes.error_bounds import Bounded, compiled
+from voronec.closed.classes.error_bounds import Bounded, compile_bounded
 from voronec.closed.classes.root_discs import degrees, discs
 from voronec.closed.classes.root_positions import Tally, tally
-from voronec.closed.classes.search import find, formed
+from voronec.closed.classes.search import exact_closed_form, find
 from voronec.closed.classes.survey import classify_many, survey
 from voronec.closed.classes.trace_classes import LABELS, classify, label_of
-from voronec.closed.classes.trace_polynomials import declared
+from voronec.closed.classes.trace_polynomials import declared_traces
 from voronec.motion.closed_form import closed_form
 
 pytestmark = pytest.mark.slow
@@ -67,8 +67,8 @@ def test_cusps_on_both_parallels_ask_for_no_axial_momentum(ball: Any) -> None:
 
 def test_a_pole_is_passed_exactly_or_not_at_all(ball: Any) -> None:
     start = {"u": sp.acos(R(4, 5)), "n": R(1, 2)}
-    level = declared(ball)
-    phi = level.started(sum(level.curve(BALL).above))
+    level = declared_traces(ball)
+    phi = level.at_start(sum(level.curve(BALL).above))
     spin = next(v for v in ball.velocities if str(v) == "s")
     known = {p.symbol: sp.nsimplify(p.value) for p in ball.parameters}
     named = {q: start.get(str(q), 0) for q in (*ball.coordinates, *ball.velocities) if q != spin}
@@ -209,7 +209,7 @@ def test_bounds_hold_the_truth_and_are_tight() -> None:
     value = (sp.sqrt(x) + sp.cos(y) ** 3 - R(1, 3)) / (x - y**2)
     dice = np.random.default_rng(5)
     points = dice.uniform(0.1, 3, (2, 50))
-    (found,) = compiled((x, y), (value,))(*points)
+    (found,) = compile_bounded((x, y), (value,))(*points)
     for i in range(50):
         exact = value.subs({x: R(points[0, i]), y: R(points[1, i])}).evalf(40)
         assert abs(exact - R(found.mid[i])) <= R(found.err[i])
@@ -263,7 +263,7 @@ def test_a_class_that_cannot_be_says_why(ball: Any) -> None:
 
 def test_another_system_with_a_declared_motion_is_classified_alike() -> None:
     system = vo.load("zhukovsky-ball")
-    known = declared(system)
+    known = declared_traces(system)
     scene = find(system, "B")
     closed = closed_form(system, scene)
     assert tally(closed.problem, known.curves[0]) is not None
@@ -274,4 +274,4 @@ def test_a_bare_value_makes_a_closed_form(ball: Any) -> None:
     values = {p.symbol: p.value for p in ball.parameters}
     values |= dict.fromkeys((*ball.coordinates, *ball.velocities), sp.Integer(0))
     values[ball.coordinates[0]] = THREE_FIFTHS
-    assert labels(formed(ball, values)) == ("point", "point")
+    assert labels(exact_closed_form(ball, values)) == ("point", "point")

@@ -7,7 +7,7 @@ import sympy as sp
 from flint import arb, ctx
 
 import voronec as vo
-from voronec.closed.arithmetic import angle, ball, compiled, exact, precise, root
+from voronec.closed.arithmetic import angle, ball, compile_expressions, exact, precise, root
 from voronec.closed.decide import vanishes
 from voronec.closed.rotation_numbers import Turn, _fraction
 
@@ -24,7 +24,7 @@ def system():
 
 def test_compiled_expressions_enclose_their_values_at_any_precision():
     expressions = [sp.sqrt(x**2 + y) / 3, sp.atan2(y, -x), x**-3 + sp.pi, sp.acos(y / 9), R(1, 7)]
-    function = compiled(expressions, (x, y))
+    function = compile_expressions(expressions, (x, y))
     for bits in (53, 300):
         with precise(bits):
             found = function([ball(R(2, 3)), ball(5)])

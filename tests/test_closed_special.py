@@ -10,7 +10,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.closed.special import elementary, linearised, precessions, remarkable
+from voronec.closed.special import elementary, linear_matrix, precessions, remarkable
 from voronec.closed.special.family import upright
 
 pytestmark = pytest.mark.slow
@@ -72,7 +72,7 @@ def test_the_quartic_has_a_double_root_on_the_family(family):
 def test_the_linearised_equations_have_the_same_frequency(bare):
     # another route: the matrix comes from the equations of motion, f'' from the quartic
     z = sp.Symbol("z")
-    found = (z * sp.eye(4) - linearised(bare)).det(method="laplace")
+    found = (z * sp.eye(4) - linear_matrix(bare)).det(method="laplace")
     assert vo.prove_equal(found, z**2 * (z**2 - bare.derivative(2) / 2)).proved
 
 
@@ -166,12 +166,12 @@ def test_where_the_quartic_vanishes_the_precession_is_unstable_though_both_vanis
 
 
 def test_a_place_that_is_no_double_root_is_refused(demchenko):
-    from voronec.closed.special.stability import decided
+    from voronec.closed.special.stability import decide_stability
 
     values = {p.symbol: sp.sympify(p.value) for p in demchenko.parameters}
     constants = {sp.Symbol("C5"): 1, sp.Symbol("S0"): 1, sp.Symbol("h2"): 1}
     with pytest.raises(vo.DefinitionError, match="no double root"):
-        decided(demchenko.motion, constants, values, R(1, 2))
+        decide_stability(demchenko.motion, constants, values, R(1, 2))
 
 
 # -- stationary motions -----------------------------------------------------------------------

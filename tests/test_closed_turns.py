@@ -113,7 +113,7 @@ def test_sums_over_periods_are_those_of_each_period(ball):
         for one, place in ((near, -1), (sparse, 1)):
             count = level.numbers(arb(form.period * 399))
             here = one.first[one.state[place]], one.last[one.state[place]]
-            assert here == winding_of(form).gained(level, count)
+            assert here == winding_of(form).gain(level, count)
 
 
 @pytest.mark.parametrize("changes", [{"u1": 2, "theta": -1}, {"u1": 0.4, "theta": 2.5}])

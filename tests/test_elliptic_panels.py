@@ -81,7 +81,7 @@ def test_a_jump_is_left_to_the_function_itself():
     """A step is no polynomial on any panel: only where it lies the function is asked."""
 
     def work(at):
-        return (np.where(at.arguments.reduced[1] > 0.1, 1.0, -1.0) * at.x,)
+        return (np.where(at.arguments.phase_reduction[1] > 0.1, 1.0, -1.0) * at.x,)
 
     times = np.linspace(0, 20, 5000)
     _, sample, _, rows = tabulated(SHAPES["cubic"], times, work, ("turn",))
@@ -91,7 +91,7 @@ def test_a_jump_is_left_to_the_function_itself():
 
 def test_where_panels_are_of_no_use_there_are_none():
     def noise(at):
-        return (np.sin(1e9 * at.arguments.reduced[1]),)
+        return (np.sin(1e9 * at.arguments.phase_reduction[1]),)
 
     resting = next(source for name, (_, source) in MULTIPLE.items() if name == "rest")
     assert Panels.of(Sample.of(invert(resting), [0.0]).model, noise, ("turn",)) is None

@@ -115,12 +115,12 @@ def test_a_chart_shows_each_region_as_it_is(demchenko: vo.System, tmp_path: Path
 def test_lines_lose_points_and_neither_shape_nor_ends() -> None:
     from scipy.spatial import cKDTree
 
-    from voronec.closed.pictures.stability_picture import FINE, _thinned
+    from voronec.closed.pictures.stability_picture import FINE, _thin
 
     angle = np.linspace(0, 2 * np.pi, 401)
     ring = np.column_stack([np.cos(angle), 100 * np.sin(angle)])
     size = np.array([2.0, 200.0])
-    few = _thinned(ring, size)
+    few = _thin(ring, size)
     assert len(few) < 150
     assert np.array_equal(few[[0, -1]], ring[[0, -1]])
     dense = np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(few)])

@@ -14,10 +14,10 @@ from voronec.closed.pictures.sphere_curves import (
     View,
     best_view,
     great_arcs,
+    is_resolved,
     meridian,
     on_sphere,
     parallel,
-    settled,
     smooth_arcs,
 )
 from voronec.closed.pictures.sphere_picture import SphereTrace, traces_figure
@@ -83,14 +83,14 @@ def test_coarse_points_of_a_smooth_curve_make_arcs_on_the_sphere() -> None:
     arcs = smooth_arcs(cusped(coarse), coarse)
     assert distance(sampled(arcs), cusped(np.linspace(0, 6 * np.pi, 400_001))) < 2e-3
     few = on_sphere(np.pi / 2, np.linspace(0, 2 * np.pi, 15))
-    assert settled(few)
+    assert is_resolved(few)
     assert np.allclose(np.linalg.norm(sampled(smooth_arcs(few)), axis=1), 1, atol=1.5 * FINE)
 
 
 @pytest.mark.parametrize(("count", "told"), [(1201, True), (121, True), (13, False), (4, False)])
 def test_points_tell_their_curve_or_not(count: int, told: bool) -> None:
     times = np.linspace(0, 6 * np.pi, count)
-    assert settled(cusped(times), times) is told
+    assert is_resolved(cusped(times), times) is told
 
 
 def test_shortest_ways_are_great_circles_through_the_points() -> None:
@@ -109,7 +109,7 @@ def test_a_contact_at_rest_is_seen_from_in_front() -> None:
 
 
 def test_arcs_end_at_the_horizon() -> None:
-    parts = smooth_arcs(cusped(TIMES), TIMES).seen(View(2.0, 0.1)).parts()
+    parts = smooth_arcs(cusped(TIMES), TIMES).project(View(2.0, 0.1)).parts()
     assert {front for _, front in parts} == {True, False}
     for arcs, front in parts:
         depth = sampled(arcs)[:, 2]

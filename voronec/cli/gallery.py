@@ -121,20 +121,20 @@ def _labels(only: str | None) -> tuple[str, ...]:
 
 def _check(system: System, parameters: Any) -> None:
     """Refuse what can have no motion at all, before any search."""
-    from voronec.closed.classes.search import held
-    from voronec.closed.classes.trace_polynomials import declared
+    from voronec.closed.classes.search import held_parameters
+    from voronec.closed.classes.trace_polynomials import declared_traces
 
-    declared(system)
-    held(system, parameters)
+    declared_traces(system)
+    held_parameters(system, parameters)
 
 
 def _search(system: System, labels: Sequence[str], parameters: Any) -> Iterator[Found | Missing]:
     from voronec.closed.classes.search import find
     from voronec.closed.classes.trace_classes import LABELS
-    from voronec.closed.classes.trace_polynomials import declared
+    from voronec.closed.classes.trace_polynomials import declared_traces
     from voronec.motion.closed_form import closed_form
 
-    for curve in declared(system).curves:
+    for curve in declared_traces(system).curves:
         for label in labels:
             drawn = PAPER in system.references and label in LABELS
             figure = FIRST_FIGURE + LABELS.index(label) if drawn else None

@@ -17,7 +17,7 @@ from voronec.algebra.text import sympified
 from voronec.equations.program.printing import code
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["angle", "ball", "compiled", "exact", "precise", "root"]
+__all__ = ["angle", "ball", "compile_expressions", "exact", "precise", "root"]
 
 _SERIAL = count()
 _METHODS = {
@@ -86,10 +86,10 @@ def ball(value: Any) -> Any:
     known = exact(value)
     if known.is_Rational:
         return arb(fmpq(int(known.p), int(known.q)))
-    return compiled((known,), ())(())[0]
+    return compile_expressions((known,), ())(())[0]
 
 
-def compiled(expressions: Iterable[Any], symbols: Sequence[Any]) -> Function:
+def compile_expressions(expressions: Iterable[Any], symbols: Sequence[Any]) -> Function:
     """A function of the symbols' values, in their order, to those of the expressions.
 
     Equal parts are computed once.  ``EngineLimit`` for a function that balls do not have.
@@ -160,13 +160,13 @@ class _Writer:
     def term(self, expr: Any) -> str:
         """The name under which an expression is computed."""
         if expr not in self.known:
-            text = self._written(expr)
+            text = self._write(expr)
             name = f"b{len(self.lines)}"
             self.lines.append(f"{name} = {text}")
             self.known[expr] = name
         return self.known[expr]
 
-    def _written(self, expr: Any) -> str:
+    def _write(self, expr: Any) -> str:
         if expr.is_Rational:
             return f"arb({self._number(expr)})"
         if expr.is_Add:

@@ -8,10 +8,10 @@ from typing import Any
 from flint import acb, ctx
 
 from voronec.algebra.symbols import plain_name
-from voronec.closed.arithmetic import angle, ball, compiled, precise, root
+from voronec.closed.arithmetic import angle, ball, compile_expressions, precise, root
 from voronec.closed.clock import clock_of
 from voronec.closed.compiled_motion import Prepared
-from voronec.closed.expressions import reading
+from voronec.closed.expressions import reading_of
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.planar_rotation import rolled_in_balls, steady_rates
 from voronec.closed.ratio import ratios
@@ -20,10 +20,10 @@ from voronec.closed.winding import winding_of
 from voronec.elliptic.solution import exact_time
 from voronec.errors import EngineLimit
 
-__all__ = ["enclosed", "resting_values", "turned_by"]
+__all__ = ["enclose_state", "resting_values", "rotation_about"]
 
 
-def turned_by(spin: Sequence[Any], t: Any) -> list[Any]:
+def rotation_about(spin: Sequence[Any], t: Any) -> list[Any]:
     """exp(t Omega^) = I + t sinc(w t) Omega^ + t^2/2 sinc^2(w t/2) Omega^^2, row by row."""
     a, b, c = spin
     angle = (a * a + b * b + c * c).nonnegative_part().sqrt() * t
@@ -49,7 +49,7 @@ MOST = 1 << 15
 """Bits beyond which an enclosure is given up."""
 
 
-def enclosed(form: InvertedMotion, t: Any, digits: int, whole: bool = True) -> dict[str, Any]:
+def enclose_state(form: InvertedMotion, t: Any, digits: int, whole: bool = True) -> dict[str, Any]:
     """Coordinates and velocities at a time, each with a radius below 10^-digits; angles continuous
     (``whole``), or those in space up to whole turns.
 
@@ -59,14 +59,14 @@ def enclosed(form: InvertedMotion, t: Any, digits: int, whole: bool = True) -> d
     """
     if not isinstance(t, str) and t == 0:
         with precise(int(digits * 3.33) + 2 * GUARD):
-            return _begun(form)
+            return _state_at_start(form)
     bits = int(digits * 3.33) + GUARD
     wide: list[str] = []
     while bits <= MOST:
         with precise(bits):
             found = (
-                _rested(form, t, bits, whole) if form.rests
-                else _moving(form, t, digits + 5, bits, whole)
+                _state_at_rest(form, t, bits, whole) if form.rests
+                else _state_in_motion(form, t, digits + 5, bits, whole)
             )  # fmt: skip
             least = ball(10) ** -digits
             wide = [name for name, x in found.items() if not (x.is_finite() and x.rad() < least)]
@@ -79,13 +79,15 @@ def enclosed(form: InvertedMotion, t: Any, digits: int, whole: bool = True) -> d
     )
 
 
-def _begun(form: InvertedMotion) -> dict[str, Any]:
+def _state_at_start(form: InvertedMotion) -> dict[str, Any]:
     problem, system = form.problem, form.system
-    given = dict(zip(problem.prepared.inputs, problem.given(ctx.prec), strict=True))
+    given = dict(zip(problem.prepared.inputs, problem.start_balls(ctx.prec), strict=True))
     return {plain_name(q): given[q] for q in (*system.coordinates, *system.velocities)}
 
 
-def _moving(form: InvertedMotion, t: Any, digits: int, bits: int, whole: bool) -> dict[str, Any]:
+def _state_in_motion(
+    form: InvertedMotion, t: Any, digits: int, bits: int, whole: bool
+) -> dict[str, Any]:
     own, problem = form.problem.prepared, form.problem
     digits = max(digits, int((bits - GUARD) / 3.33))
     timed = form.quadratures.clock != 1
@@ -98,20 +100,22 @@ def _moving(form: InvertedMotion, t: Any, digits: int, bits: int, whole: bool) -
     found = {q: a + at.integrals[j] for j, (q, a) in enumerate(angles.items())}
     values = [*problem.level(bits), x]
     for i, trace in enumerate(own.motion.traces):
-        south, north, cosine, fall = (_bent if timed else _straight)(form, table, i, at, bits)
+        south, north, cosine, fall = (_values_at_ratio if timed else _straight)(
+            form, table, i, at, bits
+        )
         side, turns = form.branch(i)
         colatitude = 2 * angle(root(south), root(north))
         found[trace.colatitude] = side * colatitude + 2 * turns * ball(1).pi()
         sine = side * root(south * north)
         values += [sine, cosine, -fall * at.rate / (sine * pace)]
     values += rates
-    values += [found[q] for q in reading(own).coordinates]
+    values += [found[q] for q in reading_of(own).coordinates]
     values += _polynomials(form, x, bits)
     if form.attitude is not None and not form.attitude.upright:
-        found |= _turned(form, found, exact_time(t), bits, whole)
+        found |= _turn_back(form, found, exact_time(t), bits, whole)
     if own.motion.plane is not None:
-        found |= placed(form, table, at.integrals, x, bits)
-    return _named(form, found, _velocities(own, values))
+        found |= place_on_plane(form, table, at.integrals, x, bits)
+    return _name_values(form, found, _velocities(own, values))
 
 
 def _straight(
@@ -127,7 +131,9 @@ def _straight(
     return south.nonnegative_part(), north.nonnegative_part(), offset + slope * at.x, slope
 
 
-def _bent(form: InvertedMotion, _: list[Any], i: int, at: Any, bits: int) -> tuple[Any, ...]:
+def _values_at_ratio(
+    form: InvertedMotion, _: list[Any], i: int, at: Any, bits: int
+) -> tuple[Any, ...]:
     """The same where the cosine is a ratio p/q."""
     ratio, problem = ratios(form.problem.prepared)[i], form.problem
     p, q, south, north, bend = (
@@ -138,9 +144,9 @@ def _bent(form: InvertedMotion, _: list[Any], i: int, at: Any, bits: int) -> tup
     return south, north, p / q, bend / (q * q)
 
 
-def _rested(form: InvertedMotion, t: Any, bits: int, whole: bool) -> dict[str, Any]:
+def _state_at_rest(form: InvertedMotion, t: Any, bits: int, whole: bool) -> dict[str, Any]:
     problem, own = form.problem, form.problem.prepared
-    time, given = exact_time(t), dict(zip(own.inputs, problem.given(bits), strict=True))
+    time, given = exact_time(t), dict(zip(own.inputs, problem.start_balls(bits), strict=True))
     found = {q: given[q] for q in own.system.coordinates}
     turned = form.attitude is not None and not form.attitude.upright
     for q, rate in zip(own.system.coordinates, steady_rates(form, bits), strict=True):
@@ -148,21 +154,23 @@ def _rested(form: InvertedMotion, t: Any, bits: int, whole: bool) -> dict[str, A
     if form.wheels:
         found |= rolled_in_balls(form, time, bits)
     if turned and form.attitude is not None:
-        motion = turned_by(form.attitude.spin(bits), time)
+        motion = rotation_about(form.attitude.spin(bits), time)
         frame = product(form.attitude.start(bits)[0], motion)
         found |= _read(form, frame, None, time, bits, whole)
-    return _named(form, found, _resting(form, found, given, bits))
+    return _name_values(form, found, _velocities_at_rest(form, found, given, bits))
 
 
-def _resting(form: InvertedMotion, found: dict[Any, Any], given: dict[Any, Any], bits: int) -> Any:
+def _velocities_at_rest(
+    form: InvertedMotion, found: dict[Any, Any], given: dict[Any, Any], bits: int
+) -> Any:
     """The velocities where the variable rests: constant, if they hold no moving coordinate."""
     own = form.problem.prepared
-    if not reading(own).coordinates:
+    if not reading_of(own).coordinates:
         return [given[v] for v in own.system.velocities]
     return _velocities(own, resting_values(form, found, bits))
 
 
-def placed(
+def place_on_plane(
     form: InvertedMotion, table: list[Any], integrals: Any, x: Any, bits: int
 ) -> dict[Any, Any]:
     """The place on a plane: along and across a constant direction."""
@@ -184,7 +192,7 @@ def placed(
     }
 
 
-def _turned(
+def _turn_back(
     form: InvertedMotion, upright: dict[Any, Any], time: Any, bits: int, whole: bool
 ) -> dict[Any, Any]:
     assert form.attitude is not None
@@ -200,7 +208,7 @@ def _read(
     own = form.attitude
     assert own is not None
     plain = own.machines[1](frame)
-    found = own.shifted(plain, bits)
+    found = own.shift_to_branch(plain, bits)
     if whole:
         read = dict(zip(own.coordinates, plain, strict=True))
         found |= winding_of(form).continuous(time, upright, read, bits)
@@ -232,7 +240,7 @@ def resting_values(form: InvertedMotion, moved: Mapping[Any, Any], bits: int) ->
     """Values of the symbols of a ``Reading`` where the variable rests, with coordinates that have
     moved."""
     own, x = form.problem.prepared, form.problem.place(bits)
-    read, values = reading(own), [*form.problem.level(bits), x]
+    read, values = reading_of(own), [*form.problem.level(bits), x]
     rates = dict(zip(form.system.coordinates, steady_rates(form, bits), strict=True))
     with precise(bits):
         for trace in form.quadratures.traces:
@@ -246,21 +254,25 @@ def resting_values(form: InvertedMotion, moved: Mapping[Any, Any], bits: int) ->
 def _polynomials(form: InvertedMotion, x: Any, bits: int) -> list[Any]:
     """The polynomials in x that velocities hold."""
     own = form.problem.prepared
-    kept = reading(own).polynomials
+    kept = reading_of(own).polynomials
     if not kept:
         return []
     symbols = (*own.level, own.motion.x)
-    function = own.memo.once("polynomials of velocities", lambda: compiled(kept, symbols))
+    function = own.memo.once(
+        "polynomials of velocities", lambda: compile_expressions(kept, symbols)
+    )
     return function([*form.problem.level(bits), x])
 
 
 def _velocities(own: Prepared, values: list[Any]) -> list[Any]:
-    read = reading(own)
-    made = own.memo.once("velocities", lambda: compiled(read.expressions, read.symbols))
+    read = reading_of(own)
+    made = own.memo.once("velocities", lambda: compile_expressions(read.expressions, read.symbols))
     return made(values)
 
 
-def _named(form: InvertedMotion, found: dict[Any, Any], velocities: list[Any]) -> dict[str, Any]:
+def _name_values(
+    form: InvertedMotion, found: dict[Any, Any], velocities: list[Any]
+) -> dict[str, Any]:
     system = form.problem.prepared.system
     named = {plain_name(q): found[q] for q in system.coordinates}
     return named | dict(zip(map(plain_name, system.velocities), velocities, strict=True))

@@ -16,7 +16,7 @@ import numpy as np
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.inverted_motion import InvertedMotion
 
-__all__ = ["Bernstein", "bernstein", "evaluated", "inner", "rounded"]
+__all__ = ["Bernstein", "bernstein", "evaluate_form", "inner", "round_numbers"]
 
 FINE = 64
 """Bits that a number must have before it is rounded to a double."""
@@ -28,7 +28,9 @@ Bernstein = tuple[float, ...]
 """The numbers b_k."""
 
 
-def rounded(form: InvertedMotion, at: Callable[[int, Any], Sequence[Any]]) -> tuple[float, ...]:
+def round_numbers(
+    form: InvertedMotion, at: Callable[[int, Any], Sequence[Any]]
+) -> tuple[float, ...]:
     """Numbers that a function of bits and of the motion's constants gives, to the last bit."""
     bits = 2 * FINE
     while True:
@@ -42,12 +44,12 @@ def rounded(form: InvertedMotion, at: Callable[[int, Any], Sequence[Any]]) -> tu
 
 def bernstein(form: InvertedMotion, ascending: Callable[[int], Sequence[Any]]) -> Bernstein:
     """The numbers b_k of a polynomial whose coefficients are known to any number of bits."""
-    return rounded(form, lambda bits, constants: inner(ascending(bits), constants))
+    return round_numbers(form, lambda bits, constants: inner(ascending(bits), constants))
 
 
 def inner(ascending: Sequence[Any], constants: Any) -> list[Any]:
     """The numbers b_k of a polynomial as balls: all its values between the ends lie among them."""
-    row = _shifted(ascending, constants.base)
+    row = _shift(ascending, constants.base)
     degree, span = len(row) - 1, constants.other - constants.base
     grown = [c * span**j for j, c in enumerate(row)]
     return [
@@ -56,7 +58,7 @@ def inner(ascending: Sequence[Any], constants: Any) -> list[Any]:
     ]
 
 
-def _shifted(row: Sequence[Any], place: Any) -> list[Any]:
+def _shift(row: Sequence[Any], place: Any) -> list[Any]:
     """Coefficients in powers of x - place."""
     found = list(row)
     for i in range(len(found)):
@@ -65,7 +67,7 @@ def _shifted(row: Sequence[Any], place: Any) -> list[Any]:
     return found
 
 
-def evaluated(numbers: Bernstein, near: np.ndarray, far: np.ndarray) -> Any:
+def evaluate_form(numbers: Bernstein, near: np.ndarray, far: np.ndarray) -> Any:
     """The polynomial where x = near base + far other."""
     degree = len(numbers) - 1
     if degree == 0:

@@ -21,12 +21,12 @@ import sympy as sp
 
 from voronec.algebra.precision import FIRST, SHARP
 from voronec.closed.arithmetic import ball, precise
-from voronec.closed.bernstein import Bernstein, evaluated, inner
+from voronec.closed.bernstein import Bernstein, evaluate_form, inner
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.ratio import Polynomial, ratios
 from voronec.errors import EngineLimit
 
-__all__ = ["Clock", "Summed", "clock_of", "pieces", "shortened", "whole_turns_off"]
+__all__ = ["Clock", "Summed", "clock_of", "pieces", "reduce_by_periods", "whole_turns_off"]
 
 
 STEP = 0.125
@@ -44,7 +44,7 @@ class Summed:
     j: int
 
     @cached_property
-    def needed(self) -> bool:
+    def is_needed(self) -> bool:
         """Whether closed terms cancel: the factor of a logarithm or an angle is large."""
         constants = self.form.solution.constants(FIRST)
         sizes = [abs(complex(one.logs[self.j])) for one in constants.strains]
@@ -63,7 +63,7 @@ class Summed:
         near, far = sample.affine(1.0, 0.0), sample.affine(0.0, 1.0)
         total: Any = 0 * near
         for above, below in self._parts:
-            total = total + evaluated(above, near, far) / evaluated(below, near, far)
+            total = total + evaluate_form(above, near, far) / evaluate_form(below, near, far)
         return np.asarray(total)
 
     @cached_property
@@ -111,7 +111,7 @@ class Clock:
         return len(self.form.problem.prepared.rates) - 1
 
     @cached_property
-    def summed(self) -> list[Summed]:
+    def sums(self) -> list[Summed]:
         """The integrals by another way, for those whose closed terms cancel."""
         return [Summed(self.form, j) for j in range(self.number + 1)]
 
@@ -126,13 +126,13 @@ class Clock:
                 return None
             return float(2 * constants.half), pieces(constants.advances[self.number])
 
-    def inverted(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def invert(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The whole periods before each time, and tau since the last of them (or to the next)."""
         if self.period is None:
             low, high = self._spread(times)
             return np.zeros(times.shape), self._newton(times, (low + high) / 2, low, high)
         whole, parts = self.period
-        count, rest = shortened(times, parts)
+        count, rest = reduce_by_periods(times, parts)
         if self._steady:
             return count, rest * (whole / sum(parts))
         taus, hours, paces = self._table
@@ -214,7 +214,7 @@ class Clock:
     def paces(self, sample: Any) -> np.ndarray:
         """The clock at a sample."""
         near, far = sample.affine(1.0, 0.0), sample.affine(0.0, 1.0)
-        above, below = (evaluated(e, near, far) for e in self.pace)
+        above, below = (evaluate_form(e, near, far) for e in self.pace)
         return np.asarray(above / below + 0 * near)
 
     # -- in balls --------------------------------------------------------------------------
@@ -226,7 +226,7 @@ class Clock:
 
         bits, more = ctx.prec, SPARE
         while True:
-            tau = self._enclosed(t, digits + more, bits)
+            tau = self._enclose(t, digits + more, bits)
             try:
                 return self.form.solution.enclose(tau, digits)
             except EngineLimit:  # the motion stretches the radius of tau
@@ -234,7 +234,7 @@ class Clock:
                 if more > 8 * (digits + SPARE):
                     raise
 
-    def _enclosed(self, t: Any, digits: int, bits: int) -> Any:
+    def _enclose(self, t: Any, digits: int, bits: int) -> Any:
         """tau as a ball: from the middle m of a ball near it, t(tau) - t(m) = clock (tau - m) with
         a value of the clock between the two."""
         from voronec.elliptic.ball_evaluation import nearest
@@ -260,7 +260,7 @@ class Clock:
         raise EngineLimit(f"no {digits} digits of the motion at t = {t}")
 
     def _roughly(self, rest: Any) -> float:
-        count, tau = self.inverted(np.array([float(rest)]))
+        count, tau = self.invert(np.array([float(rest)]))
         return float(tau[0]) + (float(count[0]) * self.period[0] if self.period else 0.0)
 
     def _pace(self, at: Any, bits: int) -> Any:
@@ -322,7 +322,7 @@ def whole_turns_off(rate: Any, grid: np.ndarray) -> np.ndarray:
     return np.asarray(total - np.rint(total))
 
 
-def shortened(times: np.ndarray, parts: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+def reduce_by_periods(times: np.ndarray, parts: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
     """Times less whole periods, the nearest; and how many these are."""
     count = np.rint(times / sum(parts))
     rest = times.copy()

@@ -13,7 +13,7 @@ import numpy as np
 from voronec.algebra.arguments import COUNT, FLAG, require
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.typeset import html_table
-from voronec.closed.balls import enclosed
+from voronec.closed.balls import enclose_state
 from voronec.closed.grid import sample_coordinates
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.request import exact_instant
@@ -94,7 +94,7 @@ class ClosedForm(InvertedMotion):
         """
         require("enclose", "digits", digits, COUNT)
         require("enclose", "whole", whole, FLAG)
-        return enclosed(self, exact_instant(t), digits, whole)
+        return enclose_state(self, exact_instant(t), digits, whole)
 
     def _names(self, names: Sequence[Any]) -> tuple[str, ...]:
         known = [plain_name(q) for q in (*self.system.coordinates, *self.system.velocities)]

@@ -17,14 +17,14 @@ from voronec.algebra.memo import Memo
 from voronec.algebra.precision import SHARP
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import sympified
-from voronec.closed.arithmetic import Function, ball, compiled, exact, precise
+from voronec.closed.arithmetic import Function, ball, compile_expressions, exact, precise
 from voronec.closed.decide import vanishes
-from voronec.closed.fractions import Split, ascending, split
+from voronec.closed.fractions import Split, ascending_coefficients, split
 from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 
-__all__ = ["Prepared", "ascending", "motion_of", "prepared"]
+__all__ = ["Prepared", "ascending_coefficients", "motion_of", "prepare"]
 
 DEGREE = 4
 """Of the square of the rate of the variable, at most."""
@@ -79,7 +79,7 @@ class Prepared:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Compiled functions stay behind: the declaration is compiled again."""
-        return _prepared_with, (self.system, dict(self.gone))
+        return _prepare_with, (self.system, dict(self.gone))
 
     @property
     def shares(self) -> tuple[tuple[int, ...], ...]:
@@ -120,15 +120,15 @@ def motion_of(system: System) -> Quadratures:
     )
 
 
-def prepared(system: System, values: Mapping[Any, Any]) -> Prepared:
+def prepare(system: System, values: Mapping[Any, Any]) -> Prepared:
     """The motion of a system ready for numbers like ``values``, which give the parameters."""
     motion = motion_of(system)
     critical = motion.memo.once("critical", lambda: _critical(system, motion))
     gone = {s: e for factor, s, e in critical if _is_zero(factor, values)}
-    return _prepared_with(system, gone)
+    return _prepare_with(system, gone)
 
 
-def _prepared_with(system: System, gone: Mapping[Any, Any]) -> Prepared:
+def _prepare_with(system: System, gone: Mapping[Any, Any]) -> Prepared:
     """The same where it is known which parameters send poles to infinity."""
     motion = motion_of(system)
     what = ("prepared", frozenset(gone.items()))
@@ -148,7 +148,7 @@ def _critical(system: System, motion: Quadratures) -> list[tuple[Any, Any, Any]]
     found: dict[Any, tuple[Any, Any, Any]] = {}
     for place in (*motion.poles, *motion.others):
         for factor in _factors(sp.fraction(sp.together(place))[1], own):
-            known = _solved_for(factor, sorted(own & factor.free_symbols, key=str)[::-1])
+            known = _solution_for(factor, sorted(own & factor.free_symbols, key=str)[::-1])
             if known is not None:
                 found.setdefault(known, (factor, *known))
     return list(found.values())
@@ -163,7 +163,7 @@ def _factors(below: Any, own: set[Any]) -> list[Any]:
     return found
 
 
-def _solved_for(factor: Any, symbols: list[Any]) -> tuple[Any, Any] | None:
+def _solution_for(factor: Any, symbols: list[Any]) -> tuple[Any, Any] | None:
     for s in symbols:
         slope = sp.diff(factor, s)
         if slope.is_number:
@@ -188,15 +188,17 @@ def _prepare(system: System, motion: Quadratures, gone: Mapping[Any, Any]) -> Pr
         gone=gone,
         inputs=inputs,
         level=(*own, *motion.constants),
-        starting=compiled([*motion.constants.values(), motion.meaning, rate], inputs),
+        starting=compile_expressions([*motion.constants.values(), motion.meaning, rate], inputs),
         rate=rate,
-        quartic=ascending(motion.quartic.xreplace(gone), motion.x, DEGREE),
+        quartic=ascending_coefficients(motion.quartic.xreplace(gone), motion.x, DEGREE),
         poles=tuple((c.xreplace(gone), w.xreplace(gone)) for c, w in poles.items()),
         others=tuple(c.xreplace(gone) for c in motion.others if _is_finite(c, gone)),
         rates=tuple(rates),
         cosines=tuple(
             (e[0], e[1])
-            for e in (ascending(t.cosine.xreplace(gone), motion.x, 1) for t in motion.traces)
+            for e in (
+                ascending_coefficients(t.cosine.xreplace(gone), motion.x, 1) for t in motion.traces
+            )
         ) if straight else (),
     )  # fmt: skip
     slopes = [e.xreplace(gone) for e in plane.slopes] if plane is not None else []
@@ -204,7 +206,7 @@ def _prepare(system: System, motion: Quadratures, gone: Mapping[Any, Any]) -> Pr
     flat = [*raw.quartic, *(e for pole in raw.poles for e in pole)]
     flat += [e for q in whole.quotients for e in q] + [e for c in raw.cosines for e in c]
     flat += [e for q in whole.slopes for e in q]
-    return replace(raw, parts=compiled(flat, raw.level), fractions=whole)
+    return replace(raw, parts=compile_expressions(flat, raw.level), fractions=whole)
 
 
 def _is_finite(place: Any, gone: Mapping[Any, Any]) -> bool:
@@ -220,12 +222,14 @@ def _rate_of_variable(system: System, motion: Quadratures) -> Any:
     for q, dot in zip(system.coordinates, dots, strict=True):
         slope = sp.diff(motion.meaning, q)
         if slope != 0:
-            value = dot if dot in system.velocities else _solved(system, pairs, dot, dots)
+            value = dot if dot in system.velocities else _coordinate_rate(system, pairs, dot, dots)
             found += slope * value.xreplace(meaning)
     return found if motion.clock == 1 else found * motion.clock.xreplace(meaning)
 
 
-def _solved(system: System, pairs: list[tuple[Any, Any]], dot: Any, dots: list[Any]) -> Any:
+def _coordinate_rate(
+    system: System, pairs: list[tuple[Any, Any]], dot: Any, dots: list[Any]
+) -> Any:
     """The velocity of a coordinate out of the velocities, which are affine in two such at most."""
     alone = [(v, e) for v, e in pairs if e.has(dot) and not e.has(*(d for d in dots if d != dot))]
     rows = alone[:1] or pairs

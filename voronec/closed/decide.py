@@ -18,7 +18,7 @@ import sympy as sp
 
 from voronec.algebra.precision import PROOF
 from voronec.algebra.verdicts import prove_equal
-from voronec.closed.arithmetic import ball, compiled, precise
+from voronec.closed.arithmetic import ball, compile_expressions, precise
 
 __all__ = ["vanishes"]
 
@@ -38,10 +38,10 @@ def vanishes(value: sp.Expr) -> bool | None:
     if value.is_Rational:
         return bool(value == 0)
     spread, step = _in_one_angle(sp.expand_trig(value) if value.has(sp.atan2) else value)
-    return _decided(spread, step, MOST)
+    return _decide_once(spread, step, MOST)
 
 
-def _decided(value: sp.Expr, step: sp.Rational, left: int) -> bool | None:
+def _decide_once(value: sp.Expr, step: sp.Rational, left: int) -> bool | None:
     verdict = prove_equal(value, 0)
     if verdict.proved:
         return True
@@ -52,12 +52,12 @@ def _decided(value: sp.Expr, step: sp.Rational, left: int) -> bool | None:
         return None
     a, b = _by_root(value, root)
     if b == 0:
-        return _decided(a, step, left - 1)
+        return _decide_once(a, step, left - 1)
     with precise(PROOF):
-        (other,) = compiled([a - b * root], [_ANGLE])([ball(step)])
+        (other,) = compile_expressions([a - b * root], [_ANGLE])([ball(step)])
     if other.contains(0):
         return None
-    return _decided(a**2 - b**2 * root**2, step, left - 1)
+    return _decide_once(a**2 - b**2 * root**2, step, left - 1)
 
 
 def _in_one_angle(value: sp.Expr) -> tuple[sp.Expr, sp.Rational]:

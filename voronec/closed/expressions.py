@@ -14,7 +14,7 @@ import sympy as sp
 from voronec.algebra.symbols import velocity
 from voronec.closed.compiled_motion import Prepared
 
-__all__ = ["Reading", "reading", "velocities_in_doubles"]
+__all__ = ["Reading", "reading_of", "velocities_in_doubles"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,12 +33,12 @@ class Reading:
     velocities: tuple[Any, ...]
 
 
-def reading(own: Prepared) -> Reading:
+def reading_of(own: Prepared) -> Reading:
     """The velocities of a prepared motion."""
-    return own.memo.once("reading", lambda: _reading(own))
+    return own.memo.once("reading", lambda: _make_reading(own))
 
 
-def _reading(own: Prepared) -> Reading:
+def _make_reading(own: Prepared) -> Reading:
     motion, symbols = own.motion, [*own.level, own.motion.x]
     meaning: dict[Any, Any] = {}
     for i, trace in enumerate(motion.traces):
@@ -56,24 +56,24 @@ def _reading(own: Prepared) -> Reading:
     coordinates = tuple(q for q in own.system.coordinates if q in held)
     moving = {*symbols[len(own.level) + 1 :], *coordinates}
     kept: dict[Any, Any] = {}
-    found = tuple(_lifted(e, own.motion.x, moving, kept) for e in found)
+    found = tuple(_lift(e, own.motion.x, moving, kept) for e in found)
     symbols += [*coordinates, *kept.values()]
     return Reading(tuple(symbols), coordinates, tuple(kept), found, tuple(own.system.velocities))
 
 
-def _lifted(expr: Any, x: Any, moving: set[Any], kept: dict[Any, Any]) -> Any:
+def _lift(expr: Any, x: Any, moving: set[Any], kept: dict[Any, Any]) -> Any:
     """The expression with symbols for what it holds of parameters, constants and x as a polynomial:
     1 + R2/R1 is no good in doubles where R1 is nearly -R2."""
     if expr.is_Atom:
         return expr
     if not expr.free_symbols & moving and expr.free_symbols and expr.is_polynomial(x):
         return kept.setdefault(expr, sp.Dummy(f"polynomial{len(kept)}"))
-    return expr.func(*(_lifted(a, x, moving, kept) for a in expr.args)) if expr.args else expr
+    return expr.func(*(_lift(a, x, moving, kept) for a in expr.args)) if expr.args else expr
 
 
 def velocities_in_doubles(own: Prepared) -> Any:
     """The velocities of the equations as a function of arrays, in the order of a reading."""
-    read = reading(own)
+    read = reading_of(own)
     return own.memo.once(
         "velocities in doubles",
         lambda: sp.lambdify(read.symbols, list(read.expressions), "numpy", cse=True),

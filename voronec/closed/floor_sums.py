@@ -6,7 +6,7 @@ from typing import Any
 
 from flint import ctx
 
-__all__ = ["certain_floor_sum", "first_doubt", "floor_sum", "scaled"]
+__all__ = ["certain_floor_sum", "first_doubt", "floor_sum", "scale_to_integers"]
 
 
 def floor_sum(count: int, first: int, step: int, unit: int) -> int:
@@ -42,7 +42,7 @@ def bracketed_floor_sum(count: int, first: Any, step: Any) -> tuple[int, int]:
         low, high = bracketed_floor_sum(-count, first - step, -step)
         return -high, -low
     unit = 1 << ctx.prec
-    begin, rise = scaled(first, ctx.prec), scaled(step, ctx.prec)
+    begin, rise = scale_to_integers(first, ctx.prec), scale_to_integers(step, ctx.prec)
     low, high = (floor_sum(count, a, b, unit) for a, b in zip(begin, rise, strict=True))
     return low, high
 
@@ -61,7 +61,7 @@ def first_doubt(count: int, first: Any, step: Any) -> int:
     return sure
 
 
-def scaled(value: Any, bits: int) -> tuple[int, int]:
+def scale_to_integers(value: Any, bits: int) -> tuple[int, int]:
     """Whole numbers below and above a ball in units of ``2^-bits``."""
     (middle, power), (radius, least) = (
         map(int, part.man_exp()) for part in (value.mid(), value.rad())

@@ -15,10 +15,10 @@ import sympy as sp
 
 from voronec.algebra.precision import SHARP
 from voronec.algebra.text import sympified
-from voronec.closed.arithmetic import Function, ball, compiled, precise
+from voronec.closed.arithmetic import Function, ball, compile_expressions, precise
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Split", "ascending", "split"]
+__all__ = ["Split", "ascending_coefficients", "split"]
 
 MOST = 6
 """Of numerators and denominators of rates, at most."""
@@ -88,7 +88,7 @@ def split(
     )
 
 
-def ascending(value: Any, x: Any, degree: int) -> tuple[Any, ...]:
+def ascending_coefficients(value: Any, x: Any, degree: int) -> tuple[Any, ...]:
     """The coefficients of a polynomial, by its slopes at 0: nothing is multiplied out."""
     found, slope = [], sympified(value)
     for i in range(degree + 1):
@@ -102,9 +102,9 @@ def _term(term: Any, x: Any, level: tuple[Any, ...], example: list[Any]) -> Term
     above, below = sp.fraction(term)
     parts = []
     for value in (above, below):
-        row = list(ascending(value, x, MOST))
+        row = list(ascending_coefficients(value, x, MOST))
         with precise(SHARP):
-            seen = compiled(row, level)(example)
+            seen = compile_expressions(row, level)(example)
         while len(row) > 1 and seen[len(row) - 1].contains(0):
             row.pop()
         parts.append(row)
@@ -134,7 +134,7 @@ def _with_exact_zeros(
 ) -> tuple[Any, ...]:
     """The coefficients; those that vanish identically as 0."""
     with precise(SHARP):
-        seen = compiled(row, level)(example)
+        seen = compile_expressions(row, level)(example)
     return tuple(
         sp.Integer(0) if value.contains(0) and sp.cancel(e) == 0 else e
         for e, value in zip(row, seen, strict=True)
@@ -147,14 +147,14 @@ def _shares(
 ) -> tuple[tuple[int, ...], ...]:  # fmt: skip
     """Residues over weights."""
     with precise(SHARP):
-        flat = compiled([e for pole in poles for e in pole], level)(example)
+        flat = compile_expressions([e for pole in poles for e in pole], level)(example)
         places = list(zip(flat[::2], flat[1::2], strict=True))
         found = []
         for row in rows:
             parts = [
                 e for t in row for e in (t.numerator, t.denominator, sp.diff(t.denominator, x))
             ]
-            at = compiled(parts, (*level, x))
+            at = compile_expressions(parts, (*level, x))
             found.append(tuple(_share(at([*example, c]), w) for c, w in places))
     return tuple(found)
 
@@ -188,7 +188,7 @@ def _foreign(
             flat.append(sp.Add(*(e.xreplace({x: place}) for e in parts)))
             met.append(bool(own))
         meets.append(tuple(met))
-    return compiled(flat, level), tuple(meets)
+    return compile_expressions(flat, level), tuple(meets)
 
 
 def _vanishes(
@@ -199,7 +199,9 @@ def _vanishes(
     if not below.has(x):
         return False
     with precise(SHARP):
-        value = compiled([below.xreplace({x: place})], level)([acb(e) for e in example])[0]
+        value = compile_expressions([below.xreplace({x: place})], level)([acb(e) for e in example])[
+            0
+        ]
     return bool(acb(value).contains(0))
 
 

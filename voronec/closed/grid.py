@@ -14,14 +14,14 @@ from voronec.algebra.precision import SHARP
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.balls import resting_values
-from voronec.closed.bernstein import evaluated
+from voronec.closed.bernstein import evaluate_form
 from voronec.closed.clock import clock_of, pieces, whole_turns_off
-from voronec.closed.expressions import reading, velocities_in_doubles
+from voronec.closed.expressions import reading_of, velocities_in_doubles
 from voronec.closed.inverted_motion import InvertedMotion
-from voronec.closed.planar_rotation import rolled, steady_rates
+from voronec.closed.planar_rotation import place_on_grid, steady_rates
 from voronec.closed.rounded_constants import rounded_constants
 from voronec.closed.space_coordinates import BLOCK, read_circles
-from voronec.closed.upright_view import UprightView, wrapped
+from voronec.closed.upright_view import UprightView, wrap_angle
 from voronec.closed.winding import winding_of
 from voronec.declaration.reading import doubles
 from voronec.elliptic.panels import Panels
@@ -35,7 +35,7 @@ def _where_it_rests(
 ) -> dict[str, np.ndarray]:
     """Coordinates and velocities; angles continuous (``whole``) or modulo a turn."""
     system, problem = form.system, form.problem
-    given = dict(zip(problem.prepared.inputs, problem.given(SHARP), strict=True))
+    given = dict(zip(problem.prepared.inputs, problem.start_balls(SHARP), strict=True))
     plane, found = form.quadratures.plane, {}
     straight = plane.place if plane is not None else ()
     for q, rate in zip(system.coordinates, steady_rates(form, SHARP), strict=True):
@@ -46,7 +46,7 @@ def _where_it_rests(
                 turn = _part(given[q])
             found[plain_name(q)] = 2 * np.pi * whole_turns_off(rate, grid) + turn
     if form.wheels:
-        found |= {plain_name(q): x for q, x in rolled(form, grid).items()}
+        found |= {plain_name(q): x for q, x in place_on_grid(form, grid).items()}
     found |= _steady_velocities(form, grid, given)
     own = form.attitude
     in_space = {plain_name(q) for q in own.coordinates} if own is not None else set()
@@ -64,7 +64,7 @@ def _steady_velocities(
     """Constant, where no moving coordinate is in them."""
     names = list(map(plain_name, form.system.velocities))
     values = [given[v] for v in form.system.velocities]
-    read = reading(form.problem.prepared)
+    read = reading_of(form.problem.prepared)
     if read.coordinates:
         rates = dict(zip(form.system.coordinates, steady_rates(form, SHARP), strict=True))
         with precise(SHARP):
@@ -132,7 +132,7 @@ class Timed:
 
     @cached_property
     def _instants(self) -> tuple[np.ndarray, np.ndarray]:
-        return clock_of(self.form).inverted(self.grid)
+        return clock_of(self.form).invert(self.grid)
 
     @cached_property
     def sample(self) -> Any:
@@ -144,14 +144,14 @@ class Timed:
         """Shares of both ends in x."""
         return self.sample.affine(1.0, 0.0), self.sample.affine(0.0, 1.0)
 
-    def _valued(self, numbers: Any) -> Any:
-        return evaluated(numbers, *self._ends)
+    def _evaluate(self, numbers: Any) -> Any:
+        return evaluate_form(numbers, *self._ends)
 
     def integral(self, j: int, whole: bool) -> np.ndarray:
         """An integral since the start, or, of an angle, less whole turns that nobody asks for."""
         advances = self.form.solution.constants(FINE).advances
-        count, summed = self._instants[0], clock_of(self.form).summed[j]
-        found = summed.at(self._instants[1]) if summed.needed else self.sample.integral(j)
+        count, summed = self._instants[0], clock_of(self.form).sums[j]
+        found = summed.at(self._instants[1]) if summed.is_needed else self.sample.integral(j)
         if advances is None or not count.any():
             return np.asarray(found)
         with precise(FINE):
@@ -176,7 +176,7 @@ class Timed:
         for i, trace in enumerate(motion.traces):
             if trace.colatitude == q:
                 side, turns = self.form.branch(i)
-                south, north = (self._valued(e) for e in clock_of(self.form).reach[i])
+                south, north = (self._evaluate(e) for e in clock_of(self.form).reach[i])
                 return np.asarray(2 * side * np.arctan2(np.sqrt(south), np.sqrt(north))
                                   + turns * TURN)  # fmt: skip
         if q in motion.angles:
@@ -223,15 +223,15 @@ class Timed:
         values: list[Any] = [*(float(c) for c in form.problem.level(FINE)), x]
         with np.errstate(all="ignore"):
             for i in range(len(form.quadratures.traces)):
-                south, north = (self._valued(e) for e in clock.reach[i])
-                above, below, bend = (self._valued(e) for e in clock.bends[i])
+                south, north = (self._evaluate(e) for e in clock.reach[i])
+                above, below, bend = (self._evaluate(e) for e in clock.bends[i])
                 sine = form.branch(i)[0] * np.sqrt(south * north) / below
                 fall = -bend / below**2 * self.sample.rate / (sine * pace)
                 values += [sine, above / below, fall]
             values += [rate / pace for rate in self._rates()[:angles]]
             # less whole turns: the sines of late angles lose nothing
-            values += [self.coordinate(q, False) for q in reading(own).coordinates]
-            values += [self._valued(p) for p in rounded_constants(form).polynomials]
+            values += [self.coordinate(q, False) for q in reading_of(own).coordinates]
+            values += [self._evaluate(p) for p in rounded_constants(form).polynomials]
             found = velocities_in_doubles(own)(*values)
         names = map(plain_name, form.system.velocities)
         return {n: np.broadcast_to(e, self.grid.shape).astype(float)
@@ -241,7 +241,7 @@ class Timed:
         apart = [self.sample.affine(*ends) for ends in rounded_constants(self.form).distances]
         found = []
         for numerator, used in rounded_constants(self.form).fractions:
-            rate = self._valued(numerator)
+            rate = self._evaluate(numerator)
             for i in used:
                 rate = rate / apart[i]
             found.append(rate)
@@ -276,12 +276,12 @@ def _by_table(
             first, part = rounded_constants(form).starts[angles[name]]
             if whole and first != part:
                 row += first - part
-            _grown(row, counts, sample.model.courses[angles[name]], whole)
+            _add_growth(row, counts, sample.model.courses[angles[name]], whole)
     for i, q in enumerate(circles):
         if plain_name(q) in angles:
             first = len(plain) + 2 * i
             course = sample.model.courses[angles[plain_name(q)]]
-            _spun(rows[first], rows[first + 1], counts, course)
+            _add_turns(rows[first], rows[first + 1], counts, course)
     return list(rows)
 
 
@@ -310,10 +310,10 @@ def _repeats(form: InvertedMotion, plain: Sequence[str]) -> bool:
     asked = {*plain} - known
     if not asked <= velocities:
         return False
-    return not asked or {*reading(form.problem.prepared).coordinates} <= traced
+    return not asked or {*reading_of(form.problem.prepared).coordinates} <= traced
 
 
-def _grown(row: np.ndarray, counts: np.ndarray, course: Any, whole: bool) -> None:
+def _add_growth(row: np.ndarray, counts: np.ndarray, course: Any, whole: bool) -> None:
     """The angle with what it has gained in whole half periods."""
     for part in _blocks(row.size):
         value, count = row[part], counts[part]
@@ -323,25 +323,25 @@ def _grown(row: np.ndarray, counts: np.ndarray, course: Any, whole: bool) -> Non
             value += count * course.first
         else:
             value /= TURN
-            value += _turned(count, course)
+            value += _gain_in_turns(count, course)
             value -= np.ceil(value - 0.5)
             value *= TURN
 
 
-def _spun(cosine: np.ndarray, sine: np.ndarray, counts: np.ndarray, course: Any) -> None:
+def _add_turns(cosine: np.ndarray, sine: np.ndarray, counts: np.ndarray, course: Any) -> None:
     """Cosine and sine of the angle with what it has gained."""
     least = counts.min()
     kinds = int(counts.max() - least) + 1
     few = 2 * kinds < counts.size
     if few:
-        angles = TURN * _turned(np.arange(kinds) + least, course)
+        angles = TURN * _gain_in_turns(np.arange(kinds) + least, course)
         known = np.cos(angles), np.sin(angles)
     for part in _blocks(counts.size):
         if few:
             places = (counts[part] - least).astype(np.intp)
             c, s = (table.take(places) for table in known)
         else:
-            angles = TURN * _turned(counts[part], course)
+            angles = TURN * _gain_in_turns(counts[part], course)
             c, s = np.cos(angles), np.sin(angles)
         before = cosine[part].copy()
         cosine[part] *= c
@@ -350,7 +350,7 @@ def _spun(cosine: np.ndarray, sine: np.ndarray, counts: np.ndarray, course: Any)
         sine[part] += before * s
 
 
-def _turned(count: np.ndarray, course: Any) -> np.ndarray:
+def _gain_in_turns(count: np.ndarray, course: Any) -> np.ndarray:
     """The gain in turns, less whole ones."""
     total = np.zeros(count.size)
     for share in course.turns:
@@ -371,11 +371,15 @@ def sample_coordinates(
     """Coordinates and velocities at times; angles continuous (``whole``) or in (-pi, pi]."""
     given = doubles(times, "times")
     grid = given.ravel()
-    found = _resting(form, grid, names, whole) if form.rests else _moving(form, grid, names, whole)
+    found = (
+        _state_at_rest(form, grid, names, whole)
+        if form.rests
+        else _state_in_motion(form, grid, names, whole)
+    )
     return {name: found[name].reshape(given.shape) for name in names}
 
 
-def _resting(
+def _state_at_rest(
     form: InvertedMotion, grid: np.ndarray, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
     found = _where_it_rests(form, grid, names, whole)
@@ -384,10 +388,10 @@ def _resting(
     plane = form.quadratures.plane
     straight = plane.place if plane is not None else ()
     turning = {plain_name(q) for q in form.system.coordinates if q not in straight}
-    return {n: wrapped(x) if n in turning else x for n, x in found.items()}
+    return {n: wrap_angle(x) if n in turning else x for n, x in found.items()}
 
 
-def _moving(
+def _state_in_motion(
     form: InvertedMotion, grid: np.ndarray, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
     if form.quadratures.clock != 1:
@@ -396,7 +400,7 @@ def _moving(
     in_space = () if own is None or own.upright else own.coordinates
     circles = tuple(q for q in in_space if {*names} & {plain_name(q) for q in in_space})
     plain = [n for n in names if n not in {plain_name(q) for q in circles}]
-    winding = _winding(form, circles, names) if whole else ()
+    winding = _winding_coordinates(form, circles, names) if whole else ()
     turning = [*plain, *map(plain_name, winding)]
     rows = _by_table(form, grid, turning, circles, whole)
     if rows is None:
@@ -409,7 +413,9 @@ def _moving(
     return found
 
 
-def _winding(form: InvertedMotion, circles: Sequence[Any], names: Sequence[str]) -> tuple[Any, ...]:
+def _winding_coordinates(
+    form: InvertedMotion, circles: Sequence[Any], names: Sequence[str]
+) -> tuple[Any, ...]:
     """The coordinates whose whole turns, of the motion turned upright, tell those in space."""
     traced = {t.colatitude for t in form.quadratures.traces}
     return winding_of(form).names if {*names} & {plain_name(q) for q in {*circles} - traced} else ()

@@ -16,7 +16,7 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import sympified
 from voronec.closed.arithmetic import ball, precise
-from voronec.closed.compiled_motion import ascending
+from voronec.closed.compiled_motion import ascending_coefficients
 from voronec.closed.problem import InversionProblem
 from voronec.closed.space import Attitude
 from voronec.declaration.quadratures import Quadratures
@@ -146,14 +146,14 @@ class InvertedMotion:
     def polynomial(self, expr: Any) -> tuple[sp.Expr, ...]:
         """The coefficients of a polynomial in the variable, ascending, as expressions."""
         degree = sp.degree(sympified(expr), self.quadratures.x) if expr else 0
-        return ascending(expr, self.quadratures.x, int(max(degree, 0)))
+        return ascending_coefficients(expr, self.quadratures.x, int(max(degree, 0)))
 
     # -- parts -----------------------------------------------------------------------------
 
     def begin(self, bits: int) -> list[Any]:
         """The angles at the start, in the order of the integrals; of the motion turned upright."""
         problem = self.problem
-        given = dict(zip(problem.prepared.inputs, problem.given(bits), strict=True))
+        given = dict(zip(problem.prepared.inputs, problem.start_balls(bits), strict=True))
         if self.attitude is not None and not self.attitude.upright and not self.rests:
             own = self.attitude
             given |= dict(zip(own.coordinates, own.begin(bits), strict=True))

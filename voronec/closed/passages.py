@@ -16,9 +16,9 @@ from flint import arb, ctx
 
 from voronec.closed.arithmetic import angle, ball
 from voronec.closed.composition import Composition
-from voronec.closed.floor_sums import certain_floor_sum, scaled
+from voronec.closed.floor_sums import certain_floor_sum, scale_to_integers
 from voronec.closed.inverted_motion import InvertedMotion
-from voronec.closed.space import directed, product, times, transposed
+from voronec.closed.space import product, rotation_to, times, transpose
 from voronec.elliptic.ball_evaluation import moment_of
 from voronec.elliptic.roots import Unresolved
 
@@ -71,9 +71,9 @@ def tally(winding: Any, level: Passages, times: np.ndarray) -> Tally:
         moments = [float(p.time.mid()) for p in level.passages]
         state = np.searchsorted(moments, times, side="right")
         numbers = [[1] * k + [0] * (count - k) for k in range(count + 1)]
-        return _listed(winding, level, state, numbers)
+        return _tally_states(winding, level, state, numbers)
     if not count:
-        return _listed(winding, level, np.zeros(times.size, dtype=np.intp), [[]])
+        return _tally_states(winding, level, np.zeros(times.size, dtype=np.intp), [[]])
     period = float(level.period.mid())
     begin = level.passages[0].time
     windows = np.floor((times - float(begin.mid())) / period)
@@ -90,12 +90,12 @@ def tally(winding: Any, level: Passages, times: np.ndarray) -> Tally:
     return _periodic(winding, level, state, kinds)
 
 
-def _listed(
+def _tally_states(
     winding: Any, level: Passages, state: np.ndarray, numbers: Sequence[Sequence[int]]
 ) -> Tally:
     """Each state by itself, from how many passages of each kind there have been."""
     inside = [level.inside(row) for row in numbers]
-    gained = [winding.gained(level, row) for row in numbers]
+    gained = [winding.gain(level, row) for row in numbers]
     near, far = (np.array(column) for column in zip(*inside, strict=True))
     first, last = (np.array(column, dtype=float) for column in zip(*gained, strict=True))
     return Tally(state, near, far, first, last)
@@ -127,10 +127,10 @@ def _before(winding: Any, level: Passages, kinds: np.ndarray) -> np.ndarray:
     for part in np.split(kinds, np.flatnonzero(np.diff(kinds // CHUNK)) + 1):
         first, last = int(part[0]), int(part[-1])
         if last - first > SPARSE * len(part):
-            sums = [winding.gained(level, [int(j)] * count) for j in part]
+            sums = [winding.gain(level, [int(j)] * count) for j in part]
             found.append(np.array(sums, dtype=np.int64).T)
             continue
-        start = winding.gained(level, [first] * count)
+        start = winding.gain(level, [first] * count)
         steps = _steps(winding, level, np.arange(first, last))
         rows = [np.cumsum([s, *step.sum(axis=0)]) for s, step in zip(start, steps, strict=True)]
         found.append(np.array(rows)[:, part - first])
@@ -142,7 +142,7 @@ def _floors(passage: Passage, level: Passages, kinds: np.ndarray, winding: Any) 
     leaves it open."""
     one = 1 << BITS
     (first, start), (step, rise) = (
-        divmod(scaled(value, BITS)[0], one) for value in (passage.phase, level.advance)
+        divmod(scale_to_integers(value, BITS)[0], one) for value in (passage.phase, level.advance)
     )
     fraction = np.uint64(start) + kinds.astype(np.uint64) * np.uint64(rise)
     carried = (start + kinds * float(rise)) / one - fraction / one
@@ -277,9 +277,9 @@ def resting_passages(form: InvertedMotion, parts: Composition, bits: int, upper:
     rate = sum((w * w for w in spin), ball(0)).nonnegative_part().sqrt()
     if not rate > 0:
         raise Unresolved("the frame may be still")
-    turn = directed([e / rate for e in times(frame, spin)], upper)
+    turn = rotation_to([e / rate for e in times(frame, spin)], upper)
     side, height, longitude = _pole(turn, 1 if upper else -1)
-    upright = own.machines[1](product(transposed(turn), frame))
+    upright = own.machines[1](product(transpose(turn), frame))
     values = dict(zip(own.coordinates, upright, strict=True))
     v, c, b = (values[q] for q in (parts.longitude, parts.colatitude, parts.third))
     if not c.sin() > 0:

@@ -8,13 +8,13 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.precision import SHARP
-from voronec.closed.arithmetic import ball, compiled, precise
+from voronec.closed.arithmetic import ball, compile_expressions, precise
 from voronec.closed.clock import whole_turns_off
 from voronec.closed.compiled_motion import Prepared
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.space import Attitude
 
-__all__ = ["rolled", "rolled_in_balls", "steady_rates"]
+__all__ = ["place_on_grid", "rolled_in_balls", "steady_rates"]
 
 
 def steady_rates(form: InvertedMotion, bits: int) -> list[Any]:
@@ -33,7 +33,7 @@ def steady_rates(form: InvertedMotion, bits: int) -> list[Any]:
     return [form.exact(e)(bits) for e in form.rates_at_rest]
 
 
-def rolled(form: InvertedMotion, grid: np.ndarray) -> dict[Any, np.ndarray]:
+def place_on_grid(form: InvertedMotion, grid: np.ndarray) -> dict[Any, np.ndarray]:
     """The place on a grid of times: with W its velocity at the start and w the rate at which that
     turns, place = start + (2/w) sin(w t/2) W turned by w t/2."""
     x, y, first, second, a, b, spin = _rolling(form, SHARP)
@@ -64,13 +64,13 @@ def _rolling(form: InvertedMotion, bits: int) -> tuple[Any, ...]:
     rates = dict(zip(form.system.coordinates, steady_rates(form, bits), strict=True))
     (x, y), start = plane.place, [form.exact(q)(bits) for q in plane.place]
     own = form.problem.prepared
-    turning = own.memo.once("turning", lambda: _turning(own))
+    turning = own.memo.once("turning", lambda: _turning_angles(own))
     with precise(bits):
         spin = sum((rates[q] * c for q, c in turning.items()), ball(0))
     return x, y, *start, rates[x], rates[y], spin
 
 
-def _turning(own: Prepared) -> dict[Any, int]:
+def _turning_angles(own: Prepared) -> dict[Any, int]:
     """The angles that turn the vector in the plane, and how often each does.
 
     Where an angle alone grows and the vector turns, at any state, what the vector is made of
@@ -84,7 +84,7 @@ def _turning(own: Prepared) -> dict[Any, int]:
     with precise(SHARP):
         given = [ball(sp.Rational(sp.prime(i + 20), sp.prime(i + 41)))
                  for i in range(len(own.inputs))]  # fmt: skip
-        first, second, *moved = compiled([a, b, *slopes], own.inputs)(given)
+        first, second, *moved = compile_expressions([a, b, *slopes], own.inputs)(given)
         for i, q in enumerate(own.motion.angles):
             along, across = moved[2 * i : 2 * i + 2]
             times = round(float((first * across - second * along)

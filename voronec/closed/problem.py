@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.text import sympified
-from voronec.closed.arithmetic import Function, ball, compiled, exact, precise
+from voronec.closed.arithmetic import Function, ball, compile_expressions, exact, precise
 from voronec.closed.compiled_motion import Prepared
 from voronec.closed.decide import vanishes
 from voronec.errors import DefinitionError, EngineLimit
@@ -44,7 +44,7 @@ def _chain(degree: int) -> dict[int, tuple[Any, ...]]:
 
 @cache
 def _balls(degree: int, of: int) -> Function:
-    return compiled(_chain(degree)[of], _symbols(degree))
+    return compile_expressions(_chain(degree)[of], _symbols(degree))
 
 
 def squarefree(problem: InversionProblem, values: Sequence[Any]) -> Factors:
@@ -132,7 +132,7 @@ class InversionProblem:
             )
         return InversionProblem, (self.prepared, dict(self.values))
 
-    def given(self, bits: int) -> list[Any]:
+    def start_balls(self, bits: int) -> list[Any]:
         """The start as balls, in the order of ``prepared.inputs``."""
         return self._once(("given", bits), lambda: [
             v(bits) if callable(v) else ball(v)
@@ -142,27 +142,27 @@ class InversionProblem:
     def level(self, bits: int) -> list[Any]:
         """Parameters and constants as balls, in the order of ``prepared.level``."""
         count = len(self.prepared.system.parameters)
-        own = self.given(bits)
-        return [*own[len(own) - count :], *self._started(bits)[:-2]]
+        own = self.start_balls(bits)
+        return [*own[len(own) - count :], *self._start_values(bits)[:-2]]
 
     def place(self, bits: int) -> Any:
         """The variable at the start."""
-        return self._started(bits)[-2]
+        return self._start_values(bits)[-2]
 
     def rate(self, bits: int) -> Any:
         """The rate of the variable at the start; exactly zero at a turning point."""
-        rate = self._started(bits)[-1]
+        rate = self._start_values(bits)[-1]
         return ball(0) if self._is_zero(rate, self.prepared.rate) else rate
 
     def exact(self, expr: Any) -> Callable[[int], Any]:
         """An expression in constants, parameters and the start, at any number of bits."""
         symbols = (*self.prepared.inputs, *self.prepared.motion.constants)
         what = ("compiled", expr)
-        function = self.prepared.memo.once(what, lambda: compiled([expr], symbols))
+        function = self.prepared.memo.once(what, lambda: compile_expressions([expr], symbols))
 
         def at(bits: int) -> Any:
             with precise(bits):
-                return function([*self.given(bits), *self._started(bits)[:-2]])[0]
+                return function([*self.start_balls(bits), *self._start_values(bits)[:-2]])[0]
 
         return at
 
@@ -177,7 +177,7 @@ class InversionProblem:
 
     def _sign(self, expr: Any) -> int:
         told = self._sign_from_balls(expr, LADDER)
-        if told is None and self._is_exact(expr) and vanishes(self.spelled(expr)):
+        if told is None and self._is_exact(expr) and vanishes(self.exact_number(expr)):
             return 0
         told = self._sign_from_balls(expr, BEYOND) if told is None else told
         if told is not None:
@@ -199,7 +199,7 @@ class InversionProblem:
                 return 0
         return None
 
-    def spelled(self, expr: Any) -> sp.Expr:
+    def exact_number(self, expr: Any) -> sp.Expr:
         """The exact number that an expression is."""
         meaning = {**self.prepared.motion.constants}
         inner = sympified(expr).xreplace(meaning)
@@ -215,9 +215,9 @@ class InversionProblem:
             return True
         return bool(value.contains(0)) and self.sign(expr) == 0
 
-    def _started(self, bits: int) -> list[Any]:
+    def _start_values(self, bits: int) -> list[Any]:
         """Constants, the variable and its rate."""
-        given = self.given(bits)
+        given = self.start_balls(bits)
         return self._once(("start", bits), lambda: self.prepared.starting(given), bits)
 
     def _once(self, key: Any, make: Callable[[], Any], bits: int = 0) -> Any:
@@ -339,7 +339,7 @@ class InversionProblem:
             raise DefinitionError(
                 f"system '{name}': the motion in closed form is singular for {held}; change these"
             )
-        if not all(c.is_finite() for c in self._started(LADDER[0])):
+        if not all(c.is_finite() for c in self._start_values(LADDER[0])):
             raise DefinitionError(
                 f"system '{name}': the closed form has no value at the start; start elsewhere"
             )

@@ -8,10 +8,10 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.closed.arithmetic import Function, ball, compiled, precise
+from voronec.closed.arithmetic import Function, ball, compile_expressions, precise
 from voronec.closed.bernstein import Bernstein, bernstein
 from voronec.closed.compiled_motion import Prepared
-from voronec.closed.fractions import ascending
+from voronec.closed.fractions import ascending_coefficients
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.problem import InversionProblem
 
@@ -29,7 +29,7 @@ class Polynomial:
         """An expression as a polynomial."""
         x = own.motion.x
         degree = int(sp.degree(sp.expand(value), x)) if value.has(x) else 0
-        return cls(compiled(ascending(value, x, degree), own.level))
+        return cls(compile_expressions(ascending_coefficients(value, x, degree), own.level))
 
     def row(self, problem: InversionProblem, bits: int) -> list[Any]:
         """The coefficients as balls."""

@@ -11,13 +11,13 @@ from flint import arb
 
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import sympified
-from voronec.closed.arithmetic import compiled, exact
+from voronec.closed.arithmetic import compile_expressions, exact
 from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.reading import expression, mapping, real_number, shown
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["known_parameters", "named", "number", "quadratures_of"]
+__all__ = ["known_parameters", "number", "quadratures_of", "read_parameters"]
 
 
 def quadratures_of(system: System) -> Quadratures:
@@ -38,11 +38,11 @@ def exact_instant(t: Any) -> Any:
     found = exact(real_number(t, "t"))
     if found.is_Rational:
         return Fraction(int(found.p), int(found.q))
-    function = compiled([found], ())
+    function = compile_expressions([found], ())
     return lambda _: function([])[0]
 
 
-def named(system: System, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
+def read_parameters(system: System, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
     """Parameter -> expression, by the symbols of the system."""
     own = {p.name: p.symbol for p in system.parameters}
     found = {}
@@ -58,7 +58,7 @@ def named(system: System, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
 
 def known_parameters(system: System, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
     """Every parameter as an exact number: what is given, else the default."""
-    given = named(system, parameters)
+    given = read_parameters(system, parameters)
     found = {}
     for p in system.parameters:
         value = given.get(p.symbol, p.value)

@@ -10,9 +10,9 @@ from typing import Any
 import sympy as sp
 
 from voronec.closed.arithmetic import ball, precise
-from voronec.closed.bernstein import Bernstein, bernstein, rounded
-from voronec.closed.compiled_motion import ascending
-from voronec.closed.expressions import reading
+from voronec.closed.bernstein import Bernstein, bernstein, round_numbers
+from voronec.closed.compiled_motion import ascending_coefficients
+from voronec.closed.expressions import reading_of
 from voronec.closed.inverted_motion import InvertedMotion
 
 __all__ = ["RoundedConstants", "rounded_constants"]
@@ -75,7 +75,7 @@ class RoundedConstants:
             offset, slope = self._part(bits, self.form.problem.prepared.cosine_at + 2 * i, 2)
             return [1 + side * (offset + slope * x) for x in (constants.base, constants.other)]
 
-        low, high = rounded(self.form, at)
+        low, high = round_numbers(self.form, at)
         return max(low, 0.0), max(high, 0.0)
 
     @cached_property
@@ -95,7 +95,7 @@ class RoundedConstants:
                 place = self._part(bits, 5 + 2 * i, 1)[0]
                 return [constants.base - place, constants.other - place]
 
-            low, high = rounded(self.form, at)
+            low, high = round_numbers(self.form, at)
             found.append((low, high))
         return found
 
@@ -134,8 +134,8 @@ class RoundedConstants:
         """Polynomials in x that the velocities hold."""
         x = self.form.quadratures.x
         found = []
-        for e in reading(self.form.problem.prepared).polynomials:
-            exact = [self.form.exact(c) for c in ascending(e, x, int(sp.degree(e, x)))]
+        for e in reading_of(self.form.problem.prepared).polynomials:
+            exact = [self.form.exact(c) for c in ascending_coefficients(e, x, int(sp.degree(e, x)))]
             found.append(bernstein(self.form, partial(_at, exact)))
         return found
 

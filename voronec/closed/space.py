@@ -15,12 +15,12 @@ import sympy as sp
 
 from voronec.algebra.precision import FIRST, PROOF
 from voronec.algebra.symbols import velocity
-from voronec.closed.arithmetic import Function, ball, compiled, precise
+from voronec.closed.arithmetic import Function, ball, compile_expressions, precise
 from voronec.closed.problem import InversionProblem
 from voronec.declaration.quadratures import Space
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Attitude", "directed", "product", "times", "transposed", "turned_upright"]
+__all__ = ["Attitude", "product", "rotation_to", "times", "transpose", "turned_upright"]
 
 
 ACROSS = sp.ImmutableMatrix([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
@@ -90,9 +90,9 @@ class Attitude:
     def machines(self) -> tuple[Function, Function, Function]:
         """Compiled: inputs to frame and vector, entries to coordinates, turned coordinates to the
         frame."""
-        return self.problem.prepared.memo.once("frame in space", self._compiled)
+        return self.problem.prepared.memo.once("frame in space", self._compile)
 
-    def _compiled(self) -> tuple[Function, Function, Function]:
+    def _compile(self) -> tuple[Function, Function, Function]:
         frame, vector, own = self.space.frame, self.space.vector, self.coordinates
         foreign = frame.free_symbols - {*own}
         if foreign:
@@ -101,16 +101,16 @@ class Attitude:
                 f"coordinates in space {', '.join(map(str, own))}"
             )
         return (
-            compiled([*frame, *vector], self.problem.prepared.inputs),
-            compiled(self.space.coordinates.values(), tuple(self.space.entries)),
-            compiled(list(frame), own),
+            compile_expressions([*frame, *vector], self.problem.prepared.inputs),
+            compile_expressions(self.space.coordinates.values(), tuple(self.space.entries)),
+            compile_expressions(list(frame), own),
         )
 
     def start(self, bits: int) -> tuple[list[Any], list[Any]]:
         """Frame (9, row by row) and vector (3) at the start."""
         if ("start", bits) not in self._kept:
             with precise(bits):
-                self._kept["start", bits] = self.machines[0](self.problem.given(bits))
+                self._kept["start", bits] = self.machines[0](self.problem.start_balls(bits))
         row = self._kept["start", bits]
         return row[:9], row[9:]
 
@@ -125,7 +125,7 @@ class Attitude:
             frame, vector = self.start(bits)
             a, b, c = times(frame, vector)
             size = (a * a + b * b + c * c).sqrt()
-            return directed([a / size, b / size, c / size], self.upper)
+            return rotation_to([a / size, b / size, c / size], self.upper)
 
     @cached_property
     def upper(self) -> bool:
@@ -153,8 +153,8 @@ class Attitude:
 
     def _begin(self, bits: int) -> list[Any]:
         with precise(bits):
-            turned = product(transposed(self.turn(bits)), self.start(bits)[0])
-            if self.aligned:
+            turned = product(transpose(self.turn(bits)), self.start(bits)[0])
+            if self.is_aligned:
                 # the directions in which these entries leave zero
                 a, b, c = self.spin(bits)
                 skew = [ball(0), -c, b, c, ball(0), -a, -b, a, ball(0)]
@@ -164,12 +164,12 @@ class Attitude:
             return self.machines[1](turned)
 
     @cached_property
-    def aligned(self) -> bool:
+    def is_aligned(self) -> bool:
         """Whether the vector starts along the third direction of the frame: turned upright, the
         motion then starts at a pole, out of which it runs."""
         return all(self.problem.sign(e) == 0 for e in self.space.vector[:2])
 
-    def shifted(self, read: list[Any], bits: int) -> dict[Any, Any]:
+    def shift_to_branch(self, read: list[Any], bits: int) -> dict[Any, Any]:
         """Coordinates from those read off the frame: on the branch on which the motion starts.
 
         A colatitude that starts below 0 or above pi goes on there.
@@ -185,7 +185,9 @@ class Attitude:
         """(sign, half turns) of each coordinate: value = sign (value read off) + turns pi."""
         with precise(FIRST):
             read = self.machines[1](self.start(FIRST)[0])
-            given = dict(zip(self.problem.prepared.inputs, self.problem.given(FIRST), strict=True))
+            given = dict(
+                zip(self.problem.prepared.inputs, self.problem.start_balls(FIRST), strict=True)
+            )
             pi = ball(1).pi()
             found = []
             colatitudes = {t.colatitude for t in self.problem.prepared.motion.traces}
@@ -204,11 +206,11 @@ class Attitude:
             frame, coordinates = self.space.frame, self.problem.prepared.system.coordinates
             if "slopes" not in self._kept:
                 slopes = [sp.diff(e, q) for q in coordinates for e in frame]
-                self._kept["slopes"] = compiled(slopes, self.problem.prepared.inputs)
-            flat = self._kept["slopes"](self.problem.given(bits))
+                self._kept["slopes"] = compile_expressions(slopes, self.problem.prepared.inputs)
+            flat = self._kept["slopes"](self.problem.start_balls(bits))
             moved = [sum((flat[9 * k + i] * r for k, r in enumerate(rates)), ball(0))
                      for i in range(9)]  # fmt: skip
-            skew = product(transposed(self.start(bits)[0]), moved)
+            skew = product(transpose(self.start(bits)[0]), moved)
             return [skew[7], skew[2], skew[3]]
 
     def rates(self, bits: int) -> list[Any]:
@@ -228,9 +230,9 @@ class Attitude:
             still = dict.fromkeys(dots, sp.Integer(0))
             table = [sp.diff(e, d) for e in rows for d in dots]
             table += [-e.xreplace(still) for e in rows]
-            self._kept["rates"] = compiled(table, self.problem.prepared.inputs)
+            self._kept["rates"] = compile_expressions(table, self.problem.prepared.inputs)
         with precise(bits):
-            flat = self._kept["rates"](self.problem.given(bits))
+            flat = self._kept["rates"](self.problem.start_balls(bits))
             n = len(dots)
             left = arb_mat(n, n, flat[: n * n])
             return list(left.solve(arb_mat(n, 1, flat[n * n :])).entries())
@@ -251,12 +253,12 @@ def product(first: Sequence[Any], second: Sequence[Any]) -> list[Any]:
     ]
 
 
-def transposed(matrix: Sequence[Any]) -> list[Any]:
+def transpose(matrix: Sequence[Any]) -> list[Any]:
     """Row by row."""
     return [matrix[3 * j + i] for i in range(3) for j in range(3)]
 
 
-def directed(axis: Sequence[Any], upper: bool) -> list[Any]:
+def rotation_to(axis: Sequence[Any], upper: bool) -> list[Any]:
     """A rotation of the third axis to a unit vector: the smallest one, or, to one that points
     downwards, half a turn about the first axis and the smallest one from its lower end."""
     if upper:

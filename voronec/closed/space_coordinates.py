@@ -9,11 +9,11 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
-from voronec.closed.balls import enclosed
+from voronec.closed.balls import enclose_state
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.request import exact_instant
 from voronec.closed.rounded_constants import rounded_constants
-from voronec.closed.upright_view import wrapped
+from voronec.closed.upright_view import wrap_angle
 from voronec.closed.winding import winding_of
 
 __all__ = ["BLOCK", "read_circles", "read_frame"]
@@ -89,11 +89,11 @@ def _on_branches(
             row *= side
             row += turns * np.pi
     for place in np.flatnonzero(near):
-        exact = enclosed(form, exact_instant(float(grid[place])), DIGITS, whole)
+        exact = enclose_state(form, exact_instant(float(grid[place])), DIGITS, whole)
         for q, row in asked.items():
             row[place] = float(exact[plain_name(q)])
     if moved is None:
-        return {plain_name(q): wrapped(row) for q, row in asked.items()}
+        return {plain_name(q): wrap_angle(row) for q, row in asked.items()}
     return {plain_name(q): row for q, row in asked.items()}
 
 

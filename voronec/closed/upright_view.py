@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from voronec.algebra.symbols import plain_name
-from voronec.closed.bernstein import evaluated
-from voronec.closed.expressions import reading, velocities_in_doubles
+from voronec.closed.bernstein import evaluate_form
+from voronec.closed.expressions import reading_of, velocities_in_doubles
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.rounded_constants import rounded_constants
 
-__all__ = ["UprightView", "wrapped"]
+__all__ = ["UprightView", "wrap_angle"]
 
 TURN = 2 * np.pi
 
@@ -66,7 +66,7 @@ class UprightView:
                 if (side, turns) == (1, 0):
                     return np.asarray(plain)
                 moved = side * plain + turns * TURN
-                return np.asarray(moved) if self.whole else wrapped(moved)
+                return np.asarray(moved) if self.whole else wrap_angle(moved)
         return self.place[q]
 
     @cached_property
@@ -98,8 +98,8 @@ class UprightView:
             with np.errstate(all="ignore"):
                 values += [sine, offset + slope * x, -slope * self.at.rate / sine]
         values += rates[: len(form.quadratures.angles)]
-        values += [self.coordinate(q) for q in reading(own).coordinates]
-        values += [evaluated(p, *self._weights) for p in rounded_constants(form).polynomials]
+        values += [self.coordinate(q) for q in reading_of(own).coordinates]
+        values += [evaluate_form(p, *self._weights) for p in rounded_constants(form).polynomials]
         with np.errstate(all="ignore"):
             found = velocities_in_doubles(own)(*values)
         names = map(plain_name, form.system.velocities)
@@ -114,13 +114,13 @@ class UprightView:
         apart = [self.at.affine(*ends) for ends in rounded_constants(self.form).distances]
         found = []
         for numerator, used in rounded_constants(self.form).fractions:
-            rate = evaluated(numerator, *self._weights)
+            rate = evaluate_form(numerator, *self._weights)
             for i in used:
                 rate = rate / apart[i]
             found.append(rate)
         return found
 
 
-def wrapped(angle: np.ndarray) -> np.ndarray:
+def wrap_angle(angle: np.ndarray) -> np.ndarray:
     """In (-pi, pi]."""
     return np.asarray(angle - TURN * np.ceil(angle / TURN - 0.5))

@@ -32,7 +32,7 @@ from voronec.closed.passages import (
     tally,
 )
 from voronec.closed.space import times as rotated
-from voronec.closed.space import transposed
+from voronec.closed.space import transpose
 from voronec.elliptic.roots import Unresolved
 from voronec.errors import EngineLimit
 
@@ -161,7 +161,7 @@ class Winding:
 
     # -- what is counted -------------------------------------------------------------------
 
-    def gained(self, level: Passages, numbers: Sequence[int]) -> Turns:
+    def gain(self, level: Passages, numbers: Sequence[int]) -> Turns:
         """What phi gains in whole turns within the near cap, and within the far one, up to
         constants, when so many passages of each kind have been.
 
@@ -193,11 +193,11 @@ class Winding:
             Unresolved: more bits are needed.
         """
         if level is None:
-            longitude, third, spin = self._standing(ctx.prec)
+            longitude, third, spin = self._initial_attitude(ctx.prec)
             return longitude, self.parts.sense * third + spin * time
         pi, numbers = arb.pi(), level.numbers(time)
         near, far = level.inside(numbers)
-        first, last = self.gained(level, numbers)
+        first, last = self.gain(level, numbers)
         along, about = level.side * upright[0], self.parts.sense * upright[1]
         phase = along - level.longitude
         self._stays(level, phase / (2 * pi), time)
@@ -251,7 +251,7 @@ class Winding:
 
     def _start_values(self, bits: int) -> tuple[arb, ...]:
         problem = self.form.problem
-        values = dict(zip(problem.prepared.inputs, problem.given(bits), strict=True))
+        values = dict(zip(problem.prepared.inputs, problem.start_balls(bits), strict=True))
         return values[self.names[0]], values[self.names[1]]
 
     # -- in balls --------------------------------------------------------------------------
@@ -303,10 +303,10 @@ class Winding:
         Raises:
             EngineLimit: a pole of the coordinates is passed.
         """
-        level, counted = self.certain(lambda bits: self._tallied(times, bits))
+        level, counted = self.certain(lambda bits: self._tally(times, bits))
         if level is None or counted is None:
             with precise(FIRST):
-                longitude, third, spin = map(float, self._standing(FIRST))
+                longitude, third, spin = map(float, self._initial_attitude(FIRST))
             centres = [np.full(times.shape, longitude), third + self.parts.sense * spin * times]
         else:
             centres = self._centres(level, counted, times, moved)
@@ -320,7 +320,7 @@ class Winding:
                 whole *= np.pi
                 read[q][:] += whole
 
-    def _tallied(self, times: np.ndarray, bits: int) -> tuple[Passages | None, Tally | None]:
+    def _tally(self, times: np.ndarray, bits: int) -> tuple[Passages | None, Tally | None]:
         level = self.passages(bits)
         if level is None:
             return None, None
@@ -357,7 +357,7 @@ class Winding:
 
     # -- where no cap is entered -----------------------------------------------------------
 
-    def _standing(self, bits: int) -> tuple[arb, arb, arb]:
+    def _initial_attitude(self, bits: int) -> tuple[arb, arb, arb]:
         """Longitude and third angle at the start, and the spin of the frame about the normal of
         the contact, where that stays where it is."""
         own, problem = self.form.attitude, self.form.problem
@@ -365,7 +365,7 @@ class Winding:
         v, b = self._start_values(bits)
         c = problem.exact(self.parts.colatitude)(bits)
         normal = [c.sin() * v.cos(), c.sin() * v.sin(), c.cos()]
-        along = rotated(transposed(own.start(bits)[0]), normal)
+        along = rotated(transpose(own.start(bits)[0]), normal)
         return v, b, sum((w * e for w, e in zip(own.spin(bits), along, strict=True)), arb(0))
 
     def _stays(self, level: Passages, now: arb, time: arb) -> None:
@@ -373,12 +373,13 @@ class Winding:
         met = []
         for half in level.borders:
             ends = [
-                e.floor().unique_fmpz() for e in (self._begun(level, ctx.prec) + half, now + half)
+                e.floor().unique_fmpz()
+                for e in (self._phase_at_start(level, ctx.prec) + half, now + half)
             ]
             if None in ends:
                 raise Passed(time)
             if ends[0] != ends[1]:
-                met.append(self._met(level, half, float(time.mid())))
+                met.append(self._first_passage(level, half, float(time.mid())))
         if met:
             raise NoWholeTurns(self.names, min(met, key=abs))
 
@@ -387,23 +388,23 @@ class Winding:
         met = []
         for half in level.borders:
             with precise(FIRST):
-                begun = floor(self._begun(level, FIRST) + half)
+                begun = floor(self._phase_at_start(level, FIRST) + half)
             own = phases + float(half)
             past = np.flatnonzero(np.maximum(begun - own, own - begun - 1) > ROUGH)
             if past.size:
                 first = times[past[np.argmin(np.abs(times[past]))]]
-                met.append(self._met(level, half, float(first)))
+                met.append(self._first_passage(level, half, float(first)))
         if met:
             raise NoWholeTurns(self.names, min(met, key=abs))
 
-    def _begun(self, level: Passages, bits: int) -> arb:
+    def _phase_at_start(self, level: Passages, bits: int) -> arb:
         """phi at the start, in turns."""
         start = self.upright(level, None, bits)[0]
         return (level.side * start - level.longitude) / (2 * arb.pi())
 
-    def _met(self, level: Passages, half: arb, time: float) -> float:
+    def _first_passage(self, level: Passages, half: arb, time: float) -> float:
         """When the pole is first met on the way to a time that lies beyond, by halving."""
-        begun = float(self._begun(level, FIRST) + half)
+        begun = float(self._phase_at_start(level, FIRST) + half)
 
         def phase(t: float) -> float:
             if level.rate is not None:

@@ -33,6 +33,8 @@ class Arguments:
         reduction: how the times become phases.
         kept: memory of what is computed once.
         passing: memory of results and of what is needed on the way.
+        phases: where the phases themselves are given, whole half periods, the rest of time and 1
+            where the nearest turning point is at the other end, each of shape (times,).
     """
 
     doubles: Doubles
@@ -40,6 +42,7 @@ class Arguments:
     reduction: Reduction
     kept: Rows
     passing: Rows
+    phases: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
 
     def new(self) -> np.ndarray:
         """An array to be kept."""
@@ -50,8 +53,10 @@ class Arguments:
         return self.passing.new(self.times.size)
 
     @cached_property
-    def reduced(self) -> Arrays:
+    def phase_reduction(self) -> Arrays:
         """Whole half periods, and the rest of time from the nearest turning point."""
+        if self.phases is not None:
+            return self.phases[:2]
         number, rest = self.new(), self.new()
         mark = self.passing.mark()
         self.reduction.apply(self.times, number, rest, self.spare())
@@ -61,7 +66,9 @@ class Arguments:
     @cached_property
     def odd(self) -> np.ndarray:
         """1 where the nearest turning point is at the other end, 0 where at the base."""
-        count = self.reduced[0]
+        if self.phases is not None:
+            return self.phases[2]
+        count = self.phase_reduction[0]
         odd = np.multiply(count, 0.5, out=self.new())
         np.rint(odd, out=odd)
         odd *= -2.0
@@ -82,7 +89,7 @@ class Arguments:
 
     def z(self, side: int) -> np.ndarray:
         """z from the nearest turning point of a side, within half of a period."""
-        near = self.doubles.scale * self.reduced[1]
+        near = self.doubles.scale * self.phase_reduction[1]
         half = self.doubles.half
         if not np.isfinite(half):
             return near
@@ -130,7 +137,7 @@ class Arguments:
         sine, first, second = self.new(), self.new(), self.new()
         mark = self.passing.mark()
         square = self.spare()
-        np.multiply(self.reduced[1], self.doubles.scale, out=sine)
+        np.multiply(self.phase_reduction[1], self.doubles.scale, out=sine)
         np.sin(sine, out=sine)
         np.multiply(sine, sine, out=square)
         np.subtract(1.0, square, out=first)
@@ -177,7 +184,7 @@ class Arguments:
 
     def _hyperbolic(self) -> Arrays:
         doubles, weights = self.doubles, self.doubles.weights
-        across, fading = _tanh(self.reduced[1] * doubles.scale)
+        across, fading = _tanh(self.phase_reduction[1] * doubles.scale)
         across *= across
         variable = across
         if len(weights.sine) > 1 or len(weights.partner) > 1:
@@ -191,12 +198,12 @@ class Arguments:
         return near, np.where(odd, partner, sine)
 
     def _rational(self) -> Arrays:
-        far = self.reduced[1] * self.doubles.scale
+        far = self.phase_reduction[1] * self.doubles.scale
         far *= far
         return np.full_like(far, self.doubles.weights.mean), far
 
     def _exponential(self) -> Arrays:
-        z = self.reduced[1] * self.doubles.scale
+        z = self.phase_reduction[1] * self.doubles.scale
         fading, mean = np.exp(-2 * np.abs(z)), self.doubles.weights.mean
         return np.where(z > 0, mean * fading, mean), np.where(z > 0, 1.0, fading)
 

@@ -15,13 +15,13 @@ from voronec.elliptic.numbers import Integral, Numbers
 from voronec.elliptic.phases import Part, cubic_part, pole_part, polynomial_part
 from voronec.elliptic.roots import Ends, coefficients, interval, power
 
-__all__ = ["assembled", "at_rest", "degree", "described"]
+__all__ = ["assemble", "at_rest", "degree", "description"]
 
 ZERO = arb(0)
 Swings = tuple[tuple[arb, arb], ...]
 
 
-def assembled(numbers: Numbers) -> Constants:
+def assemble(numbers: Numbers) -> Constants:
     """The constants, as accurate as the numbers and the precision allow.
 
     Raises:
@@ -33,9 +33,9 @@ def assembled(numbers: Numbers) -> Constants:
         return at_rest(numbers, ends)
     if ends.lower.times > 1 and ends.upper.times > 1:
         shape = between_double_roots(numbers, ends)
-        constants = Constants(**shape, **described(numbers, ends))
+        constants = Constants(**shape, **description(numbers, ends))
     else:
-        constants = _inverted(numbers, ends)
+        constants = _invert(numbers, ends)
     starts = moment_of(constants, arb(0)).expressions
     return replace(constants, starts=starts)
 
@@ -56,14 +56,14 @@ def at_rest(numbers: Numbers, ends: Ends) -> Constants:
     return Constants(
         kind="rest", base=x, other=x, turn=ZERO, half=None, scale=arb(1), nome=ZERO,
         mean=arb(1), partner="one", phases=(), strains=(), swings=swings,
-        rates=tuple(rates), advances=None, starts=none, **described(numbers, ends),
+        rates=tuple(rates), advances=None, starts=none, **description(numbers, ends),
     )  # fmt: skip
 
 
-def _inverted(numbers: Numbers, ends: Ends) -> Constants:
+def _invert(numbers: Numbers, ends: Ends) -> Constants:
     lattice = lattice_of(numbers, ends)
     coefficient = coefficients(numbers)
-    numbers, swings = _reduced(numbers, coefficient)
+    numbers, swings = _lower_poles(numbers, coefficient)
     parts = [_polynomial(numbers, lattice, coefficient)]
     parts += [pole_part(numbers, lattice, place) for place in range(len(numbers.poles))]
     known = [part for part in parts if part is not None]
@@ -78,11 +78,11 @@ def _inverted(numbers: Numbers, ends: Ends) -> Constants:
         nome=lattice.sums.nome, mean=lattice.mean, partner=lattice.sums.partner,
         phases=phases, strains=strains, swings=swings, rates=tuple(rates),
         advances=_advances(rates, lattice.period, phases, strains),
-        starts=(), **described(numbers, ends),
+        starts=(), **description(numbers, ends),
     )  # fmt: skip
 
 
-def described(numbers: Numbers, ends: Ends) -> dict[str, Any]:
+def description(numbers: Numbers, ends: Ends) -> dict[str, Any]:
     """Roots and invariants, which describe f rather than the motion."""
     roots = tuple(acb(root.value) for root in ends.roots for _ in range(root.times))
     a4, a3, a2, a1, a0 = coefficients(numbers)
@@ -108,7 +108,7 @@ def _polynomial(numbers: Numbers, lattice: Lattice, coefficient: list[arb]) -> P
     return None
 
 
-def _reduced(numbers: Numbers, f: list[arb]) -> tuple[Numbers, Swings]:
+def _lower_poles(numbers: Numbers, f: list[arb]) -> tuple[Numbers, Swings]:
     """The integrals less ``(p + q x) dx/dt``, so that infinity is a pole of low order.
 
     From ``d(dx/dt)/dt = f'/2`` and ``d(x dx/dt)/dt = f + x f'/2``.

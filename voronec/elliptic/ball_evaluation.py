@@ -9,7 +9,7 @@ from flint import acb, arb
 from voronec.elliptic.constants import Constants, Phase, Strain
 from voronec.elliptic.sums import Sums, phase
 
-__all__ = ["Moment", "moment_of", "nearest", "reduced", "strain_gain"]
+__all__ = ["Moment", "moment_of", "nearest", "reduce_time", "strain_gain"]
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def moment_of(constants: Constants, t: arb) -> Moment:
         values = tuple(rate * t for rate in constants.rates)
         return Moment(constants.base, arb(0), arb(1), arb(0), values)
     sums = Sums(constants.kind, constants.nome, constants.partner)
-    z, _ = reduced(constants, t, 0)
+    z, _ = reduce_time(constants, t, 0)
     s, c = sums.s(z), sums.c(z)
     near, far = constants.mean * c * c, s * s
     whole = near + far
@@ -53,7 +53,7 @@ def moment_of(constants: Constants, t: arb) -> Moment:
     return Moment(x, rate, near / whole, far / whole, _expressions(constants, sums, t, x, rate))
 
 
-def reduced(constants: Constants, t: arb, side: int) -> tuple[arb, int]:
+def reduce_time(constants: Constants, t: arb, side: int) -> tuple[arb, int]:
     """z counted from the nearest turning point of that side, and the whole periods before."""
     time = t - constants.turn
     if constants.half is None:
@@ -72,10 +72,10 @@ def _expressions(constants: Constants, sums: Sums, t: arb, x: arb, rate: arb) ->
     time = t - constants.turn
     values = [each * time for each in constants.rates]
     for one in constants.phases:
-        turned = _turned(constants, sums, one, t)
+        turned = _growth(constants, sums, one, t)
         values = [value + share * turned for value, share in zip(values, one.shares, strict=True)]
     for strain in constants.strains:
-        added = _strained(constants, sums, strain, t)
+        added = _strain_parts(constants, sums, strain, t)
         values = [value + more for value, more in zip(values, added, strict=True)]
     for place, (p, q) in enumerate(constants.swings):
         if not (p.is_zero() and q.is_zero()):
@@ -83,14 +83,14 @@ def _expressions(constants: Constants, sums: Sums, t: arb, x: arb, rate: arb) ->
     return tuple(values)
 
 
-def _turned(constants: Constants, sums: Sums, one: Phase, t: arb) -> arb:
-    z, count = reduced(constants, t, one.side)
+def _growth(constants: Constants, sums: Sums, one: Phase, t: arb) -> arb:
+    z, count = reduce_time(constants, t, one.side)
     angle = phase(sums, z, one.alpha, one.sign)
     return angle if one.gain is None else angle + count * one.gain
 
 
-def _strained(constants: Constants, sums: Sums, strain: Strain, t: arb) -> list[arb]:
-    z, count = reduced(constants, t, strain.side)
+def _strain_parts(constants: Constants, sums: Sums, strain: Strain, t: arb) -> list[arb]:
+    z, count = reduce_time(constants, t, strain.side)
     a = strain.place
     images: tuple[acb, ...] = (z - a, z + a)
     if constants.kind == "exponential":

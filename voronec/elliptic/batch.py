@@ -14,7 +14,7 @@ from voronec.elliptic.doubles import BITS, Course, Doubles
 from voronec.elliptic.reduction import two_product
 from voronec.elliptic.theta_polynomials import Angle, horner
 
-__all__ = ["Stretch", "angle_into", "strained"]
+__all__ = ["Stretch", "angle_into", "strain_part"]
 
 
 FAR = 40.0
@@ -39,13 +39,13 @@ def angle_into(
     np.arctan(out, out=out)
 
 
-def strained(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.ndarray:
+def strain_part(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.ndarray:
     """The periodic part that a strain adds to an integral, at z counted from its side."""
     with np.errstate(all="ignore"):
-        return _strained(doubles, place, number, z)
+        return _strain_part(doubles, place, number, z)
 
 
-def _strained(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.ndarray:
+def _strain_part(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.ndarray:
     constants, strain = doubles.constants, doubles.constants.strains[place]
     log, zeta = complex(strain.logs[number]), complex(strain.zetas[number])
     whole, angle = complex(strain.place), doubles.drawn[place]
@@ -110,7 +110,11 @@ def _wave(doubles: Doubles) -> int:
 def _size(doubles: Doubles, z: np.ndarray, count: np.ndarray, alpha: float) -> np.ndarray:
     """``log abs(s(z + i alpha + count period))``; less ``abs(z)`` if that goes on for ever."""
     if doubles.constants.kind in ("hyperbolic", "exponential"):
-        value = np.abs(z) - math.log(2) + np.log(np.abs(1 + _rising(doubles, z + 1j * alpha)))
+        value = (
+            np.abs(z)
+            - math.log(2)
+            + np.log(np.abs(1 + _second_term_ratio(doubles, z + 1j * alpha)))
+        )
         near = np.abs(z) < FAR
         value[near] = np.log(np.abs(_sums(doubles, z[near] + 1j * alpha)[0]))
         wave = _wave(doubles)
@@ -125,7 +129,7 @@ def _size(doubles: Doubles, z: np.ndarray, count: np.ndarray, alpha: float) -> n
 def _zeta(doubles: Doubles, z: np.ndarray) -> np.ndarray:
     """``s'/s`` at complex z."""
     if doubles.constants.kind in ("hyperbolic", "exponential"):
-        rising = _rising(doubles, z)
+        rising = _second_term_ratio(doubles, z)
         value = np.sign(z.real) * (1 + 2 * rising / (1 + rising))
         near = np.abs(z.real) < FAR
         sums = _sums(doubles, z[near])
@@ -135,7 +139,7 @@ def _zeta(doubles: Doubles, z: np.ndarray) -> np.ndarray:
     return slope / value
 
 
-def _rising(doubles: Doubles, z: np.ndarray) -> np.ndarray:
+def _second_term_ratio(doubles: Doubles, z: np.ndarray) -> np.ndarray:
     """What the second term of s is of the first, far from z = 0 (of -z where z < 0)."""
     if doubles.constants.partner != "theta2":
         return np.zeros_like(z)
@@ -222,14 +226,14 @@ class Stretch:
         for ratio in doubles.ratios:
             share = near + ratio.real * far
             square *= share**2 + (ratio.imag * far) ** 2 if ratio.imag else np.abs(share)
-        speed = np.copysign(np.sqrt(square), self.arguments.reduced[1])
+        speed = np.copysign(np.sqrt(square), self.arguments.phase_reduction[1])
         speed *= math.copysign(1.0, doubles.span) * (1 - 2 * self.arguments.odd)
         return speed
 
     def integral(self, number: int, start: float = 0.0) -> np.ndarray:
         """An integral along the motion, ``start`` at t = 0 and continuous."""
         course = self.courses[number]
-        count, rest = self.arguments.reduced
+        count, rest = self.arguments.phase_reduction
         periodic = self._periodic(number)
         value = np.multiply(rest, course.slope, out=self.arguments.spare())
         mark = self.arguments.passing.mark()
@@ -250,7 +254,7 @@ class Stretch:
         value = self.arguments.spare()
         mark = self.arguments.passing.mark()
         spare = self.arguments.spare()
-        self._turned(self.courses[number], value, spare)
+        self._turns(self.courses[number], value, spare)
         _add(value, periodic, 1 / TURN, spare)
         value += start / TURN - self.origins[number][1]
         np.subtract(value, 0.5, out=spare)
@@ -259,9 +263,9 @@ class Stretch:
         self.arguments.passing.free(mark)
         return value
 
-    def _turned(self, course: Course, value: np.ndarray, spare: np.ndarray) -> None:
+    def _turns(self, course: Course, value: np.ndarray, spare: np.ndarray) -> None:
         """The steady part of an integral in turns, less whole ones."""
-        count, rest = self.arguments.reduced
+        count, rest = self.arguments.phase_reduction
         high, low = course.spin
         other = self.arguments.spare()
         if course.exact:
@@ -287,7 +291,7 @@ class Stretch:
             found.append((1.0, np.matmul(ripple, powers, out=self.arguments.spare())))
         for place in doubles.strains[number]:
             z = self.arguments.z(doubles.constants.strains[place].side)
-            found.append((1.0, strained(doubles, place, number, z)))
+            found.append((1.0, strain_part(doubles, place, number, z)))
         p, q = doubles.swings[number]
         if p or q:
             found.append((1.0, (p + q * self.x) * self.rate))

@@ -132,15 +132,15 @@ def doubles_of(solution: Any) -> Doubles:
         return _known[solution]
     except KeyError:
         pass
-    found = prepared(solution.constants(BITS))
+    found = prepare_doubles(solution.constants(BITS))
     _known[solution] = found
     return found
 
 
-def prepared(constants: Constants) -> Doubles:
+def prepare_doubles(constants: Constants) -> Doubles:
     """The doubles of constants with at least ``BITS`` bits."""
     with ctx.workprec(BITS + 64):
-        constants, odd = _recounted(constants)
+        constants, odd = _recount(constants)
         period = period_of(constants)
         drawn: list[Angle | None] = []
         for strain in constants.strains:
@@ -167,7 +167,7 @@ def prepared(constants: Constants) -> Doubles:
         )  # fmt: skip
 
 
-def _recounted(constants: Constants) -> tuple[Constants, bool]:
+def _recount(constants: Constants) -> tuple[Constants, bool]:
     """The constants with the turning point nearest to t = 0, of either end, as ``turn``."""
     if constants.half is None:
         return constants, False

@@ -11,7 +11,7 @@ from flint import acb, arb
 
 from voronec.elliptic.constants import Strain
 from voronec.elliptic.numbers import Numbers
-from voronec.elliptic.roots import Ends, Unresolved, coefficients, shown
+from voronec.elliptic.roots import Ends, Unresolved, coefficients, show_ball
 from voronec.errors import DefinitionError
 
 __all__ = ["between_double_roots"]
@@ -40,7 +40,8 @@ def between_double_roots(numbers: Numbers, ends: Ends) -> dict[str, Any]:
         if pole.weight is not None:
             if not pole.weight.is_zero():
                 raise DefinitionError(
-                    f"f is positive at the pole {shown(pole.place)}, which therefore has no weight"
+                    f"f is positive at the pole {show_ball(pole.place)}, "
+                    "which therefore has no weight"
                 )
             continue
         strain, left = _pole(list(map(acb, shares)), pole.place, base, other, scale)

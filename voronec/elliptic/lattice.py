@@ -110,7 +110,7 @@ def lattice_of(numbers: Numbers, ends: Ends) -> Lattice:
         scale = _positive(es[0] - es[2]).sqrt()
         sums, period, vertical = Sums("trigonometric", arb(0), "theta2"), arb.pi() / scale, None
     else:
-        sums, period, vertical, scale = _represented(es)
+        sums, period, vertical, scale = _representation(es)
     first = scale * sums.slope(arb(0)) / sums.c(arb(0))
     mean = first * first * (two.value - base.x) / base.slope
     rhombic = isinstance(es[1], acb)
@@ -126,7 +126,7 @@ def turn_of(numbers: Numbers, ends: Ends, lattice: Lattice) -> arb:
     if ends.start is not None:
         return arb(0)
     base = lattice.base
-    cofactor = _deflated(coefficients(numbers), base.x)
+    cofactor = _deflate(coefficients(numbers), base.x)
     distance = numbers.rate * numbers.rate / cofactor(numbers.place)
     time = time_from(lattice, distance)
     outwards = numbers.rate if distance > 0 else -numbers.rate
@@ -150,7 +150,7 @@ def carlson(x: arb | acb, y: arb | acb, z: arb | acb) -> arb:
     return acb(x).elliptic_rf(acb(x), acb(y), acb(z)).real
 
 
-def _represented(es: tuple[arb | acb, ...]) -> tuple[Sums, arb, arb, arb]:
+def _representation(es: tuple[arb | acb, ...]) -> tuple[Sums, arb, arb, arb]:
     """Sums, period, vertical period and scale, in the representation with the smaller nome."""
     e1, e2, e3 = es
     rhombic = isinstance(e2, acb)
@@ -194,7 +194,7 @@ def _place(coefficient: list[arb], x: arb) -> Place:
     return Place(x, first(x) / 4, first.derivative()(x) / 24)
 
 
-def _deflated(coefficient: list[arb], x: arb) -> arb_poly:
+def _deflate(coefficient: list[arb], x: arb) -> arb_poly:
     """The quotient of the polynomial by the factor of its root ``x``."""
     quotient: list[arb] = []
     carry = arb(0)

@@ -17,7 +17,7 @@ from voronec.elliptic.reduction import Reduction
 from voronec.elliptic.workspace import PIECE, Rows, matrix
 from voronec.errors import DefinitionError
 
-__all__ = ["Sample", "sampled"]
+__all__ = ["Sample", "sample_at"]
 
 BLOCK = 8192
 """Times in a stretch."""
@@ -60,19 +60,19 @@ class Sample:
     @property
     def x(self) -> np.ndarray:
         """The variable."""
-        return self._joined(lambda at: at.x)
+        return self._join(lambda at: at.x)
 
     @property
     def rate(self) -> np.ndarray:
         """dx/dt, accurate relative to its size near the turning points."""
-        return self._joined(lambda at: at.rate)
+        return self._join(lambda at: at.rate)
 
     def affine(self, at_base: float, at_other: float) -> np.ndarray:
         """An affine function of x from its values at the ends.
 
         Where those have one sign it is accurate to the last bits, however small.
         """
-        return self._joined(lambda at: at.affine(at_base, at_other))
+        return self._join(lambda at: at.affine(at_base, at_other))
 
     def colatitude(self, south: tuple[float, float], north: tuple[float, float]) -> np.ndarray:
         """The angle in [0, pi] whose cosine l is affine in x, accurate near both poles.
@@ -80,15 +80,15 @@ class Sample:
         South and north are the values of ``1 - l`` and ``1 + l`` at base and other, which must
         not be negative: the angle is ``2 atan sqrt((1 - l)/(1 + l))``.
         """
-        return self._joined(lambda at: at.colatitude(south, north))
+        return self._join(lambda at: at.colatitude(south, north))
 
     def integral(self, number: int, start: float = 0.0) -> np.ndarray:
         """An integral along the motion: ``start`` at t = 0, continuous, with all its turns."""
-        return self._joined(lambda at: at.integral(number, start))
+        return self._join(lambda at: at.integral(number, start))
 
     def modulo(self, number: int, start: float = 0.0) -> np.ndarray:
         """The same as an angle in (-pi, pi], as accurate late as early."""
-        return self._joined(lambda at: at.modulo(number, start))
+        return self._join(lambda at: at.modulo(number, start))
 
     def each(self, work: Callable[[Stretch], Sequence[np.ndarray]]) -> tuple[np.ndarray, ...]:
         """Several results at once: what ``work`` makes of a stretch, for all times.
@@ -109,9 +109,9 @@ class Sample:
             passing.free()
         return () if whole is None else tuple(row.reshape(self.shape) for row in whole)
 
-    def _joined(self, work: Callable[[Stretch], np.ndarray]) -> np.ndarray:
+    def _join(self, work: Callable[[Stretch], np.ndarray]) -> np.ndarray:
         whole = self._results.new(self.times.size)
-        passing, stretches = self._kept
+        passing, stretches = self._stretches
         for part, stretch in stretches:
             whole[part] = _quietly(work, stretch)
             passing.free()
@@ -124,7 +124,7 @@ class Sample:
         return Rows(max(1, PIECE // size) if size > 4 * BLOCK else 1, size)
 
     @cached_property
-    def _kept(self) -> tuple[Rows, list[tuple[slice, Stretch]]]:
+    def _stretches(self) -> tuple[Rows, list[tuple[slice, Stretch]]]:
         size = min(BLOCK, self.times.size)
         many = max(ROWS, PIECE // BLOCK) if self.times.size > 4 * BLOCK else ROWS
         kept, passing = Rows(many, size), Rows(ROWS, size)
@@ -138,7 +138,7 @@ class Sample:
             yield part, self.times[part]
 
 
-def sampled(solution: Any, times: Any) -> Sample:
+def sample_at(solution: Any, times: Any) -> Sample:
     """The sample of a solution at times (see ``Sample.of``)."""
     return Sample.of(solution, times)
 

@@ -106,7 +106,7 @@ class Panels:
             values = values.reshape(-1, *rest.shape)
             if width == WIDEST:
                 largest = np.abs(values).max(axis=(1, 2))
-            good, coefficients = _fitted(values, np.array(sizes), largest)
+            good, coefficients = _fit(values, np.array(sizes), largest)
             for i in np.flatnonzero(good):
                 places[todo[i] : todo[i] + width] = len(found)
                 found.append((middles[i], radius, coefficients[i]))
@@ -140,7 +140,7 @@ class Panels:
         rest, places = np.empty(times.size), np.empty(times.size, np.int16)
         for first in range(0, times.size, BLOCK):
             part = slice(first, first + BLOCK)
-            places[part] = self._placed(times[part], reduction, number[part], rest[part])
+            places[part] = self._panel_of(times[part], reduction, number[part], rest[part])
         order = np.argsort(places, kind="stable")
         rest, end = rest.take(order), 0
         for place, size in enumerate(np.bincount(places).tolist()):
@@ -153,7 +153,7 @@ class Panels:
         for source, row in zip(spare, rows, strict=True):
             np.take(source, back, out=row, mode="clip")
 
-    def _placed(
+    def _panel_of(
         self, times: np.ndarray, reduction: Reduction, number: np.ndarray, rest: np.ndarray
     ) -> np.ndarray:
         """The panel of each time, from which its phase is counted."""
@@ -183,7 +183,7 @@ class Panels:
         np.matmul(self.coefficients[place], powers, out=out)
 
 
-def _fitted(
+def _fit(
     values: np.ndarray, sizes: np.ndarray, largest: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Which panels are good, and the coefficients of each, from values at ``POINTS``."""
@@ -206,8 +206,11 @@ def _phases(model: Stretch, work: Work, rest: np.ndarray, late: np.ndarray) -> n
     size = rest.size
     odd = np.asarray(late != model.doubles.odd, dtype=float)
     arguments = replace(
-        model.arguments, times=rest, kept=Rows(BLOCK // 128, size), passing=Rows(BLOCK // 128, size)
+        model.arguments,
+        times=rest,
+        kept=Rows(BLOCK // 128, size),
+        passing=Rows(BLOCK // 128, size),
+        phases=(np.zeros(size), rest, odd),
     )
-    arguments.__dict__.update(reduced=(np.zeros(size), rest), odd=odd)
     with np.errstate(all="ignore"):
         return np.array(work(replace(model, arguments=arguments)))

@@ -14,7 +14,7 @@ from flint import acb, arb
 from voronec.elliptic.constants import Phase, Strain
 from voronec.elliptic.lattice import ALMOST, Lattice, Place, carlson
 from voronec.elliptic.numbers import Numbers, Pole
-from voronec.elliptic.roots import Unresolved, power, shown, value_at
+from voronec.elliptic.roots import Unresolved, power, show_ball, value_at
 from voronec.errors import DefinitionError
 
 __all__ = [
@@ -62,7 +62,7 @@ def spot_of(lattice: Lattice, x: arb | acb | None) -> Spot:
     e1, e2, e3 = lattice.es
     p = lattice.base.wp(x)
     if p > e1:
-        raise DefinitionError(f"x passes the pole {shown(x)}, where the integral is infinite")
+        raise DefinitionError(f"x passes the pole {show_ball(x)}, where the integral is infinite")
     if lattice.rhombic:
         if not p < e1:
             raise Unresolved(f"the pole {_name(x)} may be an end of the motion")
@@ -136,7 +136,7 @@ def _nearest(value: arb) -> int:
 
 
 def _name(x: arb | None) -> str:
-    return "at infinity" if x is None else shown(x)
+    return "at infinity" if x is None else show_ball(x)
 
 
 @dataclass(frozen=True)
@@ -169,26 +169,26 @@ def _part_of(
     numbers: Numbers, lattice: Lattice, pole: Pole, shares: tuple[Any, ...]
 ) -> Part | None:
     if pole.weight is not None:
-        return _weighted(numbers, lattice, pole, pole.weight, shares)
+        return _phase_part(numbers, lattice, pole, pole.weight, shares)
     spot = spot_of(lattice, pole.place)
     value = value_at(numbers, pole.place)
     if isinstance(pole.place, acb):
-        return _strained(lattice, spot, list(map(acb, shares)), pole.place, spot.velocity)
+        return _strain_part(lattice, spot, list(map(acb, shares)), pole.place, spot.velocity)
     shares = tuple(share.real if isinstance(share, acb) else share for share in shares)
     if spot.imaginary:
         weight = _positive(-value, pole).sqrt() / 2
         return _angle(lattice, spot, pole.place, weight, tuple(share / weight for share in shares))
     velocity = spot.sign * _positive(value, pole).sqrt()
-    return _strained(lattice, spot, [acb(share) for share in shares], pole.place, acb(velocity))
+    return _strain_part(lattice, spot, [acb(share) for share in shares], pole.place, acb(velocity))
 
 
-def _weighted(
+def _phase_part(
     numbers: Numbers, lattice: Lattice, pole: Pole, weight: arb, shares: tuple[Any, ...]
 ) -> Part | None:
     if not value_at(numbers, pole.place).overlaps(-4 * weight * weight):
         raise DefinitionError(
-            f"f = {shown(value_at(numbers, pole.place))} at the pole {shown(pole.place)}, "
-            f"but its weight {shown(weight)} says -4 w^2 = {shown(-4 * weight * weight)}"
+            f"f = {show_ball(value_at(numbers, pole.place))} at the pole {show_ball(pole.place)}, "
+            f"but its weight {show_ball(weight)} says -4 w^2 = {show_ball(-4 * weight * weight)}"
         )
     if not weight.is_zero():
         return _angle(lattice, spot_of(lattice, pole.place), pole.place, weight, shares)
@@ -208,12 +208,12 @@ def _angle(lattice: Lattice, spot: Spot, place: arb, weight: arb, shares: tuple[
     """The part of ``weight/(x - place)`` with ``f(place) = -4 weight^2``."""
     if not spot.imaginary:
         raise DefinitionError(
-            f"f is positive at the pole {shown(place)}, which therefore has no weight"
+            f"f is positive at the pole {show_ball(place)}, which therefore has no weight"
         )
     end = lattice.side(spot.side)
     lean = weight * end.slope
     if not (lean > 0 or lean < 0):
-        raise Unresolved(f"the weight {weight.str(5)} of the pole {shown(place)} may be 0")
+        raise Unresolved(f"the weight {weight.str(5)} of the pole {show_ball(place)} may be 0")
     sign = 1 if lean > 0 else -1
     alpha = sign * spot.place.imag
     zeta = lattice.sums.zeta(acb(0, alpha)).imag
@@ -222,7 +222,7 @@ def _angle(lattice: Lattice, spot: Spot, place: arb, weight: arb, shares: tuple[
     return Part((phase,), (), tuple(share * rate for share in shares))
 
 
-def _strained(
+def _strain_part(
     lattice: Lattice, spot: Spot, shares: list[acb], place: arb | acb, velocity: acb
 ) -> Part:
     """The part of ``Re share/(x - place)``, x having that velocity where it is ``place``."""
@@ -312,5 +312,5 @@ def _nothing(share: Any) -> bool:
 
 def _positive(value: arb, pole: Pole) -> arb:
     if not value > 0:
-        raise Unresolved(f"the pole {shown(pole.place)} may be a root of f")
+        raise Unresolved(f"the pole {show_ball(pole.place)} may be a root of f")
     return value

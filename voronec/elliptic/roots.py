@@ -22,9 +22,9 @@ __all__ = [
     "interval",
     "isolations",
     "power",
-    "refined",
-    "resolved",
-    "shown",
+    "refine_root",
+    "resolve",
+    "show_ball",
     "value_at",
 ]
 
@@ -44,12 +44,12 @@ def isolations(polynomial: acb_poly) -> Iterator[list[acb]]:
         except ValueError:
             break
     # Flint gives up after some steps, of which roots 1e-100 apart take more.
-    balls = _discs(polynomial, _approached(polynomial))
+    balls = _discs(polynomial, _approximate_roots(polynomial))
     if balls is not None:
         yield balls
 
 
-def _approached(polynomial: acb_poly) -> list[acb]:
+def _approximate_roots(polynomial: acb_poly) -> list[acb]:
     """Points near the roots, by the method of Aberth and Ehrlich.
 
     Points near a multiple root halve their distance in each step; two roots that the precision
@@ -162,10 +162,10 @@ def ends_of(source: Source, bits: int = FIRST_BITS) -> Ends:
         DefinitionError: there is no real motion, or x is not between two roots.
         EngineLimit: two roots could not be told apart.
     """
-    return resolved(lambda working: interval(source(working)), bits)
+    return resolve(lambda working: interval(source(working)), bits)
 
 
-def resolved(work: Callable[[int], Value], bits: int) -> Value:
+def resolve(work: Callable[[int], Value], bits: int) -> Value:
     """The result of ``work`` at the first of ``bits``, twice as many, ... at which it decides.
 
     Raises:
@@ -248,12 +248,12 @@ def interval(numbers: Numbers) -> Ends:
             return Ends(start, start, roots, start, True)
         if numbers.rest:
             raise DefinitionError(
-                f"x does not rest at {shown(numbers.place)}: that root of f is simple"
+                f"x does not rest at {show_ball(numbers.place)}: that root of f is simple"
             )
         place = real.index(start)
         rises = arb_poly(coefficient).derivative()(start.value)
         if not (rises > 0 or rises < 0):
-            raise Unresolved(f"a root near x = {shown(start.value)} may be double")
+            raise Unresolved(f"a root near x = {show_ball(start.value)} may be double")
         lower, upper = (place, place + 1) if rises > 0 else (place - 1, place)
     else:
         start = None
@@ -262,7 +262,7 @@ def interval(numbers: Numbers) -> Ends:
     if lower < 0 or upper >= len(real):
         side = "below" if lower < 0 else "above"
         raise DefinitionError(
-            f"x is not bounded: f has no root {side} x = {shown(numbers.place)}; "
+            f"x is not bounded: f has no root {side} x = {show_ball(numbers.place)}; "
             "choose a variable that moves between two roots"
         )
     return Ends(real[lower], real[upper], roots, start, False)
@@ -276,7 +276,7 @@ def power(value: arb | acb, exponent: int) -> arb | acb:
     return result
 
 
-def shown(value: arb) -> str:
+def show_ball(value: arb) -> str:
     """A ball as a short number."""
     return str(value.str(6, radius=False))
 
@@ -286,16 +286,16 @@ def _below(root: Root, place: arb) -> bool:
         return True
     if root.value > place:
         return False
-    raise Unresolved(f"x = {shown(place)} may be a root of f, with a rate that may be 0")
+    raise Unresolved(f"x = {show_ball(place)} may be a root of f, with a rate that may be 0")
 
 
 def _start(numbers: Numbers, real: tuple[Root, ...]) -> Root:
     near = [root for root in real if root.value.overlaps(numbers.place)]
     if len(near) > 1:
-        raise Unresolved(f"two roots of f are near x = {shown(numbers.place)}")
+        raise Unresolved(f"two roots of f are near x = {show_ball(numbers.place)}")
     if not near:
         raise DefinitionError(
-            f"the rate is 0 where f is not: x = {shown(numbers.place)} is no root of f"
+            f"the rate is 0 where f is not: x = {show_ball(numbers.place)} is no root of f"
         )
     return near[0]
 
@@ -305,12 +305,12 @@ def _contradiction(numbers: Numbers) -> None:
     square = numbers.rate * numbers.rate
     if value < 0:
         raise DefinitionError(
-            f"no real motion: (dx/dt)^2 = {shown(value)} < 0 at x = {shown(numbers.place)}"
+            f"no real motion: (dx/dt)^2 = {show_ball(value)} < 0 at x = {show_ball(numbers.place)}"
         )
     if not value.overlaps(square):
         raise DefinitionError(
-            f"the start contradicts itself: (dx/dt)^2 = {shown(square)} by the rate, "
-            f"{shown(value)} by f at x = {shown(numbers.place)}"
+            f"the start contradicts itself: (dx/dt)^2 = {show_ball(square)} by the rate, "
+            f"{show_ball(value)} by f at x = {show_ball(numbers.place)}"
         )
 
 
@@ -334,15 +334,15 @@ def _sharp(
     """One root from the isolating balls of all, real where it is."""
     ball = balls[place]
     if not ball.imag.contains(0):
-        return refined(polynomial, ball)
+        return refine_root(polynomial, ball)
     others = (other for at, other in enumerate(balls) if at != place)
     if any(ball.conjugate().overlaps(other) for other in others):
         raise Unresolved("two roots of f may be equal or complex")
     # Its conjugate is a root in the mirrored ball, hence itself: it is real.
-    return refined(arb_poly(list(factor)), ball.real)
+    return refine_root(arb_poly(list(factor)), ball.real)
 
 
-def refined(polynomial: arb_poly | acb_poly, ball: arb | acb) -> arb | acb:
+def refine_root(polynomial: arb_poly | acb_poly, ball: arb | acb) -> arb | acb:
     """The root in an isolating ball, by the interval method of Newton."""
     derivative = polynomial.derivative()
     for _ in range(60):

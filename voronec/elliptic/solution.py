@@ -9,12 +9,12 @@ from typing import Any
 
 from flint import acb, arb, ctx, fmpq
 
-from voronec.elliptic.assembly import assembled
+from voronec.elliptic.assembly import assemble
 from voronec.elliptic.ball_evaluation import Moment, moment_of
 from voronec.elliptic.constants import Constants
 from voronec.elliptic.lattice import lattice_of, time_from
 from voronec.elliptic.numbers import Numbers, Source
-from voronec.elliptic.roots import Unresolved, ends_of, interval, resolved
+from voronec.elliptic.roots import Unresolved, ends_of, interval, resolve
 from voronec.errors import EngineLimit
 
 __all__ = ["Enclosed", "Solution", "accurate", "exact_time", "invert"]
@@ -74,12 +74,12 @@ class Solution:
                 return self._known[known]
 
         def work(working: int) -> Constants:
-            constants = assembled(self.source(working))
+            constants = assemble(self.source(working))
             if not accurate(constants, bits):
                 raise Unresolved("the constants are not accurate enough")
             return constants
 
-        self._known[bits] = resolved(work, bits + GUARD)
+        self._known[bits] = resolve(work, bits + GUARD)
         return self._known[bits]
 
     def enclose(self, t: Any, digits: int = 50) -> Enclosed:
@@ -96,7 +96,7 @@ class Solution:
 
         def work(working: int) -> Enclosed:
             constants = self.constants(working)
-            found = _enclosed(constants, moment_of(constants, exact_time(t)))
+            found = _enclose(constants, moment_of(constants, exact_time(t)))
             if all(value.rad() < bound for value in (found.x, found.rate, *found.integrals)):
                 return found
             if isinstance(t, arb) and not t.is_exact() and working > 4 * bits:
@@ -104,7 +104,7 @@ class Solution:
             raise Unresolved(f"no {digits} digits at t = {t}")
 
         bits = int(digits * 3.33) + GUARD
-        return resolved(work, bits)
+        return resolve(work, bits)
 
     def delay(self, place: arb, bits: int) -> arb:
         """The time from ``constants(bits).turn`` until x is at a place between the two ends.
@@ -121,9 +121,9 @@ class Solution:
 
     def sample(self, times: Any) -> Any:
         """The motion at many times in doubles, a ``Sample``."""
-        from voronec.elliptic.many_times import sampled  # numpy is of no use to the rest
+        from voronec.elliptic.many_times import sample_at  # numpy is of no use to the rest
 
-        return sampled(self, times)
+        return sample_at(self, times)
 
     @property
     def period(self) -> float:
@@ -207,7 +207,7 @@ def _numbers(source: Source, bits: int) -> Numbers:
         ctx.prec = before
 
 
-def _enclosed(constants: Constants, moment: Moment) -> Enclosed:
+def _enclose(constants: Constants, moment: Moment) -> Enclosed:
     integrals = tuple(
         value - start for value, start in zip(moment.expressions, constants.starts, strict=True)
     )

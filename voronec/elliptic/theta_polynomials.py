@@ -117,7 +117,10 @@ def weights_of(constants: Constants) -> Weights:
     if constants.kind == "hyperbolic" and constants.half is not None:
         reach = _square(constants.half * constants.scale / 2)
     return Weights(
-        float(mean.mid()), float(swapped.mid()), _rounded(sine, reach), _rounded(partner, reach)
+        float(mean.mid()),
+        float(swapped.mid()),
+        _round_coefficients(sine, reach),
+        _round_coefficients(partner, reach),
     )
 
 
@@ -138,7 +141,7 @@ def angle_of(constants: Constants, phase: Phase | Strain, alpha: arb, sign: int)
     reach = 1.0
     if constants.half is not None:
         reach = _square(constants.half * constants.scale)
-    above, below = _kept(above, least, reach), _kept(below, least, reach)
+    above, below = _significant(above, least, reach), _significant(below, least, reach)
     lead = above[-1]
     return Angle(
         phase.side,
@@ -265,7 +268,7 @@ def _total(
     return total
 
 
-def _kept(polynomial: arb_poly, size: arb, reach: float) -> list[arb]:
+def _significant(polynomial: arb_poly, size: arb, reach: float) -> list[arb]:
     """The coefficients that matter beside ``size``, for a variable up to ``reach``."""
     found = polynomial.coeffs()
     bound = arb(NEGLIGIBLE) * size
@@ -274,8 +277,8 @@ def _kept(polynomial: arb_poly, size: arb, reach: float) -> list[arb]:
     return list(found)
 
 
-def _rounded(polynomial: arb_poly, reach: float) -> tuple[float, ...]:
-    return tuple(float(value.mid()) for value in _kept(polynomial, arb(1), reach))
+def _round_coefficients(polynomial: arb_poly, reach: float) -> tuple[float, ...]:
+    return tuple(float(value.mid()) for value in _significant(polynomial, arb(1), reach))
 
 
 def _square(z: arb) -> float:

@@ -10,7 +10,7 @@ import sympy as sp
 
 from voronec.algebra.arguments import VALUES, accepts
 from voronec.algebra.symbols import plain_name
-from voronec.closed import ClosedForm, InversionProblem, prepared
+from voronec.closed import ClosedForm, InversionProblem, prepare
 from voronec.closed.arithmetic import exact
 from voronec.closed.compiled_motion import motion_of
 from voronec.declaration.scene import Scene
@@ -69,7 +69,7 @@ def closed_from(vocabulary: Vocabulary, given: StartData, outset: Outset) -> Clo
     }
     state = (*system.coordinates, *system.velocities)
     values |= {s: _digits(outset, i) for i, s in enumerate(state)}
-    return _checked(InversionProblem(prepared(system, values), values))
+    return _checked(InversionProblem(prepare(system, values), values))
 
 
 def _digits(outset: Outset, i: int) -> Any:
@@ -138,7 +138,7 @@ def _formed(system: System, given: Mapping[str, Any], initial: Mapping[str, Any]
                 f"system '{system.name}': initial value '{plain_name(q)}' = {value} is not finite"
             )
         values[q] = value
-    return _checked(InversionProblem(prepared(system, values), values))
+    return _checked(InversionProblem(prepare(system, values), values))
 
 
 def _checked(problem: InversionProblem) -> ClosedForm:

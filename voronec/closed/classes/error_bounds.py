@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-__all__ = ["UNIT", "Bounded", "compiled"]
+__all__ = ["UNIT", "Bounded", "compile_bounded"]
 
 UNIT = 2.0**-52
 """Twice the rounding error of one operation: it covers that of the bound's own arithmetic."""
@@ -67,14 +67,14 @@ class Bounded:
 
     def __add__(self, other: Any) -> Bounded:
         other = Bounded.of(other)
-        return _rounded(self.mid + other.mid, self.err + other.err)
+        return _round_result(self.mid + other.mid, self.err + other.err)
 
     def __mul__(self, other: Any) -> Bounded:
         other = Bounded.of(other)
         err = np.abs(self.mid) * other.err + np.abs(other.mid) * self.err + self.err * other.err
         # a factor that is exactly zero makes an exact zero: it must not become merely small
         nothing = self.zero | other.zero
-        found = _rounded(self.mid * other.mid, err + TINY)
+        found = _round_result(self.mid * other.mid, err + TINY)
         return Bounded(np.where(nothing, 0.0, found.mid), np.where(nothing, 0.0, found.err))
 
     def __truediv__(self, other: Any) -> Bounded:
@@ -84,7 +84,7 @@ class Bounded:
             room = np.abs(other.mid) - other.err
             err = (self.err + np.abs(mid) * other.err) / room + TINY
             good = room > 0
-        found = _rounded(np.where(good, mid, 0.0), np.where(good, err, np.inf))
+        found = _round_result(np.where(good, mid, 0.0), np.where(good, err, np.inf))
         nothing = self.zero & good
         return Bounded(np.where(nothing, 0.0, found.mid), np.where(nothing, 0.0, found.err))
 
@@ -122,10 +122,10 @@ class Bounded:
         with np.errstate(divide="ignore", invalid="ignore"):
             near = np.where(self.err == 0, 0.0, self.err / (root + low))
         far = np.sqrt(self.size)
-        return _rounded(root, np.where(np.isfinite(near), np.minimum(near, far), far))
+        return _round_result(root, np.where(np.isfinite(near), np.minimum(near, far), far))
 
 
-def _rounded(mid: Any, err: Any) -> Bounded:
+def _round_result(mid: Any, err: Any) -> Bounded:
     """A result of one operation; an exact zero stays exact."""
     return Bounded(mid, err * (1 + 8 * UNIT) + np.abs(mid) * UNIT)
 
@@ -149,7 +149,7 @@ _FUNCTIONS = {
 }
 
 
-def compiled(
+def compile_bounded(
     arguments: Sequence[sp.Symbol], values: Sequence[sp.Expr]
 ) -> Callable[..., list[Bounded]]:
     """Expressions as a function of ``Bounded`` arguments."""

@@ -58,7 +58,7 @@ def discs(coefficients: Sequence[Bounded]) -> Discs:
     if n == 0:
         empty = np.zeros((len(mids), 0))
         return Discs(empty.astype(complex), empty, empty.astype(int))
-    centre = _refined(mids, _guessed(mids))
+    centre = _weierstrass_correction(mids, _companion_eigenvalues(mids))
     radius = _radii(mids, errs, centre)
     # where a disc meets the real axis and is alone, so is the one about its projection
     near = np.abs(centre.imag) <= radius
@@ -71,7 +71,7 @@ def discs(coefficients: Sequence[Bounded]) -> Discs:
     return Discs(straight.astype(complex), wide, kind)
 
 
-def _guessed(mids: np.ndarray) -> np.ndarray:
+def _companion_eigenvalues(mids: np.ndarray) -> np.ndarray:
     """Eigenvalues of the companion matrices."""
     n = mids.shape[1] - 1
     matrix = np.zeros((len(mids), n, n))
@@ -81,7 +81,7 @@ def _guessed(mids: np.ndarray) -> np.ndarray:
     return np.linalg.eigvals(matrix).astype(complex)
 
 
-def _refined(mids: np.ndarray, roots: np.ndarray) -> np.ndarray:
+def _weierstrass_correction(mids: np.ndarray, roots: np.ndarray) -> np.ndarray:
     """Two rounds of Weierstrass' correction: the eigenvalues are not quite as good as doubles."""
     for _ in range(2):
         step = _value(mids, roots) / (mids[:, -1:] * _products(roots))

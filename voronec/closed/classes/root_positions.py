@@ -97,12 +97,12 @@ class _Search:
 
     def between(self) -> Tally:
         """x runs between two roots of f, or towards them."""
-        from voronec.elliptic.roots import ends_of, resolved
+        from voronec.elliptic.roots import ends_of, resolve
 
         source, slope = self.problem.source, self.curve.cosine[1]
         tilt = self.problem.sign(slope)
 
-        def tried(bits: int) -> Tally:
+        def attempt(bits: int) -> Tally:
             ends = ends_of(source, bits)
             pair = (ends.lower, ends.upper)
             others = [r.value for r in ends.roots if r not in pair and r.real]
@@ -122,7 +122,7 @@ class _Search:
                 tilt=tilt or 1,
             )  # fmt: skip
 
-        return resolved(tried, FIRST)
+        return resolve(attempt, FIRST)
 
     def _values(self, expressions: Sequence[Any], bits: int) -> list[Any]:
         return [self.problem.exact(e)(bits) for e in expressions]
@@ -144,7 +144,7 @@ class _Search:
                 root = (b * b - 4 * a * c).sqrt()
                 pair = [(-b - root) / (2 * a), (-b + root) / (2 * a)]
                 return [(r, 1) for r in (pair if a > 0 else pair[::-1])]
-            return _isolated(values)
+            return _isolate_roots(values)
 
     def _where(
         self, root: Any, ends: list[Any], others: list[Any], all_roots: Any, bits: int
@@ -159,11 +159,11 @@ class _Search:
             return "outside"
         index = 0 if root.overlaps(lower) else 1
         alone = not any(root.overlaps(o) for o in (*others, ends[1 - index]))
-        if alone and self._shared(root, all_roots, bits):
+        if alone and self._is_shared(root, all_roots, bits):
             return index
         raise Unresolved("a root of phi may be an end of the motion")
 
-    def _shared(self, root: Any, all_roots: Any, bits: int) -> bool:
+    def _is_shared(self, root: Any, all_roots: Any, bits: int) -> bool:
         """Whether a root of phi is surely a root of f, too."""
         if len(self.phi) > 3:
             raise EngineLimit("phi has degree 3 or more; equal roots are decided up to degree 2")
@@ -225,7 +225,7 @@ def _remainder(degree: int) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     return (*above, *below), tuple(poly.coeff_monomial(x**i) for i in range(degree))
 
 
-def _isolated(values: list[Any]) -> list[tuple[Any, int]]:
+def _isolate_roots(values: list[Any]) -> list[tuple[Any, int]]:
     """The real roots of a polynomial without multiple ones."""
     from flint import acb_poly
 

@@ -23,11 +23,11 @@ from voronec.algebra.text import sympified
 from voronec.closed.classes.root_positions import remainder
 from voronec.closed.classes.survey import survey
 from voronec.closed.classes.trace_classes import classify
-from voronec.closed.classes.trace_polynomials import Curve, DeclaredTraces, declared
+from voronec.closed.classes.trace_polynomials import Curve, DeclaredTraces, declared_traces
 from voronec.closed.closed_form import ClosedForm
-from voronec.closed.compiled_motion import prepared
+from voronec.closed.compiled_motion import prepare
 from voronec.closed.problem import InversionProblem
-from voronec.closed.request import named
+from voronec.closed.request import read_parameters
 from voronec.closed.space import turned_upright
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_possible
@@ -38,10 +38,10 @@ __all__ = [
     "Conditions",
     "conditions",
     "elsewhere",
+    "exact_closed_form",
     "fill",
     "find",
-    "formed",
-    "held",
+    "held_parameters",
     "solutions",
 ]
 
@@ -68,19 +68,19 @@ def conditions(known: DeclaredTraces, curve: Curve, label: str) -> Conditions:
     parts = set(label.split("+"))
     wanted = [known.rate]
     if parts & {"D1", "D2", "D3"}:
-        wanted.append(known.started(curve.above_at(known.motion.x)))
+        wanted.append(known.at_start(curve.above_at(known.motion.x)))
     further = ()
     if "D3" in parts:
-        further = tuple(known.started(e) for e in remainder(known.quartic, curve.above))
+        further = tuple(known.at_start(e) for e in remainder(known.quartic, curve.above))
     elsewhere = False
     for side, name in ((1, "E1"), (-1, "E2")):
         if name in parts:
             offset, slope = curve.cosine
-            at_pole = known.started(curve.above_at((side - offset) / slope))
+            at_pole = known.at_start(curve.above_at((side - offset) / slope))
             if _rational(at_pole):
                 wanted.append(at_pole)
             else:
-                wanted.append(known.started(1 - (offset + slope * known.motion.x) ** 2))
+                wanted.append(known.at_start(1 - (offset + slope * known.motion.x) ** 2))
                 elsewhere = True
     return Conditions(tuple(map(_short, wanted)), further, elsewhere)
 
@@ -107,14 +107,14 @@ def solutions(
     """
     given = dict(known)
     first = [sp.expand(c.xreplace(given)) for c in wanted.vanishing]
-    for found in _solved(first, {}, velocities):
+    for found in _solve_start(first, {}, velocities):
         # long formulas wait until numbers have made them short
         rest = [e.xreplace({**given, **found}) for e in wanted.further]
         rest = [sp.fraction(sp.together(sp.expand(e)))[0] for e in rest]
-        yield from _solved(rest, found, velocities)
+        yield from _solve_start(rest, found, velocities)
 
 
-def _solved(
+def _solve_start(
     left: list[Any], found: dict[Any, Any], velocities: Sequence[Any]
 ) -> Iterator[dict[Any, Any]]:
     left = [c for c in left if c != 0]
@@ -134,7 +134,7 @@ def _solved(
             value = sp.expand(-factor.coeff(rate, 0) / slope)
             rest = [sp.expand(c.xreplace({rate: value})) for c in left if c is not first]
             later = {v: sp.expand(e.xreplace({rate: value})) for v, e in found.items()}
-            yield from _solved(rest, {**later, rate: value}, velocities)
+            yield from _solve_start(rest, {**later, rate: value}, velocities)
             break
 
 
@@ -164,7 +164,7 @@ def elsewhere(closed: ClosedForm, start: Mapping[Any, Any]) -> dict[Any, Any]:
     (q,) = moving
     low, high = closed.ends
     place = sp.Rational(low + (high - low) * float(SHARE)).limit_denominator(LARGEST)
-    level = {s: sp.nsimplify(sp.simplify(problem.spelled(s))) for s in motion.constants}
+    level = {s: sp.nsimplify(sp.simplify(problem.exact_number(s))) for s in motion.constants}
     level |= {p.symbol: sympified(problem.values[p.symbol]) for p in closed.system.parameters}
     level |= {motion.x: place}
     solved = sp.solve(motion.meaning - place, q)
@@ -211,9 +211,9 @@ def find(
     start is at a turning point, with the constant vector in space upright.  ``DefinitionError``
     says why there is no such motion, or that none was found.
     """
-    known = declared(system)
+    known = declared_traces(system)
     curve = known.curve(trace)
-    fixed = held(system, parameters or {})
+    fixed = held_parameters(system, parameters or {})
     search = _Search(known, curve, label, fixed, np.random.default_rng(seed))
     for turn in range(ROUNDS):
         if progress is not None:
@@ -228,9 +228,9 @@ def find(
     raise DefinitionError(f"system '{system.name}': {search.failure}")
 
 
-def held(system: System, given: Mapping[Any, Any]) -> dict[Any, Any]:
+def held_parameters(system: System, given: Mapping[Any, Any]) -> dict[Any, Any]:
     """Parameters to be held, exactly, by symbol; ``DefinitionError`` for what no body has."""
-    found = named(system, given)
+    found = read_parameters(system, given)
     for p in system.parameters:
         if p.symbol in found:
             try:
@@ -302,7 +302,7 @@ class _Search:
         for i in np.argsort(-marks)[:TRIED]:
             if marks[i] == -np.inf:
                 break
-            found = self._confirmed(own, drawn[i])
+            found = self._confirm_start(own, drawn[i])
             if found is not None:
                 return found
         return None
@@ -318,19 +318,19 @@ class _Search:
             angles |= {q: sp.acos(self.dice.choice(COSINES)) for q in moving}
             for found in solutions(wanted, {**own, **angles}, system.velocities):
                 for _ in range(100 if plain else 1):
-                    free = {v: self._drawn() for v in system.velocities if v not in found}
+                    free = {v: self._draw_fraction() for v in system.velocities if v not in found}
                     solved = {v: sympified(e).xreplace(free) for v, e in found.items()}
                     yield {**angles, **{v: {**free, **solved}[v] for v in system.velocities}}
 
-    def _drawn(self) -> Any:
+    def _draw_fraction(self) -> Any:
         """A short fraction."""
         most = STEPS * REACH
         return sp.Rational(int(self.dice.integers(-most, most + 1)), STEPS)
 
-    def _confirmed(self, own: Mapping[Any, Any], start: Mapping[Any, Any]) -> Scene | None:
+    def _confirm_start(self, own: Mapping[Any, Any], start: Mapping[Any, Any]) -> Scene | None:
         """The scene of a start, where its class is exactly the one wanted."""
         system = self.known.system
-        closed = formed(system, {**own, **start})
+        closed = exact_closed_form(system, {**own, **start})
         try:
             classes = classify(closed)
         except EngineLimit:
@@ -365,9 +365,9 @@ class _Search:
         return f"no motion of {what} was found{place} among {ROUNDS} rounds of draws{near}"
 
 
-def formed(system: System, values: Mapping[Any, Any]) -> ClosedForm:
+def exact_closed_form(system: System, values: Mapping[Any, Any]) -> ClosedForm:
     """The closed form of exact values of all symbols of a start."""
-    return ClosedForm(InversionProblem(prepared(system, values), dict(values)))
+    return ClosedForm(InversionProblem(prepare(system, values), dict(values)))
 
 
 def _span(found: Any) -> float:

@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 
 from voronec.algebra.symbols import plain_name
-from voronec.closed.classes.error_bounds import UNIT, Bounded, compiled
+from voronec.closed.classes.error_bounds import UNIT, Bounded, compile_bounded
 from voronec.closed.classes.root_discs import Discs, degrees, discs
 from voronec.closed.classes.root_positions import tally
-from voronec.closed.classes.trace_classes import labelled
-from voronec.closed.classes.trace_polynomials import Curve, DeclaredTraces, declared
+from voronec.closed.classes.trace_classes import label_trace
+from voronec.closed.classes.trace_polynomials import Curve, DeclaredTraces, declared_traces
 from voronec.closed.closed_form import ClosedForm
-from voronec.closed.compiled_motion import prepared
+from voronec.closed.compiled_motion import prepare
 from voronec.closed.problem import InversionProblem
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
@@ -185,7 +185,7 @@ def classify_many(
     they are; what is not given is the parameter's default, and 0 at the start.
     """
     found = survey(system, parameters, initial, trace)
-    values = arrays(declared(system), parameters, initial)
+    values = arrays(declared_traces(system), parameters, initial)
     labels, reversals = found.labels.astype(object), found.reversals.copy()
     left = found.open
     for done, i in enumerate(left):
@@ -199,15 +199,15 @@ def classify_many(
 
 def _exact_label(system: System, row: list[Any], trace: str | None) -> tuple[str, int]:
     """Label and number of reversals of one motion."""
-    known = declared(system)
+    known = declared_traces(system)
     curve = known.curve(trace)
     values = dict(zip(known.inputs, map(float, row), strict=True))
-    closed = ClosedForm(InversionProblem(prepared(system, values), values))
+    closed = ClosedForm(InversionProblem(prepare(system, values), values))
     try:
         counts = tally(closed.problem, curve)
         if counts is None:
             return "parallel", 0
-        label = labelled(closed, curve, counts)
+        label = label_trace(closed, curve, counts)
     except EngineLimit:
         return UNDECIDED, -1
     return label, sum(times % 2 for _, times in counts.inner)
@@ -263,12 +263,12 @@ def survey(
     the parameter's default, and 0 at the start.  With ``every_drift`` drift and period are there
     for all motions, not only where the class depends on them.
     """
-    known = declared(system)
+    known = declared_traces(system)
     values = arrays(known, parameters, initial)
     count = len(values[0])
     with np.errstate(all="ignore"):  # what is not finite is left open
         parts = [
-            _surveyed(known, known.curve(trace), [v[i : i + CHUNK] for v in values], every_drift)
+            _survey(known, known.curve(trace), [v[i : i + CHUNK] for v in values], every_drift)
             for i in range(0, count, CHUNK)
         ]
     names = Survey.__dataclass_fields__
@@ -299,10 +299,12 @@ class _Formulas:
 @cache
 def _formulas(known: DeclaredTraces, curve: Curve) -> _Formulas:
     values = (*known.quartic, *curve.cosine, *curve.phi)
-    return _Formulas(compiled(known.inputs, known.starting), compiled(known.level, values))
+    return _Formulas(
+        compile_bounded(known.inputs, known.starting), compile_bounded(known.level, values)
+    )
 
 
-def _surveyed(
+def _survey(
     known: DeclaredTraces, curve: Curve, values: list[np.ndarray], every_drift: bool
 ) -> Survey:
     formulas = _formulas(known, curve)
@@ -310,7 +312,7 @@ def _surveyed(
     *constants, place, rate = formulas.starting(*values)
     raw = formulas.level(*own, *constants)
     count = len(values[0])
-    numbers = [_filled(e, count) for e in (*raw, place, rate)]
+    numbers = [_fill(e, count) for e in (*raw, place, rate)]
     quartic, cosine, phi = numbers[:5], numbers[5:7], numbers[7:-2]
     found = Survey.blank(count)
     heights, steps = degrees(quartic), degrees(phi)
@@ -328,7 +330,7 @@ def _surveyed(
     return found
 
 
-def _filled(value: Bounded, count: int) -> Bounded:
+def _fill(value: Bounded, count: int) -> Bounded:
     mid, err = (np.broadcast_to(np.asarray(a, dtype=float), count) for a in (value.mid, value.err))
     good = np.isfinite(mid) & np.isfinite(err)
     return Bounded(np.where(good, mid, 0.0), np.where(good, err, np.inf))

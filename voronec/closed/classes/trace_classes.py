@@ -38,11 +38,11 @@ from typing import Any
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.classes.root_positions import Tally, tally
-from voronec.closed.classes.trace_polynomials import Curve, declared
+from voronec.closed.classes.trace_polynomials import Curve, declared_traces
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.rotation_numbers import DIGITS, turns_of
 
-__all__ = ["LABELS", "TraceClass", "classify", "label_of", "labelled"]
+__all__ = ["LABELS", "TraceClass", "classify", "label_of", "label_trace"]
 
 LABELS = ("A", "B", "C1", "C2", "D1", "D2", "D3", "E1", "E2")
 """The classes of the paper's figures, 4 to 12 in this order."""
@@ -90,12 +90,12 @@ def classify(closed: InvertedMotion) -> dict[str, TraceClass]:
 
     Signs and equalities are proved; ``EngineLimit`` where a number cannot be told from zero.
     """
-    known = declared(closed.system)
+    known = declared_traces(closed.system)
     counted = {c.title: (c, tally(closed.problem, c)) for c in known.curves}
     found: dict[str, TraceClass] = {}
     for name, (curve, counts) in counted.items():
         if counts is not None:
-            found[name] = _classified(closed, curve, counts)
+            found[name] = _classify(closed, curve, counts)
     for name, (_, counts) in counted.items():
         if counts is None:
             # without an axis there is no colatitude; of two traces of one contact both rest or none
@@ -105,7 +105,7 @@ def classify(closed: InvertedMotion) -> dict[str, TraceClass]:
     return {name: found[name] for name in counted}
 
 
-def _classified(closed: InvertedMotion, curve: Curve, counts: Tally) -> TraceClass:
+def _classify(closed: InvertedMotion, curve: Curve, counts: Tally) -> TraceClass:
     offset, slope = (float(closed.exact(c)(BITS[0])) for c in curve.cosine)
     ends = zip(counts.ends, counts.poles, strict=True)
     lower, upper = sorted(float(pole) or offset + slope * e for e, pole in ends)
@@ -113,7 +113,7 @@ def _classified(closed: InvertedMotion, curve: Curve, counts: Tally) -> TraceCla
     name = plain_name(curve.trace.longitude)
     turn = None if counts.rest else turns_of(closed).get(name)
     return TraceClass(
-        label=labelled(closed, curve, counts),
+        label=label_trace(closed, curve, counts),
         reversals=tuple(turns),
         lower=lower,
         upper=upper,
@@ -133,7 +133,7 @@ def _note(turn: Any) -> str:
     return f"likely a closed curve: {turns} to {DIGITS} digits (no proof)"
 
 
-def labelled(closed: InvertedMotion, curve: Curve, counts: Tally) -> str:
+def label_trace(closed: InvertedMotion, curve: Curve, counts: Tally) -> str:
     """The label of a trace; the drift is looked at where it matters."""
     label = label_of(counts, 0)
     if "C" in label and not counts.rest:

@@ -16,13 +16,13 @@ from voronec.algebra.door import Door
 from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import sympified
-from voronec.closed.compiled_motion import motion_of, prepared
-from voronec.closed.fractions import ascending
+from voronec.closed.compiled_motion import motion_of, prepare
+from voronec.closed.fractions import ascending_coefficients
 from voronec.declaration.quadratures import Quadratures, Trace
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 
-__all__ = ["Curve", "DeclaredTraces", "declared", "title"]
+__all__ = ["Curve", "DeclaredTraces", "declared_traces", "title"]
 
 DEGREE = 4
 
@@ -101,7 +101,7 @@ class DeclaredTraces:
             f"system '{self.system.name}' has no trace '{name}'{did_you_mean(name, known)}"
         )
 
-    def started(self, value: Any) -> Any:
+    def at_start(self, value: Any) -> Any:
         """A function of a level and of x, as a function of the start."""
         meaning = dict(zip(self.motion.constants, self.starting[:-2], strict=True))
         return sympified(value).xreplace({**meaning, self.motion.x: self.place})
@@ -112,7 +112,7 @@ def title(trace: Trace) -> str:
     return trace.title or f"({plain_name(trace.colatitude)}, {plain_name(trace.longitude)})"
 
 
-def declared(system: System) -> DeclaredTraces:
+def declared_traces(system: System) -> DeclaredTraces:
     """The traces of a system; ``DefinitionError`` where it declares no motion, or no trace."""
     motion = motion_of(system)
     return motion.memo.once("traces", lambda: _read(system, motion))
@@ -126,8 +126,8 @@ def _read(system: System, motion: Quadratures) -> DeclaredTraces:
         )
     own = tuple(p.symbol for p in system.parameters)
     inputs = (*system.coordinates, *system.velocities, *own)
-    starting = (*motion.constants.values(), motion.meaning, prepared(system, {}).rate)
-    quartic = ascending(motion.quartic, motion.x, DEGREE)
+    starting = (*motion.constants.values(), motion.meaning, prepare(system, {}).rate)
+    quartic = ascending_coefficients(motion.quartic, motion.x, DEGREE)
     curves = tuple(_curve(motion, trace) for trace in motion.traces)
     return DeclaredTraces(system, inputs, (*own, *motion.constants), starting, quartic, curves)
 
@@ -148,8 +148,8 @@ def _curve(motion: Quadratures, trace: Trace) -> Curve:
             f"the rate of '{plain_name(trace.longitude)}' is no polynomial over 1 - cosine^2 of "
             "its trace; such a trace is not classified"
         )
-    rows = ascending(above, x, DEGREE)
+    rows = ascending_coefficients(above, x, DEGREE)
     while len(rows) > 1 and rows[-1] == 0:
         rows = rows[:-1]
-    offset, slope = ascending(trace.cosine, x, 1)
+    offset, slope = ascending_coefficients(trace.cosine, x, 1)
     return Curve(trace, tuple(c / below for c in rows), rows, (offset, slope))

@@ -18,10 +18,10 @@ __all__ = [
     "View",
     "best_view",
     "great_arcs",
+    "is_resolved",
     "meridian",
     "on_sphere",
     "parallel",
-    "settled",
     "smooth_arcs",
 ]
 
@@ -61,7 +61,7 @@ class Arcs:
 
     handles: np.ndarray  # (arcs, 4, 3)
 
-    def seen(self, view: View) -> Arcs:
+    def project(self, view: View) -> Arcs:
         """The same arcs as (right, up, towards the eye)."""
         return Arcs(view.project(self.handles))
 
@@ -85,7 +85,7 @@ def _cut(arc: np.ndarray) -> list[np.ndarray]:
         return [arc]
     pieces, done = [], 0.0
     for place in _crossings(depth):
-        left, arc = _divided(arc, (place - done) / (1 - done))
+        left, arc = _divide_arc(arc, (place - done) / (1 - done))
         pieces.append(left)
         done = place
     return [*pieces, arc]
@@ -99,7 +99,7 @@ def _crossings(depth: np.ndarray) -> list[float]:
     return sorted(float(r) for r in real if 1e-9 < r < 1 - 1e-9)
 
 
-def _divided(arc: np.ndarray, place: float) -> tuple[np.ndarray, np.ndarray]:
+def _divide_arc(arc: np.ndarray, place: float) -> tuple[np.ndarray, np.ndarray]:
     """The two parts of a cubic arc, by de Casteljau's construction."""
     rows = [arc]
     while len(rows[-1]) > 1:
@@ -120,14 +120,14 @@ def parallel(colatitude: float, start: float = 0.0) -> Arcs:
     """A whole parallel, from the longitude ``start`` on."""
     longitudes = start + np.linspace(0.0, 2 * np.pi, 8 + 1)
     tangents = np.sin(colatitude) * on_sphere(np.pi / 2, longitudes + np.pi / 2)
-    return _joined(on_sphere(colatitude, longitudes), tangents, _circular(longitudes))
+    return _join_points(on_sphere(colatitude, longitudes), tangents, _circular(longitudes))
 
 
 def meridian(longitude: float) -> Arcs:
     """Half a great circle, from the pole on top to the other one."""
     colatitudes = np.linspace(0.0, np.pi, 4 + 1)
     tangents = on_sphere(colatitudes + np.pi / 2, longitude)
-    return _joined(on_sphere(colatitudes, longitude), tangents, _circular(colatitudes))
+    return _join_points(on_sphere(colatitudes, longitude), tangents, _circular(colatitudes))
 
 
 def _circular(angles: np.ndarray) -> np.ndarray:
@@ -157,11 +157,11 @@ def smooth_arcs(points: np.ndarray, times: np.ndarray | None = None, fine: float
         points /= np.linalg.norm(points, axis=1)[:, None]
         spline = CubicSpline(place, points)
     tangents = spline(place, 1)
-    kept = _kept(place, points, tangents, fine)
-    return _joined(points[kept], tangents[kept], place[kept])
+    kept = _arc_ends(place, points, tangents, fine)
+    return _join_points(points[kept], tangents[kept], place[kept])
 
 
-def settled(points: np.ndarray, times: np.ndarray | None = None) -> bool:
+def is_resolved(points: np.ndarray, times: np.ndarray | None = None) -> bool:
     """Whether points tell the curve: one through every other of them passes by the rest."""
     from scipy.interpolate import CubicSpline
 
@@ -189,14 +189,14 @@ def _shortest(first: np.ndarray, last: np.ndarray) -> Arcs:
     angles = np.linspace(0.0, np.arctan2(across @ last, first @ last), 4 + 1)[:, None]
     around = np.cos(angles) * first + np.sin(angles) * across
     tangents = np.cos(angles) * across - np.sin(angles) * first
-    return _joined(around, tangents, _circular(angles[:, 0]))
+    return _join_points(around, tangents, _circular(angles[:, 0]))
 
 
 def _places(points: np.ndarray, times: np.ndarray | None) -> np.ndarray:
     return np.arange(len(points), dtype=float) if times is None else np.asarray(times, float)
 
 
-def _kept(place: np.ndarray, points: np.ndarray, slopes: np.ndarray, fine: float) -> np.ndarray:
+def _arc_ends(place: np.ndarray, points: np.ndarray, slopes: np.ndarray, fine: float) -> np.ndarray:
     """Indices of the points between which cubic arcs follow all others; halves what does not."""
     ends = np.unique(np.linspace(0, len(points) - 1, 9).astype(int))
     while True:
@@ -228,7 +228,7 @@ def _deviations(
     return largest
 
 
-def _joined(points: np.ndarray, slopes: np.ndarray, place: np.ndarray) -> Arcs:
+def _join_points(points: np.ndarray, slopes: np.ndarray, place: np.ndarray) -> Arcs:
     """The arcs through points with given derivatives there."""
     step = np.diff(place)[:, None] / 3
     first, last = points[:-1], points[1:]

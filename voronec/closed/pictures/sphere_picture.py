@@ -20,10 +20,10 @@ from voronec.closed.pictures.sphere_curves import (
     View,
     best_view,
     great_arcs,
+    is_resolved,
     meridian,
     on_sphere,
     parallel,
-    settled,
     smooth_arcs,
 )
 from voronec.closed.pictures.style import INK, MARK, PALE, SOFT, STYLE
@@ -183,13 +183,13 @@ def draw_sphere(axis: Any, trace: SphereTrace, scale: float = 1.0) -> None:
     _globe(axis, view, trace.axis, scale)
     for colatitude in trace.parallels:
         if np.sin(colatitude) > 1e-9:
-            ring = parallel(colatitude, view.longitude).seen(view)
+            ring = parallel(colatitude, view.longitude).project(view)
             _arcs(axis, ring, MARK, PALE_MARK, 0.65 * scale, dashed=True)
-    told = settled(trace.points, trace.times)
+    told = is_resolved(trace.points, trace.times)
     curve = smooth_arcs(trace.points, trace.times, FINE / scale**3) if told else (
         great_arcs(trace.points)
     )  # fmt: skip
-    curve = curve.seen(view)
+    curve = curve.project(view)
     _arcs(axis, curve, INK, PALE, (1.0 if told else 0.5) * scale)
     if not told:
         _dots(axis, view.project(trace.points), scale)
@@ -209,9 +209,9 @@ def _globe(axis: Any, view: View, name: str, scale: float) -> None:
     axis.add_patch(Circle((0, 0), 1, fill=False, edgecolor="#5d6b7a", linewidth=0.8 * scale,
                           zorder=2.5))  # fmt: skip
     for longitude in np.arange(12) * np.pi / 6:
-        _arcs(axis, meridian(view.longitude + longitude).seen(view), GRID, None, 0.5, order=1)
+        _arcs(axis, meridian(view.longitude + longitude).project(view), GRID, None, 0.5, order=1)
     for colatitude in np.arange(1, 6) * np.pi / 6:
-        _arcs(axis, parallel(colatitude).seen(view), GRID, None, 0.5, order=1)
+        _arcs(axis, parallel(colatitude).project(view), GRID, None, 0.5, order=1)
     top, bottom = view.project([[0, 0, 1.24], [0, 0, -1.1]])
     shown = view.height > 0 or top[1] > 1 or not name
     _axis(axis, view.project([0, 0, 1]), top, name, scale)

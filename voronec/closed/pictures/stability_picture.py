@@ -73,30 +73,30 @@ def stability_figure(
 
 def _chart(panel: Any, chart: StabilityChart) -> None:
     panel.set(xlim=(-1, 1), ylim=chart.window, xticks=(-1, -0.5, 0, 0.5, 1))
-    _drawn(panel, chart)
+    _draw_regions(panel, chart)
     panel.set_xticklabels(("$-1$", "", "0", "", "1"))
     small = [r.outline for r in chart.regions if not r.stable and np.ptp(r.outline[:, 0]) < SMALL]
     if small:
-        _enlarged(panel, chart, np.concatenate(small))
+        _enlarge(panel, chart, np.concatenate(small))
 
 
-def _drawn(panel: Any, chart: StabilityChart) -> None:
+def _draw_regions(panel: Any, chart: StabilityChart) -> None:
     """Regions, their boundaries, and rates without a member, for the limits of a panel."""
     low, high = panel.get_ylim()
     size = np.array([np.ptp(panel.get_xlim()), high - low])
     panel.set_facecolor(STABLE)  # the ground, so that no seams show between stable regions
     for region in chart.regions:
         if not region.stable:
-            panel.fill(*_thinned(region.outline, size).T, linewidth=0, zorder=1, **_hatched())
+            panel.fill(*_thin(region.outline, size).T, linewidth=0, zorder=1, **_hatching())
     for curve in chart.curves:
-        panel.plot(*_thinned(curve, size).T, color=INK, linewidth=1.0, solid_capstyle="round",
+        panel.plot(*_thin(curve, size).T, color=INK, linewidth=1.0, solid_capstyle="round",
                    zorder=3)  # fmt: skip
-    for line in _excluded(chart):
+    for line in _excluded_rates(chart):
         if low < line < high:
             panel.axhline(line, color=MARK, linewidth=0.8, linestyle=(0, (4, 2.5)), zorder=3)
 
 
-def _thinned(points: np.ndarray, size: np.ndarray) -> np.ndarray:
+def _thin(points: np.ndarray, size: np.ndarray) -> np.ndarray:
     """The points of a line that it needs, by Douglas and Peucker: both its ends among them."""
     if len(points) < 3:
         return points
@@ -109,25 +109,25 @@ def _thinned(points: np.ndarray, size: np.ndarray) -> np.ndarray:
     far = int(np.argmax(off))
     if off[far] < FINE:
         return points[[0, -1]]
-    return np.concatenate([_thinned(points[: far + 1], size)[:-1], _thinned(points[far:], size)])
+    return np.concatenate([_thin(points[: far + 1], size)[:-1], _thin(points[far:], size)])
 
 
-def _enlarged(panel: Any, chart: StabilityChart, points: np.ndarray) -> None:
+def _enlarge(panel: Any, chart: StabilityChart, points: np.ndarray) -> None:
     """What is around some points, in a corner."""
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     (left, low), (right, high) = middle - np.ptp(points, axis=0), middle + np.ptp(points, axis=0)
     corner = panel.inset_axes((0.63, 0.04, 0.34, 0.2), xlim=(left, right), ylim=(low, high))
     corner.set(xticks=(), yticks=())
     corner.spines[:].set(color="#444444", linewidth=0.5)
-    _drawn(corner, chart)
+    _draw_regions(corner, chart)
     panel.indicate_inset_zoom(corner, edgecolor="#444444", linewidth=0.5, alpha=1.0)
 
 
-def _hatched() -> dict[str, Any]:
+def _hatching() -> dict[str, Any]:
     return {"facecolor": UNSTABLE, "hatch": "////", "edgecolor": "#d9a090"}
 
 
-def _excluded(chart: StabilityChart) -> list[float]:
+def _excluded_rates(chart: StabilityChart) -> list[float]:
     """Where the family has no member: real roots of a polynomial in one variable."""
     import sympy as sp
 
@@ -146,7 +146,7 @@ def _legend(figure: Any, note: str) -> None:
 
     keys = [
         Patch(facecolor=STABLE, edgecolor="#9fb2c6", linewidth=0.4, label="stable"),
-        Patch(linewidth=0, label="unstable", **_hatched()),
+        Patch(linewidth=0, label="unstable", **_hatching()),
         Line2D([], [], color=INK, linewidth=1.0, label="$f''(x) = 0$"),
         Line2D([], [], color=MARK, linewidth=0.8, linestyle=(0, (4, 2.5)), label="no precession"),
     ]

@@ -7,7 +7,7 @@ from voronec.closed.special.chart import StabilityChart, chart_of
 from voronec.closed.special.elementary import Elementary, elementary
 from voronec.closed.special.elimination import Branch
 from voronec.closed.special.ends import End
-from voronec.closed.special.family import Precessions, essential_rates, linearised, precessions
+from voronec.closed.special.family import Precessions, essential_rates, linear_matrix, precessions
 from voronec.closed.special.pseudo_regular import PseudoRegular, pseudo_regular
 from voronec.closed.special.remarkable import Remarkable, remarkable
 from voronec.closed.special.stability import Stability
@@ -26,7 +26,7 @@ __all__ = [
     "chart_of",
     "elementary",
     "essential_rates",
-    "linearised",
+    "linear_matrix",
     "precessions",
     "pseudo_regular",
     "remarkable",

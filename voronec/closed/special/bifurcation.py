@@ -16,10 +16,10 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.text import sympified
-from voronec.closed.arithmetic import ball, compiled, exact, precise
+from voronec.closed.arithmetic import ball, compile_expressions, exact, precise
 from voronec.closed.special.family import Precessions, known_parameters, precessions
 from voronec.closed.special.plane import Strip, sign_on, strips
-from voronec.closed.special.stability import decided
+from voronec.closed.special.stability import decide_stability
 from voronec.declaration.reading import expression, mapping, shown
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
@@ -170,7 +170,7 @@ def _graphs(
     found = []
     drawn = zip(strip.graphs(), strip.signs(family.derivative(2)), *limits, strict=True)
     for graph, sign, first, last in drawn:
-        points = _mapped(family, axes, graph[1:-1], rows[1:-1])
+        points = _map_points(family, axes, graph[1:-1], rows[1:-1])
         closed = [p for p in (first, points, last) if p is not None]
         kept = slice(int(first is None), len(rows) - int(last is None))
         found.append(LevelCurve(np.vstack(closed), graph[kept], rows[kept], sign < 0))
@@ -185,7 +185,7 @@ def _limits(
     Taken hard beside the critical value, in balls: what is 0/0 there has its limit.
     """
     exprs = tuple(family.constants[c] for c in axes)
-    function = compiled(exprs, (family.place, family.rate))
+    function = compile_expressions(exprs, (family.place, family.rate))
 
     def points(w: Fraction) -> np.ndarray:
         with precise(512):
@@ -223,7 +223,7 @@ def _vertical(
                 middle = (a + b) / 2
                 sign = sign_on(second, {x: (middle, middle), w: pair})
                 graph = float(a) + float(b - a) * STEPS
-                points = _mapped(family, axes, graph, np.full_like(graph, rate))
+                points = _map_points(family, axes, graph, np.full_like(graph, rate))
                 found.append(LevelCurve(points, graph, np.full_like(graph, rate), sign < 0))
     return found
 
@@ -242,7 +242,7 @@ def _plain(value: Any) -> Fraction:
     return Fraction(int(number.p), int(number.q))
 
 
-def _mapped(
+def _map_points(
     family: Precessions, axes: tuple[sp.Symbol, sp.Symbol], x: np.ndarray, w: np.ndarray
 ) -> np.ndarray:
     columns = [_value(family, family.constants[c], x, w) for c in axes]
@@ -270,7 +270,7 @@ def _points(
             if not root.is_real:
                 continue
             known = {c: sympified(e).xreplace({free: root}) for c, e in constants.items()}
-            stable = decided(family.quadratures, known, dict(family.values), place).stable
+            stable = decide_stability(family.quadratures, known, dict(family.values), place).stable
             point = tuple(float(known[c]) for c in axes)
             found.append(LevelPoint((point[0], point[1]), float(place), stable, what))
     return found

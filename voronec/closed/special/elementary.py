@@ -17,7 +17,7 @@ import sympy as sp
 
 from voronec.algebra.normal import shorten
 from voronec.algebra.text import sympified
-from voronec.closed.request import named, quadratures_of
+from voronec.closed.request import quadratures_of, read_parameters
 from voronec.declaration.system import System
 from voronec.errors import EngineLimit
 
@@ -62,7 +62,7 @@ def elementary(system: System, parameters: Mapping[Any, Any]) -> Elementary:
     ``EngineLimit`` where they do not, or a pole goes to infinity together with its residue.
     """
     quadratures = quadratures_of(system)
-    values = named(system, parameters)
+    values = read_parameters(system, parameters)
     x = quadratures.x
     f = sp.Poly(sp.expand(quadratures.quartic.xreplace(values)), x)
     if f.degree() != 2:

@@ -11,7 +11,7 @@ import sympy as sp
 
 from voronec.algebra.normal import shorten
 
-__all__ = ["Branch", "branches_of", "linear_in", "short", "solved"]
+__all__ = ["Branch", "branches_of", "linear_in", "short", "solve_constants"]
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Branch:
     constants: Mapping[sp.Symbol, sp.Expr]
 
 
-def solved(
+def solve_constants(
     quartic: sp.Expr, rate: sp.Expr, x: sp.Symbol, constants: Sequence[sp.Symbol]
 ) -> tuple[dict[sp.Symbol, sp.Expr], sp.Expr, sp.Expr, sp.Symbol] | None:
     """The constants by three equations; of the last one its coefficient and its rest, too."""

@@ -22,11 +22,17 @@ from voronec.algebra.normal import shorten
 from voronec.algebra.symbols import velocity
 from voronec.algebra.text import sympified
 from voronec.algebra.verdicts import Verdict, prove_equal
-from voronec.closed.request import known_parameters, named, number, quadratures_of
+from voronec.closed.request import known_parameters, number, quadratures_of, read_parameters
 from voronec.closed.space import turned_upright
-from voronec.closed.special.elimination import Branch, branches_of, linear_in, short, solved
+from voronec.closed.special.elimination import (
+    Branch,
+    branches_of,
+    linear_in,
+    short,
+    solve_constants,
+)
 from voronec.closed.special.ends import End, ends_of
-from voronec.closed.special.stability import Stability, decided
+from voronec.closed.special.stability import Stability, decide_stability
 from voronec.declaration.quadratures import Quadratures, Space
 from voronec.declaration.reading import shown
 from voronec.declaration.scene import Scene
@@ -39,7 +45,7 @@ __all__ = [
     "Precessions",
     "at_rest",
     "essential_rates",
-    "linearised",
+    "linear_matrix",
     "precessions",
     "scene_of",
     "upright",
@@ -57,7 +63,7 @@ def scene_of(
     (angle,) = meaning.args
     x = at[family.place]
     sine = sp.sqrt(1 - x**2)
-    turning = {velocity(q): e.xreplace(dict(at)) for q, e in _turning(family).items()}
+    turning = {velocity(q): e.xreplace(dict(at)) for q, e in _angle_rates(family).items()}
     constants = {c: e.xreplace(dict(at)) for c, e in family.constants.items()}
     here = {velocity(angle): -aside / sine, family.place: x, **constants, **turning, **at}
     state: dict[Any, Any] = {angle: sp.acos(x)}
@@ -69,7 +75,7 @@ def scene_of(
     return Scene(initial=state, parameters=own, times=times)
 
 
-def _turning(family: Precessions) -> dict[Any, sp.Expr]:
+def _angle_rates(family: Precessions) -> dict[Any, sp.Expr]:
     """Rates of the angles that the velocities hold."""
     held = {s for e in family.quadratures.velocities.values() for s in e.atoms(sp.Derivative)}
     held |= {s for e in family.quadratures.velocities.values() for s in e.free_symbols}
@@ -114,7 +120,7 @@ def at_rest(family: Precessions) -> Verdict:
     return Verdict("proved", "the rates of the essential variables vanish in exact normal form")
 
 
-def linearised(family: Precessions) -> sp.Matrix:
+def linear_matrix(family: Precessions) -> sp.Matrix:
     """The matrix of the linearised equations on the family, rows and columns as ``essential``."""
     rates = essential_rates(family)
     rows = [[_on_family(family, sp.diff(e, v)) for v in rates] for e in rates.values()]
@@ -123,7 +129,7 @@ def linearised(family: Precessions) -> sp.Matrix:
 
 def _on_family(family: Precessions, value: sp.Expr) -> sp.Expr:
     (angle,) = family.quadratures.meaning.free_symbols
-    own = family.placed(value.xreplace(dict(family.state)))
+    own = family.at_colatitude(value.xreplace(dict(family.state)))
     return sympified(own.subs(angle, sp.acos(family.place)))
 
 
@@ -171,7 +177,7 @@ class Precessions:
         own = sympified(value).xreplace(dict(self.constants))
         return short(own.xreplace(dict(self.values)))
 
-    def placed(self, value: Any) -> Any:
+    def at_colatitude(self, value: Any) -> Any:
         """A function of the state, or a matrix of such, where the colatitude has the cosine x."""
         meaning, x = self.quadratures.meaning, self.place
         if not isinstance(meaning, sp.cos):
@@ -189,7 +195,7 @@ class Precessions:
     def levels(self) -> Mapping[sp.Symbol, sp.Expr]:
         """The constants that the quartic does not hold, by the state: the length of a vector."""
         rest = {c: e for c, e in self.quadratures.constants.items() if c not in self.constants}
-        found = {c: self.placed(e).xreplace(dict(self.state)) for c, e in rest.items()}
+        found = {c: self.at_colatitude(e).xreplace(dict(self.state)) for c, e in rest.items()}
         return MappingProxyType({c: self._level(e) for c, e in found.items()})
 
     def _level(self, value: sp.Expr) -> sp.Expr:
@@ -252,7 +258,7 @@ class Precessions:
                     f"{self.rate} = {shown(rate)}: a denominator vanishes; see 'branches'"
                 )
         constants = {c: value.xreplace(at) for c, value in self.constants.items()}
-        return decided(self.quadratures, constants, at, at[self.place])
+        return decide_stability(self.quadratures, constants, at, at[self.place])
 
     def scene(
         self,
@@ -282,14 +288,14 @@ def precessions(system: System, parameters: Mapping[Any, Any] | None = None) -> 
     constants do not follow by linear equations.
     """
     quadratures = quadratures_of(system)
-    values = {**named(system, parameters or {})}
+    values = {**read_parameters(system, parameters or {})}
     inside = quadratures.quartic.xreplace(values)
     constants = [c for c in quadratures.constants if inside.has(c)]
     rate = _fresh(system, quadratures)
     for angle, expr in quadratures.integrals.items():
         if not (expr.free_symbols & {*constants}):
             continue
-        steps = solved(inside, expr.xreplace(values) - rate, quadratures.x, constants)
+        steps = solve_constants(inside, expr.xreplace(values) - rate, quadratures.x, constants)
         if steps is not None:
             found, coefficient, rest, last = steps
             branches = branches_of(
@@ -317,7 +323,7 @@ def _at_rest(family: Precessions, value: sp.Expr) -> sp.Expr:
     turning = {velocity(q): e for q, e in family.quadratures.integrals.items()}
     meaning = family.quadratures.meaning
     still = {velocity(q): sp.S.Zero for q in meaning.free_symbols}
-    return family.placed(value.xreplace({**turning, **still}))
+    return family.at_colatitude(value.xreplace({**turning, **still}))
 
 
 def _fresh(system: System, quadratures: Quadratures) -> sp.Symbol:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.closed.arithmetic import compiled, precise
+from voronec.closed.arithmetic import compile_expressions, precise
 from voronec.declaration.reading import shown
 from voronec.errors import EngineLimit
 
@@ -45,14 +45,14 @@ class Strip:
 
     def places(self) -> list[Fraction]:
         """Rational values of x, one between any two neighbouring curves at ``inside``."""
-        roots = [_isolated(p, self.inside) for p in self.polys]
+        roots = [_isolate_roots(p, self.inside) for p in self.polys]
         return _between(sorted(r for own in roots for r in own))
 
     def signs(self, expr: sp.Expr) -> list[int]:
         """The sign of an expression on every curve, where it does not vanish on any."""
         found = []
         for p in self.polys:
-            own = _isolated(p, self.inside)
+            own = _isolate_roots(p, self.inside)
             x, w = p.gens
             here = {w: (self.inside, self.inside)}
             found += [(pair, sign_on(expr, {x: pair, **here})) for pair in own]
@@ -60,7 +60,7 @@ class Strip:
 
     def places_at(self, w: Fraction) -> list[tuple[Fraction, Fraction]]:
         """Isolating intervals of x of every curve at w, from below."""
-        return sorted(pair for p in self.polys for pair in _isolated(p, w))
+        return sorted(pair for p in self.polys for pair in _isolate_roots(p, w))
 
     def graphs(self) -> list[np.ndarray]:
         """x of every curve at ``abscissae``, from below."""
@@ -86,7 +86,7 @@ def strips(
     values = critical(curves, x, w, [*cuts, *(p for p in _factors(polys) if not p.has(x))])
     found = []
     for ends, inside in _intervals(values, window):
-        count = sum(len(_isolated(p, inside)) for p in curves)
+        count = sum(len(_isolate_roots(p, inside)) for p in curves)
         found.append(Strip(ends, inside, tuple(curves), count))
     return found
 
@@ -111,7 +111,7 @@ def critical(
 
 
 @cache
-def _isolated(poly: sp.Poly, w: Fraction) -> tuple[tuple[Fraction, Fraction], ...]:
+def _isolate_roots(poly: sp.Poly, w: Fraction) -> tuple[tuple[Fraction, Fraction], ...]:
     """Intervals with one root x each in (-1, 1), from below: rigorous, by ball arithmetic."""
     x, other = poly.gens
     at = poly.eval(other, sp.Rational(w.numerator, w.denominator))
@@ -152,7 +152,7 @@ def sign_on(expr: sp.Expr, at: Mapping[sp.Symbol, tuple[Fraction, Fraction]]) ->
     """
     from flint import arb
 
-    function = compiled((expr,), tuple(at))
+    function = compile_expressions((expr,), tuple(at))
     with precise(256):
         balls = [arb(_quotient(a)).union(arb(_quotient(b))) for a, b in at.values()]
         (value,) = function(balls)

@@ -22,7 +22,7 @@ from voronec.algebra.factors import in_factors
 from voronec.algebra.normal import shorten
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import exact
-from voronec.closed.request import known_parameters, named, quadratures_of
+from voronec.closed.request import known_parameters, quadratures_of, read_parameters
 from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.reading import expression, mapping, shown
 from voronec.declaration.system import System
@@ -170,7 +170,7 @@ class PseudoRegular:
         the drift of each angle by its name; ``terms`` of each series, by default all."""
         values = known_parameters(self.system, parameters or {})
         symbols = [self.place, *self.system.velocities]
-        given = _started(self.system, start)
+        given = _start_values(self.system, start)
         if missing := [str(s) for s in symbols if s not in given]:
             raise DefinitionError(
                 f"the start has no '{missing[0]}'; give values for {', '.join(map(str, symbols))}"
@@ -178,15 +178,15 @@ class PseudoRegular:
         values |= given
         k = values[self.large]
 
-        def summed(series: tuple[sp.Expr, ...]) -> float:
+        def sum_series(series: tuple[sp.Expr, ...]) -> float:
             kept = series[:terms]
             return float(sum(c.xreplace(values) / k**i for i, c in enumerate(kept)))
 
         return {
-            "frequency": float(k) * summed(self.frequency),
-            "half width": summed(self.half_width) / float(k),
-            "centre": float(given[self.place]) + summed(self.centre) / float(k),
-            **{plain_name(q): summed(series) for q, series in self.drifts.items()},
+            "frequency": float(k) * sum_series(self.frequency),
+            "half width": sum_series(self.half_width) / float(k),
+            "centre": float(given[self.place]) + sum_series(self.centre) / float(k),
+            **{plain_name(q): sum_series(series) for q, series in self.drifts.items()},
         }
 
 
@@ -208,16 +208,16 @@ def pseudo_regular(
     quadratures = quadratures_of(system)
     wanted = {plain_name(t.longitude) for t in quadratures.traces}
     kept = [q for q in quadratures.integrals if plain_name(q) in wanted]
-    given = named(system, parameters or {}) | _started(system, start or {})
+    given = read_parameters(system, parameters or {}) | _start_values(system, start or {})
     limit = _Limit(quadratures, own[plain_name(large)], terms, MappingProxyType(given))
     return PseudoRegular(
         system=system,
         large=limit.large,
         place=quadratures.x,
-        frequency=limit.spelled(limit.paces),
-        half_width=limit.spelled(limit.widths[0]),
-        centre=limit.spelled(limit.widths[1]),
-        drifts=MappingProxyType({q: limit.spelled(limit.drift(q)) for q in kept}),
+        frequency=limit.spell(limit.paces),
+        half_width=limit.spell(limit.widths[0]),
+        centre=limit.spell(limit.widths[1]),
+        drifts=MappingProxyType({q: limit.spell(limit.drift(q)) for q in kept}),
     )
 
 
@@ -236,7 +236,7 @@ class _Limit:
         x = self.values.get(self.quadratures.x)
         return _SINE if x is None else sp.sqrt(1 - x**2)
 
-    def spelled(self, series: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
+    def spell(self, series: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
         """Coefficients in x and the velocities at the beginning."""
         x = self.quadratures.x
         return tuple(shorten([e.xreplace({_SINE: sp.sqrt(1 - x**2)}) for e in series]))
@@ -286,7 +286,7 @@ class _Limit:
         return a, in_factors(c + b * middle), middle
 
     @cached_property
-    def perturbed(self) -> list[sp.Expr]:
+    def perturbations(self) -> list[sp.Expr]:
         """G1, G2, ... in y."""
         middle = self.harmonic[2]
         return [sp.expand(g.as_expr().subs(_ETA, middle + _Y)) for g in self.whole[1:]]
@@ -295,7 +295,7 @@ class _Limit:
     def cycle(self) -> list[sp.Expr]:
         """The integral of G^(-1/2) around the interval over 2 pi: 1/frequency, in e / k."""
         a, D, _ = self.harmonic
-        return around([sp.S.One], self.perturbed, a, D, _Y, self.terms)
+        return around([sp.S.One], self.perturbations, a, D, _Y, self.terms)
 
     @cached_property
     def paces(self) -> list[sp.Expr]:
@@ -306,14 +306,14 @@ class _Limit:
     def widths(self) -> tuple[list[sp.Expr], list[sp.Expr]]:
         """Half width and centre of the interval of eta."""
         a, D, middle = self.harmonic
-        half, centre = half_width(self.perturbed, a, D, _Y, self.terms)
+        half, centre = half_width(self.perturbations, a, D, _Y, self.terms)
         return half, [centre[0] + middle, *centre[1:]]
 
     def drift(self, angle: Any) -> list[sp.Expr]:
         """The mean rate of an angle."""
         a, D, _ = self.harmonic
         rate = self._rate(self.quadratures.integrals[angle])
-        over = shorten(around(rate, self.perturbed, a, D, _Y, self.terms))
+        over = shorten(around(rate, self.perturbations, a, D, _Y, self.terms))
         return product(over, self.paces, self.terms)
 
     def _rate(self, rate: sp.Expr) -> list[sp.Expr]:
@@ -349,7 +349,7 @@ _E, _ETA, _Y = sp.Symbol("e_", positive=True), sp.Symbol("eta_"), sp.Symbol("y_"
 _SINE = sp.Symbol("sine_", positive=True)
 
 
-def _started(system: System, start: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
+def _start_values(system: System, start: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
     """x and velocities at the beginning, by their symbols."""
     own = {plain_name(s): s for s in (quadratures_of(system).x, *system.velocities)}
     found = {}

@@ -54,14 +54,14 @@ def remarkable(family: Precessions) -> Remarkable:
     matrix = sp.Matrix([[sp.diff(b, v) for v in velocities] for b in linear])
     (angle,) = family.quadratures.meaning.free_symbols
     x = family.place
-    kernel = family.placed(matrix).applyfunc(sp.simplify).nullspace()
+    kernel = family.at_colatitude(matrix).applyfunc(sp.simplify).nullspace()
     if len(kernel) != 1:
         raise EngineLimit(f"the linear part vanishes in {len(kernel)} directions, not in one")
     whole = sp.lcm_list([sp.denom(sp.together(e)) for e in kernel[0]])
     along = {v: sp.cancel(e * whole) for v, e in zip(velocities, kernel[0], strict=True)}
-    if family.placed(rates[angle]).xreplace(along).simplify() != 0:
+    if family.at_colatitude(rates[angle]).xreplace(along).simplify() != 0:
         raise EngineLimit("x is not constant where the linear part vanishes")
-    square = [family.placed(parts[v].coeff(scale, 2)).xreplace(along) for v in velocities]
+    square = [family.at_colatitude(parts[v].coeff(scale, 2)).xreplace(along) for v in velocities]
     energy = system.integrals.get("energy")
     if energy is None:
         raise EngineLimit(f"system '{system.name}' declares no integral 'energy'")

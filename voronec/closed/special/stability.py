@@ -20,7 +20,7 @@ from voronec.closed.arithmetic import ball, exact, precise
 from voronec.declaration.quadratures import Quadratures
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Stability", "decided", "sign_of"]
+__all__ = ["Stability", "decide_stability", "sign_of"]
 
 PRECISIONS = (64, 256, 1024, 4096)
 
@@ -64,7 +64,7 @@ def sign_of(value: Any) -> int:
     raise EngineLimit(f"the sign of '{number}' is not decided with {PRECISIONS[-1]} bits")
 
 
-def decided(
+def decide_stability(
     quadratures: Quadratures,
     constants: Mapping[Any, Any],
     parameters: Mapping[Any, Any],
