@@ -79,6 +79,12 @@ SKETCH = (
 place = sp.Matrix([r * sp.cos(phi), r * sp.sin(phi), c * r**2 / 2])
 touched = place - R * sp.Matrix([-c * r * sp.cos(phi), -c * r * sp.sin(phi), 1]) / q
 
+frame = Frame.quasi({v: Dr, w: Dphi, s: normal})
+constraints = (R * around - (1 + c**2 * r**2) * Dr / q, R * meridian + r * Dphi)
+at_the_vertex = kinematics.cartesian_chart(
+    (r, phi), kinetic - potential, constraints, frame, unit=R, near={beta: 1}
+)
+
 SYSTEM = System(
     name="ball-on-paraboloid",
     title="Ball whose centre moves on a paraboloid",
@@ -86,9 +92,9 @@ SYSTEM = System(
     "its centre moves on a paraboloid.",
     sketch=SKETCH,
     fibration=Fibration(base=(r, phi, psi), fibre=(alpha, beta)),
-    frame=Frame.quasi({v: Dr, w: Dphi, s: normal}),
+    frame=frame,
     lagrangian=kinetic - potential,
-    constraints=(R * around - (1 + c**2 * r**2) * Dr / q, R * meridian + r * Dphi),
+    constraints=constraints,
     meanings={
         r: "distance of the centre from the vertical axis",
         phi: "azimuth of the centre",
@@ -124,6 +130,7 @@ SYSTEM = System(
         ),
     },
     essential=(r, v, w, s),
+    charts={"at the vertex": at_the_vertex},
     scenes={
         "default": Scene(
             initial={

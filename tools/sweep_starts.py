@@ -276,8 +276,9 @@ class Bench:
         """Off by how much the start is that the referee comes from, and what is allowed: what is
         regular at the place is followed back to it, and drawn on to zero by a polynomial."""
         m, names = self.referee.mechanics, self._regular_names
-        if self.system.charts:  # their frames may turn with coordinates that are free at a pole
-            names = tuple(self.system.invariants)
+        # frames of charts may turn with coordinates that are free at a pole
+        turned = {name for chart in self.system.charts.values() for name in chart.state}
+        names = tuple(name for name in names if name not in turned)
         if not names:
             raise Unsupported("nothing is known to be regular there")
         q = [start.place[n] for n in self.names]
@@ -291,7 +292,8 @@ class Bench:
         reader = self.referee.reader([m.own(e) for e in self.system.invariants.values()])
         still = [mp.mpf(0)] * len(m.w)
         there = reader(0.0, [*map(mp.mpf, q), *still], self.values)
-        here = [float(x) for x in (*v, *there)][-len(names) :]
+        known = dict(zip(self._regular_names, (*v, *there), strict=True))
+        here = [float(known[name]) for name in names]
         bounds = LOOSE * np.maximum(1.0, np.abs(here)) + 10 * np.abs(drawn - rougher)
         gaps = np.abs(drawn - here)
         return dict(zip(names, zip(gaps, bounds, strict=True), strict=True))

@@ -30,6 +30,7 @@ from voronec.kinematics.meanings import (
     moving_meanings,
     vector_meanings,
 )
+from voronec.kinematics.polar import cartesian_chart
 from voronec.kinematics.poles import turned_poles
 from voronec.kinematics.revolution import BodyOfRevolution
 from voronec.kinematics.rolling import RollingContact
@@ -63,6 +64,7 @@ __all__ = [
     "SymmetricBallMotion",
     "axial_rotor",
     "ball_sketch",
+    "cartesian_chart",
     "contact_meanings",
     "contact_momentum",
     "disc_sketch",

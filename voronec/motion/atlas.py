@@ -273,14 +273,24 @@ class Atlas:
         """The directions (k, n) in which the own coordinates at their singularity may change while
         a chart sees the same state: null vectors of its map, by differences, k > 1 where several
         bodies are at poles; each is 1 where its largest entry is, and the others are 0 there."""
-        columns = []
-        for i in range(len(state)):
-            shift = np.eye(len(state))[i] * DIFFERENCE
-            ahead, behind = (self._maps[name](time, state + s * shift) for s in (1, -1))
-            columns.append(self.without_turns(ahead - behind) / (2 * DIFFERENCE))
-        _, sizes, rows = np.linalg.svd(np.array(columns).T)
+        _, sizes, rows = np.linalg.svd(self._slopes(name, time, state))
         count = max(1, int((sizes < BLIND * sizes.max()).sum()))
         return np.where(self.angles, np.round(_reduced(rows[-count:]), 6), 0)
+
+    def idle(self, name: str, time: Any, state: np.ndarray) -> list[str]:
+        """The variables, but angles, whose values at a singularity of the own coordinates say
+        nothing of the state that a chart sees: a rate of phi where r = 0."""
+        sizes = np.abs(self._slopes(name, time, state)).max(axis=0)
+        nothing = (sizes < BLIND * sizes.max()) & ~self.angles
+        return [str(x) for x, n in zip(self.problem.program.state, nothing, strict=True) if n]
+
+    def _slopes(self, name: str, time: Any, state: np.ndarray) -> np.ndarray:
+        """The slopes (n, n) of the map to a chart, by differences."""
+        columns = []
+        for shift in np.eye(len(state)) * DIFFERENCE:
+            ahead, behind = (self._maps[name](time, state + s * shift) for s in (1, -1))
+            columns.append(self.without_turns(ahead - behind) / (2 * DIFFERENCE))
+        return np.array(columns).T
 
     def without_turns(self, steps: np.ndarray) -> np.ndarray:
         """Steps (..., n) between states, those of angles without whole turns."""

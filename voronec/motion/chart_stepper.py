@@ -91,6 +91,7 @@ class _Journey:
     crossings: dict[str, list[tuple[np.ndarray, np.ndarray]]] = field(default_factory=dict)
     stretches: list[_Stretch] = field(default_factory=list)
     touched: list[float] = field(default_factory=list)
+    still: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.last = self.atlas.problem.start
@@ -191,6 +192,7 @@ class _Journey:
         begin = self.last[None, :]
         if self.atlas.distances(times[:1], begin)[0] >= APART:
             return rows
+        self.still += self.atlas.idle(place.name, times[0], self.last)
         there = self.atlas.distances(times, rows) < TOUCH
         there[0] = True
         left = np.flatnonzero(~there)
@@ -228,10 +230,16 @@ class _Journey:
     @property
     def notes(self) -> tuple[str, ...]:
         """What is to be said of the run."""
+        said = tuple(
+            f"the motion starts where the coordinates are singular: '{name}' has no meaning there, "
+            "and the value given no effect"
+            for name in self.still
+        )
         if not self.touched:
-            return ()
+            return said
         often = f", the first of {len(self.touched)} times" if len(self.touched) > 1 else ""
         return (
+            *said,
             f"at t = {self.touched[0]:.12g}{often} the motion passes through a pole of the "
             "coordinates: angles after it are known up to whole turns",
         )

@@ -217,10 +217,15 @@ def _split_chart(system: System, chart: Chart) -> Chart:
     frame = chart.changes.get("frame", system.frame)
     quasi = set() if frame is None else {plain_name(v) for v in frame.velocities}
     changes = {name: e for name, e in chart.changes.items() if name != "frame"}
+
+    def own(values: Mapping[str, Any]) -> dict[str, Any]:
+        return {name: e for name, e in values.items() if name not in quasi}
+
     return replace(
         chart,
-        state={name: e for name, e in chart.state.items() if name not in quasi},
-        back={name: e for name, e in chart.back.items() if name not in quasi},
+        state=own(chart.state),
+        back=own(chart.back),
+        twins=tuple(map(own, chart.twins)),
         changes=_spelled(system, frame, changes),
     )
 

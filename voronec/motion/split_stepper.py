@@ -332,7 +332,7 @@ class SplitRun:
             halted=last.halt.reason if last.halt is not None else "",
             interrupted=last.interrupted,
             within=(lambda times: self._inside(times, cost)) if self.dense else None,
-            notes=(*self.notes, *self.told),
+            notes=(*dict.fromkeys((*self.notes, *(n for r in runs for n in r.notes), *self.told)),),
         )
 
     def failure(self, split: SplitModel, halt: Halt, busy: float) -> IntegrationError:
