@@ -105,7 +105,7 @@ def test_what_is_singular_on_the_axis_has_no_such_chart() -> None:
         vo.kinematics.cartesian_chart((r, phi), kinetic + 1 / r**2)
     with pytest.raises(vo.DefinitionError, match="give both, or neither"):
         vo.kinematics.cartesian_chart((r, phi), kinetic, frame=vo.Frame.quasi({v: dr, w: r * dphi}))
+    s = sp.Symbol("s")
+    sliding = vo.velocity(s) - dphi
     with pytest.raises(vo.DefinitionError, match="the constraints are singular where r = 0"):
-        s = sp.Symbol("s")
-        sliding = vo.velocity(s) - dphi
         vo.kinematics.cartesian_chart((r, phi), kinetic + vo.velocity(s) ** 2, [sliding])
