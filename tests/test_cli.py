@@ -155,13 +155,21 @@ def test_derive_as_json_is_what_the_equations_hold(call: Call) -> None:
     assert data["mass"] == [["B + R**2*m", "0"], ["0", "C"]]
 
 
-def test_equations_too_wide_for_the_terminal_are_told_entry_by_entry(
+def test_equations_too_wide_for_the_terminal_go_on_in_further_lines(
     call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("COLUMNS", "30")
-    lines = call("derive", "sleigh").out.splitlines()
-    assert "  mass[2, 2]  = J + a^2*m" in lines
-    assert "  force[2]    = -a*m*v*w" in lines
+    monkeypatch.setenv("COLUMNS", "60")
+    lines = call("derive", "roller-racer").out.splitlines()
+    begin = lines.index("equations of motion, mass * d(v, w)/dt = force") + 1
+    rows = lines[begin : lines.index("", begin)]
+    assert all(len(row) <= 60 for row in rows) and len(rows) > 4
+    assert rows[0].startswith("  (I2*sin(phi)^2 + b^2*m)/b^2*dv/dt")
+    assert rows[1].startswith("      - I2*a*sin(phi)*cos(phi)/b^2*dw/dt")
+
+
+def test_equations_that_would_fill_a_screen_are_told_entry_by_entry(call: Call) -> None:
+    lines = call("derive", "rattleback").out.splitlines()
+    assert any(line.startswith("  mass[2, 3]  = b^2*c^2*m*sin(theta)") for line in lines)
 
 
 # -- run ---------------------------------------------------------------------------------------

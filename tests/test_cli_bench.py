@@ -10,6 +10,8 @@ from typing import Any
 import pytest
 from command_line import Call, refused
 
+import voronec as vo
+from voronec.accuracy.bench import ask
 from voronec.accuracy.bench.call_stages import OTHER, STAGES
 from voronec.accuracy.bench.contender import NotHere
 from voronec.accuracy.bench.runs import CONTENDERS
@@ -38,7 +40,7 @@ QUICK = ("--methods", "scipy,dop853-lambdify-coordinates", "--tols", "1e-5,1e-9"
 @pytest.fixture(autouse=True)
 def no_processes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Set-up is measured in fresh processes, which other tests start."""
-    monkeypatch.setattr("voronec.accuracy.bench.measure_setup", lambda *_: None)
+    monkeypatch.setattr("voronec.accuracy.bench.measure_setup", lambda *_, **__: None)
 
 
 @pytest.fixture
@@ -155,3 +157,39 @@ def test_a_call_that_fails_says_why(call: Call, spring: str) -> None:
     answer = call("bench", spring, "--setup", "--scene", "nope")
     assert answer.status == 2 and "has no scene 'nope'" in answer.err
     assert "DefinitionError" not in answer.err and answer.err.count("\n") == 1
+
+
+PUSHED = """
+name = "pushed"
+lagrangian = "xdot^2/2"
+inputs = { u = "push" }
+[coordinates]
+x = "place"
+[forces]
+x = "u"
+[scenes.default]
+initial = { x = 1 }
+times = [0, 1]
+inputs = { u = { times = [0, 1], values = [3, 3], kind = "held" } }
+"""
+
+
+def test_inputs_are_given_to_every_method(call: Call) -> None:
+    Path("pushed.toml").write_text(PUSHED)
+    answer = call("bench", "pushed.toml", *QUICK, "--input", "u=6*t", "--json")
+    assert answer.status == 0 and answer.err == ""
+    for method in json.loads(answer.out)["methods"]:
+        assert method["points"][-1]["error"] < 1e-8
+    question = vo.load("pushed.toml"), None, ("x",), None, {}, {}
+    end = ask(*question, inputs={"u": "6*t"})
+    run = vo.integrate(end.equations, end.bare, times=end.grid)
+    assert abs(run["x"][-1] - 2) < 1e-12  # 1 + t^3
+
+
+def test_tables_are_not_for_a_comparison_of_methods(call: Call) -> None:
+    Path("pushed.toml").write_text(PUSHED)
+    answer = call("bench", "pushed.toml")
+    assert answer.status == 2 and "takes numbers and expressions of t for inputs" in answer.err
+    Path("u.csv").write_text("0,1\n1,2\n")
+    answer = call("bench", "pushed.toml", "--input", "u=u.csv")
+    assert answer.status == 2 and "--input u: most methods take no table" in answer.err

@@ -18,7 +18,7 @@ def test_the_text_names_every_variable_with_its_reason() -> None:
     assert "the smallest model for u, v" in text
     assert "first integral 'axial'" in text and "theta, u1, v1" in text
     assert "no output depends on it" in text and "chosen" in text
-    assert "integrals that can be followed: energy" in text
+    assert "declared integrals that can be followed: energy" in text
 
 
 @pytest.mark.slow

@@ -128,7 +128,7 @@ def test_a_broken_plugin_is_a_warning_and_a_mark(wheel_home: Path) -> None:
     marks = {line.split()[0]: line.split("  ")[-1] for line in answer.stdout.splitlines()}
     assert marks["plugin-broken"].strip() == "broken"
     assert marks["plugin-lost"].strip() == "broken"
-    assert marks["plugin-sled"].strip() == "unvalidated, from voronec-plugin"
+    assert marks["plugin-sled"].strip() == "no claims, from voronec-plugin"
     warnings = answer.stderr.splitlines()
     assert len(warnings) == 2
     assert all(line.startswith("voronec: warning: system 'plugin-") for line in warnings)

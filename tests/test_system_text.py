@@ -242,3 +242,54 @@ def test_both_files_of_a_mechanism_declare_the_same(tmp_path: Path, mechanism: o
         assert getattr(ours, part) == getattr(theirs, part), part
     assert {*ours.coordinates} == {*theirs.coordinates}
     assert ours.scenes["default"].initial == theirs.scenes["default"].initial
+
+
+PUSHED = """
+name = "pushed"
+lagrangian = "xdot^2/2"
+inputs = { u = "push" }
+[coordinates]
+x = "place"
+[forces]
+x = "u"
+[scenes.default]
+times = [0, 1]
+inputs = { u = @ }
+"""
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "\ufefft;u\r\n0;0,5\r\n1;2\r\n",
+        "time,push\n0,1/2\n\n1,2\n",
+        "0\t0.5\n1\t2",
+    ],
+)
+def test_a_table_may_stand_in_a_file_beside_the_text(tmp_path: Path, table: str) -> None:
+    (tmp_path / "u.csv").write_text(table, "utf-8")
+    run = vo.integrate(vo.load(written(tmp_path, PUSHED.replace("@", '{ file = "u.csv" }'))))
+    assert abs(run["x"][-1] - 0.5) < 1e-12  # 1/2 t^2/2 + 3/2 t^3/6
+    assert abs(run["xdot"][-1] - 1.25) < 1e-12
+
+
+def test_a_table_may_stand_in_the_scene(tmp_path: Path) -> None:
+    table = '{ times = [0, "1/2"], values = [4, 0], kind = "held" }'
+    run = vo.integrate(vo.load(written(tmp_path, PUSHED.replace("@", table))))
+    assert abs(run["x"][-1] - 1.5) < 1e-12  # 4 t^2/2 up to 1/2, then at the speed 2
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ("{ times = [0, 1] }", "line 11, column 16: scenes.default.inputs.u: expected { times ="),
+        ('{ file = "no.csv" }', "scenes.default.inputs.u.file: a table: there is no file '"),
+        ('{ file = "three.csv" }', "row 2 of '"),
+        ('{ file = "u.csv", kind = "lineal" }', "did you mean 'linear'?"),
+        ('{ times = [0, "x"], values = [1, 2] }', "column 30: scenes.default.inputs.u.times, entry 2: 'x' is not a number"),
+    ],
+)
+def test_a_table_that_cannot_be_read_is_refused(tmp_path: Path, table: str, message: str) -> None:
+    (tmp_path / "three.csv").write_text("t,u,v\n0,1,2\n", "utf-8")
+    (tmp_path / "u.csv").write_text("0,1\n1,2\n", "utf-8")
+    assert message in wrong(tmp_path, PUSHED.replace("@", table))

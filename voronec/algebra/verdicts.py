@@ -298,11 +298,18 @@ def all_vanish(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> bool:
 
 def witness_at(point: dict[Any, Any], left: Any, right: Any) -> Witness:
     """A point with two values there."""
-    named = {str(atom): _digits(value, DIGITS) for atom, value in point.items()}
+    name = _plain if len({*map(_plain, point)}) == len(point) else str
+    named = {name(atom): _digits(value, DIGITS) for atom, value in point.items()}
     digits = DIGITS
     while _digits(left, digits) == _digits(right, digits) and digits < 300:
         digits += 10  # show where they part
     return Witness(named, _digits(left, digits), _digits(right, digits))
+
+
+def _plain(atom: Any) -> str:
+    """What is called x where it is x(t): the time adds nothing."""
+    name = str(atom)
+    return name.removesuffix("(t)") if name.removesuffix("(t)").isidentifier() else name
 
 
 def _digits(value: Any, digits: int) -> str:

@@ -15,6 +15,7 @@ from pathlib import Path
 from traceback import extract_tb
 
 from voronec.cli.arguments import command_parser
+from voronec.cli.option_wording import as_options
 from voronec.errors import DefinitionError, VoronecError, printable
 
 __all__ = ["main"]
@@ -29,9 +30,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         finally:
             sys.stdout.flush()
     except DefinitionError as error:
-        return _fail(str(error), 2)
+        return _fail(as_options(str(error)), 2)
     except VoronecError as error:
-        return _fail(str(error), 1)
+        return _fail(as_options(str(error)), 1)
     except BrokenPipeError:
         _abandon_output()  # the reader (say, head) has what it wanted
         return 0

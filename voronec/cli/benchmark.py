@@ -12,7 +12,7 @@ from voronec.algebra.columns import columns
 from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import print_json, progress
 from voronec.cli.subject import resolve
-from voronec.cli.values import finite, pair, split_values
+from voronec.cli.values import finite, input_values, pair, split_values
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -36,12 +36,20 @@ def execute(arguments: Namespace) -> int:
     time = None if arguments.time is None else finite(arguments.time, "--time")
     if time is not None and time <= 0:
         raise DefinitionError(f"--time {arguments.time}: give a length of time above zero")
-    if arguments.setup:
-        return _show_calls(arguments, time, tolerances)
-    pairs = [pair(text) for text in arguments.set]
+    pairs, inputs = [pair(text) for text in arguments.set], input_values(arguments.input)
     system, _ = resolve(arguments.system)
-    folder = wanted_folder(arguments.out or f"{system.name}-bench")
     parameters, initial = split_values(system, pairs)
+    given = {"parameters": parameters, "initial": initial, "inputs": inputs}
+    tables = [name for name, value in inputs.items() if not isinstance(value, str)]
+    if tables:
+        raise DefinitionError(
+            f"--input {tables[0]}: most methods take no table; give a formula of t, as "
+            f"{tables[0]}=sin(t)"
+        )
+    values = {kind: {k: str(v) for k, v in found.items()} for kind, found in given.items()}
+    if arguments.setup:
+        return _show_calls(arguments, system.name, time, tolerances, values)
+    folder = wanted_folder(arguments.out or f"{system.name}-bench")
     from voronec.accuracy.bench import ask, measure, measure_setup
     from voronec.accuracy.bench.runs import contenders
 
@@ -50,10 +58,12 @@ def execute(arguments: Namespace) -> int:
     outputs = tuple(_words(arguments.outputs))
     try:
         progress(f"{system.name}: deriving ...")
-        question = ask(system, arguments.scene, outputs, time, parameters, initial)
+        question = ask(system, arguments.scene, outputs, time, **given)
         bench = measure(
             question, methods, tolerances,
-            setup=lambda: measure_setup(arguments.system, arguments.scene, question.outputs),
+            setup=lambda: measure_setup(
+                arguments.system, arguments.scene, question.outputs, values=values
+            ),
             say=lambda text: progress(f"{system.name}: {text} ..."),
         )  # fmt: skip
     finally:
@@ -66,27 +76,32 @@ def execute(arguments: Namespace) -> int:
     return 130 if bench.interrupted else 0
 
 
-def _show_calls(arguments: Namespace, time: float | None, tolerances: list[float]) -> int:
+def _show_calls(
+    arguments: Namespace,
+    name: str,
+    time: float | None,
+    tolerances: list[float],
+    values: dict[str, dict[str, str]],
+) -> int:
     """Print where the time of whole calls goes."""
     from voronec.accuracy.bench import measure_calls
 
-    system, _ = resolve(arguments.system)
     try:
-        progress(f"{system.name}: calls in two fresh processes ...")
+        progress(f"{name}: calls in two fresh processes ...")
         found = measure_calls(
-            arguments.system, arguments.scene, time, (tolerances or [TOLERANCE])[0]
+            arguments.system, arguments.scene, time, (tolerances or [TOLERANCE])[0], values
         ).as_dict()
     finally:
         progress("")
     if arguments.json:
-        print_json({"system": system.name, "seconds": found})
+        print_json({"system": name, "seconds": found})
         return 0
     stages = sorted(
         {s for d in found.values() for s in d}, key=lambda s: -found["first ever"].get(s, 0)
     )
     rows = [[s, *(f"{1e3 * d.get(s, 0.0):.1f}" for d in found.values())] for s in stages]
     rows.append(["together", *(f"{1e3 * sum(d.values()):.1f}" for d in found.values())])
-    print(f"{system.name}: a whole call of integrate, milliseconds of the processor")
+    print(f"{name}: a whole call of integrate, milliseconds of the processor")
     print("\n".join(columns([["stage", *found], *rows])))
     print("first in a process: heyoka finds on disk what it has compiled; both with imports")
     return 0

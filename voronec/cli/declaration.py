@@ -289,7 +289,7 @@ def _claim_lines(claims: list[dict[str, str]]) -> list[str]:
         if "printed" in claim:
             words = f"not {claim['printed']}, as printed in {claim['source']}"
             rows.append(["", "", words])
-    return columns(rows, "  ") or ["  none: unvalidated"]
+    return columns(rows, "  ") or ["  none: nothing is proved of it"]
 
 
 def _scene_lines(scenes: dict[str, dict[str, Any]]) -> list[str]:

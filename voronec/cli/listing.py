@@ -65,7 +65,7 @@ def _mark(row: dict[str, Any], with_paper: list[str]) -> str:
     if row["trouble"]:
         return "broken"
     counted = [(row["claims"], "claim"), (row["relations"], "relation")]
-    words = [f"{n} {word}{'s' * (n != 1)}" for n, word in counted if n] or ["unvalidated"]
+    words = [f"{n} {word}{'s' * (n != 1)}" for n, word in counted if n] or ["no claims"]
     if row["name"] in with_paper:
         words.append("paper")
     if row["distribution"] != "voronec":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.text import formula
@@ -139,29 +140,12 @@ def input_values(texts: Iterable[str]) -> dict[str, Any]:
 
 
 def _table(path: str, kind: str, place: str) -> Any:
-    """A table of two columns, times and values; a first line in words is passed over."""
-    import csv
-
+    """The table that a file holds."""
+    from voronec.declaration.table_file import read_table
     from voronec.motion.tables import Table
 
+    times, values = read_table(Path(path), place)
     try:
-        with open(path, newline="", encoding="utf-8") as file:
-            lines = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or "it is no text of commas and lines"
-        raise DefinitionError(f"{place}: '{path}' cannot be read: {reason}") from None
-    if lines and not any(c.isdigit() for cell in lines[0] for c in cell):
-        lines = lines[1:]
-    for number, row in enumerate(lines, start=1):
-        if len(row) != 2:
-            raise DefinitionError(
-                f"{place}: row {number} of '{path}' has {len(row)} columns; give a time and a value"
-            )
-    columns = [
-        [finite(row[k].strip(), f"{place}: row {i} of '{path}'") for i, row in enumerate(lines, 1)]
-        for k in (0, 1)
-    ]
-    try:
-        return Table(columns[0], columns[1], kind)
+        return Table(times, values, kind)
     except DefinitionError as error:
         raise DefinitionError(f"{place}: {error}") from None

@@ -24,11 +24,12 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, time, velocity
-from voronec.algebra.text import CHARACTERS, FUNCTION_NAMES, formula
+from voronec.algebra.text import CHARACTERS, FUNCTION_NAMES, exact_number, formula
 from voronec.declaration.claims import Case, Equation, Measure
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.scene import Parameter, Scene
 from voronec.declaration.system import System
+from voronec.declaration.table_file import KINDS, read_table
 from voronec.declaration.text_file import Item, read_toml
 from voronec.errors import DefinitionError, did_you_mean, shown
 
@@ -347,7 +348,8 @@ class _Text:
             ("inputs", ("an input",)),
         ):
             entries = inner[key].table().values() if key in inner else ()
-            said[key] = {self._known(i, *roles): self._formula(i) for i in entries}
+            read = self._input_value if key == "inputs" else self._formula
+            said[key] = {self._known(i, *roles): read(i) for i in entries}
         if "times" in inner:
             said["times"] = tuple(i.scalar() for i in inner["times"].several())
         if "outputs" in inner:
@@ -356,6 +358,24 @@ class _Text:
             said["caption"] = inner["caption"].text()
         where = inner.get("times", item)
         return self._made(where, Scene, **said)
+
+    def _input_value(self, item: Item) -> Any:
+        """A formula; or a table, as its times, its values and how it goes on between them."""
+        if not isinstance(item.value, dict):
+            return self._formula(item)
+        inner = item.table(("times", "values", "file", "kind"))
+        kind = self._among(inner["kind"], KINDS, "kind") if "kind" in inner else "linear"
+        if "file" in inner and not {"times", "values"} & inner.keys():
+            name = inner["file"]
+            path = Path(item.source.name).parent / name.text()
+            return (*self._made(name, read_table, path, "a table"), kind)
+        if {"times", "values"} != inner.keys() - {"kind"}:
+            item.wrong('expected { times = [0, 1], values = [2, 0] } or { file = "u.csv" }')
+        columns = (inner[key].several() for key in ("times", "values"))
+        return (*([float(self._number(i)) for i in column] for column in columns), kind)
+
+    def _number(self, item: Item) -> Any:
+        return self._made(item, exact_number, item.scalar(), item.title)
 
     def _output(self, item: Item) -> Any:
         return item.text() if OUTPUT.fullmatch(item.scalar()) else self._formula(item)

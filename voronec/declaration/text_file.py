@@ -141,7 +141,7 @@ class Item:
         if isinstance(error, NotAFormula):
             near = f" at '{shown(error.near)}'" if error.near else ""
             self.wrong(f"not a formula{near}: {error.why}", start + error.column - 1)
-        self.wrong(str(error))
+        self.wrong(str(error).removeprefix(f"{self.title}: "))
 
     def _said(self) -> str:
         kinds = {dict: "a table", list: "an array", bool: "true or false", int: "a number"}

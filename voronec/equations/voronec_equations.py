@@ -7,11 +7,13 @@ How they are printed and exported; what they are made of stands in ``derived_equ
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -61,14 +63,20 @@ def _latex(eqs: VoronecEquations, expr: sp.Expr) -> str:
 
 WIDTH = 100
 """Characters in a line, unless told."""
+SCREEN = 2000
+"""How many letters of equations are written out row by row, however wide the rows are."""
+ALIGNED = 32
+"""How long a left side may be for others to be aligned with it."""
+WORDS_STAY: Any = {"break_long_words": False, "break_on_hyphens": False}
 
 
 def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
     """What kind of system it is, the motion of the coordinates, the equations of motion and the
     curvature, line by line.
 
-    Rows of mass * vdot = force that are wider than ``width`` are written entry by entry.  A system
-    too large for the exact normal form has no more than its kind.
+    Rows of mass * vdot = force that are wider than ``width`` go on in further lines, and are
+    written entry by entry where they would fill a screen.  A system too large for the exact normal
+    form has no more than its kind.
     """
     system = eqs.system
     lines = [f"{system.name}: {system.title}" if system.title else system.name, ""]
@@ -110,16 +118,27 @@ def _facts(eqs: VoronecEquations) -> list[list[str]]:
 
 
 def _motion(eqs: VoronecEquations, width: int) -> list[str]:
-    """The rows of mass * vdot = force; where they are too wide, the entries one by one."""
+    """The rows of mass * vdot = force; those that are too wide go on in further lines, and what
+    would fill a screen is written entry by entry."""
     size = range(len(eqs.velocities))
     rates = [f"d{caret_text(v)}/dt" for v in eqs.velocities]
     left = [" + ".join(_terms(eqs.mass.row(i), rates)) or "0" for i in size]
+    left = [text.replace(" + -", " - ") for text in left]
     rows = equation_rows(zip(left, map(caret_text, eqs.force), strict=True))
     if all(len(row) < width for row in rows):
         return rows
+    if sum(map(len, rows)) <= SCREEN:
+        return [line for row in rows for line in _broken(row, width)]
     mass = [(i, j, eqs.mass[i, j]) for i in size for j in size if i <= j and eqs.mass[i, j] != 0]
     pairs = [(f"mass[{i + 1}, {j + 1}]", caret_text(e)) for i, j, e in mass]
     return equation_rows(pairs + [(f"force[{i + 1}]", caret_text(eqs.force[i])) for i in size])
+
+
+def _broken(row: str, width: int) -> Iterator[str]:
+    """An equation in lines that end before a sign."""
+    bound = re.sub(r" ([+-]) ", " \\1\N{NO-BREAK SPACE}", row)
+    lines = wrap(bound, width, subsequent_indent=" " * 6, **WORDS_STAY)
+    return (line.replace("\N{NO-BREAK SPACE}", " ") for line in lines)
 
 
 def _terms(row: Any, rates: list[str]) -> Iterator[str]:
@@ -135,8 +154,10 @@ def _names(eqs: VoronecEquations) -> str:
 
 
 def equation_rows(pairs: Iterable[tuple[str, str]]) -> list[str]:
-    """Left and right sides as aligned lines."""
-    return columns(([left, "= " + right] for left, right in pairs), "  ")
+    """Left and right sides as lines, aligned but for left sides that are long."""
+    found = [*pairs]
+    wide = max((len(left) for left, _ in found if len(left) <= ALIGNED), default=0)
+    return [f"  {left.ljust(wide)}  = {right}" for left, right in found]
 
 
 def _curvature_rows(eqs: VoronecEquations) -> list[str]:

@@ -86,7 +86,8 @@ def drive(
     if signals and steady:
         raise DefinitionError(
             f"system '{original.name}': {steady} takes numbers and expressions of t for inputs, "
-            f"not what '{signals[0].name}' is given; integrate the motions one by one"
+            f"not what '{signals[0].name}' is given; give one of these, or integrate "
+            "the motions one by one"
         )
     meaning = {thing: expr for each in found for thing, expr in each.meaning.items()}
     constants = {name: x for each in found for name, x in each.constants.items()}
@@ -155,7 +156,7 @@ def _read(system: System, u: sp.Expr, values: Mapping[str, Any]) -> sp.Expr | Si
     if isinstance(value, str):
         known = {plain_name(s): s for s in system.known_symbols()}
         value = formula(value, place, known)
-    elif isinstance(value, tuple) and len(value) == 2:
+    elif isinstance(value, tuple) and len(value) in (2, 3):
         value = Table(*value)
     rates = [values[k] for k in (f"{name}dot", f"{name}dotdot") if k in values]
     if isinstance(value, Table) or not callable(value):

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from voronec.declaration.reading import doubles
+from voronec.declaration.table_file import KINDS
 from voronec.errors import DefinitionError
 from voronec.motion.steppers.signals import Signal
 
 __all__ = ["Table"]
 
-DEGREES = {"held": 0, "linear": 1, "cubic": 3}
+DEGREES = dict(zip(KINDS, (0, 1, 3), strict=True))
 """The degree of the polynomial between two instants."""
 
 

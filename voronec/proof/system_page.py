@@ -193,7 +193,7 @@ def _display(latex: str, system: System) -> str:
 def _claims(system: System, found: Result) -> Iterator[str]:
     yield "## Claims"
     if not found.findings:
-        yield "None: the system is unvalidated."
+        yield "None."
         return
     for finding in found.findings:
         yield f"**{finding.kind}: {finding.name}** - {_standing(finding)}"

@@ -15,7 +15,7 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import process_time
-from types import FrameType
+from types import FrameType, MappingProxyType
 from typing import Any
 
 from voronec.errors import DefinitionError
@@ -64,16 +64,22 @@ class CallStages:
 
 
 def measure_calls(
-    subject: str, scene: str | None, time: float | None, tolerance: float
+    subject: str,
+    scene: str | None,
+    time: float | None,
+    tolerance: float,
+    values: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
 ) -> CallStages:
-    """The stages of calls for a system by name or file.
+    """The stages of calls for a system by name or file; ``values`` are ``parameters``, ``initial``
+    and ``inputs`` of ``integrate``, as text.
 
     Raises ``DefinitionError`` where the system keeps no such clock, as Windows, or a call fails.
     """
     if not hasattr(signal, "setitimer"):
         raise DefinitionError("stages are told apart by a clock of Linux and macOS; run it there")
     with tempfile.TemporaryDirectory() as cache:
-        words = [subject, scene or "", "" if time is None else repr(time), repr(tolerance), cache]
+        span = "" if time is None else repr(time)
+        words = [subject, scene or "", span, repr(tolerance), cache, json.dumps(dict(values))]
         unknown, known = _process(words), _process(words)
     return CallStages(unknown["first"], known["first"], known["second"])
 
@@ -126,8 +132,8 @@ def _stage(frame: FrameType | None) -> str:
 
 
 def _main(words: list[str]) -> None:
-    """In the fresh process: NAME|FILE SCENE TIME TOLERANCE CACHE."""
-    subject, scene, time, tolerance, cache = words
+    """In the fresh process: NAME|FILE SCENE TIME TOLERANCE CACHE VALUES."""
+    subject, scene, time, tolerance, cache, values = words
     calls: list[Callable[[], Any]] = []
     with _Looks() as first:
         first.seconds["import"] = process_time()  # of Python itself
@@ -143,7 +149,8 @@ def _main(words: list[str]) -> None:
         system = load(subject)
         chosen = scene or ("default" if "default" in system.scenes else next(iter(system.scenes)))
         times = float(time) if time else None
-        calls.append(lambda: integrate(system, chosen, times=times, tol=float(tolerance)))
+        given = {"times": times, "tol": float(tolerance), **json.loads(values)}
+        calls.append(lambda: integrate(system, chosen, **given))
         calls[0]()
     with _Looks() as second:
         for _ in range(AGAIN):

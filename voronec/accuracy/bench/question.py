@@ -15,9 +15,10 @@ from voronec.algebra.text import sympified
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
-from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
 from voronec.motion import integrate
+from voronec.motion.inputs import drive
 from voronec.motion.vocabulary import number
 
 __all__ = ["INSTANTS", "BenchMotion", "ask"]
@@ -79,16 +80,21 @@ def ask(
     parameters: Mapping[Any, Any] | None = None,
     initial: Mapping[Any, Any] | None = None,
     instants: int = INSTANTS,
+    inputs: Mapping[Any, Any] | None = None,
 ) -> BenchMotion:
     """The question of a scene: ``time`` is its length where the scene's own is not wanted.
+
+    ``inputs`` are numbers and expressions of the time or the state, over those of the scene.
 
     Without ``outputs`` the invariants and the velocities are compared, where the system descends
     to its invariants, so that methods on the invariants can take part; else what the scene wants.
     Raises ``DefinitionError`` for input that makes no sense, as ``integrate`` does.
     """
-    equations = system if isinstance(system, VoronecEquations) else derive(system)
-    chosen = _scene(equations.system, scene)
-    own = equations.system.scenes[chosen]
+    declared = system.system if isinstance(system, VoronecEquations) else system
+    chosen = _scene(declared, scene)
+    own = declared.scenes[chosen]
+    driven = drive(system, inputs, own, steady="a comparison of methods")
+    equations, parameters = driven.equations, {**(parameters or {}), **driven.constants}
     start, end = (number(x, "the span's end") for x in own.times)
     if time is not None:
         end = start + time
@@ -98,13 +104,13 @@ def ask(
         raise DefinitionError(f"{instants} instants: give 2 or more")
     wanted = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
     wanted = wanted or _closed(equations) or own.outputs
+    bare = replace(own, outputs=(), inputs={})
     first = integrate(
-        equations, replace(own, outputs=()), times=[start], parameters=parameters,
-        initial=initial, method="scipy",
-    )  # fmt: skip
+        equations, bare, times=[start], parameters=parameters, initial=initial, method="scipy"
+    )
     # a second look, because the names of outputs are read there
     names = integrate(
-        equations, replace(own, outputs=()), times=[start], outputs=wanted,
+        equations, bare, times=[start], outputs=wanted,
         parameters=parameters, initial=initial, method="scipy",
     ).outputs  # fmt: skip
     symbols = (*equations.system.coordinates, *equations.system.velocities)
@@ -124,7 +130,9 @@ def ask(
 def _scene(system: System, scene: str | None) -> str:
     if scene is None:
         if not system.scenes:
-            raise DefinitionError(f"system '{system.name}' declares no scene to measure")
+            raise DefinitionError(
+                f"system '{system.name}' declares no scene to measure; declare one"
+            )
         return "default" if "default" in system.scenes else next(iter(system.scenes))
     if scene not in system.scenes:
         raise DefinitionError(

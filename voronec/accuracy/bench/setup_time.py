@@ -10,8 +10,9 @@ import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 __all__ = ["SetupTime", "measure_setup"]
@@ -36,11 +37,18 @@ class SetupTime:
 
 
 def measure_setup(
-    subject: str, scene: str | None, outputs: Sequence[str], method: str = "auto"
+    subject: str,
+    scene: str | None,
+    outputs: Sequence[str],
+    method: str = "auto",
+    values: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
 ) -> SetupTime | None:
-    """Set-up of a system by name or file, in two fresh processes; None where one fails."""
+    """Set-up of a system by name or file, in two fresh processes; None where one fails.
+
+    ``values`` are ``parameters``, ``initial`` and ``inputs`` of ``integrate``, as text.
+    """
     with tempfile.TemporaryDirectory() as cache:
-        words = [subject, scene or "", method, cache, *outputs]
+        words = [subject, scene or "", method, cache, json.dumps(dict(values)), *outputs]
         cold = _process(words)
         warm = None if cold is None else _process(words)
     if cold is None or warm is None:
@@ -77,10 +85,10 @@ def _import_everything() -> None:
 
 
 def _main(words: Sequence[str]) -> None:
-    """In the fresh process: NAME|FILE SCENE METHOD CACHE [OUTPUT ...]."""
+    """In the fresh process: NAME|FILE SCENE METHOD CACHE VALUES [OUTPUT ...]."""
     from time import perf_counter, process_time
 
-    subject, scene, method, cache, *outputs = words
+    subject, scene, method, cache, values, *outputs = words
     try:
         import heyoka as hy
 
@@ -99,8 +107,9 @@ def _main(words: Sequence[str]) -> None:
     soon = start + (end - start) / 1000
     began = process_time()
     cost = integrate(
-        system, chosen, times=[start, soon], outputs=tuple(outputs), method=method
-    ).cost
+        system, chosen, times=[start, soon], outputs=tuple(outputs), method=method,
+        **json.loads(values),
+    ).cost  # fmt: skip
     # so short a run costs nothing beside the set-up
     spent = process_time() - began
     found = {"cpu": spent, "clock": cost.setup, "load": loaded, "method": cost.method}

@@ -233,6 +233,8 @@ body { font: 17px/1.55 "STIX Two Text", "Latin Modern Roman", Georgia, serif; ma
 h1 { font-size: 1.7rem; } h2 { font-size: 1.2rem; margin: 2rem 0 .3rem; }
 .theory { display: flex; align-items: center; gap: 1rem; background: #8881; padding: .4rem 1rem;
   border-left: 3px solid #43549a; overflow-x: auto; }
+math { font-family: "Latin Modern Math", "STIX Two Math", "Cambria Math", math; }
+mo.accent { padding-bottom: .12em; }
 .theory math { flex: 1; } .theory span { color: #777; white-space: nowrap; }
 .row { overflow: auto hidden; padding: .4rem 1rem; }
 .end { margin-top: 2rem; border-top: 1px solid #8885; padding-top: .8rem; }

@@ -91,7 +91,7 @@ def _followed(model: Model, width: int) -> list[str]:
     able = list(model.integrals)
     lost = [name for name in model.system.integrals if name not in {*able, *model.spent}]
     rows = [
-        ("integrals that can be followed", able),
+        ("declared integrals that can be followed", able),
         ("integrals in place of equations", model.spent),
         ("integrals that need more variables", lost),
     ]

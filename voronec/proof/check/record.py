@@ -9,7 +9,7 @@ from typing import Any
 
 __all__ = ["Finding", "Report", "Result", "worst"]
 
-SEVERITY = ("broken", "refuted", "undecided", "numeric", "unvalidated", "proved")
+SEVERITY = ("broken", "refuted", "undecided", "numeric", "no claims", "proved")
 """Every status, the gravest first.  ``numeric`` is undecided, with numbers that agree."""
 
 
@@ -63,7 +63,7 @@ class Result:
 
     @property
     def status(self) -> str:
-        """The gravest status of its findings; ``unvalidated`` where there are none."""
+        """The gravest status of its findings; ``no claims`` where there are none."""
         return worst(self.findings)
 
     @property
@@ -146,7 +146,7 @@ def failure_line(result: Result, finding: Finding) -> str:
 
 def worst(findings: Sequence[Finding]) -> str:
     """The gravest status; what is admitted counts, and still shows."""
-    return min((f.status for f in findings), key=SEVERITY.index, default="unvalidated")
+    return min((f.status for f in findings), key=SEVERITY.index, default="no claims")
 
 
 def marked(result: Result) -> Result:
