@@ -219,7 +219,7 @@ def test_a_system_without_scenes_runs_where_times_are_given(call: Call) -> None:
     call("new", "sled")
     text = Path("sled.py").read_text()
     Path("sled.py").write_text(text[: text.index("    # Motions to look at")] + ")\n")
-    assert "give times" in refused(call("run", "sled.py", "--set", "w=1"))
+    assert "give --times" in refused(call("run", "sled.py", "--set", "w=1"))
     assert call("run", "sled.py", "--set", "w=1", "--times", "5").out.startswith("sled: t from 0")
 
 
