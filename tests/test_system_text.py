@@ -286,7 +286,10 @@ def test_a_table_may_stand_in_the_scene(tmp_path: Path) -> None:
         ('{ file = "no.csv" }', "scenes.default.inputs.u.file: a table: there is no file '"),
         ('{ file = "three.csv" }', "row 2 of '"),
         ('{ file = "u.csv", kind = "lineal" }', "did you mean 'linear'?"),
-        ('{ times = [0, "x"], values = [1, 2] }', "column 30: scenes.default.inputs.u.times, entry 2: 'x' is not a number"),
+        (
+            '{ times = [0, "x"], values = [1, 2] }',
+            "column 30: scenes.default.inputs.u.times, entry 2: 'x'",
+        ),
     ],
 )
 def test_a_table_that_cannot_be_read_is_refused(tmp_path: Path, table: str, message: str) -> None:
