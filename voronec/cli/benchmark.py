@@ -58,7 +58,7 @@ def execute(arguments: Namespace) -> int:
     outputs = tuple(_words(arguments.outputs))
     try:
         progress(f"{system.name}: deriving ...")
-        question = ask(system, arguments.scene, outputs, time, **given)
+        question = ask(system, arguments.scene, outputs, time, parameters, initial, inputs=inputs)
         bench = measure(
             question, methods, tolerances,
             setup=lambda: measure_setup(
