@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tool_modules import tool
+
 ROOT = Path(__file__).parents[1]
 LINT = "from importlinter.cli import lint_imports_command as run; run()"
 
@@ -38,3 +40,11 @@ def test_a_breach_is_noticed(tmp_path: Path) -> None:
     answer = lint(tmp_path)
     assert answer.returncode == 1
     assert "Contracts: 0 kept, 5 broken." in answer.stdout
+
+
+def test_modules_import_one_another_in_no_circle() -> None:
+    house = tool("measure_house")
+    graph = house.imports()
+    assert "voronec.motion.viewer.page" in graph["voronec.motion.trajectory"]  # inside a function
+    assert house.circles(graph) == []
+    assert house.circles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [{"b", "c"}]

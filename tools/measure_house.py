@@ -43,7 +43,7 @@ def main() -> int:
         "entries of voronec/": len([p for p in PACKAGE.iterdir() if p.name not in ASIDE]),
         "layers of the contract": _layers(),
         "modules": len(graph),
-        "circles": [sorted(c) for c in _circles(graph)],
+        "circles": [sorted(c) for c in circles(graph)],
         "arrows between rooms": len({(_room(a), _room(b)) for a in graph for b in graph[a]}),
         "lines of voronec/": sum(lines(p) for p in PACKAGE.rglob("*.py")),
         "lines of systems/ but demchenko": sum(
@@ -97,7 +97,8 @@ def _room(module: str) -> str:
     return [*module.split("."), ""][1]
 
 
-def _circles(graph: dict[str, set[str]]) -> list[set[str]]:
+def circles(graph: dict[str, set[str]]) -> list[set[str]]:
+    """Sets of modules that import one another."""
     import networkx as nx
 
     edges = [(a, b) for a in graph for b in graph[a]]

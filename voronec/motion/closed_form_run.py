@@ -20,11 +20,11 @@ from voronec.errors import DefinitionError
 from voronec.motion.closed_form import closed_from
 from voronec.motion.motion_start import Outset
 from voronec.motion.numeric_model import whole
-from voronec.motion.observables import Watch, observed, watched
+from voronec.motion.observables import Watch, watched
 from voronec.motion.request import StartData
 from voronec.motion.state_probe import quantities
 from voronec.motion.tolerances import EXACT
-from voronec.motion.trajectory import Cost, Trajectory
+from voronec.motion.trajectory import Cost, Trajectory, observed
 from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["evaluated_motion"]

@@ -37,7 +37,7 @@ from voronec.motion.methods import CLOSED
 from voronec.motion.mode_stepper import Switched, through_walls
 from voronec.motion.motion_start import Outset
 from voronec.motion.numeric_model import Modelled, modelled, whole
-from voronec.motion.observables import Watch, followed, observed
+from voronec.motion.observables import Watch, followed
 from voronec.motion.poles import LAST, NearPole, PoleGuard
 from voronec.motion.request import StartData, grid_of, outputs_of, scene_of
 from voronec.motion.singular_directions import charted_directions
@@ -49,7 +49,7 @@ from voronec.motion.steppers import Problem, Run, Stepper
 from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.signals import Signals, in_kind
 from voronec.motion.tolerances import EXACT
-from voronec.motion.trajectory import Cost, Trajectory
+from voronec.motion.trajectory import Cost, Trajectory, observed
 from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["integrate"]

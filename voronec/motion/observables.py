@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any
 
 import mpmath
 import numpy as np
 import symengine as se
 
-from voronec.algebra.symbols import plain_name
 from voronec.equations.program import Program, compiled
 from voronec.equations.program.digits import compiled_digits, precision
 from voronec.motion.reactions import Multipliers
-from voronec.motion.trajectory import Cost, Trajectory
 from voronec.motion.vocabulary import Vocabulary, Wanted
 
-__all__ = ["Branch", "Watch", "assembled", "evaluated", "followed", "observed", "watched"]
-
-CANCELLED = 1e-6
-"""An integral less than this part of its terms counts as starting at zero."""
-SMALL, ROUNDING, NOTHING = 1e-9, 1e-12, 1e-3
-"""Terms of an integral that stay below the first may be rounding: they are, below the third part of
-what they are where no state is less than the second."""
+__all__ = ["Branch", "Watch", "evaluated", "followed", "watched"]
 
 
 @dataclass(frozen=True)
@@ -175,95 +166,3 @@ def followed(
             [slopes[str(v)] for v in watch.multipliers.velocities],
         )
     return series | {name: multipliers[:, k].copy() for name, k in watch.reactions.items()}
-
-
-def observed(
-    vocabulary: Vocabulary,
-    watch: Watch,
-    program: Program,
-    t: np.ndarray,
-    states: np.ndarray,
-    constants: Mapping[str, float],
-    cost: Cost,
-    interrupted: bool,
-) -> Trajectory:
-    """The trajectory of states on a grid."""
-    values = [constants.get(str(p), np.nan) for p in program.parameters]
-    series = followed(watch, program, t, states, values)
-    names = tuple(map(str, program.state))
-    return assembled(
-        vocabulary, watch, t, names, states, series, constants, cost, interrupted,
-        lambda: _largest(watch, program, t, states, values),
-    )  # fmt: skip
-
-
-def assembled(
-    vocabulary: Vocabulary,
-    watch: Watch,
-    t: np.ndarray,
-    names: tuple[str, ...],
-    states: np.ndarray,
-    series: Mapping[str, np.ndarray],
-    constants: Mapping[str, float],
-    cost: Cost,
-    interrupted: bool = False,
-    usual: Callable[[], Mapping[str, float]] = dict,
-) -> Trajectory:
-    """The trajectory of states (k, n) called ``names`` and of everything watched along them.
-
-    ``usual`` gives the terms of integrals where no state is rounding, as far as that is known.
-    """
-    system = vocabulary.equations.system
-    own = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
-    if own != list(names) and set(own) <= set(watch.outputs):
-        # what was integrated is another set of variables; these are what the user knows
-        names, states = tuple(own), np.stack([series[name] for name in own], axis=-1)
-    for array in (t, states, *series.values()):
-        array.flags.writeable = False
-    still = {n: x for n, x in constants.items() if np.ndim(x) == 0}  # others are inputs
-    known = {p.name for p in system.parameters if not mpmath.isnan(still.get(p.name, np.nan))}
-    return Trajectory(
-        system=system,
-        t=t,
-        state=states,
-        names=names,
-        outputs=watch.outputs,
-        series=MappingProxyType({n: series[n] for n in (*watch.outputs, *watch.besides)}),
-        integrals=MappingProxyType({n: series[key] for n, key in watch.integrals.items()}),
-        parameters=MappingProxyType({n: x for n, x in constants.items() if n in known}),
-        drift=MappingProxyType(_drifts(watch, series, usual)),
-        residuals=MappingProxyType(
-            {r: float(np.abs(series[key]).max()) for r, key in watch.relations.items()}
-        ),
-        cost=cost,
-        interrupted=interrupted,
-    )
-
-
-def _drifts(
-    watch: Watch, series: Mapping[str, np.ndarray], usual: Callable[[], Mapping[str, float]]
-) -> dict[str, float]:
-    """See ``Trajectory.drift``; ``usual`` gives integrals' terms where no state is rounding."""
-    sizes = {name: series[watch.sizes[name]].max() for name in watch.integrals}
-    least = usual() if any(size <= SMALL for size in sizes.values()) else {}
-    found = {}
-    for name, key in watch.integrals.items():
-        values, size = series[key], sizes[name]
-        start = abs(values[0])
-        scale = start if start > CANCELLED * size else size
-        if size <= NOTHING * least.get(name, 0.0) or size == 0:
-            scale = least.get(name, 1.0)
-        found[name] = float(np.abs(values - values[0]).max() / scale)
-    return found
-
-
-def _largest(
-    watch: Watch, program: Program, t: np.ndarray, states: np.ndarray, values: Sequence[Any]
-) -> dict[str, float]:
-    """The sizes of integrals with every state at its largest, and not below what rounding leaves
-    of states of size 1; 1 where that is no number."""
-    largest = np.abs(states.astype(float)).max(axis=0, initial=ROUNDING)[None, :]
-    plain = [float(x) if np.ndim(x) == 0 else x for x in values]
-    found = evaluated(program, t[:1].astype(float), largest, plain)
-    sizes = {name: float(found[key][0]) for name, key in watch.sizes.items()}
-    return {name: x if np.isfinite(x) and x > 0 else 1.0 for name, x in sizes.items()}

@@ -24,14 +24,14 @@ from voronec.motion.all_velocities import WideStart
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import Divisor
 from voronec.motion.events import Crossings, Event
-from voronec.motion.observables import Watch, assembled, followed
+from voronec.motion.observables import Watch, followed
 from voronec.motion.soundness import Judge
 from voronec.motion.split_models import CLEAR, NEAR, SplitGround, SplitModel, candidates
 from voronec.motion.state_probe import Probe, quantities
 from voronec.motion.steppers import Halt, Problem, Run
 from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import part_at
-from voronec.motion.trajectory import Cost, Trajectory
+from voronec.motion.trajectory import Cost, Trajectory, assembled
 from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["NearDivisor", "SplitRun", "guarding", "unguarded"]

@@ -1,4 +1,4 @@
-"""What pictures need of a motion."""
+"""What pictures and pages need of a motion."""
 
 from __future__ import annotations
 
@@ -33,5 +33,9 @@ class MotionRecord(Protocol):
     @property
     def parameters(self) -> Mapping[str, Any]:
         """Values of parameters by name."""
+
+    @property
+    def cost(self) -> Any:
+        """What it cost, a ``Cost``."""
 
     def __getitem__(self, key: Any) -> np.ndarray: ...

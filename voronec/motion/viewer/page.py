@@ -28,7 +28,7 @@ from voronec.motion.vocabulary import Vocabulary
 
 if TYPE_CHECKING:
     from voronec.declaration.system import System
-    from voronec.motion.trajectory import Trajectory
+    from voronec.motion.pictures.motion_record import MotionRecord
 
 __all__ = ["LARGEST", "Page", "PageView", "check_shapes", "view_of"]
 
@@ -58,7 +58,7 @@ class Page:
     instants of the trajectory, and says so.  ``caption`` says what there is to see.
     """
 
-    trajectory: Trajectory
+    trajectory: MotionRecord
     caption: str = ""
 
     @property
@@ -238,7 +238,7 @@ class PageView:
         )
 
 
-def view_of(trajectory: Trajectory, path: str | os.PathLike[str] | None) -> PageView:
+def view_of(trajectory: MotionRecord, path: str | os.PathLike[str] | None) -> PageView:
     """The page of a trajectory, written to ``path`` if there is one."""
     check_shapes(trajectory.system)
     target = None if path is None else Path(path)
