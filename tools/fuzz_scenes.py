@@ -3,6 +3,7 @@
     .venv/bin/python tools/fuzz_scenes.py --seed 1 --count 500
     .venv/bin/python tools/fuzz_scenes.py --seed 1 --kind nonsmooth --seconds 60
     .venv/bin/python tools/fuzz_scenes.py --seed 1 --kind smooth --only 317 --system sleigh
+    .venv/bin/python tools/fuzz_scenes.py --seed 1 --kind smooth --first 1500 --count 1500
 
 Systems are those of the catalogue and made ones (``fuzz_made.py``); parameters, starts, grids,
 outputs, methods and tolerances are drawn, near and at singular places of the coordinates among
@@ -127,6 +128,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=10**9, help="how many scenes")
+    parser.add_argument("--first", type=int, default=0, help="the number of the first of each kind")
     parser.add_argument("--seconds", type=float, help="how long")
     parser.add_argument("--kind", choices=[*KINDS, "all"], default="all")
     parser.add_argument("--system", help="a system of the catalogue, or 'made'")
@@ -146,7 +148,7 @@ def main() -> int:
         for kind, _ in scenes(weighed, given.only, given.count):
             if given.seconds is not None and monotonic() - began > given.seconds:
                 break
-            index = given.only if given.only is not None else numbered[kind]
+            index = given.only if given.only is not None else given.first + numbered[kind]
             numbered[kind] += 1
             verdict = court.verdict(kind, index)
             found.append(verdict)
