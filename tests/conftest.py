@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
 from command_line import Answer, Call
 
 from voronec.cli import main
+from voronec.motion.model import packs
 
 # A package of somebody else: its tests run where it is installed, in ``test_conformance``.
 collect_ignore = ["plugin_package"]
+
+
+@pytest.fixture(autouse=True)
+def no_kept_models(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a test changes in the engine must not reach models that are kept on disk."""
+    monkeypatch.setattr(packs, "user_cache", lambda part: Path(os.devnull) / part)
 
 
 @pytest.fixture

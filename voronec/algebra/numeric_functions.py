@@ -12,7 +12,7 @@ They are unknown functions of these names; proofs see their formulas.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from math import factorial
 from typing import Any, NamedTuple
 
@@ -114,8 +114,19 @@ def formula(expr: Any) -> Any | None:
 
 def elementary(expr: Any) -> Any:
     """The expression with formulas for all these functions."""
-    found = {f: formula(f) for f in expr.atoms(se.FunctionSymbol)}
-    while any(f is not None for f in found.values()):
-        expr = expr.xreplace({f: e for f, e in found.items() if e is not None})
-        found = {f: formula(f) for f in expr.atoms(se.FunctionSymbol)}
+    while found := {f: e for f in _functions(expr) if (e := formula(f)) is not None}:
+        expr = expr.xreplace(found)
     return expr
+
+
+def _functions(expr: Any) -> Iterator[Any]:
+    """The named functions in an expression, whose shared parts are looked at once: ``atoms`` takes
+    as long as for the expression written out."""
+    seen, waiting = set[Any](), [expr]
+    while waiting:
+        node = waiting.pop()
+        if node.args and node not in seen:
+            seen.add(node)
+            waiting += node.args
+            if isinstance(node, se.FunctionSymbol):
+                yield node

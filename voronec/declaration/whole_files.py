@@ -19,7 +19,7 @@ from pathlib import Path
 
 from voronec.errors import DefinitionError
 
-__all__ = ["draft", "replace_file", "unwritable", "user_cache", "workshop"]
+__all__ = ["draft", "make_room", "replace_file", "unwritable", "user_cache", "workshop"]
 
 PREFIX = ".voronec-"
 LOCK = "lock"
@@ -43,6 +43,18 @@ def user_cache(part: str) -> Path:
     else:
         base = Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
     return base / "voronec" / part
+
+
+def make_room(folder: Path, kept: int) -> None:
+    """Forget what was changed longest ago in a folder of caches, so that ``kept`` stay with one
+    that is new."""
+    if folder.exists():
+        known = sorted(folder.iterdir(), key=lambda one: one.stat().st_mtime)
+        for one in known[: max(len(known) + 1 - kept, 0)]:
+            if one.is_dir():
+                shutil.rmtree(one, ignore_errors=True)
+            else:
+                one.unlink(missing_ok=True)
 
 
 @contextmanager

@@ -15,7 +15,7 @@ import symengine as se
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compiled
 from voronec.equations.program.digits import compiled_digits
-from voronec.motion.model import Model, smallest_model
+from voronec.motion.model import Model, SmallestModels
 from voronec.motion.observables import Branch, Watch, watched
 from voronec.motion.state_probe import Probe, quantities
 from voronec.motion.steppers.signals import Signals
@@ -121,18 +121,24 @@ def modelled(
     names = {f"event {name}": e for name, e in functions.items()}
     given = {**wanted.given, **names}
     known = numbers_at(raw, start, constants, time)
-    model = smallest_model(
+    models = SmallestModels.of(
         Motions.of(equations),
         given,
         {name: vocabulary.claims[name] for name in equations.system.integrals},
-        known,
         followed=given if followed else names,
     )
+    found = models.of_start(known)
+    model, name = found.model, f"{found.name} {[*wanted.names]} {[*functions]}"
     # another start that has the same model has it written already
-    written, key = _written.setdefault(model, {}), (wanted.names, tuple(functions))
-    if key not in written:
-        written[key] = _write(vocabulary, wanted, model, functions)
-    made = written[key]
+    written = _written.setdefault(model, {})
+    if name not in written:
+        known_before = name in models.packs
+        written[name] = models.packs.once(
+            name, lambda: _write(vocabulary, wanted, model, functions)
+        )
+        if not known_before:
+            models.packs.keep()
+    made = written[name]
     branches = {
         name: Branch(f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate])
         for name, a in model.cut.angles.items()

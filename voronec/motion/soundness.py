@@ -29,6 +29,7 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compiled
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
+from voronec.motion.divisors import usual_size
 from voronec.motion.model.special import is_many_valued
 from voronec.motion.observables import evaluated
 from voronec.motion.steppers.signals import Signals, values_along
@@ -347,9 +348,7 @@ class Conserved:
 def _scale(sizes: np.ndarray) -> np.ndarray:
     """Sizes at the instants compared: here, at the start, and along the way, where a single large
     one counts for nothing."""
-    finite = sizes[np.isfinite(sizes)]
-    usual = np.median(finite) if len(finite) else 0.0
-    return np.maximum(np.nan_to_num(sizes, nan=np.inf), max(float(sizes[0]), float(usual)))
+    return np.maximum(np.nan_to_num(sizes, nan=np.inf), max(float(sizes[0]), usual_size(sizes)))
 
 
 @lru_cache(maxsize=32)  # runs of one system have the same relations

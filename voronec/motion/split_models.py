@@ -35,7 +35,15 @@ from voronec.equations.program import Program, compiled
 from voronec.equations.program.digits import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
-from voronec.motion.divisors import Divisor, around, bases, crossed, divisors, without_factors
+from voronec.motion.divisors import (
+    Divisor,
+    around,
+    bases,
+    crossed,
+    divisors,
+    usual_size,
+    without_factors,
+)
 from voronec.motion.observables import Watch
 from voronec.motion.reactions import Multipliers
 from voronec.motion.state_probe import quantities
@@ -316,8 +324,7 @@ class SplitGround:
         places = self._on_relations(around(wide[:count]))
         rest = np.zeros(len(wide) - count)
         usual = np.array([volume(np.concatenate([q, rest])) for q in places.T])
-        finite = usual[np.isfinite(usual)]
-        return volume(wide) / float(np.median(finite)) if len(finite) else 1.0
+        return volume(wide) / usual_size(usual, volume(wide))
 
     def rows(self, time: Any, wide: np.ndarray, constants: Any = None) -> tuple[np.ndarray, ...]:
         """Rows of the conditions and of the frame, with their offsets, as numbers of the kind that

@@ -12,7 +12,6 @@ import ast
 import json
 import os
 import re
-import shutil
 import sys
 import sysconfig
 from collections.abc import Iterable, Iterator
@@ -25,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from voronec.declaration.catalogue import entry_of, names
-from voronec.declaration.whole_files import user_cache
+from voronec.declaration.whole_files import make_room, user_cache
 
 __all__ = ["Store", "closure", "digest", "engine_digest", "engine_files", "engine_folder"]
 
@@ -277,20 +276,13 @@ class Store:
         draft = file.with_suffix(f".{os.getpid()}")
         try:
             if not file.parent.exists():
-                self._make_room()
+                make_room(self.folder, self.kept)
                 file.parent.mkdir(parents=True, exist_ok=True)
             draft.write_text(json.dumps(value), encoding="utf-8")
             draft.replace(file)
         except OSError:
             with suppress(OSError):
                 draft.unlink()
-
-    def _make_room(self) -> None:
-        """Forget what was made longest ago."""
-        if self.folder.exists():
-            known = sorted(self.folder.iterdir(), key=lambda folder: folder.stat().st_mtime)
-            for folder in known[: max(len(known) + 1 - self.kept, 0)]:
-                shutil.rmtree(folder, ignore_errors=True)
 
     def _file(self, key: str, name: str) -> Path:
         return self.folder / key[:24] / f"{name}.json"

@@ -204,25 +204,30 @@ def _with_imports(parts: Sequence[str], flavour: _Flavour) -> str:
     dialect, body = flavour.dialect, "\n\n".join(parts)
     words = {*dialect.words.values(), "mpf", *_HELPING, *_COLUMNS} - _QUOTIENTS.keys()
     words -= {word for word, _ in SLOPES.values()}
-    used = sorted(w for w in words if re.search(rf"\b{w}\(", body))
+    used = sorted(words & _called(body))
     used += ["pi"] if re.search(r"\bpi\b", body) else []
     used = [w for w in used if (flavour.library, w) != ("math", "sign")]
     imports = f"from {flavour.library} import {', '.join(used)}\n\n\n" if used else "\n"
     return imports + body
 
 
+def _called(body: str) -> set[str]:
+    """The names that a source calls."""
+    return {*re.findall(r"\w+(?=\()", body)}
+
+
 def _helpers(body: str, library: str) -> list[str]:
     """The functions sin(x)/x and the like that are called."""
-    rows = []
+    rows, called = [], _called(body)
     for word, above in _QUOTIENTS.items():
-        if re.search(rf"\b{word}\(", body):
+        if word in called:
             function = _NUMPY[above] if library == "numpy" and above == "atan" else above
             value = f"{function}(x)/x if x else x + 1"
             if choice := _CHOICES.get(library):
                 value = f"{choice}(x == 0, 1.0, {function}(x)/{choice}(x == 0, 1.0, x))"
             rows.append(_helper(word, f"{above}(x)/x", f"return {value}"))
     for name, (word, above) in SLOPES.items():
-        if re.search(rf"\b{word}\(", body):
+        if word in called:
             power, reach = QUOTIENTS[name].power, QUOTIENTS[name].reach
             steps = [f"return {_IN_DIGITS[name]}"]
             if library == "math":

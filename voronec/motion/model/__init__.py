@@ -1,6 +1,6 @@
 """Model only what a scene needs: from wanted outputs to the smallest set of equations."""
 
 from voronec.motion.model.model import Candidate, Model, Role
-from voronec.motion.model.smallest import smallest_model
+from voronec.motion.model.smallest import SmallestModels, smallest_model
 
-__all__ = ["Candidate", "Model", "Role", "smallest_model"]
+__all__ = ["Candidate", "Model", "Role", "SmallestModels", "smallest_model"]

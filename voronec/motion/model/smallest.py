@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import symengine as se
@@ -22,9 +23,10 @@ from voronec.motion.model.dependence import cyclic, dependence, needed_variables
 from voronec.motion.model.level import Level, coordinates_level, invariants_level
 from voronec.motion.model.model import Candidate, Model, Role
 from voronec.motion.model.momenta import momenta_level
+from voronec.motion.model.packs import Packs
 from voronec.motion.model.special import at_zero, by_integrals, constants, without_parameters
 
-__all__ = ["absent", "smallest_model"]
+__all__ = ["SmallestModels", "absent", "smallest_model"]
 
 
 def absent(level: Level, needed: set[Any], names: tuple[Any, ...]) -> Iterator[tuple[Any, str]]:
@@ -41,8 +43,8 @@ def absent(level: Level, needed: set[Any], names: tuple[Any, ...]) -> Iterator[t
         yield x, ", ".join(holders)
 
 
-_KEPT, MOST = "_levels", 8
-"""Where motions keep their levels, which no start changes, and for how many sets of outputs."""
+MOST = 8
+"""For so many sets of outputs equations keep their models."""
 MODELS = 32
 """So many models, of starts with other zeros, are kept for one set of outputs."""
 AMPLIFICATION = 100.0
@@ -80,10 +82,12 @@ class _Particular:
 
 
 @dataclass(frozen=True)
-class _Finding:
+class Finding:
     """A model, and all that was asked of the start that it was made for: zeros and steep slopes,
-    level by level.  Another start that gives the same answers has the same model."""
+    level by level.  Another start that gives the same answers has the same model.  It is kept under
+    its ``name``, and what is made of it under names that begin so."""
 
+    name: str
     model: Model
     zeros: tuple[frozenset[Any], ...]
     asked: tuple[tuple[tuple[Any, tuple[Any, ...], bool], ...], ...]
@@ -95,6 +99,72 @@ class _Finding:
             for start, questions in zip(starts, self.asked, strict=True)
             for slope, others, answer in questions
         )
+
+
+class SmallestModels:
+    """The smallest models of one set of outputs, by start: the levels that they are chosen from,
+    and those that were found so far, in this process or in earlier ones (``packs``)."""
+
+    def __init__(self, packs: Packs, motions: Motions, make: Callable[[], Iterable[Level]]) -> None:
+        self.packs = packs
+        self._motions = motions
+        self._levels: tuple[Level, ...] = packs.once("levels", lambda: tuple(make()))
+        self._findings: list[Finding] = []
+        while (name := self._next_name) in packs:
+            self._findings.append(packs.kept(name))
+
+    @classmethod
+    def of(
+        cls,
+        motions: Motions,
+        wanted: Mapping[str, sp.Expr],
+        integrals: Mapping[str, sp.Expr],
+        thorough: bool = False,
+        followed: Collection[str] = (),
+    ) -> SmallestModels:
+        """The models of what is ``wanted``, as ``smallest_model`` takes it."""
+        kept: dict[Any, Any] = motions.equations.memo.once("smallest models", dict)
+        key = (tuple(wanted.items()), tuple(integrals.items()), thorough, (*sorted(followed),))
+        if key not in kept:
+            if len(kept) >= MOST:
+                kept.clear()
+            packs = Packs(motions.system, key)
+            levels = partial(_levels, motions, wanted, integrals, thorough, followed)
+            kept[key] = cls(packs, motions, levels)
+        found: SmallestModels = kept[key]
+        return found
+
+    @property
+    def _next_name(self) -> str:
+        return f"model {len(self._findings)}"
+
+    def general(self) -> Model:
+        """The model that holds for all starts."""
+        return _cheapest([_cut_down(self._motions, level, None) for level in self._levels])
+
+    def of_start(self, start: Mapping[Any, float]) -> Finding:
+        """The model of a start; starts of which nothing else is known than of another have its."""
+        values = [_at_start(level, start) for level in self._levels]
+        starts = [_Particular(each) for each in values]
+        pairs = zip(self._levels, starts, strict=True)
+        zeros = tuple(s.zeros((*level.variables, *level.parameters)) for level, s in pairs)
+        for finding in self._findings:
+            if finding.holds(zeros, starts):
+                return finding
+        if len(self._findings) >= MODELS:
+            self._findings.clear()
+            self.packs.forget("model")
+        found = self.packs.once(self._next_name, lambda: self._found(zeros, values))
+        self._findings.append(found)
+        return found
+
+    def _found(
+        self, zeros: tuple[frozenset[Any], ...], values: Sequence[Mapping[Any, float]]
+    ) -> Finding:
+        starts = [_Particular(each) for each in values]
+        pairs = zip(self._levels, starts, strict=True)
+        model = _cheapest([_cut_down(self._motions, *pair) for pair in pairs])
+        return Finding(self._next_name, model, zeros, tuple(tuple(s.asked) for s in starts))
 
 
 def smallest_model(
@@ -113,26 +183,8 @@ def smallest_model(
     invariants alone suffice, coordinates are weighed only in a ``thorough`` search: they hold the
     same products, and sines besides.  Outputs that are ``followed`` are not read off as angles.
     """
-    kept: dict[Any, Any] = motions.equations.memo.once("smallest models", dict)
-    key = (tuple(wanted.items()), tuple(integrals.items()), thorough, frozenset(followed))
-    if key not in kept:
-        if len(kept) >= MOST:
-            kept.clear()
-        kept[key] = tuple(_levels(motions, wanted, integrals, thorough, followed)), []
-    levels, findings = kept[key]
-    if start is None:
-        return _cheapest([_cut_down(motions, level, None) for level in levels])
-    starts = [_Particular(_at_start(level, start)) for level in levels]
-    pairs = [*zip(levels, starts, strict=True)]
-    zeros = tuple(s.zeros((*level.variables, *level.parameters)) for level, s in pairs)
-    for finding in findings:
-        if finding.holds(zeros, starts):
-            return finding.model
-    starts = [_Particular(s.values) for s in starts]
-    model = _cheapest([_cut_down(motions, *pair) for pair in zip(levels, starts, strict=True)])
-    del findings[MODELS - 1 :]
-    findings.insert(0, _Finding(model, zeros, tuple(tuple(s.asked) for s in starts)))
-    return model
+    models = SmallestModels.of(motions, wanted, integrals, thorough, followed)
+    return models.general() if start is None else models.of_start(start).model
 
 
 def _cheapest(models: Sequence[Model]) -> Model:

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.declaration.whole_files import user_cache
+from voronec.declaration.whole_files import make_room, user_cache
 
 __all__ = ["kept_function"]
 
@@ -49,7 +49,7 @@ def kept_function(
         _forget(folder, "cannot be read")
     text = source()
     try:
-        _make_room(folder.parent)
+        make_room(folder.parent, KEPT)
         folder.mkdir(parents=True, exist_ok=True)
         (folder / SOURCE).write_text(text, encoding="utf-8")
     except OSError:  # a folder that cannot be written costs only the time of the next run
@@ -110,11 +110,3 @@ def _write_list(folder: Path) -> None:
     with suppress(OSError):
         draft.write_text(json.dumps(_digests(folder)), encoding="utf-8")
         draft.replace(folder / LIST)
-
-
-def _make_room(folder: Path) -> None:
-    """Forget what was made longest ago."""
-    if folder.exists():
-        known = sorted(folder.iterdir(), key=lambda one: one.stat().st_mtime)
-        for one in known[: max(len(known) + 1 - KEPT, 0)]:
-            shutil.rmtree(one, ignore_errors=True)

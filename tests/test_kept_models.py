@@ -1,0 +1,123 @@
+"""Models on disk: a motion is the same bit for bit, wherever its model came from."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import voronec as vo
+from voronec.motion.model import packs, smallest
+from voronec.motion.steppers import heyoka_stepper
+
+BALL = {"u": 1.1, "v": 0.3, "u1": 1, "omega1": 0.7, "omega2": -0.4, "omega3": 0.5}
+MOTIONS = [
+    ("ball-on-sphere", ("u", "v", "omega1"), {}),
+    ("ball-on-sphere", ("u", "v", "omega1"), {"omega3": 0}),  # other zeros, another model
+    ("demchenko", ("u", "v"), {}),
+    ("demchenko", ("u", "v"), {"n": 0}),
+    ("rattleback", ("omega3",), {}),
+    ("sleigh", ("x", "y", "phi"), {}),
+]
+
+
+@pytest.fixture
+def shelf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder for models."""
+    monkeypatch.setattr(packs, "user_cache", lambda part: tmp_path / part)
+    return tmp_path / "models"
+
+
+def motion(name: str, outputs: tuple[str, ...], initial: dict[str, float], method: str = "heyoka"):
+    """A motion of a system that nobody has derived in this process."""
+    heyoka_stepper._idle.clear()
+    system = replace(vo.load(name))
+    scene = "default" if "default" in system.scenes else next(iter(system.scenes))
+    run = vo.integrate(
+        system, scene, times=np.linspace(0, 3, 400), outputs=outputs, initial=initial, method=method
+    )
+    return np.stack([run[name] for name in outputs])
+
+
+@pytest.fixture
+def no_levels(monkeypatch: pytest.MonkeyPatch):
+    """Call it, and levels can no longer be derived."""
+
+    def refused(*_: object) -> None:
+        raise AssertionError("the levels are derived")
+
+    def forbid() -> None:
+        monkeypatch.setattr(smallest, "coordinates_level", refused)
+        monkeypatch.setattr(smallest, "invariants_level", refused)
+
+    return forbid
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_a_motion_from_the_disk_is_the_fresh_one_bit_for_bit(shelf, no_levels, method) -> None:
+    fresh = []
+    for name, outputs, initial in MOTIONS:
+        for file in shelf.glob("*"):
+            file.unlink()  # nothing went before
+        fresh.append(motion(name, outputs, initial, method))
+    again = [motion(*each, method) for each in MOTIONS]  # the second ball finds the first one's
+    no_levels()
+    kept = [motion(*each, method) for each in MOTIONS]
+    for one, two, three in zip(fresh, again, kept, strict=True):
+        assert np.array_equal(one, two) and np.array_equal(one, three)
+
+
+def test_events_and_outputs_have_models_of_their_own(shelf, no_levels) -> None:
+    system = vo.load("sleigh")
+
+    def crossings() -> np.ndarray:
+        run = vo.integrate(replace(system), times=10.0, events=[vo.Event("w", name="turn")])
+        return run.events["turn"].t
+
+    first = crossings()
+    motion("sleigh", ("phi",), {})
+    no_levels()
+    assert np.array_equal(crossings(), first)
+    with pytest.raises(AssertionError, match="derived"):
+        motion("sleigh", ("y",), {})
+
+
+def test_a_damaged_model_is_named_once_and_replaced(shelf, no_levels) -> None:
+    fresh = motion("sleigh", ("phi",), {})
+    (file,) = shelf.iterdir()
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 1
+    file.write_bytes(content)
+    with pytest.warns(UserWarning, match="is damaged; it is made anew") as told:
+        assert np.array_equal(motion("sleigh", ("phi",), {}), fresh)
+    assert len([w for w in told if "damaged" in str(w.message)]) == 1
+    no_levels()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert np.array_equal(motion("sleigh", ("phi",), {}), fresh)
+
+
+def test_what_another_version_kept_is_ignored(shelf, no_levels, monkeypatch) -> None:
+    motion("sleigh", ("phi",), {})
+    monkeypatch.setattr(packs, "engine_digest", lambda: "another engine")
+    no_levels()
+    with pytest.raises(AssertionError, match="derived"):
+        motion("sleigh", ("phi",), {})
+
+
+def test_another_system_of_the_same_name_has_a_model_of_its_own(shelf, no_levels) -> None:
+    system = vo.load("sleigh")
+    vo.integrate(system, times=3.0, outputs=("phi",))
+    no_levels()
+    with pytest.raises(AssertionError, match="derived"):
+        vo.integrate(replace(system, lagrangian=2 * system.lagrangian), times=3.0, outputs=("phi",))
+
+
+def test_those_that_nobody_used_for_longest_give_way(shelf, monkeypatch) -> None:
+    monkeypatch.setattr(packs, "KEPT", 2)
+    for outputs in (("x",), ("y",), ("phi",)):
+        motion("sleigh", outputs, {})
+    assert len([*shelf.iterdir()]) == 2
