@@ -22,7 +22,6 @@ from typing import Any, TypeVar
 
 import sympy as sp
 
-import voronec
 from voronec.declaration.system import System
 from voronec.declaration.whole_files import make_room, user_cache
 
@@ -147,7 +146,7 @@ class _Unpickler(pickle.Unpickler):
 def engine_digest() -> str:
     """A digest of the engine as it is, and the versions of what it computes with."""
     mark = sha256("\0".join([sys.version, *map(version, LIBRARIES)]).encode())
-    root = str(Path(voronec.__file__).parent)
+    root = str(Path(__file__).parents[2])
     for folder, _, files in sorted(x for room in ROOMS for x in os.walk(os.path.join(root, room))):
         for name in sorted(f for f in files if f.endswith(".py")):
             file = os.path.join(folder, name)
