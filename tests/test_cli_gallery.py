@@ -49,9 +49,23 @@ def test_a_class_that_does_not_exist_is_a_line_with_the_reason(call: Call) -> No
     assert none.status == 1 and len(none.out.splitlines()) == 2
 
 
+def test_without_a_name_pages_of_a_dozen_motions(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("voronec.motion.viewer.gallery.MOTIONS", (("sleigh", "default"),))
+    answer = call("gallery", "--json")
+    files = [Path(f) for f in json.loads(answer.out)["files"]]
+    assert files == [Path("gallery/index.html"), Path("gallery/sleigh-default.html")]
+    assert (
+        '<a href="sleigh-default.html">' in files[0].read_text()
+        and "<canvas" in files[1].read_text()
+    )
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (("--only", "A"), "are for one system"),
         (("demchenko", "--only", "A,F"), "there is no class 'F'"),
         (("demchenko", "--out", "x.gif"), "a picture ends in .svg, .png or .pdf"),
         (("demchenko", "--set", "u=1"), "set parameters only"),

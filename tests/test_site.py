@@ -44,6 +44,18 @@ def test_the_source_links_to_nothing_outside_of_the_documentation(build, tmp_pat
         assert "](../" not in page.read_text(), page.name
 
 
+@pytest.mark.slow
+def test_the_site_carries_the_pages_of_a_dozen_motions(build, tmp_path: Path) -> None:
+    build.write_source(tmp_path / "source")
+    page = tmp_path / "source" / "how-to" / "view.md"
+    build.add_motions(page, tmp_path / "html" / "motions")
+    files = sorted(tmp_path.glob("html/motions/*.html"))
+    assert len(files) == 13
+    assert all(f.stat().st_size < 900_000 for f in files)
+    assert list(build.dead_links(tmp_path / "html")) == []
+    assert '<iframe src="../motions/demchenko-default.html"' in page.read_text()
+
+
 def test_the_index_names_every_page_and_systems_have_their_sketches(build, tmp_path: Path) -> None:
     source = tmp_path / "source"
     build.write_source(source)

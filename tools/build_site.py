@@ -17,8 +17,9 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import voronec
+from voronec.motion.viewer.gallery import write_gallery
 
-__all__ = ["dead_links", "main", "reference_pages", "write_source"]
+__all__ = ["add_motions", "dead_links", "main", "reference_pages", "write_source"]
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
@@ -43,6 +44,8 @@ ROOMS = {
 OUTSIDE = re.compile(r"\[([^\]]*)\]\(\.\./[^)]*\)")
 SYSTEMS = "\n```{toctree}\n:hidden:\n:glob:\n\n*\n```\n"
 """All pages beside the list of systems, for the column on the left."""
+CARRIED = "lists them; the site\ncarries them, too.\n"
+"""Where the pages of motions are told of."""
 TIME = "The time, the symbol ``t``; also the argument of SymPy's ``dynamicsymbols``."
 
 
@@ -95,6 +98,22 @@ def write_source(source: Path) -> None:
     _list_others(source / "index.md", "reference/*.rst", "reference/testing")
     _list_others(source / "how-to" / "index.md", "*.md", "formula")
     _list_others(source / "notebooks" / "index.md", "*.md", "search-and-prove")
+
+
+def add_motions(page: Path, folder: Path) -> None:
+    """Write the pages of motions, and show the first on the page that tells of them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    listed, first, *_ = write_gallery(folder)
+    place = f"../{folder.name}"
+    shown = f"""
+```{{raw}} html
+<p><a href="{place}/{listed.name}">The pages of a dozen motions</a>; here is the first:</p>
+<iframe src="{place}/{first.name}" style="width: 100%; height: 52rem; border: 0"></iframe>
+```
+"""
+    text = page.read_text("utf-8")
+    assert CARRIED in text, f"{page.name} does not say where the motions are"
+    page.write_text(text.replace(CARRIED, CARRIED + shown, 1), "utf-8")
 
 
 def _list_others(index: Path, pages: str, last: str) -> None:
@@ -156,6 +175,7 @@ def main() -> int:
 
     source, site = PLACE / "source", PLACE / "html"
     write_source(source)
+    add_motions(source / "how-to" / "view.md", site / "motions")
     options = ["-W", "--keep-going", "-q", "-E", "-j", "auto", "-b", "html"]
     conf = ["-c", str(DOCS / "site"), "-d", str(PLACE / "doctrees")]
     status = build_main([*options, *conf, str(source), str(site)])

@@ -254,9 +254,9 @@ def _section(commands: Any) -> None:
 
 
 def _gallery(commands: Any) -> None:
-    summary = "find and draw a motion of every class of traces"
+    summary = "draw a motion of every class of traces; without NAME, pages of a dozen motions"
     parser = _command(commands, "gallery", "gallery", summary)
-    _system(parser)
+    _system(parser, nargs="?")
     parser.add_argument("--only", metavar="A,B", help="only these classes, such as A,C1,D3")
     parser.add_argument(
         "--set", metavar="NAME=VALUE", action="append", default=[],
@@ -264,7 +264,7 @@ def _gallery(commands: Any) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--out", metavar="DIR|FILE",
-        help="folder for pictures, or one .svg, .png or .pdf (./NAME-gallery)",
+        help="folder, or one .svg, .png or .pdf (./NAME-gallery; without NAME ./gallery)",
     )  # fmt: skip
 
 
@@ -375,9 +375,10 @@ def _outputs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--outputs", metavar="A,B", help=meaning)
 
 
-def _system(parser: argparse.ArgumentParser) -> None:
+def _system(parser: argparse.ArgumentParser, nargs: str | None = None) -> None:
     parser.add_argument(
         "system",
+        nargs=nargs,
         metavar="NAME|FILE",
         help="a system's name, or a file: Python defining SYSTEM, or TOML",
     )

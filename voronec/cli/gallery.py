@@ -1,4 +1,6 @@
-"""``voronec gallery``: a motion of every class of traces, found, told and drawn."""
+"""``voronec gallery``: a motion of every class of traces, found, told and drawn; without a name,
+pages of a dozen motions.
+"""
 
 from __future__ import annotations
 
@@ -60,6 +62,8 @@ def execute(arguments: Namespace) -> int:
 
     Stopped by Ctrl-C, what is done is printed and drawn all the same.
     """
+    if arguments.system is None:
+        return _pages(arguments)
     pairs = [pair(text) for text in arguments.set]
     system, _ = resolve(arguments.system)
     target = _target(arguments.out or f"{system.name}-gallery")
@@ -87,6 +91,25 @@ def execute(arguments: Namespace) -> int:
         print(f"voronec: stopped, {len(answers)} of {wanted} motions done", file=sys.stderr)
         return 130
     return 0 if found else 1
+
+
+def _pages(arguments: Namespace) -> int:
+    """The pages that integrate by themselves, and ``index.html``."""
+    if arguments.only is not None or arguments.set:
+        raise DefinitionError("--only and --set are for one system; write: voronec gallery NAME")
+    folder = wanted_folder(arguments.out or "gallery")
+    from voronec.motion.viewer.gallery import write_gallery
+
+    try:
+        with delivery(folder) as workshop:
+            names = [file.name for file in write_gallery(workshop, progress)]
+    finally:
+        progress("")
+    if arguments.json:
+        print_json({"files": [str(folder / name) for name in names]})
+    else:
+        print(f"wrote {len(names) - 1} pages; open {folder / names[0]} in a browser")
+    return 0
 
 
 def _target(out: str) -> Path:
