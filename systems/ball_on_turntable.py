@@ -16,6 +16,7 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import (
+    Body,
     Equation,
     Fibration,
     Frame,
@@ -109,6 +110,7 @@ SYSTEM = System(
             caption="Where it is put with the right spin, the ball stays on the turning table.",
         ),
     },
+    bodies=(Body(m, (Dx, Dy, 0), (A, A, A), rates, turning=(0, 0, 0), title="ball"),),
     shapes=(
         Shape.ball(R, centre=(x, y, R), attitude=rotation.matrix, contact=(x, y, 0)),
         Shape.plane(attitude=Omega * time),

@@ -17,6 +17,7 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import (
+    Body,
     Equation,
     Fibration,
     Frame,
@@ -103,6 +104,19 @@ SYSTEM = System(
             caption="Fast enough to stay up, the disc nods while it rolls.",
         ),
     },
+    bodies=(
+        Body(
+            m,
+            tuple(
+                sp.Matrix([Dx, Dy, 0]) + R * (radius.diff(phi) * Dphi + radius.diff(theta) * Dtheta)
+            ),
+            (A, A, C),
+            (-Dtheta, -Dphi * cos, spin),
+            force=(0, 0, -m * g),
+            turning=(-Dtheta, -Dphi * cos, -Dphi * sin),
+            title="disc",
+        ),  # along the heading, down the radius, and along the axle
+    ),
     shapes=(
         Shape.disc(R, centre=touched + R * radius, attitude=turned, contact=(x, y, 0)),
         Shape.plane(),

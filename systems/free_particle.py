@@ -11,6 +11,7 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import (
+    Body,
     Equation,
     Fibration,
     Parameter,
@@ -66,6 +67,7 @@ SYSTEM = System(
             caption="A straight line.",
         ),
     },
+    bodies=(Body(m, (DX, DY, 0), title="particle"),),
     shapes=(Shape.ball(0.25, centre=(X, Y, 0), contact=(X, Y, 0)), Shape.plane()),
     references=("Chaplygin1911",),
 )

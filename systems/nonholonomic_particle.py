@@ -13,6 +13,7 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import (
+    Body,
     Equation,
     Fibration,
     Parameter,
@@ -93,6 +94,7 @@ SYSTEM = System(
             caption="While y grows uniformly, z falls and rises again along a hyperbola.",
         ),
     },
+    bodies=(Body(m, (Dx, Dy, Dz), title="particle"),),
     shapes=(Shape.ball(0.1, centre=(x, y, z), contact=(x, y, z)),),
     references=("Rosenberg1977", "BatesSniatycki1993", "Chaplygin1911"),
 )

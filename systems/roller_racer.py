@@ -18,6 +18,7 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import (
+    Body,
     Case,
     Equation,
     Fibration,
@@ -127,6 +128,10 @@ SYSTEM = System(
             caption="The handle folds back, and the racer goes over into a run round a circle.",
         ),
     },
+    bodies=(
+        Body(m, (Dx, Dy, 0), (0, 0, I1), (0, 0, Dtheta), title="seat"),
+        Body(0, inertia=(0, 0, I2), omega=(0, 0, handle), title="handle"),
+    ),
     shapes=(
         Shape.box((a, 0.1, 0.1), centre=(seat + hinged) / 2, attitude=theta),
         Shape.box((0.1, 0.6, 0.2), centre=seat, attitude=theta, contact=seat - down),

@@ -12,6 +12,7 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import (
+    Body,
     Case,
     Equation,
     Fibration,
@@ -92,6 +93,7 @@ SYSTEM = System(
             caption="Pushed backwards, the sleigh turns about and goes on with the blade behind.",
         ),
     },
+    bodies=(Body(m, (*centre, 0), (0, 0, J), (0, 0, Dphi), title="sleigh"),),
     shapes=(
         Shape.box(
             (0.8, 0.4, 0.1), centre=(x + a * sp.cos(phi), y + a * sp.sin(phi), 0.25), attitude=phi

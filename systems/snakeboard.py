@@ -15,6 +15,7 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import (
+    Body,
     Equation,
     Fibration,
     Measure,
@@ -125,6 +126,12 @@ SYSTEM = System(
             caption="The wheels turn steadily, and the board's track curls up.",
         ),
     },
+    bodies=(
+        Body(m, (Dx, Dy, 0), (0, 0, J), (0, 0, Dtheta), title="board"),
+        Body(0, inertia=(0, 0, rotor), omega=(0, 0, Dtheta + Dpsi), title="rotor"),
+        Body(0, inertia=(0, 0, wheels), omega=(0, 0, Dtheta + Dphi), title="rear wheels"),
+        Body(0, inertia=(0, 0, wheels), omega=(0, 0, Dtheta - Dphi), title="front wheels"),
+    ),
     shapes=(
         Shape.box((2 * length, length / 3, length / 10), centre=(x, y, length / 3), attitude=theta),
         Shape.box(

@@ -15,6 +15,7 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import (
+    Body,
     Case,
     Equation,
     Fibration,
@@ -97,6 +98,7 @@ SYSTEM = System(
             caption="Where the forbidden axis is principal, the turning is steady.",
         ),
     },
+    bodies=(Body(0, inertia=inertia, omega=rotation.body_rates),),
     shapes=(Shape.box((1, 0.7, 0.4), attitude=rotation.matrix),),
     references=("Suslov1946", "FedorovMaciejewskiPrzybylska2009", "Bloch2015"),
 )

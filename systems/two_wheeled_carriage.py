@@ -12,6 +12,7 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import (
+    Body,
     Case,
     Equation,
     Fibration,
@@ -128,6 +129,22 @@ SYSTEM = System(
             caption="Pushed with the load behind the axle, the carriage turns about.",
         ),
     },
+    bodies=(
+        Body(
+            m, (Dx - a * Dphi * sin, Dy + a * Dphi * cos, 0), (0, 0, J), (0, 0, Dphi), title="car"
+        ),
+        *(
+            Body(
+                0,
+                (0, 0, 0),
+                (0, C, 0),
+                (0, turned, Dphi),
+                turning=(0, 0, Dphi),
+                title=f"{side} wheel",
+            )
+            for side, turned in (("left", Dleft), ("right", Dright))
+        ),
+    ),
     shapes=(
         Shape.box((R, 2 * b, R), centre=(x, y, R), attitude=phi),
         *(

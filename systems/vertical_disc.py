@@ -9,6 +9,7 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import (
+    Body,
     Equation,
     Fibration,
     Parameter,
@@ -81,6 +82,11 @@ SYSTEM = System(
             caption="Without turning, the disc rolls straight on.",
         ),
     },
+    bodies=(
+        Body(
+            m, (Dx, Dy, 0), (C, B, C), (0, Dtheta, Dphi), turning=(0, 0, Dphi), title="disc"
+        ),  # along the heading, the axle and the vertical
+    ),
     shapes=(
         Shape.wheel(R, phi, theta, centre=(x, y, R), contact=(x, y, 0)),
         Shape.plane(),

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Fibration, Frame, Parameter, Scene, Shape, System, kinematics
+from voronec import Body, Fibration, Frame, Parameter, Scene, Shape, System, kinematics
 from voronec.kinematics import (
     Rotation,
     RubberMotion,
@@ -61,6 +61,7 @@ SYSTEM = System(
             caption="The body swings about a fixed point without turning about the vertical.",
         ),
     },
+    bodies=(Body(0, inertia=moments, omega=rotation.body_rates),),
     shapes=(Shape.box((1, 0.7, 0.4), attitude=rotation.matrix),),
     references=("VeselovVeselova1988", "DragovicGajicJovanovic2020"),
 )

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 import sympy as sp
+from tool_modules import tool
 
 import voronec as vo
 from voronec.audit.lessons.methods import METHODS, Comparison, Method, _compared
@@ -16,6 +17,8 @@ from voronec.cli import main
 
 PROBLEMS = ("sleigh", "vertical-disc", "two-wheeled-carriage", "snakeboard", "chaplygin-ball")
 MORE = ("roller-racer", "ball-on-turntable", "sleigh-on-turntable", "suslov", "free-particle")
+MORE += ("falling-disc", "veselova", "nonholonomic-particle")
+WITHOUT_BODIES = ("sleigh-on-turntable",)
 
 solved = cache(lambda name: vo.by_methods(vo.load(name)))
 
@@ -28,6 +31,60 @@ def test_all_methods_are_proved_equal(name: str) -> None:
     assert [e.verdict.status for e in found.equalities] == ["proved"] * 5
     assert found.proved
     assert found.seconds < 30
+    first = "d'Alembert" if name in WITHOUT_BODIES else "Newton and Euler"
+    assert found.methods[0].name == f"{first}, with reactions"
+
+
+def test_reactions_are_those_of_the_textbook() -> None:
+    """A disc under its weight: the force at the contact acts on the centre, with its moment."""
+    (balances, _) = solved("falling-disc").methods[0].steps
+    text = {name: str(right) for name, (_, right) in balances.rows}
+    assert text["disc, x"] == "N1" and text["disc, y"] == "N2"
+    assert text["disc, z"] == "N3 - m*g" or text["disc, z"] == "N3 - g*m"
+    assert text["disc, moment 2"] == "0"  # about the radius through the contact
+
+
+def test_a_wrong_body_is_refuted() -> None:
+    """A force that is no weight, an inertia that the Lagrangian does not hold."""
+    disc = vo.load("falling-disc")
+    (body,) = disc.bodies
+    for wrong in (
+        replace(body, force=(0, 0, 0)),
+        replace(body, inertia=(1, 2, 3)),
+        replace(body, turning=body.omega),  # the axes of the inertia do not spin with the disc
+    ):
+        found = vo.by_methods(replace(disc, bodies=wrong))
+        assert found.equalities[0].verdict.refuted and not found.proved
+
+
+@pytest.mark.parametrize("name", ["rolling_disc", "chaos_pendulum", "three_wheeled_carriage"])
+def test_bodies_of_models_of_sympy(name: str) -> None:
+    """The bodies and loads of a model, which its Lagrangian and forces were made of otherwise."""
+    found = vo.by_methods(vo.from_mechanics(tool("mechanics_models").MODELS[name]()))
+    assert found.methods[0].name.startswith("Newton") and found.proved
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"velocity": (1, 2)}, "the velocity of the body 'body' has 2 components; give three"),
+        ({"inertia": (1, 2)}, "three principal moments"),
+        ({"force": ("x +", 0, 0)}, "the force of the body 'body'"),
+        ({"mass": sp.Symbol("M")}, "the body 'body' contains 'M'"),
+    ],
+)
+def test_wrong_bodies_are_refused(given: dict[str, Any], said: str) -> None:
+    x = sp.Symbol("x")
+    with pytest.raises(vo.DefinitionError, match=said):
+        vo.System(
+            name="slide", fibration=vo.Fibration((x,)), lagrangian=vo.velocity(x) ** 2,
+            bodies=vo.Body(**{"mass": 1, **given}),
+        )  # fmt: skip
+
+
+def test_what_is_too_large_is_told_in_one_line() -> None:
+    with pytest.raises(vo.EngineLimit, match=r"bicycle.*no method done.*compared in numbers"):
+        vo.by_methods(vo.load("bicycle"))
 
 
 @pytest.mark.parametrize("name", PROBLEMS + MORE)
@@ -105,10 +162,10 @@ def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["methods", "vertical-disc"]) == 0
     text = capsys.readouterr().out
     for number, name in enumerate(
-        ("d'Alembert", "Lagrange", "Kane", "Gibbs", "Chaplygin", "Hamel")
+        ("Newton and Euler", "Lagrange", "Kane", "Gibbs", "Chaplygin", "Hamel")
     ):
         assert f"\n{number + 1}. {name}" in text
-    assert text.count("C*dphidot/dt              = 0") == 5
+    assert text.count("C*dphidot/dt              = 0") == 6
     assert text.rstrip().endswith("All methods give the same equations: proved.")
     assert main(["methods", "vertical-disc", "--json"]) == 0
     data = json.loads(capsys.readouterr().out)

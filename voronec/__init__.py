@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from voronec.audit.lessons.methods import by_methods
     from voronec.closed import ClosedForm
     from voronec.closed.special.family import Precessions, precessions
+    from voronec.declaration.bodies import Body
     from voronec.declaration.catalogue import load, names
     from voronec.declaration.charts import Chart
     from voronec.declaration.claims import Assertion, Case, Corrected, Equation, Measure, Poisson
@@ -111,6 +112,7 @@ _HOME = {
     "divergence": "voronec.proof.measures",
     "Reduction": "voronec.equations.reduction",
     "descend": "voronec.equations.reduction",
+    "Body": "voronec.declaration.bodies",
     "Assertion": "voronec.declaration.claims",
     "Case": "voronec.declaration.claims",
     "Corrected": "voronec.declaration.claims",
@@ -134,6 +136,7 @@ _HOME = {
 
 __all__ = [
     "Assertion",
+    "Body",
     "Case",
     "Chart",
     "Claim",

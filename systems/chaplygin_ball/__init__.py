@@ -12,7 +12,18 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Fibration, Frame, Parameter, Scene, Shape, System, kinematics, velocity
+from voronec import (
+    Body,
+    Case,
+    Fibration,
+    Frame,
+    Parameter,
+    Scene,
+    Shape,
+    System,
+    kinematics,
+    velocity,
+)
 
 x, y, phi, theta, psi = sp.symbols("x y phi theta psi")
 m, R = sp.symbols("m R")
@@ -74,6 +85,7 @@ SYSTEM = System(
             caption="The ball spins about a direction close to its middle axis, and wanders.",
         ),
     },
+    bodies=(Body(m, (velocity(x), velocity(y), 0), inertia, rotation.body_rates, title="ball"),),
     shapes=(
         Shape.ball(R, centre=(x, y, R), attitude=rotation.matrix, contact=(x, y, 0)),
         Shape.plane(),

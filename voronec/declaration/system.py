@@ -21,6 +21,7 @@ from voronec.algebra.symbols import (
 )
 from voronec.algebra.text import sympified
 from voronec.algebra.typeset import html_table, latex_of
+from voronec.declaration.bodies import Body
 from voronec.declaration.charts import Chart
 from voronec.declaration.claims import (
     KINDS,
@@ -118,6 +119,9 @@ class System:
     shapes
         ``Shape``: bodies, and surfaces that they roll on, with their places as expressions, for the
         viewer (``voronec view``).
+    bodies
+        ``Body``: rigid bodies with their velocities and what acts on them, for the method of Newton
+        and Euler (``voronec methods``); they change nothing of the equations.
     motion
         ``Quadratures``: the motion in closed form, where there is one.
     meanings
@@ -166,6 +170,7 @@ class System:
     meanings: Mapping[Any, str] = field(default_factory=dict)
     shapes: tuple[Shape, ...] = ()
     sketch: Sketch | None = None
+    bodies: tuple[Body, ...] = ()
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -188,6 +193,7 @@ class System:
         check_motion(self)
         check_meanings(self)
         check_shapes(self)
+        check_bodies(self)
 
     def _check_kinds(self) -> None:
         """A fibration and a frame come ready made, invariants by name."""
@@ -262,6 +268,13 @@ class System:
                     f"shapes holds '{shown(shape)}'; write Shape.ball(radius, centre=(x, y, z))"
                 )
         store("shapes", tuple(shapes))
+        bodies = several(self.bodies, "bodies", "Body(mass, velocity, inertia, omega)", Body)
+        for body in bodies:
+            if not isinstance(body, Body):
+                raise DefinitionError(
+                    f"bodies holds '{shown(body)}'; write Body(mass, velocity, inertia, omega)"
+                )
+        store("bodies", tuple(bodies))
         store("inputs", self._all_inputs())
         meanings = mapping(self.meanings, "meanings", "coordinate: 'in words'")
         named = {k if isinstance(k, str) else plain_name(k): v for k, v in meanings.items()}
@@ -438,6 +451,7 @@ def bare(system: System, name: str, **changes: Any) -> System:
         **{x: {} for x in ("invariants", "scenes", "charts")},
         **dict.fromkeys(("drawing", "motion")),
         "shapes": (),
+        "bodies": (),
     }
     return replace(system, name=name, **{**empty, **changes})
 
@@ -633,6 +647,14 @@ def check_shapes(system: System) -> None:
         for patch in shape.patches:
             for expr in patch.position:
                 require_known(f"{place}, its surface,", expr, resting)
+
+
+def check_bodies(system: System) -> None:
+    """Bodies are made of what is declared."""
+    known = {*system.known_symbols()}
+    for body in system.bodies:
+        for expr in body.expressions:
+            require_known(f"system '{system.name}': the body '{shown(body.title)}'", expr, known)
 
 
 def check_relations(system: System) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import sympy as sp
 
+from voronec.declaration.bodies import inertia_tensor
 from voronec.declaration.reading import expression
-from voronec.errors import DefinitionError
 from voronec.kinematics.vectors import Vector, cross, dot, three
 
 __all__ = ["axial_rotor", "kinetic_energy", "point_velocity", "uniform_field_energy"]
@@ -24,7 +24,7 @@ def kinetic_energy(
     3 x 3 matrix, about the centre of mass.
     """
     w, spin = three(velocity, "the velocity of a body"), three(omega, "an angular velocity")
-    tensor = _tensor(inertia)
+    tensor = inertia_tensor(inertia)
     entries = [(i, j) for i in range(3) for j in range(3) if tensor[i, j] != 0]
     rotation = sp.Add(*[tensor[i, j] * spin[i] * spin[j] for i, j in entries])
     return expression(mass, "a mass") * dot(w, w) / 2 + rotation / 2
@@ -64,23 +64,3 @@ def uniform_field_energy(
     """
     g = three(acceleration, "the acceleration of a field")
     return -expression(mass, "a mass") * dot(g, three(position, "a position"))
-
-
-def _tensor(inertia: Any) -> sp.ImmutableMatrix:
-    """The inertia tensor out of three principal moments, nested rows or a matrix."""
-    if not isinstance(inertia, sp.MatrixBase):
-        rows = list(inertia) if isinstance(inertia, Iterable) else []
-        square = all(isinstance(row, (list, tuple)) for row in rows)
-        place = "an entry of the inertia"
-        try:
-            if square:
-                inertia = sp.Matrix([[expression(e, place) for e in row] for row in rows])
-            else:
-                inertia = sp.diag(*[expression(entry, place) for entry in rows])
-        except ValueError:
-            raise DefinitionError("the rows of the inertia matrix differ in length") from None
-    if inertia.shape != (3, 3):
-        raise DefinitionError("inertia takes three principal moments, or a 3 x 3 matrix")
-    if inertia != inertia.T:
-        raise DefinitionError("the inertia matrix is not symmetric; give I_ij = I_ji")
-    return sp.ImmutableMatrix(inertia)

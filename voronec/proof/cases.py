@@ -44,6 +44,7 @@ def specialised(
         scenes={k: _without(scene, names) for k, scene in system.scenes.items()},
         drawing=None,
         shapes=(),
+        bodies=(),
         motion=None,
     )
 

@@ -1,6 +1,7 @@
 """One problem by six methods, each by its own way, each proved equal to the next.
 
-d'Alembert        M qddot + gamma = F + A^T lambda, lambda from A M^-1 A^T
+Newton-Euler      dp/dt = F + R, dK/dt = M + N of each body, J^T (R, N) = 0
+d'Alembert        M qddot + gamma = F + A^T lambda, lambda from A M^-1 A^T: for want of bodies
 Lagrange          d/dt dL/dqdot - dL/dq = Q + A^T lambda, lambda from the fibre's equations
 Kane              F_r + F*_r = 0, along the partial velocities
 Gibbs-Appell      dS/dvdot_r = Pi_r
@@ -19,13 +20,43 @@ import symengine as se
 
 from voronec.algebra.elimination import solve_linear
 from voronec.audit.lessons.comparison import Comparison, Equality, Method, Rows, Step
+from voronec.audit.lessons.newton_euler import FreeBodies
 from voronec.audit.lessons.statement import Statement, Vector
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.decision import all_zero
 
 __all__ = ["METHODS", "by_methods"]
+
+
+def first_principles(problem: Statement) -> Method:
+    """Newton's and Euler's laws of the declared bodies; without them d'Alembert's balances."""
+    return newton_euler(problem) if problem.equations.system.bodies else dalembert(problem)
+
+
+def newton_euler(problem: Statement) -> Method:
+    """Momentum balances of free bodies; the reactions are eliminated."""
+    bodies = FreeBodies(problem)
+    rows = zip(bodies.names, bodies.inertias, bodies.active, bodies.reactions, strict=True)
+    return Method(
+        "Newton and Euler, with reactions",
+        (
+            Step(
+                "Of each body free of the others the momentum changes by forces, and the moment "
+                "about the mass centre by torques; N1, N2, ... are the reactions, which do no work "
+                "in any motion that the constraints admit:",
+                tuple((name, (a, f + r)) for name, a, f, r in rows),
+            ),
+            Step(
+                "As many of these balances as there are reactions give these; put into the others, "
+                "and along the velocities in use:"
+                if bodies.bound
+                else "There are no reactions; along the velocities in use:"
+            ),
+        ),
+        tuple(bodies.left),
+    )
 
 
 def dalembert(problem: Statement) -> Method:
@@ -110,13 +141,22 @@ def lagrange(problem: Statement) -> Method:
                 "each constraint:",
                 tuple(balance),
             ),
-            Step(
-                "The equations of the fibre coordinates give the multipliers:",
-                _named("lambda", lambdas),
-            ),
-            Step("Put into the others, and along the velocities in use:"),
+            *_multipliers(lambdas),
         ),
         tuple(problem.in_velocities(r) for r in _onto(problem, reduced)),
+    )
+
+
+def _multipliers(lambdas: Vector) -> tuple[Step, ...]:
+    """What is done with them, where there are any."""
+    if not lambdas:
+        return (Step("There are no multipliers; along the velocities in use:"),)
+    return (
+        Step(
+            "The equations of the fibre coordinates give the multipliers:",
+            _named("lambda", lambdas),
+        ),
+        Step("Put into the others, and along the velocities in use:"),
     )
 
 
@@ -278,7 +318,7 @@ def _hamel_equations(
 
 
 METHODS: tuple[Callable[[Statement], Method], ...] = (
-    dalembert,
+    first_principles,
     lagrange,
     kane,
     gibbs_appell,
@@ -296,11 +336,22 @@ def by_methods(system: System | VoronecEquations) -> Comparison:
     each are compared with the next ones, as functions of coordinates, velocities and accelerations;
     accelerations that a method gives solved must satisfy the equations of the next.
 
-    Raises ``DefinitionError`` for redundant coordinates, groups and forces that hold accelerations.
+    Raises ``DefinitionError`` for redundant coordinates, groups and forces that hold accelerations,
+    ``EngineLimit`` for systems too large to be written out, such as the bicycle.
     """
     begun = process_time()
     problem = Statement.of(system)
-    found = tuple(method(problem) for method in METHODS)
+    found: tuple[Method, ...] = ()
+    try:
+        for method in METHODS:
+            found = (*found, method(problem))
+    except EngineLimit as error:
+        name, done = problem.equations.system.name, ", ".join(m.name for m in found)
+        raise EngineLimit(
+            f"system '{name}': {f'{done} done' if done else 'no method done'}; the next step is "
+            f"too large to be written out ({error}); 'voronec derive {name}' has the equations, "
+            "and vo.multiplier_acceleration those with multipliers, to be compared in numbers"
+        ) from None
     equalities = tuple(_compared(problem, a, b) for a, b in pairwise(found))
     return Comparison(problem, found, equalities, process_time() - begun)
 

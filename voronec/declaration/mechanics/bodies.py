@@ -1,4 +1,4 @@
-"""Kinetic energy of bodies, and where their mass centres go.
+"""Bodies, their kinetic energy, and where their mass centres go.
 
 A model may give a point a velocity that is the rate of no function of the coordinates: the contact
 point of a rolling disc is at rest, and its centre moves as the rolling lets it.  A Lagrangian of
@@ -9,7 +9,7 @@ own, and the velocity that the model gives it a constraint.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Any
 
@@ -19,7 +19,7 @@ from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.mechanics.vectors import ZERO, Components, dot, in_one_line
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Places", "kinetic_energy", "vanish"]
+__all__ = ["FreeBody", "Places", "free_body", "vanish"]
 
 
 @dataclass
@@ -88,26 +88,48 @@ def vanish(exprs: Sequence[Any]) -> bool:
         return False
 
 
-def kinetic_energy(bodies: Sequence[Any], frame: Any, read: Components, places: Places) -> Any:
-    """Twice halves: m v^2 / 2 and w I w / 2 of all bodies."""
-    return se.Add(*[t for b in bodies for t in _energies(b, frame, read, places)])
+@dataclass(frozen=True)
+class FreeBody:
+    """A body inside the door: the velocity of its mass centre along axes at rest, and, of what
+    turns, inertia, angular velocity, and that of ``axes``, in which these two are given.
+    ``model`` is what it was read from."""
+
+    model: Any
+    mass: Any
+    velocity: Sequence[Any]
+    inertia: Sequence[Sequence[Any]] = ((ZERO,) * 3,) * 3
+    omega: Sequence[Any] = (ZERO,) * 3
+    turning: Sequence[Any] = (ZERO,) * 3
+    axes: Any = None
+
+    @property
+    def energy(self) -> Any:
+        """m v^2 / 2 + w I w / 2."""
+        spin = [dot(row, self.omega) for row in self.inertia]
+        half = se.Rational(1, 2)
+        return half * self.mass * dot(self.velocity, self.velocity) + half * dot(self.omega, spin)
+
+    def bears(self, where: Any) -> bool:
+        """Whether a load there is one at the mass centre, or one that turns the body."""
+        turns = self.axes is not None and where == self.model.frame
+        return turns or where == self.model.masscenter
 
 
-def _energies(body: Any, frame: Any, read: Components, places: Places) -> list[Any]:
-    half = se.Rational(1, 2)
+def free_body(body: Any, frame: Any, read: Components, places: Places) -> FreeBody:
+    """A ``Particle`` or a ``RigidBody``, read."""
     velocity = in_one_line(lambda: body.masscenter.vel(frame), f"the velocity of '{body.name}'")
     rates = [
         places.placed(str(body.name), axis, rate)
         for axis, rate in enumerate(read.of(velocity, frame))
     ]
-    found = [half * read.read(body.mass) * dot(rates, rates)]
+    moved = FreeBody(body, read.read(body.mass), rates)
     if not hasattr(body, "central_inertia"):
-        return found
+        return moved
     what = f"the rotation of '{body.name}'"
     turn = in_one_line(lambda: body.frame.ang_vel_in(frame), what)
     inertia = body.central_inertia
     if not getattr(inertia, "args", ()) or not turn.args:
-        return found
+        return moved
     if not places.turns_something(read.of(turn, frame)):
         raise DefinitionError(
             f"from_mechanics: the angular velocity of '{body.name}' is that of no orientation "
@@ -115,6 +137,11 @@ def _energies(body: Any, frame: Any, read: Components, places: Places) -> list[A
             "kinematic equations"
         )
     own = inertia.args[0][1].args[0][1]
-    omega = read.of(turn, own)
-    spin = [dot(row, omega) for row in read.dyadic(inertia, own)]
-    return [*found, half * dot(omega, spin)]
+    turning = in_one_line(lambda: own.ang_vel_in(frame), what)
+    return replace(
+        moved,
+        inertia=read.dyadic(inertia, own),
+        omega=read.of(turn, own),
+        turning=read.of(turning, own),
+        axes=own,
+    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -14,11 +14,12 @@ from voronec.algebra.door import Door
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.tape import Tape
+from voronec.declaration.bodies import Body
 from voronec.declaration.geometry import Fibration, Frame
-from voronec.declaration.mechanics.bodies import Places, kinetic_energy, vanish
+from voronec.declaration.mechanics.bodies import FreeBody, Places, free_body, vanish
 from voronec.declaration.mechanics.model import MechanicsModel, read_model
 from voronec.declaration.mechanics.speeds import Speeds, generic_columns, generic_rows, solve_speeds
-from voronec.declaration.mechanics.vectors import Components, dot, in_one_line
+from voronec.declaration.mechanics.vectors import ZERO, Components, dot, in_one_line
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
 from voronec.errors import EngineLimit
@@ -100,7 +101,8 @@ class _Reading:
     def system(self, name: str, parameters: Any) -> System:
         """The declaration."""
         model, outward = self.model, self.door.outward
-        energy = self._lagrangian()
+        bodies = self._free_bodies()
+        energy = self._lagrangian(bodies)
         own, relations, kept = self._bound()
         constraints = own + [symbol - rate for symbol, rate in self.places.rates]
         added = tuple(outward(symbol).expr for symbol, _ in self.places.rates)
@@ -121,25 +123,69 @@ class _Reading:
             frame=Frame.quasi(quasi) if quasi else None,
             integrals={f"configuration {i + 1}": outward(e) for i, e in enumerate(kept)},
             parameters=_parameters(held, parameters),
+            bodies=self._bodies(bodies),
             **declared,
         )
 
-    def _lagrangian(self) -> Any:
+    def _free_bodies(self) -> list[FreeBody]:
+        """Those of Kane's models, read; of Lagrange's they have gone into the Lagrangian."""
         model = self.model
-        if model.lagrangian is not None:
-            return self.read.read(model.lagrangian)
-        return kinetic_energy(model.bodies, model.frame, self.read, self.places)
+        bodies = model.bodies if model.lagrangian is None else ()
+        return [free_body(body, model.frame, self.read, self.places) for body in bodies]
+
+    def _lagrangian(self, bodies: Sequence[FreeBody]) -> Any:
+        given = self.model.lagrangian
+        return se.Add(*[b.energy for b in bodies]) if given is None else self.read.read(given)
+
+    def _bodies(self, bodies: Sequence[FreeBody]) -> tuple[Body, ...]:
+        """For Newton and Euler: the bodies, and for each load a place without mass, or axes without
+        inertia, on which it acts."""
+
+        def outward(values: Iterable[Any]) -> tuple[Any, ...]:
+            return tuple(map(self.door.outward, values))
+
+        held = [{"force": [ZERO] * 3, "torque": [ZERO] * 3} for _ in bodies]
+        places = []
+        for where, moved, vector in self._loads() if bodies else ():
+            turning = hasattr(where, "ang_vel_in")
+            kind = "torque" if turning else "force"
+            i = next((i for i, b in enumerate(bodies) if b.bears(where)), None)
+            if not any(e != 0 for e in self.read.of(moved, self.model.frame)):
+                continue  # a reaction
+            axes = self.model.frame if i is None or not turning else bodies[i].axes
+            load = self.read.of(vector, axes)
+            if i is None:
+                named = {"omega" if turning else "velocity": outward(self.read.of(moved, axes))}
+                given = {**named, kind: outward(load), "turning": (0, 0, 0)}
+                places.append(Body(0, title=str(where), **given))
+            else:
+                held[i][kind] = [a + b for a, b in zip(held[i][kind], load, strict=True)]
+        own = [
+            Body(
+                self.door.outward(body.mass),
+                outward(body.velocity),
+                [list(outward(row)) for row in body.inertia],
+                outward(body.omega),
+                turning=outward(body.turning),
+                title=str(body.model.name),
+                **{name: outward(load) for name, load in loads.items()},
+            )
+            for body, loads in zip(bodies, held, strict=True)
+        ]
+        return (*own, *places)
+
+    def _loads(self) -> Iterator[tuple[Any, Any, Any]]:
+        """Of each load on what moves: where it acts, the velocity there, and the load."""
+        for where, vector in self.model.loads:
+            ask = where.ang_vel_in if hasattr(where, "ang_vel_in") else where.vel
+            moved = in_one_line(partial(ask, self.model.frame), f"the load on '{where}'")
+            if getattr(moved, "args", ()):
+                yield where, moved, vector
 
     def _forces(self) -> dict[sp.Expr, Any]:
         """Q_a = F . d(velocity of what it acts on)/d(rate of the coordinate a)."""
         found = dict.fromkeys(self.coordinates, se.Integer(0))
-        frame = self.model.frame
-        for where, vector in self.model.loads:
-            turning = hasattr(where, "ang_vel_in")
-            ask = where.ang_vel_in if turning else where.vel
-            moved = in_one_line(partial(ask, frame), f"the load on '{where}'")
-            if not getattr(moved, "args", ()):
-                continue
+        for _, moved, vector in self._loads():
             axes = vector.args[0][1]
             force = self.read.of(vector, axes)
             rows = [self.places.form(rate) for rate in self.read.of(moved, axes)]
