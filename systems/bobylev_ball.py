@@ -23,7 +23,7 @@ from voronec import Limit, Plane, Quadratures, Relation, Square, Trace, kinemati
 m, R, A, C, k, h = sp.symbols("m R A C k h")
 
 rolling = kinematics.BalancedBall.on_plane(R, m, (A, A, C), (0, 0, k))
-ball, D, whole = rolling.ball, rolling.motion.carried, rolling.motion.whole
+ball, D, whole = rolling.ball, rolling.motion.contact_inertia, rolling.motion.whole
 omega, normal = rolling.motion.spin, rolling.motion.normal
 u, v, theta = ball.base
 x, y = ball.fibre

@@ -21,7 +21,7 @@ from voronec import Limit, Relation, Square, kinematics
 R1, R2, m, A, h = sp.symbols("R1 R2 m A h")
 
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, (A, A, A))
-D, spin, normal = ball.motion.carried, ball.motion.spin, ball.motion.normal
+D, spin, normal = ball.motion.contact_inertia, ball.motion.spin, ball.motion.normal
 along = spin.dot(normal)
 kept = (A + D) * spin + D * R2 / R1 * along * normal
 

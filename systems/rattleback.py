@@ -41,7 +41,7 @@ I1, I2, I3 = moments
 product = sp.Matrix([[0, I12, 0], [I12, 0, 0], [0, 0, 0]])
 body = kinematics.ConvexBody.ellipsoid(axes, gamma, height)
 spin = sp.Matrix(omega)
-turned = body.rolled(omega)
+turned = body.rolling_rate(omega)
 momentum = body.momentum(m, moments, omega) + I12 * sp.Matrix([omega[1], omega[0], 0])
 moving = body.momentum_rate(momentum, m, omega, turned, m * g)
 
@@ -52,7 +52,7 @@ level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, vertical, strict=True)))
 placed = kinematics.ConvexBody.ellipsoid(axes, vertical, level)
 rates = rotation.body_rates
 across = -rotation.matrix * rates.cross(placed.arm)  # of the centre, where the contact rests
-rising = -placed.arm.dot(placed.rolled(rates))
+rising = -placed.arm.dot(placed.rolling_rate(rates))
 inertia = sp.diag(*moments) + product
 kinetic = kinematics.kinetic_energy(m, (velocity(x), velocity(y), rising), inertia, rates)
 

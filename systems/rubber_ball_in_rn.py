@@ -59,7 +59,11 @@ RELATIONS = (
             f"rubber-ball-in-rn{at}",
             f"veselova-in-rn{at}",
             parameters=dict(
-                zip(ball.body.named("J"), (i + ball.carried for i in ball.moments), strict=True)
+                zip(
+                    ball.body.skew_symbols("J"),
+                    (i + ball.contact_inertia for i in ball.moments),
+                    strict=True,
+                )
             ),
             note="the rubber ball on a hyperplane is Veselova's body",
         )

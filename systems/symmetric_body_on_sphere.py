@@ -54,7 +54,7 @@ spin, centre = sp.Matrix(contact.spin), sp.Matrix(contact.centre_velocity)
 kinetic = (m * centre.dot(centre) + body.turning_momentum(spin).dot(spin)) / 2
 
 # Where the body rolls: the momentum about the contact, and how it changes along (u, v, n).
-falling, momentum, arm = body.rolled[u], body.momentum, body.arm
+falling, momentum, arm = body.rolling_velocities[u], body.momentum, body.arm
 f = falling.coeff(tau)  # du/dt = f tau
 moving = body.momentum_rate - sp.Matrix([0, f * sp.diff(V, u), 0])
 

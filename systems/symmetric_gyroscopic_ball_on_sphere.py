@@ -32,7 +32,7 @@ R1, R2, m, A, C, k, h = sp.symbols("R1 R2 m A C k h")
 
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, (A, A, C), (0, 0, k))
 solution = kinematics.SymmetricBallMotion(ball.motion)
-D, omega = ball.motion.carried, ball.motion.spin
+D, omega = ball.motion.contact_inertia, ball.motion.spin
 
 # Zhukovsky's condition, C = A.
 x, mu = solution.x, solution.mu

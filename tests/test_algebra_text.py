@@ -12,7 +12,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.algebra.text import exact_number, formula, printed, sympified
+from voronec.algebra.text import exact_number, formula, read_printed, sympify
 from voronec.errors import DefinitionError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -103,15 +103,15 @@ def test_long_sums_are_read_in_one_go():
 def test_what_sympy_prints_is_read_back():
     f = sp.Function("f")
     expr = sp.sin(x) ** 2 / 3 + f(x, 2) * sp.diff(f(x, a), x, x, a)
-    assert printed(str(expr), "here") == expr
+    assert read_printed(str(expr), "here") == expr
     with pytest.raises(DefinitionError):
-        printed("Derivative(f(x), (x, 10**9))", "here")
+        read_printed("Derivative(f(x), (x, 10**9))", "here")
 
 
 def test_texts_inside_lists_are_not_read():
     for things in ([HOSTILE], (HOSTILE,), {HOSTILE}, {1: HOSTILE}, np.array([HOSTILE]), b"1"):
         with pytest.raises(DefinitionError):
-            sympified(things)
+            sympify(things)
 
 
 def test_no_door_of_the_package_runs_text(tmp_path, monkeypatch):

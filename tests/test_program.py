@@ -19,7 +19,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import voronec as vo
-from voronec.algebra.stages import factored
+from voronec.algebra.stages import factor_sums
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.program import (
     Program,
@@ -315,7 +315,7 @@ def test_long_sums_keep_their_fractions_and_series_nest_only_so_deep() -> None:
     assert "151.0*q)/151.0" in vo.derive(system).c()
     total = se.Add(*[a**n * se.sin(n * x) / n for n in range(1, 1501)])
     names = (se.Symbol(f"s{i}") for i in range(2000))
-    found = factored({z: total}, lambda: next(names))
+    found = factor_sums({z: total}, lambda: next(names))
     at: dict[Any, Any] = {a: 0.999, x: 0.3}
     for name, expr in found.items():
         at[name] = float(expr.xreplace(at))

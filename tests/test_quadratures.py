@@ -108,9 +108,9 @@ def test_a_plane_has_two_of_everything():
 
 def test_a_trace_has_the_title_of_its_drawing():
     trace = vo.Trace(x, q, z)
-    drawn = motion(traces=(trace,)).titled({"above": ("x", "q")})
+    drawn = motion(traces=(trace,)).with_titles({"above": ("x", "q")})
     assert drawn.traces[0].title == "above"
-    assert motion(traces=(trace,)).titled(None).traces[0].title == ""
+    assert motion(traces=(trace,)).with_titles(None).traces[0].title == ""
 
 
 def test_a_system_needs_a_value_for_every_coordinate():

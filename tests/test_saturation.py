@@ -11,7 +11,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec import Fibration, System, velocity
-from voronec.algebra.bounded import bounded
+from voronec.algebra.bounded import bound_exponentials
 from voronec.algebra.door import Door
 
 pytestmark = pytest.mark.slow
@@ -89,7 +89,7 @@ EQUAL = [
 def test_what_is_bounded_is_equal_and_proved_so(expr):
     door = Door()
     inside = door.inward(expr)
-    assert vo.prove_equal(door.outward(bounded(inside)), expr).proved
+    assert vo.prove_equal(door.outward(bound_exponentials(inside)), expr).proved
 
 
 def test_the_hyperbolic_tangent_alone_is_no_quotient_of_exponentials():

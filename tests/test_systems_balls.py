@@ -96,7 +96,7 @@ def test_a_gyroscope_spoils_the_integral_of_borisov_and_fedorov():
     system = vo.load("gyroscopic-ball-on-sphere")
     mine = module("ball-on-sphere").ball.motion
     whole = module("gyroscopic-ball-on-sphere").ball.motion.whole
-    weights = [sum(mine.inertia) - 2 * i + mine.carried for i in mine.inertia]
+    weights = [sum(mine.inertia) - 2 * i + mine.contact_inertia for i in mine.inertia]
     other = sum(b * p * g for b, p, g in zip(weights, whole, gamma, strict=True))
     for integral in (mine.linear_integral, other):
         case = vo.Case(parameters={R1: -R2 / 2}, integrals={"F4": integral})

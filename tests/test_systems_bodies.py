@@ -183,7 +183,7 @@ def test_the_velocities_of_a_rolling_contact_meet_the_constraints_and_the_spin()
     w = sp.sqrt(a**2 * sp.sin(u1) ** 2 + c**2 * sp.cos(u1) ** 2)
     forms = SurfaceForms.revolution(u1, v1, (a**2 * c**2 / w**3, a**2 / w))
     contact = RollingContact(Surface.torus(b, R1, u, v), forms, theta)
-    known = {velocity(q): rate for q, rate in contact.rolled(quasi).items()}
+    known = {velocity(q): rate for q, rate in contact.rolling_velocities(quasi).items()}
     for claim, meant in zip((*contact.no_slip, *contact.spin), (0, 0, *quasi), strict=True):
         assert prove_equal(claim.xreplace(known), meant).proved
 
@@ -191,7 +191,7 @@ def test_the_velocities_of_a_rolling_contact_meet_the_constraints_and_the_spin()
 def test_coordinates_off_the_lines_of_curvature_are_refused():
     skew = Surface((u1, v1), (u1 + v1 / 2, v1, u1**2))
     with pytest.raises(vo.DefinitionError, match="lines of curvature"):
-        RollingContact(Surface.sphere(a, u, v), skew, theta).rolled(quasi)
+        RollingContact(Surface.sphere(a, u, v), skew, theta).rolling_velocities(quasi)
 
 
 def test_forms_by_the_radii_of_curvature_are_those_of_the_surface():
@@ -223,7 +223,7 @@ def test_an_ellipsoid_is_touched_where_its_normal_is():
 def test_a_ball_turns_its_normal_by_epsilon():
     gone = sum(g**2 for g in gamma) - 1
     ball = ConvexBody.ellipsoid((a, a, a), gamma, a)
-    turned = ball.rolled(omega, R1)
+    turned = ball.rolling_rate(omega, R1)
     meant = R1 / (R1 + a) * sp.Matrix(gamma).cross(sp.Matrix(omega))
     for x, y in zip(turned, meant, strict=True):
         assert prove_equal(x, y, relations=(gone,)).proved

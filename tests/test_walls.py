@@ -345,7 +345,7 @@ def test_a_section_that_misses_a_zero_at_infinity_certifies_nothing(fixed, monke
             return 0 * gens[0] + 5 if next(calls) % 4 == fixed else honest(gens, source)
 
         monkeypatch.setattr(simple_zeros, "_line", line)
-        assert not simple_zeros._certified.__wrapped__(function, relations, frozenset())
+        assert not simple_zeros._has_simple_zeros.__wrapped__(function, relations, frozenset())
         monkeypatch.setattr(simple_zeros, "_line", honest)
         simple = (function / (a - 1)).expand()
-        assert simple_zeros._certified.__wrapped__(simple, relations, frozenset())
+        assert simple_zeros._has_simple_zeros.__wrapped__(simple, relations, frozenset())

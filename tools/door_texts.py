@@ -13,7 +13,7 @@ from door_commands import Wrong
 from door_values import HOSTILE, odd_text
 
 import voronec as vo
-from voronec.algebra.text import exact_number, formula, printed, sympified
+from voronec.algebra.text import exact_number, formula, read_printed, sympify
 from voronec.cli.mechanisms import MECHANISMS
 from voronec.cli.values import input_values, instants, outputs_of, pair, tolerance
 from voronec.declaration.bibliography import read_entries
@@ -176,8 +176,8 @@ def _derivation(text: str, place: Path) -> None:
 READERS: dict[str, Callable[[str, Path], Any]] = {
     "formula": lambda text, _: formula(text, "it"),
     "number": lambda text, _: exact_number(text, "it"),
-    "sympified": lambda text, _: sympified(text),
-    "printed": lambda text, _: printed(text, "it"),
+    "sympified": lambda text, _: sympify(text),
+    "printed": lambda text, _: read_printed(text, "it"),
     "--outputs": lambda text, _: outputs_of(text),
     "--set": lambda text, _: pair("m=" + text),
     "--times": lambda text, _: instants(text),

@@ -19,7 +19,7 @@ __all__ = [
     "did_you_mean",
     "file_errors",
     "printable",
-    "shown",
+    "quote",
 ]
 
 LONGEST = 60
@@ -61,7 +61,7 @@ class IntegrationError(VoronecError):
         self.singular = singular
 
 
-def shown(thing: Any) -> str:
+def quote(thing: Any) -> str:
     """An object as a message quotes it: on one line, printable, and not too long."""
     try:
         text = str(thing)

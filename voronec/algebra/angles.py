@@ -41,7 +41,7 @@ class Angles:
         for f in self.positive:
             self._roots[self._normal(f**2)] = f
 
-    def resolved(self, expr: Any) -> Any:
+    def resolve(self, expr: Any) -> Any:
         """The expression without sines and cosines of atan2, with its radicands in normal form.
 
         An atan2 outside of a sine or cosine stays.
@@ -57,7 +57,7 @@ class Angles:
         if isinstance(expr, se.sin | se.cos) and expr.atoms(se.atan2):
             sine, cosine = self._pair(expr.args[0])
             return sine if isinstance(expr, se.sin) else cosine
-        arguments = [self.resolved(a) for a in expr.args]
+        arguments = [self.resolve(a) for a in expr.args]
         if isinstance(expr, se.Pow) and arguments[1].is_Rational and arguments[1].q == 2:
             return self._root(arguments[0]) ** arguments[1].p
         return expr if arguments == list(expr.args) else expr.func(*arguments)
@@ -69,10 +69,10 @@ class Angles:
         rest = se.Add(*plain)
         sine, cosine = se.sin(rest), se.cos(rest)
         if rest.atoms(se.atan2):  # inside of something else: nothing is known of it
-            rest = se.Add(*map(self.resolved, plain))
+            rest = se.Add(*map(self.resolve, plain))
             sine, cosine = se.sin(rest), se.cos(rest)
         for times, inner in filter(None, map(_multiple, terms)):
-            y, x = map(self.resolved, inner.args)
+            y, x = map(self.resolve, inner.args)
             h = self._root(x**2 + y**2)
             a, b = (y / h if times > 0 else -y / h), x / h
             for _ in range(abs(times)):

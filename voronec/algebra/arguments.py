@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import wraps
 from typing import Any, TypeVar, cast
 
-from voronec.errors import DefinitionError, VoronecError, shown
+from voronec.errors import DefinitionError, VoronecError, quote
 
 __all__ = [
     "CALLABLE",
@@ -114,14 +114,14 @@ def instance(*classes: type) -> Kind:
 def require(place: str, name: str, value: Any, kind: Kind) -> None:
     """Refuse a value that is not of a kind; ``place`` is the function or the object."""
     if not kind.holds(value):
-        raise DefinitionError(f"{place}: {name} = {shown(value)} is not {kind.words}; give one")
+        raise DefinitionError(f"{place}: {name} = {quote(value)} is not {kind.words}; give one")
 
 
 def require_digits(place: str, digits: Any) -> None:
     """Refuse what is no number of digits that can be worked out."""
     if not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= MOST_DIGITS:
         raise DefinitionError(
-            f"{place}: digits = {shown(digits)}; give a whole number from 1 to {MOST_DIGITS}"
+            f"{place}: digits = {quote(digits)}; give a whole number from 1 to {MOST_DIGITS}"
         )
 
 
@@ -131,26 +131,26 @@ def callback(place: str, name: str, function: Any) -> Callable[..., Any] | None:
     if function is None:
         return None
 
-    def called(*args: Any) -> Any:
+    def call(*args: Any) -> Any:
         try:
             return function(*args)
         except Exception as error:
             told = f"{type(error).__name__}: {error}"
             raise DefinitionError(
-                f"{place}: the function given as {name} raised {shown(told)}; mend it"
+                f"{place}: the function given as {name} raised {quote(told)}; mend it"
             ) from error
 
-    return called
+    return call
 
 
 def accepts(**kinds: Kind) -> Callable[[Function], Function]:
     """Let a function begin only where these arguments of it are of these kinds."""
 
-    def guarded(function: Function) -> Function:
+    def guard(function: Function) -> Function:
         signature = inspect.signature(function)
 
         @wraps(function)
-        def checked(*args: Any, **options: Any) -> Any:
+        def check(*args: Any, **options: Any) -> Any:
             bound = signature.bind(*args, **options)
             for name, value in [*bound.arguments.items()]:
                 if name in kinds:
@@ -161,18 +161,18 @@ def accepts(**kinds: Kind) -> Callable[[Function], Function]:
                         bound.arguments[name] = callback(function.__name__, name, value)
             return function(*bound.args, **bound.kwargs)
 
-        return cast(Function, checked)
+        return cast(Function, check)
 
-    return guarded
+    return guard
 
 
 def reads(advice: str) -> Callable[[Function], Function]:
     """Let a function that only puts names into words or strokes refuse what it cannot read: in one
     line, with what to give."""
 
-    def guarded(function: Function) -> Function:
+    def guard(function: Function) -> Function:
         @wraps(function)
-        def checked(*args: Any, **options: Any) -> Any:
+        def check(*args: Any, **options: Any) -> Any:
             try:
                 return function(*args, **options)
             except VoronecError:
@@ -180,6 +180,6 @@ def reads(advice: str) -> Callable[[Function], Function]:
             except (TypeError, ValueError, AttributeError, LookupError, RuntimeError) as error:
                 raise DefinitionError(f"{function.__name__}: give {advice} ({error})") from error
 
-        return cast(Function, checked)
+        return cast(Function, check)
 
-    return guarded
+    return guard

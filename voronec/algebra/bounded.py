@@ -18,7 +18,7 @@ from typing import Any
 
 import symengine as se
 
-__all__ = ["bounded", "bounded_all", "exponential_sum", "holds_exponentials"]
+__all__ = ["bound_all_exponentials", "bound_exponentials", "exponential_sum", "holds_exponentials"]
 
 DEGREE = 6
 """Powers of T up to this one: the sums alternate, and lose more digits the higher they are."""
@@ -27,19 +27,19 @@ _Laurent = dict[int, Any]
 """Powers of y with their coefficients."""
 
 
-def bounded(expr: Any) -> Any:
+def bound_exponentials(expr: Any) -> Any:
     """An equal expression in which quotients of exponentials are bounded functions."""
-    return bounded_all([expr])[0]
+    return bound_all_exponentials([expr])[0]
 
 
-def bounded_all(exprs: Iterable[Any]) -> list[Any]:
-    """``bounded`` of several expressions; what they share is looked at once."""
+def bound_all_exponentials(exprs: Iterable[Any]) -> list[Any]:
+    """``bound_exponentials`` of several expressions; what they share is looked at once."""
     known: dict[Any, Any] = {}
     given = [se.sympify(e) for e in exprs]
-    return [_rewritten(e, known) for e in given] if holds_exponentials(*given) else given
+    return [_rewrite(e, known) for e in given] if holds_exponentials(*given) else given
 
 
-def _rewritten(expr: Any, known: dict[Any, Any]) -> Any:
+def _rewrite(expr: Any, known: dict[Any, Any]) -> Any:
     if not expr.args:
         return expr
     found = known.get(expr)
@@ -48,7 +48,7 @@ def _rewritten(expr: Any, known: dict[Any, Any]) -> Any:
         if whole is None:
             # a quotient that is not bounded stays whole: exp(2 w)/(1 + exp(w)) would lose digits
             kept = _below(expr.args) if isinstance(expr, se.Mul) else []
-            args = [a if a in kept else _rewritten(a, known) for a in expr.args]
+            args = [a if a in kept else _rewrite(a, known) for a in expr.args]
             whole = expr if list(expr.args) == args else expr.func(*args)
         found = known[expr] = whole
     return found
@@ -110,7 +110,7 @@ def _quotient(expr: Any) -> Any | None:
         _in_tangent({(k - low) // unit: c for k, c in p.items()}, degree, tangent)
         for p in (top, bottom)
     )
-    return se.Mul(*bounded_all(rest), numerator) / denominator
+    return se.Mul(*bound_all_exponentials(rest), numerator) / denominator
 
 
 def _is_power(expr: Any) -> bool:

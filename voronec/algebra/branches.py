@@ -22,7 +22,7 @@ import symengine as se
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.groebner import groebner_basis, reduce_by
 from voronec.algebra.ring import Ring
-from voronec.algebra.simple_zeros import composed, has_simple_zeros
+from voronec.algebra.simple_zeros import compose_cleared, has_simple_zeros
 
 __all__ = ["Branches", "Product", "Wall", "bounds_of", "has_branches", "is_plain", "product_of"]
 
@@ -78,17 +78,17 @@ def product_of(
     if value.num == 0:
         return Product(se.Integer(0), {})
     below = ring.field.denominator(value.den)
-    plain = _factored(ring, value.num, below)
+    plain = _factor(ring, value.num, below)
     if not relations or has_simple_zeros(plain.odd, relations, moving):
         return plain
-    for turned in _turned(ring, (value.num, below), [ring.fraction(r).num for r in relations]):
-        found = _factored(ring, *turned)
+    for turned in _reorderings(ring, (value.num, below), [ring.fraction(r).num for r in relations]):
+        found = _factor(ring, *turned)
         if has_simple_zeros(found.odd, relations, moving):
             return found
     return plain
 
 
-def _turned(ring: Ring, polys: Sequence[Any], ideal: Sequence[Any]) -> Iterator[list[Any]]:
+def _reorderings(ring: Ring, polys: Sequence[Any], ideal: Sequence[Any]) -> Iterator[list[Any]]:
     """Polynomials reduced by the relations in other orders of the generators."""
     context = ring.field.context
     names = context.names()
@@ -96,16 +96,16 @@ def _turned(ring: Ring, polys: Sequence[Any], ideal: Sequence[Any]) -> Iterator[
         order = [i for i in range(len(names)) if i != last] + [last]
         other = flint.fmpq_mpoly_ctx.get([names[i] for i in order], flint.Ordering.lex)
         back = sorted(range(len(order)), key=order.__getitem__)
-        basis = groebner_basis([_moved(p, order, other) for p in ideal], other)
-        reduced = (reduce_by(_moved(p, order, other), basis) for p in polys)
-        yield [_moved(p, back, context) for p in reduced]
+        basis = groebner_basis([_reorder(p, order, other) for p in ideal], other)
+        reduced = (reduce_by(_reorder(p, order, other), basis) for p in polys)
+        yield [_reorder(p, back, context) for p in reduced]
 
 
-def _moved(poly: Any, order: Sequence[int], context: Any) -> Any:
+def _reorder(poly: Any, order: Sequence[int], context: Any) -> Any:
     return context.from_dict({tuple(m[i] for i in order): c for m, c in poly.to_dict().items()})
 
 
-def _factored(ring: Ring, above: Any, below: Any) -> Product:
+def _factor(ring: Ring, above: Any, below: Any) -> Product:
     """The factors of a quotient of polynomials, in half angles."""
     halves = _Halves.of(ring)
     content, powers = se.Integer(1), dict[Any, int]()
@@ -147,7 +147,7 @@ class _Halves:
 
     def poly(self, given: Any) -> Any:
         """A polynomial of the ring in the half angles."""
-        return composed(given, self.values, self.below, self.context)
+        return compose_cleared(given, self.values, self.below, self.context)
 
     def expression(self, factor: Any) -> Any:
         """A factor as an expression; 1 = C^2 + S^2."""
@@ -336,10 +336,10 @@ class _Side:
     def __call__(self, expr: Any) -> Any:
         found = self._known.get(expr)
         if found is None:
-            found = self._known[expr] = self._written(expr)
+            found = self._known[expr] = self._write(expr)
         return found
 
-    def _written(self, expr: Any) -> Any:
+    def _write(self, expr: Any) -> Any:
         if not expr.free_symbols & self.branches.moving or not expr.args:
             return expr
         args = [self(a) for a in expr.args]
@@ -378,9 +378,9 @@ class _Side:
 
     def _sign(self, inside: Any) -> Any:
         k, rest = self._split(inside)
-        return self._assumed(rest) if k else se.sign(inside)
+        return self._assume(rest) if k else se.sign(inside)
 
-    def _assumed(self, expr: Any) -> Any:
+    def _assume(self, expr: Any) -> Any:
         """The sign of an expression on this piece of the wall."""
         if expr.is_Number:
             return se.sign(expr)
@@ -412,7 +412,7 @@ class _Side:
         if k >= 0:
             return se.atan(inside)
         inverse = se.Integer(self.angles**-k) / (self.h**k * rest)
-        return HALF_PI * self._assumed(rest) - se.atan(inverse)
+        return HALF_PI * self._assume(rest) - se.atan(inverse)
 
     def _turn(self, y: Any, x: Any) -> Any:
         """atan2(y, x) = pi sign(y) + atan2(-y, -x) where x < 0; both over a power of |h|."""
@@ -422,9 +422,9 @@ class _Side:
             return se.atan2(y, x)
         h = self.angles * self.h
         y, x = h ** (k - least) * up, h ** (m - least) * right
-        if k == least or self._assumed(x) > 0:
+        if k == least or self._assume(x) > 0:
             return se.atan2(y, x)
-        return se.pi * self._assumed(up) + se.atan2(-y, -x)
+        return se.pi * self._assume(up) + se.atan2(-y, -x)
 
 
 def _nodes(expr: Any) -> Iterator[Any]:

@@ -78,18 +78,18 @@ def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
             arguments |= _factors(node.args[0] - 1).keys()
         inverse = inverse or (isinstance(node, se.Mul) and _divides(node))
     if inverse:
-        return _rewritten_all(given)
+        return _rewrite_all(given)
     if not below:
         return given
     sums = {a for a in arguments if isinstance(a, se.Add)}
     if not below & arguments and not any(_ratio(a, b) for a in sums for b in below):
         return given
-    return _rewritten_all(given)
+    return _rewrite_all(given)
 
 
-def _rewritten_all(given: Iterable[Any]) -> list[Any]:
+def _rewrite_all(given: Iterable[Any]) -> list[Any]:
     known: dict[Any, Any] = {}
-    return [_rewritten(e, known) for e in given]
+    return [_rewrite(e, known) for e in given]
 
 
 _KINDS = (se.sin, se.cos, se.tan, se.sinh, se.cosh, se.tanh, se.coth, se.cot, se.atan)
@@ -139,7 +139,7 @@ def _ratio(one: Any, other: Any) -> Any | None:
     return None
 
 
-def _rewritten(expr: Any, known: dict[Any, Any]) -> Any:
+def _rewrite(expr: Any, known: dict[Any, Any]) -> Any:
     if not expr.args or isinstance(expr, (se.Derivative, se.Subs)):
         return expr
     found = known.get(expr)
@@ -148,9 +148,9 @@ def _rewritten(expr: Any, known: dict[Any, Any]) -> Any:
         if isinstance(expr, se.Mul):
             whole = _quotient(se.Mul(*map(_slopes_within, expr.args)))
         elif isinstance(expr, se.Add) and (sloped := _with_slopes(expr)) != expr:
-            known[expr] = _rewritten(sloped, known)
+            known[expr] = _rewrite(sloped, known)
             return known[expr]
-        args = [_rewritten(a, known) for a in whole.args]
+        args = [_rewrite(a, known) for a in whole.args]
         found = known[expr] = whole if args == list(whole.args) else whole.func(*args)
     return found
 
@@ -277,13 +277,13 @@ def _quotient(product: Any, spread: bool = True) -> Any:
     for base, exponent in powers.items() if spread else ():
         if isinstance(base, se.Add) and exponent == 1:
             for u in below:
-                found = _shared_out(base, product / base, u)
+                found = _distribute(base, product / base, u)
                 if found is not None:
                     return found
     return product
 
 
-def _shared_out(above: Any, rest: Any, u: Any) -> Any | None:
+def _distribute(above: Any, rest: Any, u: Any) -> Any | None:
     """A sum, times a product that divides it by u, term by term where that takes up all of u."""
 
     def is_clear(expr: Any) -> bool:

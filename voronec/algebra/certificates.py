@@ -15,7 +15,7 @@ import flint
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.conditions import comparisons, parted
+from voronec.algebra.conditions import comparisons, split_hypotheses
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import Fraction
 from voronec.algebra.graphs import nodes
@@ -130,7 +130,7 @@ class Signs:
             self._note(open_ones[0], Sign(value, strict, "by hypothesis"))
 
     def _note(self, poly: Any, sign: Sign) -> None:
-        places = self._used(poly)
+        places = self._generators_of(poly)
         if len(poly) == 1 and len(places) == 1 and poly.total_degree() == 1:
             value = sign.value if poly.leading_coefficient() > 0 else -sign.value
             weak, strict = _KINDS[value]
@@ -181,7 +181,7 @@ class Signs:
             sign = self._of_irreducible(factor, depth)
             if exponent % 2 == 0:
                 strict = sign is not None and sign.strict
-                sign = Sign(1, strict, f"({self.spelled(factor)})^{exponent} is no less than 0")
+                sign = Sign(1, strict, f"({self.spell(factor)})^{exponent} is no less than 0")
             elif sign is None:
                 return None
             found = found.times(sign)
@@ -206,7 +206,7 @@ class Signs:
         yield self._without_roots(poly)
         if self.bounded and (depth > _SHALLOW or len(poly) > _FEW):
             return
-        places = self._used(poly)
+        places = self._generators_of(poly)
         yield from (self._by_coefficients(poly, place, depth) for place in places)
         yield from (self._by_norm(poly, place, depth) for place in places)
         yield from (self._by_discriminant(poly, place, depth) for place in places)
@@ -226,7 +226,7 @@ class Signs:
             value, strict = sign, strict or all(kind in _STRICT for kind, _ in used)
         found = Sign(value, strict, "")
         each = "" if len(poly) == 1 else "every term of "
-        return replace(found, reason=f"{each}{self.spelled(poly)} is {found.in_words}")
+        return replace(found, reason=f"{each}{self.spell(poly)} is {found.in_words}")
 
     def _by_facts(self, poly: Any, depth: int) -> Sign | None:
         """It is a polynomial whose sign is known, up to a factor, or more than one."""
@@ -239,7 +239,7 @@ class Signs:
             if len(rest) < len(poly):
                 beyond = self.of_polynomial(rest, depth + 1)
                 if beyond is not None and beyond.value == value:
-                    reason = f"{self.spelled(fact)} is {known.in_words} by hypothesis"
+                    reason = f"{self.spell(fact)} is {known.in_words} by hypothesis"
                     return Sign(value, known.strict or beyond.strict, reason)
         return None
 
@@ -260,7 +260,7 @@ class Signs:
     def _lower_bounds(self) -> Iterator[tuple[int, Any]]:
         """(place, number) for each generator that is above a number by hypothesis."""
         for fact, known in self.facts.values():
-            places = self._used(fact)
+            places = self._generators_of(fact)
             if len(fact) != 2 or len(places) != 1 or fact.total_degree() != 1 or not known.strict:
                 continue
             slope = fact.leading_coefficient()
@@ -283,7 +283,7 @@ class Signs:
             values = {sign.value for sign in found} - {0}
             if len(found) == 2 and len(values) == 1:
                 strict = all(sign.strict and sign.value for sign in found)
-                reason = f"{self.spelled(poly)} has one sign at the ends of "
+                reason = f"{self.spell(poly)} has one sign at the ends of "
                 reason += f"{self.ring.meaning[there[0]]}"
                 return Sign(values.pop(), strict, reason)
         return None
@@ -296,7 +296,7 @@ class Signs:
 
     def _without_roots(self, poly: Any) -> Sign | None:
         """A polynomial in one variable that has no root in the range of the variable."""
-        places = self._used(poly)
+        places = self._generators_of(poly)
         if len(places) != 1 or self._is_bound(places[0]):
             return None
         (place,) = places
@@ -308,12 +308,12 @@ class Signs:
         if one.count_roots(0 if side > 0 else None, 0 if side < 0 else None):
             return None
         at = side or 1
-        text = f"{self.spelled(poly)} has no root there (Sturm), and its sign at {at}"
+        text = f"{self.spell(poly)} has no root there (Sturm), and its sign at {at}"
         return Sign(1 if one.eval(at) > 0 else -1, True, text)
 
     def _by_coefficients(self, poly: Any, place: int, depth: int) -> Sign | None:
         """Collected in one variable, all coefficients have one sign."""
-        parts = self._collected(poly, place)
+        parts = self._coefficients(poly, place)
         if _ONE_SIGN.get(self.kinds[place]) != 1 and any(power % 2 for power in parts):
             return None
         signs = {power: self.of_polynomial(c, depth + 1) for power, c in parts.items()}
@@ -329,7 +329,7 @@ class Signs:
     def _by_norm(self, poly: Any, place: int, depth: int) -> Sign | None:
         """a + b r with a square root r: b r is the larger where b^2 r^2 - a^2 is not negative, else
         a; the larger has the sign."""
-        parts, field = self._collected(poly, place), self.ring.field
+        parts, field = self._coefficients(poly, place), self.ring.field
         rule = next((r for q, degree, r in field.rules if q == place and degree == 2), None)
         if rule is None or parts.keys() != {0, 1} or _ONE_SIGN.get(self.kinds[place]) != 1:
             return None
@@ -345,12 +345,12 @@ class Signs:
         larger = self.of_polynomial(parts[1] if excess.value >= 0 else parts[0], depth + 1)
         if larger is None or not larger.value:
             return None
-        text = f"{self.spelled(poly)} has the sign of the larger of its parts ({larger.reason})"
+        text = f"{self.spell(poly)} has the sign of the larger of its parts ({larger.reason})"
         return Sign(larger.value, excess.strict and excess.value != 0 and larger.strict, text)
 
     def _by_discriminant(self, poly: Any, place: int, depth: int) -> Sign | None:
         """a y^2 + b y + c for y = x^k: definite where 4ac > b^2, semidefinite where a > 0, too."""
-        parts = self._collected(poly, place)
+        parts = self._coefficients(poly, place)
         half, odd = divmod(max(parts), 2)
         if odd or self._is_bound(place) or not parts.keys() <= {0, half, 2 * half}:
             return None
@@ -364,7 +364,7 @@ class Signs:
         if not (definite or first.strict or self._agrees(c, first, depth)):
             return None
         name = str(self.ring.meaning[place]) + (f"^{half}" if half > 1 else "")
-        text = f"{self.spelled(poly)} as a quadratic in {name}: its leading coefficient is "
+        text = f"{self.spell(poly)} as a quadratic in {name}: its leading coefficient is "
         text += f"{first.in_words} ({first.reason}), 4ac - b^2 is {below.in_words} "
         return Sign(first.value, definite, text + f"({below.reason})")
 
@@ -375,14 +375,14 @@ class Signs:
 
     # -- polynomials ----------------------------------------------------------------------
 
-    def _used(self, poly: Any) -> list[int]:
+    def _generators_of(self, poly: Any) -> list[int]:
         return [i for i, degree in enumerate(poly.degrees()) if degree]
 
     def _is_bound(self, place: int) -> bool:
         """Whether a generator is no free variable, but a root or a sine."""
         return any(place == rule for rule, _, _ in self.ring.field.rules)
 
-    def _collected(self, poly: Any, place: int) -> dict[int, Any]:
+    def _coefficients(self, poly: Any, place: int) -> dict[int, Any]:
         """Coefficients by powers of one generator."""
         parts: dict[int, dict[tuple[int, ...], Any]] = {}
         for exponents, coefficient in poly.to_dict().items():
@@ -391,17 +391,17 @@ class Signs:
         context = self.ring.field.context
         return {power: context.from_dict(terms) for power, terms in parts.items()}
 
-    def spelled(self, poly: Any) -> str:
+    def spell(self, poly: Any) -> str:
         """A polynomial in the user's names; a long one is cut short."""
         text = str(self.ring.polynomial(poly)).replace("**", "^")
         return text if len(text) <= 120 else f"a polynomial of {len(poly)} terms"
 
-    def vanishing(self, poly: Any) -> list[tuple[Any, Any]]:
+    def linear_zeros(self, poly: Any) -> list[tuple[Any, Any]]:
         """(variable, value): where factors that are linear in a variable vanish."""
         found = []
         for factor, _ in irreducible_factors(poly)[1] if poly != 0 else ():
-            for place in self._used(factor):
-                parts = self._collected(factor, place)
+            for place in self._generators_of(factor):
+                parts = self._coefficients(factor, place)
                 if max(parts) == 1 and not self._is_bound(place):
                     above, below = parts.get(0, self.ring.field.zero), parts[1]
                     value = -self.ring.polynomial(above) / self.ring.polynomial(below)
@@ -414,7 +414,9 @@ def _sign_of_argument(argument: Any, hypotheses: Sequence[Any]) -> int:
     from voronec.algebra.ring import Ring
 
     own = argument.free_symbols
-    known = [c for c in parted(hypotheses)[1] if c.free_symbols <= own and _is_plain(c.args)]
+    known = [
+        c for c in split_hypotheses(hypotheses)[1] if c.free_symbols <= own and _is_plain(c.args)
+    ]
     if not known or not _is_plain([argument]):
         return 0
     try:

@@ -17,18 +17,18 @@ import flint
 import symengine as se
 
 from voronec.algebra.certificates import Sign, Signs
-from voronec.algebra.conditions import parted
+from voronec.algebra.conditions import split_hypotheses
 from voronec.algebra.congruence import Congruence
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factors
 from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.normal import canonical
 from voronec.algebra.ring import Ring
-from voronec.algebra.roots import defined_where, ring_over
+from voronec.algebra.roots import domain_conditions, ring_over
 from voronec.algebra.tape import Tape
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["angles_of", "are_equal", "folded"]
+__all__ = ["angles_of", "are_equal", "fold_angles"]
 
 LARGEST = 400
 """Nodes of a graph beyond which no further form is tried."""
@@ -51,12 +51,17 @@ def are_equal(a: Any, b: Any, relations: Sequence[Any], work_limit: int) -> bool
         return False
     in_pieces = any(isinstance(n, se.sign | se.floor) for n in nodes([a, b]))
     return all(
-        any(way(left, right, hypotheses, work_limit, in_pieces) for way in (_tried, _are_congruent))
+        any(
+            way(left, right, hypotheses, work_limit, in_pieces)
+            for way in (_agrees_within, _are_congruent)
+        )
         for left, right, hypotheses in _cases(a, b, relations)
     )
 
 
-def _tried(a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces: bool) -> bool:
+def _agrees_within(
+    a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces: bool
+) -> bool:
     """Whether two expressions agree, as far as that costs no more than it may."""
     try:
         return _agree(a, b, relations, work_limit, in_pieces)
@@ -75,13 +80,13 @@ def _are_congruent(
     forms = Composition(known)
 
     def proves(left: Any, right: Any) -> bool:
-        return _tried(left, right, [*known, *congruence.conditions], INNER_WORK, in_pieces)
+        return _agrees_within(left, right, [*known, *congruence.conditions], INNER_WORK, in_pieces)
 
     for in_whole in (True, False):
         congruence = Congruence(proves, forms.is_positive, in_whole)
-        left, right = congruence.lettered([a, b], known)
+        left, right = congruence.replace_by_letters([a, b], known)
         given = [*known, *congruence.conditions]
-        if congruence.changed and _tried(left, right, given, work_limit, in_pieces):
+        if congruence.changed and _agrees_within(left, right, given, work_limit, in_pieces):
             return True
     return False
 
@@ -93,10 +98,10 @@ def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces:
     forms = Composition(known)
     if _has_no_value([a, b]):
         return False
-    left, right = map(forms.resolved, forms.prepared([a, b]))
+    left, right = map(forms.resolve, forms.prepare([a, b]))
     if _has_no_value([left, right]):
         return False
-    left, right = folded([left, right])
+    left, right = fold_angles([left, right])
     known += () if in_pieces else _real_where([left, right], whole)
     ring = ring_over([left, right], known, work_limit)
     if ring.fraction(left - right).num == 0:
@@ -106,7 +111,7 @@ def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces:
 
 def _same_squares(ring: Ring, left: Any, right: Any, known: Sequence[Any]) -> bool:
     """Whether two sides that are not negative have the same square."""
-    signs = Signs.of(ring, parted(known)[1], bounded=True)
+    signs = Signs.of(ring, split_hypotheses(known)[1], bounded=True)
     if not (_not_negative(left, ring, signs) and _not_negative(right, ring, signs)):
         return False
     one, other = (ring.field.power(ring.fraction(side), 2) for side in (left, right))
@@ -154,7 +159,11 @@ def _has_no_value(exprs: Iterable[Any]) -> bool:
 
 def _whole(hypotheses: Iterable[Any]) -> frozenset[Any]:
     """The symbols that are whole numbers by hypothesis."""
-    told = (c for c in parted(hypotheses)[1] if any(isinstance(n, se.floor) for n in nodes(c.args)))
+    told = (
+        c
+        for c in split_hypotheses(hypotheses)[1]
+        if any(isinstance(n, se.floor) for n in nodes(c.args))
+    )
     return frozenset(a for c in told for a in Tape(c.args).atoms)
 
 
@@ -168,7 +177,7 @@ def _real_where(exprs: Sequence[Any], whole: frozenset[Any]) -> Iterator[Any]:
     """What holds where expressions are real: of radicands, of bases of powers with symbolic
     exponents, of what inverse functions are taken of.  Of logarithms nothing: log(x**2) is not said
     to be 2*log(x), which has no value for x < 0."""
-    yield from defined_where(exprs)
+    yield from domain_conditions(exprs)
     for node in nodes(exprs):
         inner = node.args[0] if node.args and node.free_symbols else None
         if inner is None or not inner.free_symbols:
@@ -187,11 +196,11 @@ class Composition:
 
     def __init__(self, hypotheses: Sequence[Any]) -> None:
         self._hypotheses = hypotheses
-        self._conditions = parted(hypotheses)[1]
+        self._conditions = split_hypotheses(hypotheses)[1]
         self._whole = _whole(hypotheses)
         self._known: dict[Any, Any] = {}
 
-    def resolved(self, expr: Any) -> Any:
+    def resolve(self, expr: Any) -> Any:
         """The expression with every function in it in one form."""
         found = self._known.get(expr)
         if found is None:
@@ -203,7 +212,7 @@ class Composition:
             return expr
         if isinstance(expr, se.Pow):
             return self._power(*expr.args)
-        arguments = [self.resolved(a) for a in expr.args]
+        arguments = [self.resolve(a) for a in expr.args]
         if isinstance(expr, TRIGONOMETRIC):
             return self._trigonometric(type(expr), arguments[0])
         rule = _RULES.get(type(expr))
@@ -262,7 +271,7 @@ class Composition:
                 sine, cosine = sine * c + cosine * up, cosine * c - sine * up
         return sine, cosine
 
-    def prepared(self, exprs: Sequence[Any]) -> list[Any]:
+    def prepare(self, exprs: Sequence[Any]) -> list[Any]:
         """Expressions with the angles in normal form, as far as no sines stand in them, and
         folded."""
         at: dict[Any, tuple[Any, Any]] = {}
@@ -272,20 +281,20 @@ class Composition:
             kept = se.Add(*[vector.pop(t) * t for t in outer])
             at[angle] = (
                 kept,
-                se.Add(*[c * self._angle(self.resolved(t)) for t, c in vector.items()]),
+                se.Add(*[c * self._angle(self.resolve(t)) for t, c in vector.items()]),
             )
         known: dict[Any, Any] = {}
-        return folded([_with_angles(e, at, known) for e in exprs])
+        return fold_angles([_with_angles(e, at, known) for e in exprs])
 
     # -- exponentials and logarithms ------------------------------------------------------
 
     def _power(self, base: Any, exponent: Any) -> Any:
         if base != se.E and isinstance(exponent, se.Rational):
-            inner = self.resolved(base)
+            inner = self.resolve(base)
             return se.Pow(inner if exponent.q == 1 else self._normal(inner), exponent)
-        exponent = self.resolved(exponent)
+        exponent = self.resolve(exponent)
         if base != se.E:
-            inner = self.resolved(base)
+            inner = self.resolve(base)
             if _may_be_whole(exponent, self._whole) and not self.is_positive(inner):
                 return se.Pow(self._normal(inner), exponent)
             exponent = exponent * self._logarithm(inner)
@@ -416,7 +425,7 @@ def angles_of(exprs: Iterable[Any]) -> list[Any]:
     return [*dict.fromkeys(n.args[0] for n in nodes(exprs) if isinstance(n, TRIGONOMETRIC))]
 
 
-def folded(exprs: Sequence[Any]) -> list[Any]:
+def fold_angles(exprs: Sequence[Any]) -> list[Any]:
     """Expressions with whole multiples of new symbols for what of angles holds no sines.
 
     The symbols stand for parts of sums that span them all over the rational numbers.  So the half
@@ -424,7 +433,7 @@ def folded(exprs: Sequence[Any]) -> list[Any]:
     are, their sum and their difference are made of two letters.
     """
     vectors = {a: linear_terms(a) for a in angles_of(exprs)}
-    kept = {a: _taken(v) for a, v in vectors.items()}
+    kept = {a: _take_constant_part(v) for a, v in vectors.items()}
     new = dict.fromkeys(vectors, se.Integer(0))
     for held in _coordinates([*vectors.values()]):
         fine = lcm(*(int(r.q) for r in held))
@@ -436,7 +445,7 @@ def folded(exprs: Sequence[Any]) -> list[Any]:
     return [_with_angles(e, at, known) for e in exprs]
 
 
-def _taken(vector: dict[Any, Any]) -> Any:
+def _take_constant_part(vector: dict[Any, Any]) -> Any:
     """The part of a sum, taken out of it, that stays as it is: turns, inverse functions, what holds
     sines, a sum that is a number."""
     fixed = (*INVERSE, se.acos)

@@ -26,12 +26,12 @@ __all__ = [
     "condition",
     "domain_of",
     "moved_hypotheses",
-    "parted",
+    "split_hypotheses",
     "substituted_conditions",
 ]
 
 
-def parted(hypotheses: Iterable[Any]) -> tuple[list[Any], list[Any]]:
+def split_hypotheses(hypotheses: Iterable[Any]) -> tuple[list[Any], list[Any]]:
     """The expressions that vanish, and the conditions that hold; a = b says that a - b vanishes,
     unless it says that a number is whole."""
     equations: list[Any] = []
@@ -84,7 +84,7 @@ def substituted_conditions(conditions: Iterable[Any], at: Mapping[Any, Any]) -> 
 
 def moved_hypotheses(hypotheses: Iterable[Any], at: Mapping[Any, Any]) -> tuple[Any, ...]:
     """Relations and conditions with symbols replaced."""
-    equations, conditions = parted(hypotheses)
+    equations, conditions = split_hypotheses(hypotheses)
     moved = (e.xreplace(dict(at)) for e in equations)
     return (*moved, *substituted_conditions(conditions, at))
 
@@ -105,7 +105,7 @@ class _Range:
             max(lowers, default=None), min(uppers, default=None), other.whole or self.whole
         )
 
-    def moved(self, value: Any) -> Any:
+    def clip(self, value: Any) -> Any:
         """A number that was drawn, brought into the range."""
         if self.whole is None:
             return self._between(value)
@@ -130,25 +130,25 @@ class Domain:
 
     conditions: tuple[Any, ...]
 
-    def linked(self, atoms: Sequence[Any]) -> list[Any]:
+    def linked_symbols(self, atoms: Sequence[Any]) -> list[Any]:
         """Further symbols that conditions tie to given ones."""
-        found, waiting = dict.fromkeys(atoms), [atoms for _, atoms in self._tied]
+        found, waiting = dict.fromkeys(atoms), [atoms for _, atoms in self._ties]
         while touched := [s for s in waiting if not s.isdisjoint(found) and not s <= found.keys()]:
             for symbols in touched:
                 found.update(dict.fromkeys(sorted(symbols, key=str)))
         return [*found][len(atoms) :]
 
-    def moved(self, point: Mapping[Any, Any]) -> dict[Any, Any]:
+    def clip(self, point: Mapping[Any, Any]) -> dict[Any, Any]:
         """A drawn point, each number of it brought into the range of its symbol."""
         ranges = self._ranges
         return {
-            a: ranges[a].moved(v) if a in ranges and isinstance(v, flint.fmpq) else v
+            a: ranges[a].clip(v) if a in ranges and isinstance(v, flint.fmpq) else v
             for a, v in point.items()
         }
 
     def admits(self, point: Mapping[Any, Any], bits: int) -> bool:
         """Whether all conditions on the atoms of a point are sure to hold there."""
-        known = (c for c, atoms in self._tied if atoms <= point.keys())
+        known = (c for c, atoms in self._ties if atoms <= point.keys())
         return all(_holds(c, self._sides, point, bits) is True for c in known)
 
     @cached_property
@@ -161,7 +161,7 @@ class Domain:
         return found
 
     @cached_property
-    def _tied(self) -> list[tuple[Any, set[Any]]]:
+    def _ties(self) -> list[tuple[Any, set[Any]]]:
         """Each condition with the atoms that it ties."""
         return [(c, _atoms(c)) for c in _each(self.conditions)]
 
@@ -189,7 +189,7 @@ def _each(conditions: Iterable[Any]) -> Iterator[Any]:
 def comparisons(hypotheses: Iterable[Any]) -> Iterator[tuple[Any, bool]]:
     """(expression, strict) for each hypothesis that says that an expression is positive, or not
     negative."""
-    for one in _each(parted(hypotheses)[1]):
+    for one in _each(split_hypotheses(hypotheses)[1]):
         if isinstance(one, se.StrictLessThan | se.LessThan):
             yield one.args[1] - one.args[0], isinstance(one, se.StrictLessThan)
 
@@ -218,14 +218,14 @@ def _holds(one: Any, tapes: dict[Any, Tape], point: Mapping[Any, Any], bits: int
         tapes[one] = Tape(one.args)
     left, right = tapes[one].arb(point, bits)
     if isinstance(one, se.StrictLessThan):
-        return _decided(left < right, left >= right)
+        return _decide(left < right, left >= right)
     if isinstance(one, se.LessThan):
-        return _decided(left <= right, left > right)
-    same = _decided(bool(left.is_exact() and left == right), not left.overlaps(right))
+        return _decide(left <= right, left > right)
+    same = _decide(bool(left.is_exact() and left == right), not left.overlaps(right))
     return same if isinstance(one, se.Equality) or same is None else not same
 
 
-def _decided(yes: Any, no: Any) -> bool | None:
+def _decide(yes: Any, no: Any) -> bool | None:
     return True if yes else False if no else None
 
 

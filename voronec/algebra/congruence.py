@@ -60,7 +60,7 @@ class Congruence:
     _values: dict[Any, list[Any]] = field(default_factory=dict)
     _known: dict[Any, Any] = field(default_factory=dict)
 
-    def lettered(self, exprs: Sequence[Any], relations: Sequence[Any]) -> list[Any]:
+    def replace_by_letters(self, exprs: Sequence[Any], relations: Sequence[Any]) -> list[Any]:
         """Expressions with letters for what functions are taken of."""
         parts = [_ONE, *dict.fromkeys(_arguments(exprs))]
         if not 1 < len(parts) <= MOST:
@@ -73,9 +73,9 @@ class Congruence:
         for part in parts:
             if not _holds_functions(part):
                 self._keep(part, part, part)
-        return [self._rewritten(e) for e in exprs]
+        return [self._rewrite(e) for e in exprs]
 
-    def _rewritten(self, expr: Any) -> Any:
+    def _rewrite(self, expr: Any) -> Any:
         if not expr.args or is_atom(expr):
             return expr
         if expr not in self._known:
@@ -90,12 +90,12 @@ class Congruence:
         if isinstance(expr, se.Pow) and not isinstance(expr.args[1], se.Integer):
             base, exponent = expr.args
             symbolic = not exponent.is_Number
-            return se.Pow(self._replaced(base), self._sum(exponent) if symbolic else exponent)
+            return se.Pow(self._replace(base), self._sum(exponent) if symbolic else exponent)
         if isinstance(expr, _INNER):
-            return expr.func(*[self._replaced(a) for a in expr.args])
-        return expr.func(*[self._rewritten(a) for a in expr.args])
+            return expr.func(*[self._replace(a) for a in expr.args])
+        return expr.func(*[self._rewrite(a) for a in expr.args])
 
-    def _replaced(self, argument: Any) -> Any:
+    def _replace(self, argument: Any) -> Any:
         """An argument, or what it was proved to be equal to."""
         if not _holds_functions(argument):
             return argument
@@ -114,7 +114,7 @@ class Congruence:
         if not _holds_functions(term):
             return term
         if isinstance(term, _INVERSE):
-            return self._rewritten(term)
+            return self._rewrite(term)
         ratio, kept = self._class_of(term)
         return ratio * kept.letter
 
@@ -126,7 +126,7 @@ class Congruence:
 
     def _class_of(self, argument: Any) -> tuple[Any, _Kept]:
         """(c, v) for an argument that is proved to be c v; v may be new."""
-        rewritten = self._rewritten(argument)
+        rewritten = self._rewrite(argument)
         values = self._values.get(argument, [])
         for kept in self._kept if values else ():
             ratio = _ratio(values, kept.values)

@@ -20,7 +20,7 @@ from sympy.core.function import AppliedUndef
 from voronec.algebra.graphs import nodes
 from voronec.algebra.piecewise import written_with_signs
 from voronec.algebra.symbols import plain_name, time, velocity
-from voronec.algebra.text import shown, sympified
+from voronec.algebra.text import quote, sympify
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Door"]
@@ -94,11 +94,11 @@ class Door:
     def inward(self, expr: Any) -> Any:
         """The symengine expression of a SymPy expression (or number)."""
         try:
-            return self._enter(sympified(expr))
+            return self._enter(sympify(expr))
         except RecursionError:
             raise DefinitionError("an expression is nested too deeply to be read") from None
         except (RuntimeError, ZeroDivisionError) as error:  # symengine's word for a bad value
-            raise DefinitionError(f"'{expr}' has no value: {shown(error)}") from None
+            raise DefinitionError(f"'{expr}' has no value: {quote(error)}") from None
 
     def inward_all(self, exprs: Iterable[Any]) -> list[Any]:
         """``inward`` for each of several expressions."""
@@ -187,7 +187,7 @@ class Door:
         renamed = expr.xreplace(dict(zip(variables, bound, strict=True)))
         at = {self._inward[b]: self._enter(p) for b, p in zip(bound, points, strict=True)}
         inner = self._enter(renamed)
-        taken = {d: _taken_at(d, at) for d in inner.atoms(se.Derivative)}
+        taken = {d: _derivative_at(d, at) for d in inner.atoms(se.Derivative)}
         return inner.xreplace(taken).xreplace(at)
 
     def lost_conditions(self, expr: sp.Expr) -> list[Any]:
@@ -290,7 +290,7 @@ def _refuse_torn(expr: sp.Subs) -> None:
             )
 
 
-def _taken_at(derivative: Any, at: dict[Any, Any]) -> Any:
+def _derivative_at(derivative: Any, at: dict[Any, Any]) -> Any:
     """f'(b) at b = p, as the derivative of f(p + w) by w at w = 0.
 
     symengine's own substitution into a derivative loses track of what it depends on.

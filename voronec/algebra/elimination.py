@@ -63,7 +63,7 @@ def solve_linear(
     no smaller than this part of their row, so that it is well conditioned.
     """
     unknowns = len(rows[0]) if rows else 0
-    work = _shadowed(rows, right, relations, near)
+    work = _shadow_rows(rows, right, relations, near)
     done: list[tuple[int, _Row]] = []
     while True:
         choice = _pivot(work, prefer, share)
@@ -89,7 +89,7 @@ def solve_linear(
     )
 
 
-def _shadowed(
+def _shadow_rows(
     rows: Sequence[Sequence[Any]],
     right: Sequence[Sequence[Any]],
     relations: Sequence[Any],

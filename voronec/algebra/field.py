@@ -98,7 +98,7 @@ class Field:
             raise EngineLimit(f"a product of {len(a)} by {len(b)} terms is too large")
         return a * b
 
-    def turned(self, angle: tuple[Any, Any], c: Any, s: Any) -> tuple[Any, Any]:
+    def add_angle(self, angle: tuple[Any, Any], c: Any, s: Any) -> tuple[Any, Any]:
         """Cosine and sine of an angle, turned by one with the cosine c and the sine s."""
         cosine, sine = angle
         times = self._times
@@ -166,20 +166,20 @@ class Field:
             total, common = self._cancel(total, common)
         return Fraction(total, tuple(sorted(common.items()))) if total != 0 else Fraction(self.zero)
 
-    def cancelled(self, f: Fraction) -> Fraction:
+    def cancel(self, f: Fraction) -> Fraction:
         """A fraction with common factors taken out."""
         num, den = self._cancel(f.num, dict(f.den))
         return Fraction(num, tuple(sorted(den.items())))
 
-    def absorbed(self, f: Fraction) -> Fraction:
+    def absorb(self, f: Fraction) -> Fraction:
         """A fraction without the denominators that divide modulo the relations, where it can.
 
         Sines and square roots are settled by conjugates.  As for the ideal, num/d is a polynomial P
         where num * t reduces to P modulo the ideal and t*d - 1, with t above all generators.
         """
-        num, den = self._divided(f.num, dict(f.den))
+        num, den = self._divide(f.num, dict(f.den))
         for i in list(den) if self.ideal else ():
-            basis = self._localized(i)
+            basis = self._localization(i)
             while basis and den[i]:
                 rest = reduce_by(num * self.gens[0], basis)
                 if rest != 0 and rest.degrees()[0]:
@@ -187,7 +187,7 @@ class Field:
                 num, den[i] = rest, den[i] - 1
         return Fraction(num, tuple((i, e) for i, e in sorted(den.items()) if e))
 
-    def _divided(self, num: Any, den: dict[int, int]) -> tuple[Any, dict[int, int]]:
+    def _divide(self, num: Any, den: dict[int, int]) -> tuple[Any, dict[int, int]]:
         """Divide by factors that hold generators g with g**2 = f.
 
         num/d = num*conj/norm, where norm = d*conj is free of every such g; so d divides where the
@@ -220,7 +220,7 @@ class Field:
             self._conjugates[i] = (None if useless else conjugate, norm)
         return self._conjugates[i]
 
-    def _localized(self, i: int) -> list[Any]:
+    def _localization(self, i: int) -> list[Any]:
         """A Groebner basis of the ideal with t*d - 1 for a denominator d; empty if too large."""
         if i not in self._local:
             extra = self.gens[0] * self._factors[i] - 1

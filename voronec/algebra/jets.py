@@ -16,7 +16,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.numeric_functions import elementary
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.errors import EngineLimit
 
 __all__ = ["Expansion", "FieldJet", "Span"]
@@ -53,10 +53,10 @@ class Expansion:
         """The parts of an expression, of order 0, 1, ..."""
         found = self._known.get(expr)
         if found is None:
-            found = self._known[expr] = self._expanded(expr)
+            found = self._known[expr] = self._expand(expr)
         return found
 
-    def _expanded(self, expr: Any) -> Parts:
+    def _expand(self, expr: Any) -> Parts:
         if expr in self._steps:
             return [self._constant(self._value(expr)), self._steps[expr], *self._blank(2)]
         if not expr.free_symbols & self._steps.keys():
@@ -81,12 +81,12 @@ class Expansion:
 
     def _value(self, expr: Any) -> sp.Rational:
         """The exact value at the point."""
-        value = sympified(expr.xreplace(self._point))
+        value = sympify(expr.xreplace(self._point))
         if value.has(sp.sin, sp.cos, sp.tan):
             value = sp.expand(sp.expand_trig(value))  # of 2*atan(3/4), say
         if not value.is_Rational:
             raise EngineLimit(
-                f"at this point '{sympified(expr)}' = {value} is no rational number; give a point "
+                f"at this point '{sympify(expr)}' = {value} is no rational number; give a point "
                 "where all is rational, such as angles that are zero or atan(3/4)"
             )
         return value
@@ -100,14 +100,14 @@ class Expansion:
 
     def _power(self, expr: Any) -> Parts:
         """b = a^e: a_0 k b_k = sum_(i > 0) (e i - (k - i)) a_i b_(k - i)."""
-        base, exponent = self.of(expr.args[0]), sympified(expr.args[1])
+        base, exponent = self.of(expr.args[0]), sympify(expr.args[1])
         if exponent.is_Integer and exponent > 0:
             total = base
             for _ in range(int(exponent) - 1):
                 total = self._product(total, base)
             return total
         if base[0] == 0:
-            raise EngineLimit(f"'{sympified(expr)}' is singular at this point; give another")
+            raise EngineLimit(f"'{sympify(expr)}' is singular at this point; give another")
         e = flint.fmpq(int(exponent.p), int(exponent.q))
         scale, parts = 1 / _rational(base[0]), [self._constant(self._value(expr))]
         for k in range(1, self._order + 1):
@@ -124,10 +124,10 @@ class Expansion:
             base, exponent = expr.args
             if base != se.E:
                 return self.of(se.exp(exponent * se.log(base)))
-            return self._solved(exponent, [expr], lambda own, k: [own[0]])[0]
+            return self._solve_linear(exponent, [expr], lambda own, k: [own[0]])[0]
         inner = expr.args[0]
         if isinstance(expr, se.sin | se.cos):
-            pair = self._solved(
+            pair = self._solve_linear(
                 inner, [se.sin(inner), se.cos(inner)], lambda own, k: [own[1], -own[0]]
             )
             return pair[isinstance(expr, se.cos)]
@@ -141,14 +141,14 @@ class Expansion:
             return parts
         plain = elementary(expr)
         if plain == expr:
-            raise EngineLimit(f"'{sympified(expr)}' has no expansion here; use smooth functions")
+            raise EngineLimit(f"'{sympify(expr)}' has no expansion here; use smooth functions")
         return self.of(plain)
 
-    def _solved(
+    def _solve_linear(
         self, inner: Any, functions: Sequence[Any], slopes: Callable[[list[Any], int], list[Any]]
     ) -> list[Parts]:
         """Functions of one argument whose derivatives are linear in them."""
-        a = self._moving(inner)
+        a = self._angle_parts(inner)
         parts = [[self._constant(self._value(f))] for f in functions]
         for k in range(1, self._order + 1):
             sums = [self._zero for _ in functions]
@@ -160,10 +160,10 @@ class Expansion:
                 own.append(total * flint.fmpq(1, k))
         return parts
 
-    def _moving(self, expr: Any) -> Parts:
+    def _angle_parts(self, expr: Any) -> Parts:
         """The parts of an angle above order 0; its own value, as pi/2, need not be rational."""
         constant = expr.xreplace(self._point)
-        if sympified(constant).is_Rational:
+        if sympify(constant).is_Rational:
             return self.of(expr)
         return self.of((expr.xreplace(self._moved) - constant).expand())
 
@@ -206,7 +206,7 @@ class FieldJet:
             for monomial, c in part.to_dict().items()
         }
 
-    def shortened(self, order: int) -> FieldJet:
+    def shorten(self, order: int) -> FieldJet:
         """The same up to an order."""
         return FieldJet(tuple(parts[: order + 1] for parts in self.components))
 

@@ -12,7 +12,7 @@ from voronec.algebra.door import Door
 from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.generators import TRIGONOMETRIC, holds_far_multiples
 from voronec.algebra.roots import ring_over
-from voronec.algebra.shape import expanded, expression
+from voronec.algebra.shape import expand_element, expression
 
 __all__ = ["canonical", "canonical_for_numbers", "quotient", "shorten", "shortest"]
 
@@ -29,7 +29,7 @@ def shortest(
     ``EngineLimit`` where the normal form is beyond the work limit.
     """
     ring = ring_over([*exprs, *group], relations, work_limit)
-    return [expression(ring, ring.field.absorbed(ring.fraction(e)), group) for e in exprs]
+    return [expression(ring, ring.field.absorb(ring.fraction(e)), group) for e in exprs]
 
 
 def canonical(
@@ -37,7 +37,7 @@ def canonical(
 ) -> list[Any]:
     """Each symengine expression as an expanded fraction: what ``shortest`` starts from."""
     ring = ring_over(exprs, relations, work_limit)
-    return [expanded(ring, ring.field.absorbed(ring.fraction(e))) for e in exprs]
+    return [expand_element(ring, ring.field.absorb(ring.fraction(e))) for e in exprs]
 
 
 def canonical_for_numbers(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> list[Any]:
@@ -55,7 +55,7 @@ def canonical_for_numbers(exprs: Sequence[Any], relations: Sequence[Any] = ()) -
 def quotient(expr: Any, relations: Sequence[Any] = ()) -> tuple[Any, Any]:
     """Numerator and denominator of a symengine expression, without common factors."""
     ring = ring_over([expr], relations)
-    element = ring.field.absorbed(ring.fraction(expr))
+    element = ring.field.absorb(ring.fraction(expr))
     return ring.polynomial(element.num), ring.polynomial(ring.field.denominator(element.den))
 
 

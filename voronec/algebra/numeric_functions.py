@@ -59,18 +59,18 @@ def _tanh_rest(n: int) -> tuple[int, int]:
     return -power * (power - 1) * int(number.p), int(number.q) * factorial(n + 4)
 
 
-def _turning(n: int) -> int:
+def _turning_sign(n: int) -> int:
     """1, 0, -1, 0, and so on."""
     return (1, 0, -1, 0)[n % 4]
 
 
 QUOTIENTS: dict[str, Quotient] = {
-    SINC: Quotient(se.sin, 1, lambda n: (_turning(n), factorial(n + 1))),
+    SINC: Quotient(se.sin, 1, lambda n: (_turning_sign(n), factorial(n + 1))),
     SINHC: Quotient(se.sinh, 1, lambda n: (1 - n % 2, factorial(n + 1))),
     EXPREL: Quotient(lambda w: se.exp(w) - 1, 1, lambda n: (1, factorial(n + 1))),
     SINC_SLOPE: Quotient(
         lambda w: se.sin(w) - w * se.cos(w), 3,
-        lambda n: ((n + 2) * _turning(n), factorial(n + 3)),
+        lambda n: ((n + 2) * _turning_sign(n), factorial(n + 3)),
     ),
     SINHC_SLOPE: Quotient(
         lambda w: w * se.cosh(w) - se.sinh(w), 3,
@@ -81,17 +81,17 @@ QUOTIENTS: dict[str, Quotient] = {
     ),
     LOG_RATIO: Quotient(lambda w: se.log(1 + w), 1, lambda n: ((-1) ** n, n + 1), 0.25),
     TANH_REST: Quotient(lambda w: w - se.tanh(w), 3, _tanh_rest, 0.375),
-    ATAN_RATIO: Quotient(se.atan, 1, lambda n: (_turning(n), n + 1), 0.25),
+    ATAN_RATIO: Quotient(se.atan, 1, lambda n: (_turning_sign(n), n + 1), 0.25),
 }  # fmt: skip
 """Functions with a value at zero that a division does not give, by name."""
 
 
-def _divided(quotient: Quotient) -> Callable[[Any], Any]:
+def _with_quotient(quotient: Quotient) -> Callable[[Any], Any]:
     return lambda w: quotient.above(w) / w**quotient.power
 
 
 FORMULAS: dict[str, Callable[..., Any]] = {
-    **{name: _divided(quotient) for name, quotient in QUOTIENTS.items()},
+    **{name: _with_quotient(quotient) for name, quotient in QUOTIENTS.items()},
     EXPM1: lambda w: se.exp(w) - 1,
     LOG1P: lambda x: se.log(1 + x),
     HYPOT: lambda *sides: se.sqrt(se.Add(*[a**2 for a in sides])),

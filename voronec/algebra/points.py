@@ -9,11 +9,11 @@ from typing import Any
 import flint
 import symengine as se
 
-from voronec.algebra.conditions import Domain, domain_of, parted
+from voronec.algebra.conditions import Domain, domain_of, split_hypotheses
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
-__all__ = ["consistent", "is_possible", "lifted", "sample_evaluable", "sample_point"]
+__all__ = ["consistent", "is_possible", "lift_point", "sample_evaluable", "sample_point"]
 
 DRAWS = 40
 """How many points are drawn, at most, for one at which conditions hold."""
@@ -31,25 +31,25 @@ def sample_point(
     ``EngineLimit`` where no such point is found.
     """
     source = random.Random(f"voronec {seed}")
-    equations, conditions = parted(relations)
+    equations, conditions = split_hypotheses(relations)
     domain = domain_of(tuple(conditions))
     bound = [*atoms, *(a for a in Tape(equations).atoms if a not in atoms)]
     for _ in range(DRAWS if conditions else 1):
         point: dict[Any, Any] = {}
-        for atom in [*bound, *domain.linked(bound)]:
+        for atom in [*bound, *domain.linked_symbols(bound)]:
             value = flint.fmpq(source.randint(120, 1400), 1009) * (1 if seed < 6 else 9)
             point[atom] = -value if seed % 2 and source.random() < 0.5 else value
-        found = _lifted(point, equations, domain, bits)
+        found = _lift(point, equations, domain, bits)
         if found is not None:
             return found
     raise EngineLimit(_BEYOND)
 
 
-def lifted(point: dict[Any, Any], relations: Sequence[Any], bits: int) -> dict[Any, Any]:
+def lift_point(point: dict[Any, Any], relations: Sequence[Any], bits: int) -> dict[Any, Any]:
     """The point itself, or balls around a solution of relations near it, with numbers brought
     into their ranges; ``EngineLimit`` where none is found, or conditions do not hold there."""
-    equations, conditions = parted(relations)
-    found = _lifted(point, equations, domain_of(tuple(conditions)), bits)
+    equations, conditions = split_hypotheses(relations)
+    found = _lift(point, equations, domain_of(tuple(conditions)), bits)
     if found is None:
         raise EngineLimit(_BEYOND)
     return found
@@ -58,10 +58,10 @@ def lifted(point: dict[Any, Any], relations: Sequence[Any], bits: int) -> dict[A
 _BEYOND = "no point was found at which the conditions on its coordinates hold"
 
 
-def _lifted(
+def _lift(
     point: dict[Any, Any], equations: Sequence[Any], domain: Domain, bits: int
 ) -> dict[Any, Any] | None:
-    moved = domain.moved(point)
+    moved = domain.clip(point)
     found = _onto_relations(moved, equations, bits) if equations else moved
     return found if domain.admits(found, bits) else None
 

@@ -66,7 +66,7 @@ class Ring:
         self.found.scan(exprs)
         self.found.scan(equations)
         self.found.settle()
-        self.field = Field(self._named(bool(equations)), work_limit)
+        self.field = Field(self._name_generators(bool(equations)), work_limit)
         self._memo: dict[Any, Fraction] = {}
         self._roots: dict[Any, Fraction] = {}
         self._radicands: list[tuple[int, Any, Any, Any, Any]] = []
@@ -77,7 +77,7 @@ class Ring:
     def _read(self, expr: Any) -> Any:
         return expr if self._apart is None else self._apart(expr)
 
-    def _named(self, bound: bool) -> Any:
+    def _name_generators(self, bound: bool) -> Any:
         """The context, radicals (outermost first) before sines before everything else.
 
         Where relations bind generators, the first one serves ``Field.absorbed``.
@@ -245,7 +245,7 @@ class Ring:
                     raise EngineLimit(f"the {abs(n)}-fold angle of '{term}' is not expanded")
                 steps, sign = abs(n), 1 if n > 0 else -1
             for _ in range(steps):
-                cosine, sine = self.field.turned((cosine, sine), c, sign * s)
+                cosine, sine = self.field.add_angle((cosine, sine), c, sign * s)
         return cosine, sine
 
     def _trigonometric(self, expr: Any) -> Fraction:

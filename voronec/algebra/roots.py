@@ -13,7 +13,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.certificates import Signs
-from voronec.algebra.conditions import comparisons, parted
+from voronec.algebra.conditions import comparisons, split_hypotheses
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import WORK_LIMIT, Fraction
 from voronec.algebra.generators import TRIGONOMETRIC, prime_factors
@@ -21,7 +21,7 @@ from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.ring import Ring
 from voronec.errors import EngineLimit
 
-__all__ = ["Roots", "defined_where", "ring_over"]
+__all__ = ["Roots", "domain_conditions", "ring_over"]
 
 TERMS = 60
 """The sign of a factor with more terms is not asked for."""
@@ -30,7 +30,7 @@ _Power = tuple[Any, int]
 """A polynomial and its exponent."""
 
 
-def defined_where(exprs: Iterable[Any]) -> list[Any]:
+def domain_conditions(exprs: Iterable[Any]) -> list[Any]:
     """What holds wherever expressions have real values: radicands are not negative.
 
     Nothing where one of them has walls: a piece of a function may be undefined where it is not
@@ -183,7 +183,7 @@ class Roots:
             if odd is None:
                 return None
             others[odd] = -others[odd][0], others[odd][1]
-        return _Factors(abs(unit), self._expressed(known), self._expressed(others))
+        return _Factors(abs(unit), self._express(known), self._express(others))
 
     def _powers(self, fraction: Fraction) -> tuple[Any, list[_Power]]:
         """A number, and primitive polynomials with their exponents."""
@@ -208,7 +208,7 @@ class Roots:
                 powers += [(gens[s], 2 * ends[0])]
         return unit, powers
 
-    def _expressed(self, powers: Iterable[_Power]) -> dict[Any, int]:
+    def _express(self, powers: Iterable[_Power]) -> dict[Any, int]:
         return {self.apart(self.ring.polynomial(p)): e for p, e in powers}
 
 
@@ -252,6 +252,6 @@ def ring_over(
     """The ring that holds ``exprs`` where ``relations`` hold: expressions that vanish, and
     conditions, with which the roots of products are products of roots."""
     exprs = [*exprs]
-    equations, conditions = parted(relations)
+    equations, conditions = split_hypotheses(relations)
     roots = Roots.of([*exprs, *equations], conditions) if conditions else None
     return Ring(exprs, equations, work_limit, None if roots is None else roots.apart)

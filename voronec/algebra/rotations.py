@@ -43,7 +43,7 @@ class Rotations:
     entries: Sequence[Sequence[Any]]
     _known: dict[Any, Any] = field(default_factory=dict)
 
-    def rewritten(self, expr: Any) -> Any:
+    def rewrite(self, expr: Any) -> Any:
         """One function in the entries."""
         if not self._holds(expr):
             return expr
@@ -57,7 +57,7 @@ class Rotations:
     def _rational(self, expr: Any) -> Any:
         """A quotient of polynomials in sines, cosines, and functions that are rewritten apart."""
         inner: dict[Any, Any] = {}
-        outer = self._opened(expr, inner)
+        outer = self._open(expr, inner)
         names = {name: meaning for meaning, name in inner.items()}
         ring = Ring([outer])
         element = ring.fraction(outer)
@@ -71,7 +71,7 @@ class Rotations:
                 below, poles = below * number**power, (poles[0] + p * power, poles[1] + q * power)
         return (self._polynomial(ring, element.num, poles) / below).xreplace(names)
 
-    def _opened(self, expr: Any, inner: dict[Any, Any]) -> Any:
+    def _open(self, expr: Any, inner: dict[Any, Any]) -> Any:
         """The expression with functions and roots of functions of the angles under names; what
         they are, rewritten, goes to ``inner``."""
         if not self._holds(expr) or not expr.args:
@@ -80,8 +80,8 @@ class Rotations:
             return expr
         whole = isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Integer)
         if isinstance(expr, se.Add | se.Mul) or whole:
-            return expr.func(*[self._opened(a, inner) for a in expr.args])
-        meaning = expr.func(*[self.rewritten(a) for a in expr.args])
+            return expr.func(*[self._open(a, inner) for a in expr.args])
+        meaning = expr.func(*[self.rewrite(a) for a in expr.args])
         return inner.setdefault(meaning, se.Symbol(f"function {len(inner)} of an attitude"))
 
     def _polar(self, ring: Ring, factor: Any) -> tuple[Any, tuple[int, int]] | None:
@@ -100,7 +100,7 @@ class Rotations:
         terms = []
         for weight, rest, parts in self._weights(ring, poly):
             factor = self._basis(weight)
-            quotients = [_divided(part, weight, poles) for part in parts]
+            quotients = [_divide(part, weight, poles) for part in parts]
             (a, b), (x, y) = [self._polynomial_in_cosine(q) for q in quotients], factor
             half = 1 if weight == (0, 0) else 2
             terms.append(half * rest * (a * x - b * y))
@@ -169,7 +169,7 @@ class _Polar:
         return cls(*rows)
 
 
-def _divided(part: _Polar, weight: Weight, poles: tuple[int, int]) -> Any:
+def _divide(part: _Polar, weight: Weight, poles: tuple[int, int]) -> Any:
     """q in part = (1 - c)^p (1 + c)^p' s^||m| - |k|| (1 +- c)^min(|m|, |k|) q(c), a polynomial."""
     m, k = weight
     roots, turns = abs(abs(m) - abs(k)), min(abs(m), abs(k))

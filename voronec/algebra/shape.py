@@ -22,7 +22,7 @@ from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import Fraction
 from voronec.algebra.ring import Monomial, Ring, sparse_terms
 
-__all__ = ["Turned", "expanded", "expression", "in_differences", "operations"]
+__all__ = ["Turned", "expand_element", "expression", "in_differences", "operations"]
 
 
 MANY = 30_000
@@ -43,7 +43,7 @@ class Turned:
         """What the ring's sines and cosines are to be replaced by."""
         found = {}
         for (sine, cosine), angle in self.angles.items():
-            sign, shown = _leading(angle)
+            sign, shown = _leading_sign(angle)
             found[ring.meaning[cosine]] = se.cos(shown)
             found[ring.meaning[sine]] = sign * se.sin(shown)
         return found
@@ -69,10 +69,10 @@ def in_differences(ring: Ring, poly: Any) -> Iterator[Turned]:
             for pair, angle in angles.items()
             if pair != still
         }
-        yield _relinked(ring, Turned(rest, left))
+        yield _relink(ring, Turned(rest, left))
 
 
-def _leading(angle: Any) -> tuple[int, Any]:
+def _leading_sign(angle: Any) -> tuple[int, Any]:
     """The angle or its opposite, so that the symbol that comes first by name is positive."""
     symbols = sorted(angle.free_symbols, key=str)
     first = angle.diff(symbols[0]) if symbols else se.Integer(1)
@@ -104,7 +104,7 @@ def _symmetry(ring: Ring, poly: Any, pairs: list[tuple[int, int]]) -> dict[tuple
     for position, (sine, cosine) in enumerate(pairs):
         gens = ring.field.gens
         rate = gens[cosine] * poly.derivative(sine) - gens[sine] * poly.derivative(cosine)
-        rest, combination = _reduced(ring, rate), {position: flint.fmpq(1)}
+        rest, combination = _reduce(ring, rate), {position: flint.fmpq(1)}
         for lead, known, known_combination in basis:
             factor = rest.to_dict().get(lead, flint.fmpq(0)) / known.leading_coefficient()
             if factor != 0:
@@ -122,7 +122,7 @@ def _symmetry(ring: Ring, poly: Any, pairs: list[tuple[int, int]]) -> dict[tuple
     return {}
 
 
-def _reduced(ring: Ring, poly: Any) -> Any:
+def _reduce(ring: Ring, poly: Any) -> Any:
     """Modulo the rules of the ring, outside its budget: the work is of the size of the result."""
     for _, _, relation in ring.field.rules:
         poly = divmod(poly, relation)[1]
@@ -137,7 +137,7 @@ def _at_zero(ring: Ring, poly: Any, pair: tuple[int, int]) -> Any:
     return poly.compose(*values)
 
 
-def _relinked(ring: Ring, turned: Turned) -> Turned:
+def _relink(ring: Ring, turned: Turned) -> Turned:
     """Angles a written as (a - b) + b or (a + b) - b, as long as that leaves fewer terms."""
     while True:
         shorter = min(_neighbours(ring, turned), key=lambda t: len(t.poly), default=turned)
@@ -157,7 +157,7 @@ def _neighbours(ring: Ring, turned: Turned) -> Iterator[Turned]:
                 values[one[0]] = s * c2 + sign * c * s2
                 angles = {**turned.angles}
                 angles[one] = angles[one] - sign * angles[other]
-                yield Turned(_reduced(ring, turned.poly.compose(*values)), angles)
+                yield Turned(_reduce(ring, turned.poly.compose(*values)), angles)
 
 
 FACTOR_LIMIT = 150
@@ -177,7 +177,7 @@ def operations(exprs: Iterable[Any]) -> int:
     return int(se.count_ops(*[r for _, r in replacements], *reduced))
 
 
-def expanded(ring: Ring, f: Fraction) -> Any:
+def expand_element(ring: Ring, f: Fraction) -> Any:
     """An element as an expanded numerator over a factored denominator: quick, not short."""
     num, den, below = _lower_roots(ring, f)
     parts = [_sum(ring, sparse_terms(num))] + [se.Pow(g, -1) for g in below]
@@ -199,7 +199,7 @@ def expression(ring: Ring, f: Fraction, group: Sequence[Any] = ()) -> Any:
     collected = []
     for key, piece in pieces.items():
         monomial = [ring.meaning[i] ** int(e) for i, e in zip(indices, key, strict=True) if e]
-        part = ring.field.cancelled(Fraction(piece, f.den))
+        part = ring.field.cancel(Fraction(piece, f.den))
         collected.append(se.Mul(_quotient(ring, part), *monomial))
     apart = se.Add(*collected)  # reads better, so it may cost a little more
     if len(f.num) > TRIAL_LIMIT:
@@ -291,21 +291,21 @@ def _cheapest(ring: Ring, poly: Any) -> Any:
     if len(poly) < 2:
         return _sum(ring, sparse_terms(poly))
     if len(poly) > FACTOR_LIMIT:
-        return _nested(ring, sparse_terms(poly))
+        return _horner(ring, sparse_terms(poly))
     content, parts = irreducible_factors(poly)
     number = se.Integer(int(content.p)) / se.Integer(int(content.q))
     forms = [_sum(ring, sparse_terms(poly))]
     if len(parts) > 1 or parts[0][1] > 1 or content != 1:
         forms.append(se.Mul(number, *[_sum(ring, sparse_terms(p)) ** e for p, e in parts]))
-    nested = [_nested(ring, sparse_terms(p)) ** e for p, e in parts]
+    nested = [_horner(ring, sparse_terms(p)) ** e for p, e in parts]
     return min([*forms, se.Mul(number, *nested)], key=_cost)
 
 
-def _nested(ring: Ring, terms: Terms) -> Any:
+def _horner(ring: Ring, terms: Terms) -> Any:
     """Horner's scheme in the generator that most terms share, again and again."""
     common = _common_monomial(terms)
     if common and len(terms) > 1:
-        return ring.term(common, ONE) * _nested(ring, _divided(terms, dict(common)))
+        return ring.term(common, ONE) * _horner(ring, _divide(terms, dict(common)))
     counts: dict[int, int] = {}
     for monomial in terms:
         for i, _ in monomial:
@@ -315,7 +315,7 @@ def _nested(ring: Ring, terms: Terms) -> Any:
         return _sum(ring, terms)
     inside = {m: c for m, c in terms.items() if any(i == most for i, _ in m)}
     outside = {m: c for m, c in terms.items() if m not in inside}
-    return _nested(ring, inside) + _nested(ring, outside)
+    return _horner(ring, inside) + _horner(ring, outside)
 
 
 def _common_monomial(terms: Terms) -> Monomial:
@@ -330,7 +330,7 @@ def _common_monomial(terms: Terms) -> Monomial:
     return tuple(shared.items())
 
 
-def _divided(terms: Terms, powers: dict[int, int]) -> Terms:
+def _divide(terms: Terms, powers: dict[int, int]) -> Terms:
     return {
         tuple((i, e - powers.get(i, 0)) for i, e in monomial if e > powers.get(i, 0)): coefficient
         for monomial, coefficient in terms.items()

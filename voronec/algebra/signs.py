@@ -24,15 +24,15 @@ from voronec.algebra.ring import Ring
 from voronec.algebra.roots import ring_over
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.algebra.verdicts import PROOF_LIMIT, Verdict, Witness, decide_equal
-from voronec.errors import DefinitionError, EngineLimit, shown
+from voronec.errors import DefinitionError, EngineLimit, quote
 
 __all__ = [
     "RELATIONS",
     "Inequality",
     "known_sign",
-    "mirrored",
+    "mirror_verdict",
     "prove_inequality",
     "real_symbols",
     "refuse_signs",
@@ -52,12 +52,12 @@ class Inequality:
     right: Any
     positive: frozenset[str]
 
-    def violated_by(self, difference: Any) -> bool:
+    def is_violated_by(self, difference: Any) -> bool:
         """Whether a ball around the difference shows that the relation fails."""
         tests = {"<": difference > 0, ">": difference < 0, "<=": difference > 0}
         return bool({**tests, ">=": difference < 0, "!=": False}[self.relation])
 
-    def searched(self, roots: Sequence[tuple[Any, Any]], reason: str) -> Verdict:
+    def search(self, roots: Sequence[tuple[Any, Any]], reason: str) -> Verdict:
         """Refuted by a point, or undecided."""
         tape = Tape([self.left, self.right])
         ties = _TIES if self.relation in ("<", ">", "!=") else 0
@@ -65,7 +65,7 @@ class Inequality:
             left, right = tape.arb(point, 160)
             if not (left.is_finite() and right.is_finite()):
                 continue
-            if self.violated_by(left - right):
+            if self.is_violated_by(left - right):
                 return Verdict("refuted", "a rational point", _witness(point, left, right))
             if ties and (left - right).contains(0):
                 ties -= 1
@@ -119,10 +119,10 @@ def _exact(value: Any) -> Any:
 
 def _witness(point: dict[Any, Any], left: Any, right: Any) -> Witness:
     named = {str(atom): str(value) for atom, value in point.items()}
-    return Witness(named, _spelled(left), _spelled(right))
+    return Witness(named, _spell_ball(left), _spell_ball(right))
 
 
-def _spelled(ball: Any) -> str:
+def _spell_ball(ball: Any) -> str:
     """Thirty digits; a ball about zero that is left beside an exact answer is zero."""
     return "0" if ball.contains(0) else str(ball.str(30, radius=False))
 
@@ -165,7 +165,7 @@ def refuse_signs(below: Iterable[Any], declared: Sequence[Any]) -> None:
             )
 
 
-def mirrored(verdict: Verdict) -> Verdict:
+def mirror_verdict(verdict: Verdict) -> Verdict:
     """A verdict on |m| as one on m = -|m|."""
     if verdict.witness is None:
         return verdict
@@ -192,20 +192,20 @@ def prove_inequality(
     positive, real = (_symbols(given) for given in (positive, real))
     if relation not in RELATIONS:
         raise DefinitionError(
-            f"'{shown(relation)}' is no inequality; use one of "
+            f"'{quote(relation)}' is no inequality; use one of "
             f"{', '.join(dict.fromkeys(RELATIONS))}"
         )
     both = [s for s in real if s in positive]
     if both:
         raise DefinitionError(f"'{both[0]}' is declared positive and real; declare it once")
-    a, b = sympified(a), sympified(b)
+    a, b = sympify(a), sympify(b)
     symbols = real_symbols(a, b)
     below = {s: sp.Symbol(f"|{s.name}|") for s in symbols if s.is_negative}
     if below:
         refuse_signs(below, (*positive, *real))
         mirror = {s: -size for s, size in below.items()}
         sizes = (*positive, *below.values())
-        return mirrored(
+        return mirror_verdict(
             prove_inequality(a.xreplace(mirror), relation, b.xreplace(mirror), sizes, real)
         )
     door = Door()
@@ -218,18 +218,18 @@ def prove_inequality(
         difference = ring.fraction(left - right)
         signs = Signs.of(ring, [se.Symbol(name) > 0 for name in sorted(above)])
     except EngineLimit as limit:
-        return question.searched((), str(limit))
+        return question.search((), str(limit))
     found = signs.of_fraction(difference)
     if found is not None and found.settles(question.relation):
         return Verdict("proved", f"the difference of the sides is {found.in_words}: {found.reason}")
-    roots = signs.vanishing(difference.num)
-    return question.searched(roots, "no certificate of a sign was found")
+    roots = signs.linear_zeros(difference.num)
+    return question.search(roots, "no certificate of a sign was found")
 
 
 def _symbols(given: Any) -> tuple[Any, ...]:
     """One or several symbols, given by name or themselves."""
     single = isinstance(given, str) or not isinstance(given, Iterable)
-    return tuple(sympified(s, "a symbol") for s in ((given,) if single else given))
+    return tuple(sympify(s, "a symbol") for s in ((given,) if single else given))
 
 
 def known_sign(expr: Any, hypotheses: Sequence[Any] = (), strict: bool = False) -> int:

@@ -24,7 +24,7 @@ from voronec.algebra.groebner import groebner_basis
 from voronec.algebra.ring import Ring
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["composed", "has_simple_zeros", "is_algebraic"]
+__all__ = ["compose_cleared", "has_simple_zeros", "is_algebraic"]
 
 _TRIES = 2
 """How many sections are tried: all but a set of measure zero serve."""
@@ -40,11 +40,11 @@ def has_simple_zeros(
     It is a function of the symbols ``moving``, of all where none are given; others are generic
     constants.  False says nothing.
     """
-    return _certified(expr, tuple(relations), moving)
+    return _has_simple_zeros(expr, tuple(relations), moving)
 
 
 @lru_cache(maxsize=4096)
-def _certified(expr: Any, relations: tuple[Any, ...], moving: frozenset[Any]) -> bool:
+def _has_simple_zeros(expr: Any, relations: tuple[Any, ...], moving: frozenset[Any]) -> bool:
     try:
         ring = Ring([expr, *relations])  # the relations as polynomials, which vanish in their ring
         value = ring.fraction(expr)
@@ -110,12 +110,12 @@ class _Section:
         context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.degrevlex)
         lines, below = self._lines(context, source, {i for i, _ in rules})
         if not rules and not bound:
-            numerator = composed(poly, lines, below, context)
+            numerator = compose_cleared(poly, lines, below, context)
             meets_all = numerator.total_degree() == self._degree(poly)
             return bool(meets_all and _squarefree(numerator, [*below.values()]))
         if below:
             return False  # angles and relations together are left to other means
-        cut = [composed(p, lines, {}, context) for p in (*bound, poly)]
+        cut = [compose_cleared(p, lines, {}, context) for p in (*bound, poly)]
         if cut[-1] == 0:
             return False
         jacobian = [[p.derivative(name) for name in names] for p in cut]
@@ -209,7 +209,7 @@ def _support(polys: Sequence[Any]) -> set[int]:
     return {i for p in polys for i, degree in enumerate(p.degrees()) if degree}
 
 
-def composed(poly: Any, values: Sequence[Any], below: dict[int, Any], context: Any) -> Any:
+def compose_cleared(poly: Any, values: Sequence[Any], below: dict[int, Any], context: Any) -> Any:
     """A polynomial on a section, times the powers of denominators that clear it."""
     if not below:
         return poly.compose(*values, ctx=context)

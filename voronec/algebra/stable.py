@@ -41,13 +41,13 @@ def _stable(expr: Any, known: dict[Any, Any]) -> Any:
         return expr
     found = known.get(expr)
     if found is None:
-        whole = _written(expr)
+        whole = _write(expr)
         args = [_stable(a, known) for a in whole.args]
         found = known[expr] = whole if args == list(whole.args) else whole.func(*args)
     return found
 
 
-def _written(expr: Any) -> Any:
+def _write(expr: Any) -> Any:
     if isinstance(expr, se.Pow):
         return _root(*expr.args) or expr
     if isinstance(expr, se.log):

@@ -33,9 +33,9 @@ __all__ = [
     "Cyclic",
     "StagedElimination",
     "Stages",
-    "factored",
+    "factor_sums",
     "linear_combination",
-    "needed",
+    "needed_stages",
     "primitive",
     "shared_sums",
     "sorted_stages",
@@ -112,7 +112,7 @@ def _entry(pair: Pair, where: Mapping[Pair, set[Any]], keys: Mapping[Any, str]) 
     return -len(where[pair]), (keys[first], keys[second], str(ratio)), pair
 
 
-def factored(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dict[Any, Any]:
+def factor_sums(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dict[Any, Any]:
     """Write a*b + a*c as a*(b + c) in every sum, the factor that most terms share first."""
     names: dict[Any, Any] = {}
     result: dict[Any, Any] = {}
@@ -129,7 +129,7 @@ def factored(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dict[A
     for x, expr in definitions.items():
         result[x] = expr
         if isinstance(expr, se.Add):
-            result[x] = _collected([(c, _powers(m)) for m, c in map(_split, expr.args)], name)
+            result[x] = _collect([(c, _powers(m)) for m, c in map(_split, expr.args)], name)
     return sorted_stages(result)
 
 
@@ -148,7 +148,7 @@ DEEPEST = 60
 """So many factors are taken out one inside the other: a power series nests as deep as it goes."""
 
 
-def _collected(
+def _collect(
     terms: list[tuple[Any, dict[Any, int]]], name: Callable[[Any], Any], depth: int = 0
 ) -> Any:
     counts = Counter(f for _, powers in terms for f in powers)
@@ -161,12 +161,12 @@ def _collected(
         inside = [(c, powers) for c, powers in terms if most in powers]
         terms = [(c, powers) for c, powers in terms if most not in powers]
         counts.subtract(f for _, powers in inside for f in powers)
-        rest = [(c, _divided(powers, most)) for c, powers in inside]
-        heads.append(most * name(_collected(rest, name, depth + 1)))
+        rest = [(c, _divide(powers, most)) for c, powers in inside]
+        heads.append(most * name(_collect(rest, name, depth + 1)))
     return se.Add(*heads, *[c * se.Mul(*[f**e for f, e in p.items()]) for c, p in terms])
 
 
-def _divided(powers: dict[Any, int], by: Any) -> dict[Any, int]:
+def _divide(powers: dict[Any, int], by: Any) -> dict[Any, int]:
     return {f: e - (f == by) for f, e in powers.items() if e > (f == by)}
 
 
@@ -288,10 +288,10 @@ class Cyclic:
 
     def add(self, symbol: Any, expr: Any) -> None:
         """Take note of a new stage."""
-        self.support[symbol] = self.made_of(expr)
+        self.support[symbol] = self.free_symbols(expr)
         self._values[symbol] = self._value(expr)
 
-    def made_of(self, expr: Any) -> frozenset[Any]:
+    def free_symbols(self, expr: Any) -> frozenset[Any]:
         """The symbols, no stages among them, that occur in an expression."""
         found: set[Any] = set()
         for w in expr.free_symbols:
@@ -300,7 +300,7 @@ class Cyclic:
 
     def absent(self, expr: Any, stages: Stages) -> Iterator[Any]:
         """Coordinates that occur in the expression and are proved to cancel."""
-        support = self.made_of(expr)
+        support = self.free_symbols(expr)
         values = self._value(expr)
         for index, q in enumerate(self.coordinates):
             if q not in support or self._failures[q] >= PATIENCE:
@@ -308,7 +308,7 @@ class Cyclic:
             change = abs(values[index + 1] - values[0])
             if not change <= 1e-10 * abs(values[0]):
                 continue
-            if self._proved(expr, q, stages):
+            if self._is_proved(expr, q, stages):
                 self._failures[q] = 0
                 yield q
             else:
@@ -332,7 +332,7 @@ class Cyclic:
         self._lost += 1
         return False
 
-    def _proved(self, expr: Any, q: Any, stages: Stages) -> bool:
+    def _is_proved(self, expr: Any, q: Any, stages: Stages) -> bool:
         slope = self._slope(expr, q, stages)
         inner = stages.definitions
         for _ in range(DEPTH):
@@ -355,7 +355,7 @@ class Cyclic:
             if w in stages.definitions and q in self.support[w]:
                 if (w, q) not in self._slopes:
                     slope = self._slope(stages.definitions[w], q, stages)
-                    self._slopes[w, q] = stages.written(slope)
+                    self._slopes[w, q] = stages.name_of_sum(slope)
                 terms.append(expr.diff(w) * self._slopes[w, q])
         return se.expand(se.Add(*terms))
 
@@ -364,13 +364,13 @@ class Cyclic:
         known = self._values.get(expr)
         if known is None:
             try:
-                known = self._computed(expr)
+                known = self._compute(expr)
             except (ValueError, TypeError, ZeroDivisionError, OverflowError, KeyError):
                 known = (math.nan,) * (len(self.coordinates) + 1)
             self._values[expr] = known
         return known
 
-    def _computed(self, expr: Any) -> tuple[float, ...]:
+    def _compute(self, expr: Any) -> tuple[float, ...]:
         width = len(self.coordinates) + 1
         if is_atom(expr):
             return self._atom(expr)
@@ -460,10 +460,10 @@ def primitive(total: Any) -> tuple[Any, Any]:
 
 def sorted_stages(definitions: Mapping[Any, Any]) -> dict[Any, Any]:
     """The same stages, each after those it uses."""
-    return {x: definitions[x] for x in needed(definitions, definitions)}
+    return {x: definitions[x] for x in needed_stages(definitions, definitions)}
 
 
-def needed(definitions: Mapping[Any, Any], results: Iterable[Any]) -> list[Any]:
+def needed_stages(definitions: Mapping[Any, Any], results: Iterable[Any]) -> list[Any]:
     """The stages that results need, each after those it uses."""
     done: dict[Any, None] = {}
     for result in results:
@@ -519,7 +519,7 @@ class Stages:
         """The name of the sum of the products of pairs."""
         return self.name(linear_combination(pairs))
 
-    def replaced(self, definitions: Mapping[Any, Any]) -> None:
+    def replace(self, definitions: Mapping[Any, Any]) -> None:
         """Exchange the stages for an equivalent set."""
         self.definitions = sorted_stages(definitions)
         self._names = {e: x for x, e in self.definitions.items()}
@@ -532,11 +532,11 @@ class Stages:
     def at(self, point: Mapping[Any, Any], exprs: Sequence[Any], bits: int) -> list[Any]:
         """Enclosures of expressions in stages, at a point for what is no stage."""
         values = dict(point)
-        for x in needed(self.definitions, exprs):
+        for x in needed_stages(self.definitions, exprs):
             values[x] = Tape([self.definitions[x]]).arb(values, bits)[0]
         return Tape(exprs).arb(values, bits)
 
-    def written(self, expr: Any) -> Any:
+    def name_of_sum(self, expr: Any) -> Any:
         """The name of a sum of products of stages and symbols, as it stands."""
         return self._sum(expr, False)
 

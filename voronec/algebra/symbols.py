@@ -7,7 +7,7 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from voronec.errors import DefinitionError, shown
+from voronec.errors import DefinitionError, quote
 
 __all__ = [
     "functions_of_time", "is_symbolic_name", "names_in", "plain_name", "time", "velocity",
@@ -37,7 +37,7 @@ def plain_name(thing: sp.Expr | str) -> str:
         return str(thing.func.__name__)
     if isinstance(thing, sp.Derivative):
         return plain_name(thing.expr) + "dot" * len(thing.variables)
-    raise DefinitionError(f"'{shown(thing)}' is not a symbol; name coordinates by symbols")
+    raise DefinitionError(f"'{quote(thing)}' is not a symbol; name coordinates by symbols")
 
 
 def velocity(coordinate: sp.Expr) -> sp.Expr:

@@ -34,7 +34,7 @@ from voronec.algebra.numeric_functions import (
     numeric_name,
 )
 from voronec.algebra.text import exact_number
-from voronec.errors import DefinitionError, EngineLimit, shown
+from voronec.errors import DefinitionError, EngineLimit, quote
 
 __all__ = ["Tape", "as_ball"]
 
@@ -106,7 +106,7 @@ def as_ball(number: Any) -> Any:
         text = str(number)
     except Exception:  # somebody's own class
         text = ""
-    return as_ball(exact_number(text, f"'{shown(number)}' is not a number"))
+    return as_ball(exact_number(text, f"'{quote(number)}' is not a number"))
 
 
 class Tape:

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple, NoReturn
 
 import sympy as sp
 
-from voronec.errors import DefinitionError, shown
+from voronec.errors import DefinitionError, quote
 
 __all__ = [
     "FUNCTION_NAMES",
@@ -31,8 +31,8 @@ __all__ = [
     "exact_number",
     "formula",
     "in_doubles",
-    "printed",
-    "sympified",
+    "read_printed",
+    "sympify",
 ]
 
 CHARACTERS = 20_000
@@ -114,7 +114,7 @@ def formula(text: str, place: str, names: Mapping[str, Any] | None = None) -> An
     return _Reader(text, place, dict(names or {})).whole()
 
 
-def printed(text: str, place: str, names: Mapping[str, Any] | None = None) -> Any:
+def read_printed(text: str, place: str, names: Mapping[str, Any] | None = None) -> Any:
     """The expression that SymPy printed as a text, of any length.
 
     Besides what a formula holds these are unknown functions and their derivatives, such as
@@ -129,13 +129,13 @@ def exact_number(text: str, place: str) -> Any:
     if read.free_symbols:
         unknown = min(map(str, read.free_symbols))
         raise DefinitionError(
-            f"{place}: '{shown(text)}' is not a number, since '{shown(unknown)}' has no value; "
+            f"{place}: '{quote(text)}' is not a number, since '{quote(unknown)}' has no value; "
             "give one such as 2.5, 1/3 or -pi/2"
         )
     return read
 
 
-def sympified(thing: Any, place: str = "an expression") -> Any:
+def sympify(thing: Any, place: str = "an expression") -> Any:
     """What SymPy makes of a number, an expression or a text; text is read by ``formula``.
 
     In place of ``sympy.sympify``, which runs text as Python, also inside lists.
@@ -155,7 +155,7 @@ def sympified(thing: Any, place: str = "an expression") -> Any:
     except (sp.SympifyError, AttributeError, TypeError, ValueError, OverflowError):
         pass
     kind = type(thing).__name__
-    raise DefinitionError(f"{place} is '{shown(thing)}' of kind {kind}; write a sympy expression")
+    raise DefinitionError(f"{place} is '{quote(thing)}' of kind {kind}; write a sympy expression")
 
 
 @dataclass
@@ -173,7 +173,7 @@ class _Reader:
     def __post_init__(self) -> None:
         if len(self.text) > CHARACTERS and not self.open:
             raise DefinitionError(
-                f"{self.place}: '{shown(self.text)}' has {len(self.text)} characters; "
+                f"{self.place}: '{quote(self.text)}' has {len(self.text)} characters; "
                 f"{CHARACTERS} are read at most"
             )
         self.end = 0
@@ -194,30 +194,30 @@ class _Reader:
             sign = self._take()
             term = self._product()
             terms.append(_negative(term) if sign.text == "-" else term)
-        return self._joined(sp.Add, operator.add, terms)
+        return self._join(sp.Add, operator.add, terms)
 
     def _product(self) -> _Value:
-        factors = [self._signed()]
+        factors = [self._signed_term()]
         while self.token.text in ("*", "/"):
             sign = self._take()
-            factor = self._signed()
+            factor = self._signed_term()
             if sign.text == "/":
                 if factor.expr == 0:
                     self._wrong("division by zero", sign)
                 size = self._double(lambda x: 1 / x, sign, factor)
-                factor = self._checked(1 / factor.expr, size, sign)
+                factor = self._check(1 / factor.expr, size, sign)
             factors.append(factor)
-        return self._joined(sp.Mul, operator.mul, factors)
+        return self._join(sp.Mul, operator.mul, factors)
 
-    def _joined(self, kind: Any, operation: Callable[..., float], parts: list[_Value]) -> _Value:
+    def _join(self, kind: Any, operation: Callable[..., float], parts: list[_Value]) -> _Value:
         if len(parts) == 1:
             return parts[0]
         size = None if any(p.size is None for p in parts) else parts[0].size
         for part in parts[1:] if size is not None else ():
             size = operation(size, part.size)
-        return self._checked(kind(*(p.expr for p in parts)), size)
+        return self._check(kind(*(p.expr for p in parts)), size)
 
-    def _signed(self) -> _Value:
+    def _signed_term(self) -> _Value:
         minus = False
         while self.token.text in ("+", "-"):
             minus ^= self._take().text == "-"
@@ -230,14 +230,14 @@ class _Reader:
             return base
         sign = self._take()
         self._enter(sign)
-        exponent = self._signed()
+        exponent = self._signed_term()
         self.depth -= 1
         size = self._double(math.pow, sign, base, exponent)
         if exponent.expr.is_Rational:
             held = max(map(_bits, base.expr.atoms(sp.Rational)), default=1)
             if (held if held > 1 or base.size is None else 0) * abs(exponent.expr) > BITS:
                 self._wrong("the power is too large", sign)
-        return self._checked(base.expr**exponent.expr, size, sign)
+        return self._check(base.expr**exponent.expr, size, sign)
 
     def _atom(self) -> _Value:
         token = self._take()
@@ -254,7 +254,7 @@ class _Reader:
 
     def _name(self, token: _Token) -> _Value:
         if token.text in self.names:
-            known = sympified(self.names[token.text], self.place)
+            known = sympify(self.names[token.text], self.place)
             try:
                 return _Value(known, in_doubles(known))
             except OverflowError:
@@ -281,7 +281,7 @@ class _Reader:
         function = _SINGLE.get(name.text) or _SEVERAL[name.text]
         size = self._double(function, name, *values)
         exact = sp.Abs if name.text == "abs" else getattr(sp, name.text)
-        return self._checked(exact(*(v.expr for v in values)), size, name)
+        return self._check(exact(*(v.expr for v in values)), size, name)
 
     def _unknown(self, name: _Token, opening: _Token) -> _Value:
         """An unknown function, or a derivative of one."""
@@ -324,7 +324,7 @@ class _Reader:
         except OverflowError:
             self._wrong("the number is too large", token)
 
-    def _checked(self, expr: Any, size: float | None, at: _Token | None = None) -> _Value:
+    def _check(self, expr: Any, size: float | None, at: _Token | None = None) -> _Value:
         """A number, if it is a finite real one of possible length; what holds symbols, as it is."""
         if size is not None:
             self._real(expr, at)
@@ -379,9 +379,9 @@ class _Reader:
 
     def _wrong(self, what: str, token: _Token | None = None) -> NoReturn:
         token = token or self.token
-        near = f" at column {token.at + 1} ('{shown(token.text)}')" if token.text else ""
+        near = f" at column {token.at + 1} ('{quote(token.text)}')" if token.text else ""
         raise NotAFormula(
-            f"{self.place}: '{shown(self.text)}' is not a {self.kind}{near}: {what}; write one "
+            f"{self.place}: '{quote(self.text)}' is not a {self.kind}{near}: {what}; write one "
             f"such as {'2*a*sin(x)/3' if self.kind == 'formula' else '2.5, 1/3'} or -pi/2",
             what,
             token.text,

@@ -14,16 +14,16 @@ from sympy.core.function import AppliedUndef
 from sympy.logic.boolalg import Boolean
 
 from voronec.algebra.arguments import SEVERAL, accepts
-from voronec.algebra.composition import angles_of, are_equal, folded
-from voronec.algebra.conditions import condition, parted
+from voronec.algebra.composition import angles_of, are_equal, fold_angles
+from voronec.algebra.conditions import condition, split_hypotheses
 from voronec.algebra.door import Door
 from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.generators import linear_terms
 from voronec.algebra.points import sample_evaluable
-from voronec.algebra.roots import defined_where, ring_over
+from voronec.algebra.roots import domain_conditions, ring_over
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
-from voronec.algebra.text import shown, sympified
+from voronec.algebra.text import quote, sympify
 from voronec.algebra.typeset import html_table
 from voronec.algebra.witnesses import Search
 from voronec.errors import DefinitionError, EngineLimit
@@ -117,20 +117,20 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
     for its non-negative value.  Never "equal up to 1e-6": see ``Verdict``.
     """
     door = Door()
-    a, b = sympified(a), sympified(b)
+    a, b = sympify(a), sympify(b)
     if a == b:
         if a.has(*_NO_NUMBERS):
-            return Verdict("undecided", f"'{shown(a)}' has no value that could be equal to another")
+            return Verdict("undecided", f"'{quote(a)}' has no value that could be equal to another")
         return Verdict("proved", "identical expressions")
     try:
         single = isinstance(relations, str) or not isinstance(relations, Iterable)
-        ideal = [_taken_in(r, door) for r in ((relations,) if single else relations)]
+        ideal = [_take_in(r, door) for r in ((relations,) if single else relations)]
         if any(r == se.false or (r.is_Number and r != 0) for r in ideal):
             raise DefinitionError("one of the relations is a nonzero number: nothing satisfies it")
         left, right = door.inward(a), door.inward(b)
         known = [*door.hypotheses, *door.lost_conditions(a), *door.lost_conditions(b)]
         verdict = decide_equal(left, right, [*ideal, *known], pointwise=True)
-        return _possible(_filled(verdict, a, b), a.free_symbols | b.free_symbols)
+        return _possible(_fill_witness(verdict, a, b), a.free_symbols | b.free_symbols)
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))
 
@@ -138,7 +138,7 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
 _NO_NUMBERS = (sp.nan, sp.zoo, sp.oo, -sp.oo)
 
 
-def _taken_in(relation: Any, door: Door) -> Any:
+def _take_in(relation: Any, door: Door) -> Any:
     """A relation, or a condition, inside the door."""
     holds = isinstance(relation, Boolean) and not relation.is_Symbol
     return condition(relation, door.inward) if holds else door.inward(relation)
@@ -149,7 +149,7 @@ TRIALS, HEIGHT, CLOSE = 200, 300, sp.Float("1e-20")
 sides have the values of the witness to that part."""
 
 
-def _filled(verdict: Verdict, a: sp.Expr, b: sp.Expr) -> Verdict:
+def _fill_witness(verdict: Verdict, a: sp.Expr, b: sp.Expr) -> Verdict:
     """The verdict, with values in its witness for letters that cancel at the door: those at which
     both sides are real, as sqrt(x - 1) sqrt(1/(x - 1)) is where x > 1."""
     witness, sides = verdict.witness, sp.Tuple(a, b)
@@ -232,8 +232,8 @@ def decide_equal(
         if not left.overlaps(right):
             return Verdict("refuted", "ball arithmetic", witness_at(point, left, right))
     reason = "the normal form of the difference is not zero"
-    equations, conditions = parted(relations)
-    known = [*conditions, *defined_where([a, b])]
+    equations, conditions = split_hypotheses(relations)
+    known = [*conditions, *domain_conditions([a, b])]
     try:  # signs cost more than most proofs, and most need none
         given = (equations, [*equations, *known]) if known else (equations,)
         for left, right in _forms(a, b):
@@ -245,7 +245,7 @@ def decide_equal(
     if tape is None:
         return Verdict("undecided", f"{reason}; {NO_POINT}")
     search = Search(a, b, relations, pointwise)
-    agreeing = 0 if search.run() else search.agreeing()
+    agreeing = 0 if search.run() else search.agreement_count()
     if search.found is None:
         for point, values in sample_evaluable(tape, relations, 800, 24, 12):
             agreeing += 1
@@ -272,7 +272,7 @@ def _forms(a: Any, b: Any) -> Iterator[tuple[Any, Any]]:
     polynomial of bearable length."""
     angles = angles_of([a, b])
     if len(angles) <= MOST_LONG and any(len(linear_terms(angle)) > LONG_SUM for angle in angles):
-        left, right = folded([a, b])
+        left, right = fold_angles([a, b])
         yield left, right
     yield a, b
 

@@ -17,10 +17,10 @@ from typing import Any
 import flint
 import symengine as se
 
-from voronec.algebra.conditions import domain_of, parted
+from voronec.algebra.conditions import domain_of, split_hypotheses
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.graphs import nodes
-from voronec.algebra.points import consistent, lifted
+from voronec.algebra.points import consistent, lift_point
 from voronec.algebra.ring import Ring
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
@@ -75,11 +75,11 @@ class Search:
         self._turns = Tape([e for n in parts if isinstance(n, se.atan2) for e in n.args])
         self._source = Random("voronec witnesses")
         self.atoms = [*self._sides.atoms]
-        equations, conditions = parted(self.relations)
+        equations, conditions = split_hypotheses(self.relations)
         for atom in (*self._signs.atoms, *Tape(equations).atoms):
             if atom not in self.atoms:
                 self.atoms.append(atom)
-        self.atoms += domain_of(tuple(conditions)).linked(self.atoms)
+        self.atoms += domain_of(tuple(conditions)).linked_symbols(self.atoms)
         bound = Tape(equations).size * len(equations)
         self._equations = equations
         self._cost = self._sides.size + self._signs.size + NEWTON * bound
@@ -90,17 +90,17 @@ class Search:
         """Look for a witness; whether one was found."""
         return any(
             self._refutes(point)
-            for points in (self._scattered(), self._beside_walls(), self._climbed())
+            for points in (self._scatter(), self._beside_walls(), self._climb())
             for point in points
         )
 
-    def agreeing(self) -> int:
+    def agreement_count(self) -> int:
         """At how many points of different kinds the sides agree to 200 digits; a point at which
         they do not becomes what is found."""
         count = 0
         for start in [*self.kinds.values()][:KINDS]:
-            point = self._lifted(start, MORE_BITS)
-            count += point is not None and self._compared(point, MORE_BITS)
+            point = self._lift(start, MORE_BITS)
+            count += point is not None and self._compare(point, MORE_BITS)
             if self.found is not None:
                 break
         return count
@@ -109,27 +109,27 @@ class Search:
 
     def _refutes(self, start: Point) -> bool:
         """Whether a point, moved onto the relations, is a witness."""
-        point = self._lifted(start, BITS)
+        point = self._lift(start, BITS)
         if point is None:
             return False
         signs = [_sign(v) for v in self._signs.arb(point, BITS)]
         self._tried.append((point, signs))
-        if self._compared(point, BITS):
+        if self._compare(point, BITS):
             self.kinds.setdefault(tuple(signs), point)
         return self.found is not None
 
-    def _lifted(self, start: Point, bits: int) -> Point | None:
+    def _lift(self, start: Point, bits: int) -> Point | None:
         """A point on the relations; none where it is not found, or was sought too often."""
         if self._work < 0:
             return None
         self._work -= self._cost
         try:
-            return lifted(start, self.relations, bits)
+            return lift_point(start, self.relations, bits)
         except EngineLimit:
             self._work -= FAILURE * self._cost
             return None
 
-    def _compared(self, point: Point, bits: int) -> bool:
+    def _compare(self, point: Point, bits: int) -> bool:
         """Whether both sides have values at a point; where these differ, it is what is found."""
         left, right = self._sides.arb(point, bits)
         if not (left.is_finite() and right.is_finite()):
@@ -152,7 +152,7 @@ class Search:
             v.contains_integer() for v in self._steps.arb(point, bits)
         )
 
-    def _scattered(self) -> Iterator[Point]:
+    def _scatter(self) -> Iterator[Point]:
         """Special numbers, then numbers of every sign and of all sizes."""
         count, draw = len(self.atoms), self._source
         yield from islice(self._grid(), 60)
@@ -188,7 +188,7 @@ class Search:
             above = [p for p, signs in self._tried if signs[place] > 0][:3]
             tape = Tape([wall])
             for low, high in zip(below, above, strict=False):
-                yield from self._bisected(tape, low, high)
+                yield from self._bisect(tape, low, high)
 
     def _on(self, wall: Any) -> Iterator[Point]:
         """Points moved along an atom to a rational zero, and to both sides of it, however far."""
@@ -205,10 +205,10 @@ class Search:
                     for step in (0, 1, -1):
                         yield {**start, atom: flint.fmpq(int(root.p), int(root.q)) + step}
 
-    def _bisected(self, tape: Tape, low: Point, high: Point) -> Iterator[Point]:
+    def _bisect(self, tape: Tape, low: Point, high: Point) -> Iterator[Point]:
         """Points beside a zero of a function, nearer and nearer to it."""
         for step in range(BISECTIONS):
-            middle = self._lifted({a: _between(low[a], high[a]) for a in low}, BITS)
+            middle = self._lift({a: _between(low[a], high[a]) for a in low}, BITS)
             if middle is None:
                 return
             sign = _sign(tape.arb(middle, BITS)[0])
@@ -222,7 +222,7 @@ class Search:
         yield low
         yield high
 
-    def _climbed(self) -> Iterator[Point]:
+    def _climb(self) -> Iterator[Point]:
         """Walks into the domain, where none of the points lies in it."""
         if self.kinds or not self.edges or self._equations:
             return

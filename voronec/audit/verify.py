@@ -12,7 +12,7 @@ import sympy as sp
 
 from voronec.algebra.normal import shorten
 from voronec.algebra.signs import prove_inequality
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.algebra.verdicts import Verdict, prove_equal
 from voronec.audit.comparisons import Comparison, accelerations, comparisons, value_of
 from voronec.audit.display import Check, Decision
@@ -108,7 +108,7 @@ def _ordered(gaps: Sequence[tuple[Any, str, Any]], where: Range) -> Verdict:
     """Whether all inequalities hold in a range; the first that does not decides."""
     found = []
     for left, relation, right in gaps:
-        a, b = (sympified(side).xreplace(dict(where.values)) for side in (left, right))
+        a, b = (sympify(side).xreplace(dict(where.values)) for side in (left, right))
         found.append(prove_inequality(a, relation, b, where.positive, where.real))
         if not found[-1].proved:
             return found[-1]

@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.equations.program.printing import code
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -51,7 +51,7 @@ def exact(value: Any) -> Any:
         return sp.Rational(value)
     if hasattr(value, "_mpf_"):
         return _rational(value._mpf_)
-    expr = sympified(value)
+    expr = sympify(value)
     found = {x: _rational(x._mpf_) for x in expr.atoms(sp.Float)}
     if expr.has(sp.I):
         found |= {e: _turn(e) for e in expr.atoms(sp.Mul) if sp.I in e.args}

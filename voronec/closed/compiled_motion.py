@@ -16,7 +16,7 @@ import sympy as sp
 from voronec.algebra.memo import Memo
 from voronec.algebra.precision import SHARP
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.closed.arithmetic import Function, ball, compile_expressions, exact, precise
 from voronec.closed.decide import vanishes
 from voronec.closed.fractions import Split, ascending_coefficients, split
@@ -176,7 +176,7 @@ def _prepare(system: System, motion: Quadratures, gone: Mapping[Any, Any]) -> Pr
     rates = [e.xreplace(gone) for e in motion.integrals.values()]
     plane = motion.plane
     if plane is not None:
-        rates += [sympified(e).xreplace(gone) for e in plane.rates]
+        rates += [sympify(e).xreplace(gone) for e in plane.rates]
     if motion.clock != 1:
         rates.append(motion.clock.xreplace(gone))
     rate = _rate_of_variable(system, motion)

@@ -10,10 +10,10 @@ import sympy as sp
 from flint import arb
 
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.closed.arithmetic import compile_expressions, exact
 from voronec.declaration.quadratures import Quadratures
-from voronec.declaration.reading import expression, mapping, real_number, shown
+from voronec.declaration.reading import expression, fixed_mapping, quote, real_number
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, did_you_mean
 
@@ -23,7 +23,7 @@ __all__ = ["known_parameters", "number", "quadratures_of", "read_parameters"]
 def quadratures_of(system: System) -> Quadratures:
     """The declaration; an error in one line where there is none."""
     if not isinstance(system, System):
-        raise DefinitionError(f"'{shown(system)}' is no system; load one with vo.load")
+        raise DefinitionError(f"'{quote(system)}' is no system; load one with vo.load")
     if not isinstance(system.motion, Quadratures):
         raise DefinitionError(
             f"system '{system.name}' declares no quadratures; give it motion=vo.Quadratures(...)"
@@ -46,13 +46,13 @@ def read_parameters(system: System, parameters: Mapping[Any, Any]) -> dict[Any, 
     """Parameter -> expression, by the symbols of the system."""
     own = {p.name: p.symbol for p in system.parameters}
     found = {}
-    for key, value in mapping(parameters, "parameters", "parameter: value").items():
+    for key, value in fixed_mapping(parameters, "parameters", "parameter: value").items():
         if plain_name(key) not in own:
             raise DefinitionError(
-                f"system '{system.name}' has no parameter '{shown(key)}'"
-                f"{did_you_mean(shown(key), own)}"
+                f"system '{system.name}' has no parameter '{quote(key)}'"
+                f"{did_you_mean(quote(key), own)}"
             )
-        found[own[plain_name(key)]] = exact(expression(value, f"the parameter '{shown(key)}'"))
+        found[own[plain_name(key)]] = exact(expression(value, f"the parameter '{quote(key)}'"))
     return found
 
 
@@ -62,7 +62,7 @@ def known_parameters(system: System, parameters: Mapping[Any, Any]) -> dict[Any,
     found = {}
     for p in system.parameters:
         value = given.get(p.symbol, p.value)
-        if value is None or not sympified(value).is_number:
+        if value is None or not sympify(value).is_number:
             raise DefinitionError(f"parameter '{p.name}' has no value; give parameters={{...}}")
         found[p.symbol] = exact(value)
     return found
@@ -72,5 +72,5 @@ def number(value: Any, name: str) -> sp.Expr:
     """An exact number."""
     number = exact(expression(value, name))
     if not number.is_number:
-        raise DefinitionError(f"{name} = {shown(value)} is not a number; give one")
+        raise DefinitionError(f"{name} = {quote(value)} is not a number; give one")
     return number

@@ -59,11 +59,11 @@ def citation(entry: str) -> str:
 def _plain(value: str) -> str:
     """A field without the marks of TeX."""
 
-    def accented(match: re.Match[str]) -> str:
+    def accent(match: re.Match[str]) -> str:
         letter = match["letter"].lstrip("\\")
         return unicodedata.normalize("NFC", letter + _SIGNS[match["sign"]])
 
-    text = _ACCENT.sub(accented, value)
+    text = _ACCENT.sub(accent, value)
     for mark, sign in (("--", "\u2013"), ("~", " "), ("\\&", "&"), ("{", ""), ("}", "")):
         text = text.replace(mark, sign)
     return " ".join(text.split())

@@ -44,7 +44,7 @@ __all__ = [
     "members",
     "names",
     "papers",
-    "registered",
+    "registered_entries",
 ]
 
 GROUP = "voronec.systems"
@@ -89,11 +89,11 @@ class Entry:
         if self.path and not self.member:
             return load_file(self.path)
         if self.path:
-            found = _defined_in(Path(self.path)).get(self.attribute)
+            found = _definitions_in(Path(self.path)).get(self.attribute)
         else:
             found = getattr(_import(self.name, self.module, self.attribute), self.attribute)
         if self.member:
-            found = self._made(found)
+            found = self._make_member(found)
         if not isinstance(found, System):
             raise DefinitionError(
                 f"system '{self.name}': {self.module}:{self.attribute} is a "
@@ -106,7 +106,7 @@ class Entry:
             )
         return found
 
-    def _made(self, family: Any) -> Any:
+    def _make_member(self, family: Any) -> Any:
         """The member of a family; ``DefinitionError`` where its function fails."""
         try:
             return family[self.member]()
@@ -118,7 +118,7 @@ class Entry:
         """Which members the family in this module or file has; none where it is one system."""
         if not self.path and not self.module:
             return ()
-        space: Any = _defined_in(Path(self.path)) if self.path else None
+        space: Any = _definitions_in(Path(self.path)) if self.path else None
         if space is None:
             space = vars(_import(self.name, self.module, self.attribute))
         found = space.get("MEMBERS", {})
@@ -147,7 +147,7 @@ class Entry:
         from voronec.declaration.relation import Relation, Square
 
         if self.path:
-            space: Any = _defined_in(Path(self.path))
+            space: Any = _definitions_in(Path(self.path))
         else:
             space = vars(_import(self.name, self.module, self.attribute))
         relations = self._several(space, "RELATIONS", Relation)
@@ -177,7 +177,7 @@ def entries() -> tuple[tuple[Entry, ...], tuple[str, ...]]:
     """
     found: dict[str, Entry] = {}
     warnings = []
-    for entry in registered():
+    for entry in registered_entries():
         if entry.name in found:
             warnings.append(
                 f"system '{entry.name}' of '{entry.distribution}' is hidden by that of "
@@ -258,14 +258,14 @@ def load_file(path: str | Path) -> System:
     """
     from voronec.declaration.system import System
 
-    found = _defined_in(Path(path)).get("SYSTEM")
+    found = _definitions_in(Path(path)).get("SYSTEM")
     if not isinstance(found, System):
         what = "no SYSTEM" if found is None else f"SYSTEM as a {type(found).__name__}"
         raise DefinitionError(f"{path} defines {what}; end it with SYSTEM = voronec.System(...)")
     return found
 
 
-def _defined_in(path: Path) -> Mapping[str, Any]:
+def _definitions_in(path: Path) -> Mapping[str, Any]:
     """The names that a file defines: a Python file is run, a text is read."""
     if path.suffix != ".toml":
         return run_file(path)
@@ -276,7 +276,7 @@ def _defined_in(path: Path) -> Mapping[str, Any]:
 
 def load_paper_file(path: str | Path) -> Any:
     """What a Python file defines as ``PAPER``; ``DefinitionError`` as ``load_file`` has it."""
-    found = _defined_in(Path(path)).get("PAPER")
+    found = _definitions_in(Path(path)).get("PAPER")
     if found is None:
         raise DefinitionError(
             f"{path} defines no PAPER; end it with PAPER = voronec.audit.Paper(...)"
@@ -289,7 +289,7 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> str:
     return f"there is no {kind} '{name}'" + did_you_mean(name, known)
 
 
-def registered() -> Iterator[Entry]:
+def registered_entries() -> Iterator[Entry]:
     """Every registered system, those that are hidden too, this project's first."""
 
     def rank(point: metadata.EntryPoint) -> tuple[bool, str, str]:

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.declaration.reading import expression, mapping, several, shown
+from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError
 
 __all__ = ["CHANGING", "Chart"]
@@ -82,12 +82,12 @@ class Chart:
         store("singular", expression(self.singular, "singular"))
         there = self.singular if self.singular_there is None else self.singular_there
         store("singular_there", expression(there, "singular_there"))
-        changes = mapping(self.changes, "changes of a chart", "'lagrangian': expression")
+        changes = fixed_mapping(self.changes, "changes of a chart", "'lagrangian': expression")
         store("changes", changes)
         for name in changes:
             if name not in CHANGING:
                 raise DefinitionError(
-                    f"a chart changes '{shown(name)}'; it may change {', '.join(CHANGING)}"
+                    f"a chart changes '{quote(name)}'; it may change {', '.join(CHANGING)}"
                 )
 
     def values(self, system: Variables, part: str = "state") -> dict[sp.Expr, sp.Expr]:
@@ -115,6 +115,6 @@ class Chart:
 
 
 def _named_values(values: Any, part: str) -> Mapping[str, sp.Expr]:
-    given = mapping(values, f"{part} of a chart", "variable: expression")
-    read = {plain_name(k): expression(e, f"'{shown(k)}'") for k, e in given.items()}
-    return mapping(read, part, "variable: expression")
+    given = fixed_mapping(values, f"{part} of a chart", "variable: expression")
+    read = {plain_name(k): expression(e, f"'{quote(k)}'") for k, e in given.items()}
+    return fixed_mapping(read, part, "variable: expression")

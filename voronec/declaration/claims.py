@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
-from voronec.declaration.reading import expression, mapping, several, shown
+from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError
 
 __all__ = [
@@ -32,7 +32,7 @@ __all__ = [
     "declared_claims",
     "expressions_of",
     "read_claims",
-    "replaced",
+    "replace_in_claims",
     "right_of",
     "without_claims",
 ]
@@ -99,22 +99,22 @@ class Poisson:
     clock: Any = sp.Integer(1)
 
     def __post_init__(self) -> None:
-        variables = mapping(self.variables, "variables", "symbol: function")
-        bracket = mapping(self.bracket, "bracket", "(a, b): expression")
+        variables = fixed_mapping(self.variables, "variables", "symbol: function")
+        bracket = fixed_mapping(self.bracket, "bracket", "(a, b): expression")
         for pair in bracket:
             if not isinstance(pair, tuple) or len(pair) != 2 or not {*pair} <= {*variables}:
                 raise DefinitionError(
-                    f"the bracket of '{shown(pair)}' is no pair of its variables; "
+                    f"the bracket of '{quote(pair)}' is no pair of its variables; "
                     "write {(a, b): expression}"
                 )
         for a, b in bracket:
             if a == b or (b, a) in bracket:
                 raise DefinitionError(
-                    f"the bracket of '{shown((a, b))}' vanishes or is given twice; give one order "
+                    f"the bracket of '{quote((a, b))}' vanishes or is given twice; give one order "
                     "of each pair of different variables"
                 )
-        read = {k: expression(v, f"the meaning of '{shown(k)}'") for k, v in variables.items()}
-        entries = {k: expression(v, f"the bracket of {shown(k)}") for k, v in bracket.items()}
+        read = {k: expression(v, f"the meaning of '{quote(k)}'") for k, v in variables.items()}
+        entries = {k: expression(v, f"the bracket of {quote(k)}") for k, v in bracket.items()}
         object.__setattr__(self, "variables", MappingProxyType(read))
         object.__setattr__(self, "bracket", MappingProxyType(entries))
         for part in ("hamiltonian", "clock"):
@@ -143,12 +143,12 @@ class Assertion:
         taken = {*(kind.name for kind in KINDS), "descent", "case", "chart", "motion"}
         if not isinstance(self.kind, str) or not self.kind.isidentifier() or self.kind in taken:
             raise DefinitionError(
-                f"the kind of an assertion is '{shown(self.kind)}'; give a word of letters that is "
+                f"the kind of an assertion is '{quote(self.kind)}'; give a word of letters that is "
                 f"none of {', '.join(sorted(taken))}"
             )
         if not callable(self.decide):
             raise DefinitionError(
-                f"an assertion is decided by '{shown(self.decide)}'; give a function of the "
+                f"an assertion is decided by '{quote(self.decide)}'; give a function of the "
                 "motions and the expressions"
             )
         place = f"'{self.kind}'"
@@ -190,7 +190,7 @@ class Case:
     assertions: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        given = mapping(self.parameters, "parameters", "parameter: value")
+        given = fixed_mapping(self.parameters, "parameters", "parameter: value")
         object.__setattr__(self, "parameters", given)
         for part, value in read_claims(self).items():
             object.__setattr__(self, part, value)
@@ -199,7 +199,7 @@ class Case:
 def _theorem(value: Any, place: str) -> str:
     """The name of a theorem as it is given; whether it is known is the system's to say."""
     if not isinstance(value, str):
-        raise DefinitionError(f"{place} is '{shown(value)}', which names no theorem; write a text")
+        raise DefinitionError(f"{place} is '{quote(value)}', which names no theorem; write a text")
     return value
 
 
@@ -255,11 +255,11 @@ def read_claims(holder: Any) -> dict[str, Any]:
     for kind in KINDS:
         held = getattr(holder, kind.field, None)
         if kind.entry:
-            values = mapping(held, kind.field, kind.entry)
+            values = fixed_mapping(held, kind.field, kind.entry)
             read = {
-                k: _claimed(v, f"{kind.name} '{shown(k)}'", kind.read) for k, v in values.items()
+                k: _read_claim(v, f"{kind.name} '{quote(k)}'", kind.read) for k, v in values.items()
             }
-            found[kind.field] = mapping(read, kind.field, kind.entry)
+            found[kind.field] = fixed_mapping(read, kind.field, kind.entry)
         elif held is not None:
             found[kind.field] = kind.read(held, kind.place)
     return found
@@ -286,22 +286,24 @@ def expressions_of(claim: Any) -> Iterator[sp.Expr]:
         yield claim
 
 
-def replaced(claim: Any, at: Mapping[Any, Any]) -> Any:
+def replace_in_claims(claim: Any, at: Mapping[Any, Any]) -> Any:
     """A claim, or claims by name, with symbols replaced."""
     if isinstance(claim, Mapping):
-        return {name: replaced(c, at) for name, c in claim.items()}
+        return {name: replace_in_claims(c, at) for name, c in claim.items()}
     if claim is None or isinstance(claim, str):
         return claim
     if isinstance(claim, tuple):
         return tuple(e.xreplace(at) for e in claim)
     if isinstance(claim, Corrected):
-        return Corrected(replaced(claim.right, at), replaced(claim.printed, at), claim.source)
+        return Corrected(
+            replace_in_claims(claim.right, at), replace_in_claims(claim.printed, at), claim.source
+        )
     if isinstance(claim, Equation):
-        return Equation(replaced(claim.function, at), replaced(claim.rate, at))
+        return Equation(replace_in_claims(claim.function, at), replace_in_claims(claim.rate, at))
     if isinstance(claim, Measure):
         return Measure(claim.density.xreplace(at), claim.variables)
     if isinstance(claim, Assertion):
-        return replace(claim, expressions=replaced(claim.expressions, at))
+        return replace(claim, expressions=replace_in_claims(claim.expressions, at))
     return claim.xreplace(at)
 
 
@@ -321,7 +323,7 @@ def right_of(claim: Any) -> Any:
     return claim.right if isinstance(claim, Corrected) else claim
 
 
-def _claimed(value: Any, place: str, read: Callable[[Any, str], Any]) -> Any:
+def _read_claim(value: Any, place: str, read: Callable[[Any, str], Any]) -> Any:
     if isinstance(value, Corrected):
         right, printed = read(value.right, place), read(value.printed, f"{place} as printed")
         return Corrected(right, printed, value.source)
@@ -331,7 +333,7 @@ def _claimed(value: Any, place: str, read: Callable[[Any, str], Any]) -> Any:
 def _equation(value: Any, place: str) -> Equation:
     if isinstance(value, Equation):
         return value
-    raise DefinitionError(f"{place} is '{shown(value)}'; write Equation(function, rate)")
+    raise DefinitionError(f"{place} is '{quote(value)}'; write Equation(function, rate)")
 
 
 def _measure(value: Any, place: str) -> Measure:
@@ -341,13 +343,13 @@ def _measure(value: Any, place: str) -> Measure:
 def _assertion(value: Any, place: str) -> Assertion:
     if isinstance(value, Assertion):
         return value
-    raise DefinitionError(f"{place} is '{shown(value)}'; write {ASSERTION}")
+    raise DefinitionError(f"{place} is '{quote(value)}'; write {ASSERTION}")
 
 
 def _poisson(value: Any, place: str) -> Poisson:
     if isinstance(value, Poisson):
         return value
-    raise DefinitionError(f"{place} is '{shown(value)}'; write Poisson(variables, bracket, ...)")
+    raise DefinitionError(f"{place} is '{quote(value)}'; write Poisson(variables, bracket, ...)")
 
 
 def _names(things: Iterable[Any]) -> str:
@@ -359,7 +361,7 @@ KINDS = (
     ClaimKind("equation", "equations", _equation, "'name': Equation(function, rate)"),
     ClaimKind("assertion", "assertions", _assertion, f"'name': {ASSERTION}"),
     ClaimKind(
-        "measure", "measure", lambda value, place: _claimed(value, place, _measure),
+        "measure", "measure", lambda value, place: _read_claim(value, place, _measure),
         title=lambda _: "density", place="the measure",
     ),
     ClaimKind(

@@ -10,7 +10,13 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name, velocity
-from voronec.declaration.reading import expression, mapping, several, shown, vanishing
+from voronec.declaration.reading import (
+    expression,
+    fixed_mapping,
+    quote,
+    several,
+    vanishing_expression,
+)
 from voronec.errors import DefinitionError
 
 __all__ = ["Fibration", "Frame", "moving_names"]
@@ -34,7 +40,9 @@ class Fibration:
         for part in ("base", "fibre"):
             object.__setattr__(self, part, _names(getattr(self, part), part))
         given = enumerate(several(self.relations, "relations", "expression"))
-        relations = tuple(vanishing(r, f"relation {i + 1} of the fibration") for i, r in given)
+        relations = tuple(
+            vanishing_expression(r, f"relation {i + 1} of the fibration") for i, r in given
+        )
         object.__setattr__(self, "relations", relations)
         seen: set[str] = set()
         for name in map(plain_name, self.base + self.fibre):
@@ -85,28 +93,28 @@ class Frame:
             several_names = _names(self.determinant, "determinant of the frame")
             if len(several_names) != 1:
                 raise DefinitionError(
-                    f"the determinant of the frame is '{shown(self.determinant)}'; give one symbol"
+                    f"the determinant of the frame is '{quote(self.determinant)}'; give one symbol"
                 )
             object.__setattr__(self, "determinant", several_names[0])
         if self.brackets is not None:
             self._read_group()
 
     def _read_group(self) -> None:
-        rates = mapping(self.rates, "rates", "coordinate: expression")
-        read = {q: expression(e, f"the rate of '{shown(q)}'") for q, e in rates.items()}
-        object.__setattr__(self, "rates", mapping(read, "rates", "coordinate: expression"))
+        rates = fixed_mapping(self.rates, "rates", "coordinate: expression")
+        read = {q: expression(e, f"the rate of '{quote(q)}'") for q, e in rates.items()}
+        object.__setattr__(self, "rates", fixed_mapping(read, "rates", "coordinate: expression"))
         entry = "(a, b): {c: coefficient}"
-        given, table, own = mapping(self.brackets, "brackets", entry), {}, set(self.ambient)
+        given, table, own = fixed_mapping(self.brackets, "brackets", entry), {}, set(self.ambient)
         for pair, parts in given.items():
             pairs = isinstance(pair, tuple) and len(pair) == 2 and isinstance(parts, Mapping)
             if not pairs or not {*pair, *parts} <= own:
                 raise DefinitionError(
-                    f"the bracket of '{shown(pair)}' is '{shown(parts)}'; write {entry} with "
+                    f"the bracket of '{quote(pair)}' is '{quote(parts)}'; write {entry} with "
                     "velocities of the frame"
                 )
             if pair[0] == pair[1] or (pair[1], pair[0]) in given:
                 raise DefinitionError(
-                    f"the bracket of '{shown(pair)}' vanishes or is given twice; give one order "
+                    f"the bracket of '{quote(pair)}' vanishes or is given twice; give one order "
                     "of each pair of different velocities"
                 )
             place = f"the bracket of {pair}"
@@ -124,7 +132,7 @@ class Frame:
         return self.velocities + self.fibre
 
     @property
-    def named(self) -> tuple[sp.Expr, ...]:
+    def claim_names(self) -> tuple[sp.Expr, ...]:
         """Names that claims may use: of the momenta, and of the determinant of the mass."""
         return self.momenta if self.determinant is None else (*self.momenta, self.determinant)
 
@@ -181,7 +189,7 @@ def _names(things: Any, part: str) -> tuple[sp.Expr, ...]:
     for thing in names:
         if not is_symbolic_name(thing):
             raise DefinitionError(
-                f"'{shown(thing)}' in the {part} is not a symbol; use sympy.Symbol"
+                f"'{quote(thing)}' in the {part} is not a symbol; use sympy.Symbol"
             )
     return names
 
@@ -189,5 +197,5 @@ def _names(things: Any, part: str) -> tuple[sp.Expr, ...]:
 def moving_names(coordinates: Sequence[sp.Expr], frame: Frame | None) -> list[sp.Expr]:
     """All names for what changes with the motion: coordinates, their velocities, and those of the
     frame, of its fibre, its momenta and its determinant."""
-    named = () if frame is None else (*frame.ambient, *frame.named)
+    named = () if frame is None else (*frame.ambient, *frame.claim_names)
     return [*coordinates, *map(velocity, coordinates), *named]

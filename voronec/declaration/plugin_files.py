@@ -16,7 +16,7 @@ __all__ = ["failure", "run_file"]
 
 def run_file(path: Path) -> dict[str, Any]:
     """The names that a Python file defines; ``DefinitionError`` where it fails, with the line."""
-    code = _compiled(path)
+    code = _compile(path)
     module = ModuleType(f"voronec_file_{path.stem}")
     module.__file__ = str(path)
     # What the file's classes look themselves up by, and where its neighbours are found.
@@ -49,7 +49,7 @@ def failure(error: BaseException, near: str) -> str:
     return f"{frames[-1].filename}, line {frames[-1].lineno}: {what}" if frames else what
 
 
-def _compiled(path: Path) -> CodeType:
+def _compile(path: Path) -> CodeType:
     try:
         with file_errors(path, "a Python file"), tokenize.open(path) as stream:
             source = stream.read()

@@ -12,7 +12,7 @@ import sympy as sp
 
 from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import names_in, plain_name
-from voronec.declaration.reading import expression, mapping, several, shown
+from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError
 
 __all__ = ["Plane", "Quadratures", "Space", "Trace", "store"]
@@ -69,7 +69,7 @@ class Space:
             given = getattr(self, name)
             if not isinstance(given, sp.MatrixBase) or given.shape != shape:
                 raise DefinitionError(
-                    f"{name} of a space is '{shown(given)}'; write a sympy Matrix of shape {shape}"
+                    f"{name} of a space is '{quote(given)}'; write a sympy Matrix of shape {shape}"
                 )
             object.__setattr__(self, name, sp.ImmutableMatrix(given))
         if not all(isinstance(e, sp.Symbol) for e in self.entries):
@@ -122,8 +122,8 @@ class Plane:
 
 def store(owner: Any, name: str, given: Any, what: str) -> None:
     """A mapping to expressions in its final form."""
-    values = mapping(given, name, "symbol: expression")
-    read = {k: expression(e, f"{what} '{shown(k)}'") for k, e in values.items()}
+    values = fixed_mapping(given, name, "symbol: expression")
+    read = {k: expression(e, f"{what} '{quote(k)}'") for k, e in values.items()}
     object.__setattr__(owner, name, MappingProxyType(read))
 
 
@@ -185,12 +185,12 @@ class Quadratures:
             store(self, name, getattr(self, name), what)
         if len(self.variable) != 1 or not isinstance(self.x, sp.Symbol):
             raise DefinitionError(
-                f"variable = {shown(dict(self.variable))} is not one symbol with its meaning; "
+                f"variable = {quote(dict(self.variable))} is not one symbol with its meaning; "
                 "write variable={x: cos(u)}"
             )
         for name in ("quartic", "clock"):
             object.__setattr__(self, name, expression(getattr(self, name), f"the {name}"))
-        given = mapping(self.poles, "poles", "place: weight").items()
+        given = fixed_mapping(self.poles, "poles", "place: weight").items()
         poles = {expression(c, "a pole"): expression(w, f"the weight of {c}") for c, w in given}
         object.__setattr__(self, "poles", MappingProxyType(poles))
         others = several(self.others, "others", "place", (int, float))
@@ -212,12 +212,12 @@ class Quadratures:
         for place, weight in self.poles.items():
             if place.has(self.x) or weight.has(self.x):
                 raise DefinitionError(
-                    f"the pole '{shown(place)}' or its weight holds the variable '{self.x}'; "
+                    f"the pole '{quote(place)}' or its weight holds the variable '{self.x}'; "
                     "write both with constants and parameters"
                 )
         for trace in self.traces:
             if not isinstance(trace, Trace):
-                raise DefinitionError(f"a trace is '{shown(trace)}'; write Trace(u, v, cosine)")
+                raise DefinitionError(f"a trace is '{quote(trace)}'; write Trace(u, v, cosine)")
             where = f"the cosine of '{plain_name(trace.colatitude)}'"
             _check_rational(trace.cosine, self.x, where)
         if self.plane is not None:
@@ -254,7 +254,7 @@ class Quadratures:
         return found
 
     @property
-    def given(self) -> frozenset[sp.Expr]:
+    def known_coordinates(self) -> frozenset[sp.Expr]:
         """The coordinates that have a value."""
         named = {q for t in self.traces for q in (t.colatitude, t.longitude)}
         turned = {*self.space.coordinates} if self.space is not None else set()
@@ -273,7 +273,7 @@ class Quadratures:
             yield f"the rate of '{plain_name(q)}'", e, "level"
         for place, weight in self.poles.items():
             yield "a pole", place, "level"
-            yield f"the weight of the pole '{shown(place)}'", weight, "level"
+            yield f"the weight of the pole '{quote(place)}'", weight, "level"
         for place in self.others:
             yield "a pole", place, "level"
         for trace in self.traces:
@@ -294,7 +294,7 @@ class Quadratures:
         """The name of every claim that this makes, of kind ``motion``."""
         found = [f"{symbol} is constant" for symbol in self.constants]
         found += [f"rate of {plain_name(q)}" for q in (self.x, *self.integrals)]
-        found += [f"pole {shown(place)}" for place in self.poles]
+        found += [f"pole {quote(place)}" for place in self.poles]
         found += [f"residues of {what}" for what in self.rates]
         found += [f"cosine of {plain_name(t.colatitude)}" for t in self.traces]
         found += [f"velocity {plain_name(v)}" for v in self.velocities]
@@ -305,7 +305,7 @@ class Quadratures:
             found += ["direction in the plane", "place in the plane"]
         return tuple(found)
 
-    def titled(self, drawing: Any) -> Quadratures:
+    def with_titles(self, drawing: Any) -> Quadratures:
         """The same with the titles that a system's ``drawing`` gives to the traces."""
         if not isinstance(drawing, Mapping):
             return self
@@ -321,14 +321,14 @@ def _pair(trace: Trace) -> tuple[str, str]:
 def _kind(thing: Any, kind: type, entry: str) -> None:
     if not isinstance(thing, kind):
         name = kind.__name__.lower()
-        raise DefinitionError(f"{name} is '{shown(thing)}'; write {entry}")
+        raise DefinitionError(f"{name} is '{quote(thing)}'; write {entry}")
 
 
 def _check_degree(value: sp.Expr, x: sp.Symbol, most: int, what: str) -> None:
     """A polynomial in the variable, of no higher degree as it is written."""
     if not value.is_polynomial(x) or _degree(value, x) > most:
         raise DefinitionError(
-            f"{what} is '{shown(value)}', which is no polynomial in '{x}' of degree {most} or less"
+            f"{what} is '{quote(value)}', which is no polynomial in '{x}' of degree {most} or less"
         )
 
 
@@ -347,4 +347,4 @@ def _degree(value: sp.Expr, x: sp.Symbol) -> int:
 
 def _check_rational(value: sp.Expr, x: sp.Symbol, what: str) -> None:
     if not value.is_rational_function(x):
-        raise DefinitionError(f"{what} is '{shown(value)}', which is not rational in '{x}'")
+        raise DefinitionError(f"{what} is '{quote(value)}', which is not rational in '{x}'")

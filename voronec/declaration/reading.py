@@ -13,22 +13,22 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import names_in, plain_name
-from voronec.algebra.text import NOT_REAL, exact_number, formula, in_doubles, sympified
-from voronec.errors import DefinitionError, shown
+from voronec.algebra.text import NOT_REAL, exact_number, formula, in_doubles, sympify
+from voronec.errors import DefinitionError, quote
 
 __all__ = [
     "doubles",
     "expression",
+    "fixed_mapping",
     "instants",
-    "mapping",
-    "quoted",
+    "quote",
+    "quote_number",
     "real_number",
     "real_text",
     "require_known",
     "several",
-    "shown",
     "texts_read",
-    "vanishing",
+    "vanishing_expression",
 ]
 
 DIGITS = 1000
@@ -40,7 +40,7 @@ def expression(thing: Any, place: str) -> sp.Expr:
 
     Numbers are accepted, and text as ``algebra.text.formula`` reads it.
     """
-    expr = _scalar(sympified(thing, place), thing, place)
+    expr = _scalar(sympify(thing, place), thing, place)
     try:
         in_doubles(expr)
     except OverflowError:
@@ -70,14 +70,14 @@ def _parts(expr: sp.Expr) -> set[Any]:
     return found
 
 
-def vanishing(thing: Any, place: str) -> sp.Expr:
+def vanishing_expression(thing: Any, place: str) -> sp.Expr:
     """An expression that vanishes; ``sympy.Eq(left, right)`` is read as left - right."""
-    read = sympified(thing, place)
+    read = sympify(thing, place)
     if isinstance(read, sp.Equality):
         return expression(read.lhs - read.rhs, place)
     if isinstance(read, (sp.Rel, sp.logic.boolalg.Boolean)) and not isinstance(read, sp.Symbol):
         raise DefinitionError(
-            f"{place} is '{shown(thing)}', not an expression that vanishes; "
+            f"{place} is '{quote(thing)}', not an expression that vanishes; "
             "write left - right, or sympy.Eq(left, right)"
         )
     return expression(read, place)
@@ -88,23 +88,23 @@ def real_number(value: Any, place: str) -> sp.Expr:
     if isinstance(value, str):
         return real_text(value, place)
     try:
-        number = sympified(value)
+        number = sympify(value)
         in_doubles(number)  # what overflows them could be too long to be computed
     except DefinitionError:
         number = None
     except OverflowError:
         raise DefinitionError(
-            f"{place} = {quoted(value)} is not a real number that a double holds"
+            f"{place} = {quote_number(value)} is not a real number that a double holds"
         ) from None
     fit = isinstance(number, sp.Expr) and number.is_number
     if not fit or number is sp.nan or number.is_real is False or number.is_finite is False:
-        raise DefinitionError(f"{place} = {shown(value)} is not a real number; give a finite one")
+        raise DefinitionError(f"{place} = {quote(value)} is not a real number; give a finite one")
     return number
 
 
-def quoted(value: Any) -> str:
+def quote_number(value: Any) -> str:
     """A number beyond doubles as a message quotes it: SymPy would evaluate it to print it."""
-    return "a formula" if isinstance(value, sp.Basic) and value.args else shown(value)
+    return "a formula" if isinstance(value, sp.Basic) and value.args else quote(value)
 
 
 def real_text(text: str, place: str) -> sp.Expr:
@@ -113,7 +113,7 @@ def real_text(text: str, place: str) -> sp.Expr:
         return exact_number(text, place)
     except DefinitionError as error:
         why = str(error).removeprefix(f"{place}: ")
-        raise DefinitionError(f"{place} = {shown(text)} is not a real number: {why}") from None
+        raise DefinitionError(f"{place} = {quote(text)} is not a real number: {why}") from None
 
 
 def doubles(things: Any, place: str) -> np.ndarray:
@@ -127,7 +127,7 @@ def doubles(things: Any, place: str) -> np.ndarray:
             return np.array(flat).reshape(given.shape)
     except (TypeError, ValueError, OverflowError, RuntimeError, AttributeError):
         pass
-    raise DefinitionError(f"{place} = {shown(things)} are no numbers; give some, as [0, 0.5, 1]")
+    raise DefinitionError(f"{place} = {quote(things)} are no numbers; give some, as [0, 0.5, 1]")
 
 
 def instants(things: Any, place: str, wide: bool = False) -> np.ndarray:
@@ -165,24 +165,24 @@ def several(
     if isinstance(things, Iterable) and not isinstance(things, (Mapping, set, frozenset)):
         with suppress(TypeError):  # an array of no dimension
             return tuple(things)
-    raise DefinitionError(f"{place} = {shown(things)} is not a tuple; write {place}=({entry}, ...)")
+    raise DefinitionError(f"{place} = {quote(things)} is not a tuple; write {place}=({entry}, ...)")
 
 
-def mapping(things: Any, place: str, entry: str) -> Mapping[Any, Any]:
+def fixed_mapping(things: Any, place: str, entry: str) -> Mapping[Any, Any]:
     """A mapping that nobody can change; ``entry`` shows in messages what one holds."""
     if not isinstance(things, Mapping):
         raise DefinitionError(
-            f"{place} = {shown(things)} is not a mapping; write {place}={{{entry}}} or leave it out"
+            f"{place} = {quote(things)} is not a mapping; write {place}={{{entry}}} or leave it out"
         )
     return MappingProxyType(dict(things))
 
 
-def _frozen(things: dict[Any, Any]) -> MappingProxyType[Any, Any]:
+def _freeze(things: dict[Any, Any]) -> MappingProxyType[Any, Any]:
     return MappingProxyType(things)
 
 
 # read-only mappings are what declarations and results are made of, and Python pickles none
-copyreg.pickle(MappingProxyType, lambda things: (_frozen, (dict(things),)))
+copyreg.pickle(MappingProxyType, lambda things: (_freeze, (dict(things),)))
 
 
 def texts_read(things: Mapping[Any, Any], role: str) -> Mapping[Any, Any]:
@@ -190,7 +190,7 @@ def texts_read(things: Mapping[Any, Any], role: str) -> Mapping[Any, Any]:
     if not any(isinstance(value, str) for value in things.values()):
         return things
     return {
-        key: formula(value, f"{role} '{shown(key)}'") if isinstance(value, str) else value
+        key: formula(value, f"{role} '{quote(key)}'") if isinstance(value, str) else value
         for key, value in things.items()
     }
 
@@ -205,7 +205,7 @@ def require_known(
         return
     first = unknown[0]
     if isinstance(first, sp.Derivative) and first.expr in known:
-        raise DefinitionError(f"{place} contains {_lost(first)}")
+        raise DefinitionError(f"{place} contains {_derivative_hint(first)}")
     hint = " (a different symbol of that name is declared: use one symbol object)"
     same = any(str(first) in (str(k), plain_name(k)) for k in known)
     raise DefinitionError(
@@ -214,7 +214,7 @@ def require_known(
     )
 
 
-def _lost(derivative: sp.Derivative) -> str:
+def _derivative_hint(derivative: sp.Derivative) -> str:
     """What a derivative of something known is called, and what to do about it."""
     if isinstance(derivative.expr, sp.Symbol):
         return (
@@ -231,5 +231,5 @@ def _scalar(read: Any, thing: Any, place: str) -> sp.Expr:
     if isinstance(read, sp.Expr) and not isinstance(read, (sp.MatrixBase, sp.MatrixExpr)):
         return read
     raise DefinitionError(
-        f"{place} is '{shown(thing)}' of kind {type(thing).__name__}; write one sympy expression"
+        f"{place} is '{quote(thing)}' of kind {type(thing).__name__}; write one sympy expression"
     )

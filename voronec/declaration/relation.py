@@ -18,7 +18,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.arguments import TEXT, require
-from voronec.declaration.reading import expression, mapping, several, shown
+from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError
 
 __all__ = ["Limit", "Relation", "Square"]
@@ -37,11 +37,11 @@ class Limit:
     order: int = 1
 
     def __post_init__(self) -> None:
-        values = mapping(self.parameters, "parameters of a limit", "parameter: expression")
+        values = fixed_mapping(self.parameters, "parameters of a limit", "parameter: expression")
         object.__setattr__(self, "parameters", values)
         if not isinstance(self.order, int) or self.order < 1:
             raise DefinitionError(
-                f"the order of a limit is {shown(self.order)}; give an integer from 1 upward"
+                f"the order of a limit is {quote(self.order)}; give an integer from 1 upward"
             )
 
 
@@ -84,9 +84,9 @@ class Relation:
         for part, entry in (("state", "variable: expression"), ("parameters", "parameter: value")):
             given = getattr(self, part)
             if given is not None:
-                values = mapping(given, f"{place}: {part}", entry)
-                read = {k: expression(v, f"{place}: '{shown(k)}'") for k, v in values.items()}
-                object.__setattr__(self, part, mapping(read, part, entry))
+                values = fixed_mapping(given, f"{place}: {part}", entry)
+                read = {k: expression(v, f"{place}: '{quote(k)}'") for k, v in values.items()}
+                object.__setattr__(self, part, fixed_mapping(read, part, entry))
 
     @classmethod
     def of(
@@ -97,7 +97,7 @@ class Relation:
         ``changed`` gives parameters of the target; a parameter of the system that occurs in one of
         these, or that moves in the ``limit``, does not go over by its own name.
         """
-        given = {shown(name): value for name, value in (changed or {}).items()}
+        given = {quote(name): value for name, value in (changed or {}).items()}
         values = [expression(v, f"a parameter of '{target}'") for v in given.values()]
         used = set().union(*(value.free_symbols for value in values))
         limit = more.get("limit")

@@ -10,8 +10,15 @@ import sympy as sp
 
 from voronec.algebra.arguments import FLAG, TEXT, require
 from voronec.algebra.symbols import is_symbolic_name, plain_name
-from voronec.algebra.text import sympified
-from voronec.declaration.reading import mapping, real_number, real_text, several, shown, texts_read
+from voronec.algebra.text import sympify
+from voronec.declaration.reading import (
+    fixed_mapping,
+    quote,
+    real_number,
+    real_text,
+    several,
+    texts_read,
+)
 from voronec.errors import DefinitionError
 
 __all__ = ["Parameter", "Scene"]
@@ -37,7 +44,7 @@ class Parameter:
     def __post_init__(self) -> None:
         if not is_symbolic_name(self.symbol):
             raise DefinitionError(
-                f"parameter '{shown(self.symbol)}' is not a symbol; use sympy.Symbol"
+                f"parameter '{quote(self.symbol)}' is not a symbol; use sympy.Symbol"
             )
         if self.symbol.is_real is False:
             raise DefinitionError(f"parameter '{self.name}' is not real for SymPy; use a real one")
@@ -68,7 +75,7 @@ class Parameter:
         if len(named) != len(given):
             raise DefinitionError(
                 f"{len(given)} values are given for {len(named)} parameters, beginning with "
-                f"'{shown(named[:1])}'; give one for each"
+                f"'{quote(named[:1])}'; give one for each"
             )
         return tuple(cls(s, value, **said) for s, value in zip(named, given, strict=True))
 
@@ -89,8 +96,8 @@ class Parameter:
         What SymPy knows of the symbol itself is not among them.
         """
         found = [self.symbol > 0] if self.positive else []
-        found += [] if self.lower is None else [self.symbol >= sympified(self.lower)]
-        found += [] if self.upper is None else [self.symbol <= sympified(self.upper)]
+        found += [] if self.lower is None else [self.symbol >= sympify(self.lower)]
+        found += [] if self.upper is None else [self.symbol <= sympify(self.upper)]
         return tuple(c for c in found if c != sp.true)
 
     def check(self, value: Any) -> None:
@@ -98,9 +105,9 @@ class Parameter:
         number = real_number(value, f"parameter '{self.name}'")
         if self.is_positive and not number > 0:
             raise DefinitionError(f"parameter '{self.name}' = {value} must be positive")
-        if self.lower is not None and number < sympified(self.lower):
+        if self.lower is not None and number < sympify(self.lower):
             raise DefinitionError(f"parameter '{self.name}' = {value} is below {self.lower}")
-        if self.upper is not None and number > sympified(self.upper):
+        if self.upper is not None and number > sympify(self.upper):
             raise DefinitionError(f"parameter '{self.name}' = {value} is above {self.upper}")
 
 
@@ -128,9 +135,9 @@ class Scene:
     inputs: Mapping[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        mapping(self.inputs, "inputs", "input: value")
-        initial = mapping(self.initial, "initial", "coordinate or velocity: value")
-        constants = mapping(self.parameters, "parameters", "parameter: value")
+        fixed_mapping(self.inputs, "inputs", "input: value")
+        initial = fixed_mapping(self.initial, "initial", "coordinate or velocity: value")
+        constants = fixed_mapping(self.parameters, "parameters", "parameter: value")
         if texts_read(initial, "initial value") is not initial:
             object.__setattr__(self, "initial", texts_read(initial, "initial value"))
         if texts_read(constants, "parameter") is not constants:
@@ -144,11 +151,11 @@ def _span(times: Any) -> tuple[Any, Any]:
     """Start and end of a motion, two finite numbers."""
     if isinstance(times, str) or not isinstance(times, Iterable) or len(span := [*times]) != 2:
         raise DefinitionError(
-            f"times = {shown(times)} is no pair of numbers; write times=(start, end)"
+            f"times = {quote(times)} is no pair of numbers; write times=(start, end)"
         )
     start, end = (real_text(x, "times") if isinstance(x, str) else x for x in span)
     for end_of_span in (start, end):
         real_number(end_of_span, "times")
     if start == end:
-        raise DefinitionError(f"times = {shown(times)}: start and end are the same")
+        raise DefinitionError(f"times = {quote(times)}: start and end are the same")
     return start, end

@@ -8,9 +8,9 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.declaration.reading import several
-from voronec.errors import DefinitionError, shown
+from voronec.errors import DefinitionError, quote
 
 __all__ = ["MESH", "Patch", "Shape"]
 
@@ -58,14 +58,14 @@ class Shape:
     title: str = ""
 
     def __post_init__(self) -> None:
-        place = f"the shape '{shown(self.title)}'" if self.title else "a shape"
+        place = f"the shape '{quote(self.title)}'" if self.title else "a shape"
         if self.role not in ROLES:
             raise DefinitionError(
-                f"{place} has the role '{shown(self.role)}'; give one of {', '.join(ROLES)}"
+                f"{place} has the role '{quote(self.role)}'; give one of {', '.join(ROLES)}"
             )
         turned = self.attitude
         if not isinstance(turned, sp.MatrixBase | list | tuple):
-            turned = _about_vertical(sympified(turned or 0, f"the attitude of {place}"))
+            turned = _about_vertical(sympify(turned or 0, f"the attitude of {place}"))
         turned = sp.ImmutableMatrix(turned)
         if turned.shape != (3, 3):
             raise DefinitionError(f"{place} has an attitude {turned.shape}; give a 3 x 3 matrix")
@@ -114,7 +114,7 @@ class Shape:
         turned forwards by another."""
         along, down = (sp.cos(turned), -sp.sin(turned)), (-sp.sin(turned), -sp.cos(turned))
         upright = sp.Matrix([[along[0], down[0], 0], [0, 0, 1], [along[1], down[1], 0]])
-        attitude = _about_vertical(sympified(heading)) * upright
+        attitude = _about_vertical(sympify(heading)) * upright
         return cls.disc(radius, width, **{"attitude": attitude, **placed})
 
     @classmethod
@@ -125,7 +125,7 @@ class Shape:
         for k in range(3):
             for side in UNIT:
                 unit = [a, b]
-                unit.insert(k, sympified(side))
+                unit.insert(k, sympify(side))
                 parts = tuple(h * u for h, u in zip(halves, unit, strict=True))
                 faces.append(Patch(parts, (UNIT, UNIT)))
         return cls(tuple(faces), **placed)
@@ -162,4 +162,4 @@ def _three(values: Any, what: str) -> tuple[sp.Expr, ...]:
     parts = several(values, what, "expression")
     if len(parts) != 3:
         raise DefinitionError(f"{what} has {len(parts)} components; give three")
-    return tuple(sympified(part, what) for part in parts)
+    return tuple(sympify(part, what) for part in parts)

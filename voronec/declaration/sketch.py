@@ -240,7 +240,7 @@ def _arc(centre: Point, radius: float, start: float, end: float) -> list[Point]:
     return [polar(centre, radius, start + (end - start) * i / count) for i in range(count + 1)]
 
 
-def _headed(axes: Any, points: Sequence[Point]) -> None:
+def _draw_head(axes: Any, points: Sequence[Point]) -> None:
     """A curve with a head at its end."""
     axes.plot(*zip(*points, strict=True), color=MARK, lw=0.9)
     looks = {"arrowstyle": "-|>", "color": MARK, "lw": 0.9, "shrinkA": 0, "shrinkB": 0}
@@ -250,7 +250,7 @@ def _headed(axes: Any, points: Sequence[Point]) -> None:
 def _angle(axes: Any, stroke: Stroke) -> None:
     radius, start, end = stroke.numbers
     at = stroke.points[0]
-    _headed(axes, _arc(at, radius, start, end))
+    _draw_head(axes, _arc(at, radius, start, end))
     middle = (start + end) / 2
     _label(axes, polar(at, radius, middle), stroke.label, MARK, middle)
 
@@ -264,7 +264,7 @@ def _turn(axes: Any, stroke: Stroke) -> None:
         across = polar((0, 0), radius, -225 + 270 * i / 40)
         ahead, aside = polar((0, 0), 0.35 * across[1], axis), polar((0, 0), across[0], axis - 90)
         points.append((at[0] + ahead[0] + aside[0], at[1] + ahead[1] + aside[1]))
-    _headed(axes, points)
+    _draw_head(axes, points)
     _label(axes, polar(at, radius, axis - 90), stroke.label, MARK, axis - 90)
 
 

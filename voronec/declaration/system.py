@@ -19,7 +19,7 @@ from voronec.algebra.symbols import (
     time,
     velocity,
 )
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.algebra.typeset import html_table, latex_of
 from voronec.declaration.bodies import Body
 from voronec.declaration.charts import Chart
@@ -42,11 +42,11 @@ from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.reading import (
     expression,
-    mapping,
+    fixed_mapping,
+    quote,
     require_known,
     several,
-    shown,
-    vanishing,
+    vanishing_expression,
 )
 from voronec.declaration.scene import Parameter, Scene
 from voronec.declaration.shapes import MESH, Shape
@@ -175,7 +175,7 @@ class System:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
             raise DefinitionError(
-                f"the name of a system is {shown(self.name)!r}, not a text; write name='my-system'"
+                f"the name of a system is {quote(self.name)!r}, not a text; write name='my-system'"
             )
         self._check_kinds()
         try:
@@ -200,21 +200,21 @@ class System:
         for name in self.invariants if isinstance(self.invariants, Mapping) else ():
             if not isinstance(name, str):
                 raise DefinitionError(
-                    f"system '{self.name}': the invariant '{shown(name)}' is no name; give a text"
+                    f"system '{self.name}': the invariant '{quote(name)}' is no name; give a text"
                 )
         if not isinstance(self.fibration, Fibration):
             raise DefinitionError(
-                f"system '{self.name}': the fibration is '{shown(self.fibration)}'; "
+                f"system '{self.name}': the fibration is '{quote(self.fibration)}'; "
                 "write Fibration(base=(...), fibre=(...))"
             )
         if self.sketch is not None and not isinstance(self.sketch, Sketch):
             raise DefinitionError(
-                f"system '{self.name}': the sketch is '{shown(self.sketch)}'; "
+                f"system '{self.name}': the sketch is '{quote(self.sketch)}'; "
                 "write Sketch('seen from above').axes('x', 'y')..."
             )
         if self.frame is not None and not isinstance(self.frame, Frame):
             raise DefinitionError(
-                f"system '{self.name}': the frame is '{shown(self.frame)}'; "
+                f"system '{self.name}': the frame is '{quote(self.frame)}'; "
                 "write Frame.quasi({velocity: expression})"
             )
 
@@ -226,7 +226,9 @@ class System:
 
         store("lagrangian", expression(self.lagrangian, "the Lagrangian"))
         given = enumerate(several(self.constraints, "constraints", "expression"))
-        store("constraints", tuple(vanishing(c, f"constraint {i + 1}") for i, c in given))
+        store(
+            "constraints", tuple(vanishing_expression(c, f"constraint {i + 1}") for i, c in given)
+        )
         self._take_loops(store)
         parameters = several(self.parameters, "parameters", "Parameter(symbol, value)", Parameter)
         store(
@@ -236,18 +238,18 @@ class System:
             ("forces", "the force on", "coordinate: force"),
             ("invariants", "invariant", "'name': expression"),
         ):
-            values = mapping(getattr(self, name), name, entry)
-            quoted = {k: plain_name(k) if is_symbolic_name(k) else shown(k) for k in values}
+            values = fixed_mapping(getattr(self, name), name, entry)
+            quoted = {k: plain_name(k) if is_symbolic_name(k) else quote(k) for k in values}
             read = {k: expression(v, f"{one} '{quoted[k]}'") for k, v in values.items()}
-            store(name, mapping(read, name, entry))
+            store(name, fixed_mapping(read, name, entry))
         if not self.on_group:
             forces = along_coordinates(self.forces, self.coordinates, self.frame)
-            store("forces", mapping(forces, "forces", "coordinate: force"))
+            store("forces", fixed_mapping(forces, "forces", "coordinate: force"))
         for name, value in read_claims(self).items():
             store(name, value)
         entry = "'in words': condition"
-        store("possible", mapping(self.possible, "possible", entry))
-        store("undecided", mapping(self.undecided, "undecided", "'claim': 'reason'"))
+        store("possible", fixed_mapping(self.possible, "possible", entry))
+        store("undecided", fixed_mapping(self.undecided, "undecided", "'claim': 'reason'"))
         store("references", several(self.references, "references", "'Key'"))
         for name, kind, entry in (
             ("charts", Chart, "Chart(state={...}, singular=...)"),
@@ -258,14 +260,14 @@ class System:
         if self.motion is not None:
             if not isinstance(self.motion, Quadratures):
                 raise DefinitionError(
-                    f"motion is '{shown(self.motion)}'; write Quadratures(variable={{...}}, ...)"
+                    f"motion is '{quote(self.motion)}'; write Quadratures(variable={{...}}, ...)"
                 )
-            store("motion", self.motion.titled(self.drawing))
+            store("motion", self.motion.with_titles(self.drawing))
         shapes = several(self.shapes, "shapes", "Shape.ball(radius, centre=(x, y, z))", Shape)
         for shape in shapes:
             if not isinstance(shape, Shape):
                 raise DefinitionError(
-                    f"shapes holds '{shown(shape)}'; write Shape.ball(radius, centre=(x, y, z))"
+                    f"shapes holds '{quote(shape)}'; write Shape.ball(radius, centre=(x, y, z))"
                 )
         store("shapes", tuple(shapes))
         bodies = several(self.bodies, "bodies", "Body(mass, velocity, inertia, omega)", Body)
@@ -276,9 +278,9 @@ class System:
                 )
         store("bodies", tuple(bodies))
         store("inputs", self._all_inputs())
-        meanings = mapping(self.meanings, "meanings", "coordinate: 'in words'")
+        meanings = fixed_mapping(self.meanings, "meanings", "coordinate: 'in words'")
         named = {k if isinstance(k, str) else plain_name(k): v for k, v in meanings.items()}
-        store("meanings", mapping(named, "meanings", "coordinate: 'in words'"))
+        store("meanings", fixed_mapping(named, "meanings", "coordinate: 'in words'"))
 
     def _take_loops(self, store: Callable[[str, Any], None]) -> None:
         """Constraints that hold coordinates and no velocity, as those of a closed loop, become
@@ -300,10 +302,10 @@ class System:
         declared = several(self.inputs, "inputs", "symbol")
         for thing in declared:
             if not is_symbolic_name(thing):
-                raise DefinitionError(f"the input '{shown(thing)}' is not a symbol, nor u(t)")
+                raise DefinitionError(f"the input '{quote(thing)}' is not a symbol, nor u(t)")
             if thing.is_nonnegative or thing.is_nonpositive:
                 raise DefinitionError(
-                    f"the input '{shown(thing)}' is a symbol of one sign, by which SymPy shortens "
+                    f"the input '{quote(thing)}' is a symbol of one sign, by which SymPy shortens "
                     "what holds it; an input may take any value: give a symbol without assumptions"
                 )
         functions = [p.symbol for p in self.parameters if not isinstance(p.symbol, sp.Symbol)]
@@ -330,15 +332,15 @@ class System:
             shown = (latex_of(e, self.coordinates, self.velocities) for e in exprs)
             return ", ".join(f"${e}$" for e in shown)
 
-        def named(things: Iterable[Any]) -> list[tuple[str, str]]:
+        def name_pairs(things: Iterable[Any]) -> list[tuple[str, str]]:
             said = [(typeset([x]), self.meanings.get(plain_name(x), "")) for x in things]
             return [(symbol, words) for symbol, words in said if words]
 
         rows = [
             ("coordinates", typeset(self.coordinates)),
-            *named(self.coordinates),
+            *name_pairs(self.coordinates),
             ("velocities", typeset(self.velocities)),
-            *named(self.velocities),
+            *name_pairs(self.velocities),
             ("Lagrangian", typeset([self.lagrangian])),
             ("constraints, which vanish", typeset(self.constraints)),
         ]
@@ -421,11 +423,11 @@ class System:
 
 def _all_of(things: Any, place: str, kind: type, entry: str) -> Mapping[str, Any]:
     """A mapping of names to values of one kind."""
-    values = mapping(things, place, f"'name': {entry}")
+    values = fixed_mapping(things, place, f"'name': {entry}")
     for name, value in values.items():
         if not isinstance(value, kind):
             raise DefinitionError(
-                f"{place.removesuffix('s')} '{name}' is '{shown(value)}'; write {entry}"
+                f"{place.removesuffix('s')} '{name}' is '{quote(value)}'; write {entry}"
             )
     return values
 
@@ -435,8 +437,8 @@ def require_system(thing: Any) -> System:
     if isinstance(thing, System):
         return thing
     text = isinstance(thing, str)
-    mend = f"voronec.load('{shown(thing)}') may give it" if text else "give a System"
-    raise DefinitionError(f"'{shown(thing)}' is not a voronec.System; {mend}")
+    mend = f"voronec.load('{quote(thing)}') may give it" if text else "give a System"
+    raise DefinitionError(f"'{quote(thing)}' is not a voronec.System; {mend}")
 
 
 def system_in(system: System, name: str) -> System:
@@ -467,7 +469,7 @@ def check_possible(system: System) -> None:
         stray = getattr(condition, "free_symbols", symbols) - symbols
         if not isinstance(condition, Boolean) or condition.is_Symbol or stray:
             raise DefinitionError(
-                f"system '{system.name}': the condition '{words}' is '{shown(condition)}', which "
+                f"system '{system.name}': the condition '{words}' is '{quote(condition)}', which "
                 "is no relation of the system's parameters; write one such as 2*A > m*R**2"
             )
 
@@ -476,7 +478,7 @@ def require_possible(system: System, given: Mapping[str, Any]) -> None:
     """Refuse parameters, by name, that no body can have, decided with the exact values."""
     values = {p.symbol: given.get(p.name, p.value) for p in system.parameters}
     exact = {s: sp.Rational(x) if isinstance(x, float) else x for s, x in values.items()}
-    known = {s: sympified(x) for s, x in exact.items() if x is not None}
+    known = {s: sympify(x) for s, x in exact.items() if x is not None}
     for words, condition in system.possible.items():
         if condition.xreplace(known) is sp.false:
             involved = [p.symbol for p in system.parameters if condition.has(p.symbol)]
@@ -498,7 +500,7 @@ def check_forces(system: System) -> None:
                     for v in dict.fromkeys((*system.velocities, *map(velocity, system.coordinates)))
                 )
             raise DefinitionError(
-                f"system '{system.name}': a force is given for '{shown(direction)}', which is "
+                f"system '{system.name}': a force is given for '{quote(direction)}', which is "
                 f"{one}; {all_of} are {listed}"
             )
 
@@ -521,13 +523,13 @@ def check_names(system: System) -> None:
         for words in getattr(system, title):
             if not isinstance(words, str) or not words.strip() or not words.isprintable():
                 raise DefinitionError(
-                    f"system '{shown(system.name)}': '{shown(words)}' among its {title} is no "
+                    f"system '{quote(system.name)}': '{quote(words)}' among its {title} is no "
                     "name; give words of printable letters"
                 )
     for title in ("title", "description"):
         if not isinstance(getattr(system, title), str):
             raise DefinitionError(
-                f"system '{system.name}': {title} = {shown(getattr(system, title))} is no text"
+                f"system '{system.name}': {title} = {quote(getattr(system, title))} is no text"
             )
 
 
@@ -535,7 +537,7 @@ def _require_name(system: System, name: str, role: str) -> None:
     """Names are quoted in tables, file names and source: they are words."""
     if not name.strip() or not name.isprintable() or len(name) > LONGEST_NAME:
         raise DefinitionError(
-            f"system '{shown(system.name)}': the name '{shown(name)}' ({role}) is no word; give "
+            f"system '{quote(system.name)}': the name '{quote(name)}' ({role}) is no word; give "
             f"one of printable letters, {LONGEST_NAME} at most"
         )
 
@@ -545,7 +547,7 @@ def check_symbols(system: System) -> None:
     declared = set(system.known_symbols())
     places = [(place, expr, declared) for place, expr in _places(system)]
     claimed = declared | set(system.invariant_symbols)
-    claimed |= set(system.frame.named if system.frame is not None else ())
+    claimed |= set(system.frame.claim_names if system.frame is not None else ())
     inputs, pushed = set(system.inputs), declared | set(system.accelerations)
     places += [(p, e, pushed) for p, e in _forces(system)]
     for place, expr, known in (*places, *((p, e, claimed) for p, e in _claims(system))):
@@ -558,7 +560,7 @@ def check_claims(system: System) -> None:
     for label, holder in _holders(system):
         if not isinstance(holder.integrable, str) or holder.integrable not in ("", *THEOREMS):
             raise DefinitionError(
-                f"{place}: {label}integrable is '{shown(holder.integrable)}'; "
+                f"{place}: {label}integrable is '{quote(holder.integrable)}'; "
                 f"known theorems: {', '.join(THEOREMS)}"
             )
         for measure in _both(holder.measure):
@@ -567,7 +569,7 @@ def check_claims(system: System) -> None:
     for variable in system.essential:
         if variable not in known:
             raise DefinitionError(
-                f"{place}: essential holds '{shown(variable)}', which is no coordinate, velocity "
+                f"{place}: essential holds '{quote(variable)}', which is no coordinate, velocity "
                 "of the equations or invariant"
             )
     names = {p.name for p in system.parameters}
@@ -582,7 +584,7 @@ def check_claims(system: System) -> None:
     for name in system.undecided:
         if name not in claimed:
             raise DefinitionError(
-                f"{place}: undecided holds '{shown(name)}', which is no claim; "
+                f"{place}: undecided holds '{quote(name)}', which is no claim; "
                 f"claims are {', '.join(sorted(claimed)) or 'none'}"
             )
 
@@ -664,7 +666,7 @@ def check_relations(system: System) -> None:
         dots |= set(system.frame.ambient)
     for i, relation in enumerate(system.fibration.relations):
         names = names_in(relation)
-        place = f"system '{system.name}': relation {i + 1} ({shown(relation)} = 0)"
+        place = f"system '{system.name}': relation {i + 1} ({quote(relation)} = 0)"
         moving = sorted(map(plain_name, names & dots))
         if moving:
             raise DefinitionError(
@@ -708,7 +710,7 @@ def _check_group(system: System, frame: Frame) -> None:
     for q in frame.rates:
         if q not in system.coordinates:
             raise DefinitionError(
-                f"{place}: the frame gives a rate for '{shown(q)}', which is not a coordinate; "
+                f"{place}: the frame gives a rate for '{quote(q)}', which is not a coordinate; "
                 "add it to Fibration(base=(...))"
             )
     constant = {p.symbol for p in system.parameters if isinstance(p.symbol, sp.Symbol)}
@@ -731,7 +733,7 @@ def _roles(system: System) -> Iterator[tuple[sp.Expr, str]]:
         yield velocity(q), "the velocity of a coordinate"
     for v in system.frame.ambient if system.frame is not None else ():
         yield v, "a quasi-velocity"
-    for name in system.frame.named if system.frame is not None else ():
+    for name in system.frame.claim_names if system.frame is not None else ():
         yield name, "a name in the frame"
     for p in system.parameters:
         yield p.symbol, "a parameter"
@@ -779,7 +781,7 @@ def check_meanings(system: System) -> None:
     for name, words in system.meanings.items():
         if not isinstance(words, str) or not words.strip() or not words.isprintable():
             raise DefinitionError(
-                f"system '{system.name}': the meaning of '{shown(name)}' is '{shown(words)}'; give "
+                f"system '{system.name}': the meaning of '{quote(name)}' is '{quote(words)}'; give "
                 "words of printable letters"
             )
 
@@ -793,7 +795,7 @@ def check_motion(system: System) -> None:
     _check_symbols(system, system.motion, place)
     _check_subjects(system, system.motion, place)
     for q in system.coordinates:
-        if q not in system.motion.given:
+        if q not in system.motion.known_coordinates:
             raise DefinitionError(f"{place} gives no value to the coordinate '{plain_name(q)}'")
     for w in system.velocities:
         dotted = w in {velocity(q) for q in system.coordinates}

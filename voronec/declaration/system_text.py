@@ -31,7 +31,7 @@ from voronec.declaration.scene import Parameter, Scene
 from voronec.declaration.system import System
 from voronec.declaration.table_file import KINDS, read_table
 from voronec.declaration.text_file import Item, read_toml
-from voronec.errors import DefinitionError, did_you_mean, shown
+from voronec.errors import DefinitionError, did_you_mean, quote
 
 __all__ = ["read_system"]
 
@@ -82,17 +82,19 @@ class _Text:
         self._each("definitions", self._definition)
         if velocities:
             quasi = {self.names[v]: self._formula(item) for v, item in velocities.items()}
-            declared["frame"] = self._made(top["velocities"], Frame.quasi, quasi)
+            declared["frame"] = self._make(top["velocities"], Frame.quasi, quasi)
         declared["lagrangian"] = self._formula(top["lagrangian"])
         if "relations" in top:
             fibration = declared["fibration"]
-            relations = tuple(map(self._vanishing, top["relations"].several()))
+            relations = tuple(map(self._vanishing_expression, top["relations"].several()))
             declared["fibration"] = Fibration(fibration.base, fibration.fibre, relations)
         if "constraints" in top:
-            declared["constraints"] = tuple(map(self._vanishing, top["constraints"].several()))
+            declared["constraints"] = tuple(
+                map(self._vanishing_expression, top["constraints"].several())
+            )
         declared["forces"] = self._forces()
         declared["possible"] = self._each("possible", self._condition)
-        declared["invariants"] = self._each("invariants", self._valued)
+        declared["invariants"] = self._each("invariants", self._read_value)
         self.names |= {name: sp.Symbol(name) for name in declared["invariants"]}
         declared |= self._claims(top)
         if "essential" in top:
@@ -121,7 +123,7 @@ class _Text:
         name = str(item.keys[-1])
         if not NAME.fullmatch(name) or name in (*FUNCTION_NAMES, "pi"):
             item.wrong_key(
-                f"'{shown(name)}' cannot be {role}; expected a name of letters, digits and "
+                f"'{quote(name)}' cannot be {role}; expected a name of letters, digits and "
                 "underscores, a letter first, that means nothing else, such as phi or x1"
             )
         if name in self.taken:
@@ -146,12 +148,12 @@ class _Text:
         chosen = [self._among(item, given, "coordinate") for item in fibre]
         base = tuple(self.names[name] for name in given if name not in chosen)
         where = self.top.get("fibre", self.root)
-        return self._made(where, Fibration, base, tuple(self.names[name] for name in chosen))
+        return self._make(where, Fibration, base, tuple(self.names[name] for name in chosen))
 
     def _among(self, item: Item, known: Iterable[str], kind: str) -> str:
         name = item.text()
         if name not in known:
-            item.wrong(f"'{shown(name)}' is no {kind}{did_you_mean(name, known)}")
+            item.wrong(f"'{quote(name)}' is no {kind}{did_you_mean(name, known)}")
         return name
 
     def _mean(self, name: str, item: Item) -> None:
@@ -173,10 +175,10 @@ class _Text:
             self.top["velocities"].table() if "velocities" in self.top else {}
         ).items():
             self._new(item, "a velocity")
-            found[name] = self._said(item)
+            found[name] = self._formula_item(item)
         return found
 
-    def _said(self, item: Item) -> Item:
+    def _formula_item(self, item: Item) -> Item:
         """The formula of an entry: all of it, or what it ``is`` beside what it means."""
         if not isinstance(item.value, dict):
             return item
@@ -206,17 +208,17 @@ class _Text:
         try:
             read = formula(text, item.title, names)
         except DefinitionError as error:
-            item.refused(error, start)
+            item.refuse(error, start)
         used = {m[0]: m.start() for m in reversed([*NAME.finditer(text)])}
         for name in sorted({str(s) for s in read.free_symbols} & used.keys() - names.keys()):
             item.wrong(
-                f"'{shown(name)}' is neither coordinate, velocity, parameter nor definition"
+                f"'{quote(name)}' is neither coordinate, velocity, parameter nor definition"
                 f"{did_you_mean(name, names)}",
                 start + used[name],
             )
         return read
 
-    def _vanishing(self, item: Item) -> Any:
+    def _vanishing_expression(self, item: Item) -> Any:
         """An expression that vanishes: ``a = b`` stands for a - b."""
         text = item.scalar()
         left, equals, right = text.partition("=")
@@ -237,31 +239,31 @@ class _Text:
         )
         return BETWEEN[found[0]](*sides)
 
-    def _valued(self, item: Item) -> Any:
-        return self._formula(self._said(item))
+    def _read_value(self, item: Item) -> Any:
+        return self._formula(self._formula_item(item))
 
     def _one(self, item: Item) -> Any:
         return self.names[self._among(item, self.names, "name of this file")]
 
-    def _made(self, item: Item, make: Callable[..., Any], *parts: Any, **named: Any) -> Any:
+    def _make(self, item: Item, make: Callable[..., Any], *parts: Any, **named: Any) -> Any:
         """A part of the system; an error of it stands where the item does."""
         try:
             return make(*parts, **named)
         except DefinitionError as error:
-            item.refused(error)
+            item.refuse(error)
 
     # -- tables --------------------------------------------------------------------------------
 
     def _parameter(self, item: Item) -> Parameter:
         symbol = self._new(item, "a parameter")
         if not isinstance(item.value, dict):
-            return self._made(item, Parameter, symbol, item.scalar())
+            return self._make(item, Parameter, symbol, item.scalar())
         inner = item.table(("value", "positive", "lower", "upper", "meaning"))
         said: dict[str, Any]
         said = {key: inner[key].scalar() for key in ("value", "lower", "upper") if key in inner}
         said |= {"positive": inner["positive"].flag()} if "positive" in inner else {}
         said |= {"meaning": inner["meaning"].text()} if "meaning" in inner else {}
-        return self._made(item, Parameter, symbol, **said)
+        return self._make(item, Parameter, symbol, **said)
 
     def _forces(self) -> dict[Any, Any]:
         """Forces may be linear in accelerations, ``xdotdot`` or, of a velocity v, ``vdot``."""
@@ -276,7 +278,7 @@ class _Text:
             if name not in coordinates:
                 near = did_you_mean(name, coordinates)
                 item.wrong_key(
-                    f"a force acts along a coordinate, and '{shown(name)}' is none{near}"
+                    f"a force acts along a coordinate, and '{quote(name)}' is none{near}"
                 )
             found[self.names[name]] = self._formula(item, moving)
         return found
@@ -286,7 +288,7 @@ class _Text:
         found: dict[str, Any] = {}
         if "integrals" in table:
             entries = table["integrals"].table()
-            found["integrals"] = {name: self._valued(item) for name, item in entries.items()}
+            found["integrals"] = {name: self._read_value(item) for name, item in entries.items()}
         if "equations" in table:
             entries = table["equations"].table()
             found["equations"] = {name: self._equation(item) for name, item in entries.items()}
@@ -304,7 +306,7 @@ class _Text:
             if part not in inner:
                 item.wrong(f'\'{part}\' is missing; expected {{ function = "v", rate = "a*w^2" }}')
         read = [tuple(map(self._formula, inner[p].several())) for p in ("function", "rate")]
-        return self._made(item, Equation, *read)
+        return self._make(item, Equation, *read)
 
     def _measure(self, item: Item) -> Any:
         if not isinstance(item.value, dict):
@@ -314,7 +316,7 @@ class _Text:
             item.wrong('\'density\' is missing; expected { density = "1/w", variables = ["v"] }')
         variables = inner["variables"].several() if "variables" in inner else []
         density = self._formula(inner["density"])
-        return self._made(item, Measure, density, tuple(map(self._one, variables)))
+        return self._make(item, Measure, density, tuple(map(self._one, variables)))
 
     def _case(self, item: Item) -> Case:
         inner = item.table(("parameters", "note", *CLAIMS))
@@ -328,14 +330,14 @@ class _Text:
         meanings = dict(self.meanings)
         claims = self._claims(inner)
         self.meanings = meanings  # those of a case are told nowhere
-        return self._made(item, Case, values, note=note, **claims)
+        return self._make(item, Case, values, note=note, **claims)
 
     def _known(self, item: Item, *roles: str) -> Any:
         """The symbol that a key names, which is one of some roles."""
         name = str(item.keys[-1])
         among = [n for n, role in self.taken.items() if role.startswith(roles)]
         if name not in among:
-            item.wrong_key(f"'{shown(name)}' is not {roles[0]}{did_you_mean(name, among)}")
+            item.wrong_key(f"'{quote(name)}' is not {roles[0]}{did_you_mean(name, among)}")
         return self.names[name]
 
     def _scene(self, item: Item) -> Scene:
@@ -357,7 +359,7 @@ class _Text:
         if "caption" in inner:
             said["caption"] = inner["caption"].text()
         where = inner.get("times", item)
-        return self._made(where, Scene, **said)
+        return self._make(where, Scene, **said)
 
     def _input_value(self, item: Item) -> Any:
         """A formula; or a table, as its times, its values and how it goes on between them."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from voronec.algebra.text import NotAFormula
-from voronec.errors import DefinitionError, did_you_mean, file_errors, shown
+from voronec.errors import DefinitionError, did_you_mean, file_errors, quote
 
 __all__ = ["Item", "read_toml"]
 
@@ -102,12 +102,14 @@ class Item:
     def table(self, known: tuple[str, ...] = ()) -> dict[str, Item]:
         """The entries of a table by their keys; ``known`` are those that it may have."""
         if not isinstance(self.value, dict):
-            self.wrong(f"{self._said()}; expected a table, such as [{self.title}] or {{ a = 1 }}")
+            self.wrong(
+                f"{self._location()}; expected a table, such as [{self.title}] or {{ a = 1 }}"
+            )
         found = {k: Item(v, (*self.keys, k), self.source) for k, v in self.value.items()}
         for key, item in found.items() if known else ():
             if key not in known:
                 item.wrong_key(
-                    f"'{shown(key)}' means nothing "
+                    f"'{quote(key)}' means nothing "
                     f"{f'in {self.title}' if self.keys else 'here'}{did_you_mean(key, known)}"
                 )
         return found
@@ -121,34 +123,36 @@ class Item:
     def text(self) -> str:
         """Words."""
         if not isinstance(self.value, str) or isinstance(self.value, Decimal):
-            self.wrong(f'{self._said()}; expected words in quotes, such as "mass"')
+            self.wrong(f'{self._location()}; expected words in quotes, such as "mass"')
         return self.value
 
     def flag(self) -> bool:
         """``true`` or ``false``."""
         if not isinstance(self.value, bool):
-            self.wrong(f"{self._said()}; expected true or false")
+            self.wrong(f"{self._location()}; expected true or false")
         return self.value
 
     def scalar(self) -> str:
         """A number, or a formula in quotes, as text."""
         if isinstance(self.value, bool) or not isinstance(self.value, str | int):
-            self.wrong(f'{self._said()}; expected a number or a formula in quotes, such as "m*g*x"')
+            self.wrong(
+                f'{self._location()}; expected a number or a formula in quotes, such as "m*g*x"'
+            )
         return str(self.value)
 
-    def refused(self, error: DefinitionError, start: int = 0) -> NoReturn:
+    def refuse(self, error: DefinitionError, start: int = 0) -> NoReturn:
         """An error about this value, or what stands in it from ``start`` on, with its place."""
         if isinstance(error, NotAFormula):
-            near = f" at '{shown(error.near)}'" if error.near else ""
+            near = f" at '{quote(error.near)}'" if error.near else ""
             self.wrong(f"not a formula{near}: {error.why}", start + error.column - 1)
         self.wrong(str(error).removeprefix(f"{self.title}: "))
 
-    def _said(self) -> str:
+    def _location(self) -> str:
         kinds = {dict: "a table", list: "an array", bool: "true or false", int: "a number"}
         kind = kinds.get(type(self.value)) or (
             "a decimal" if isinstance(self.value, Decimal) else "text"
         )
-        return kind if isinstance(self.value, dict | list) else f"'{shown(self.value)}' is {kind}"
+        return kind if isinstance(self.value, dict | list) else f"'{quote(self.value)}' is {kind}"
 
 
 def read_toml(path: Path) -> Item:

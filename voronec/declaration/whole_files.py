@@ -64,7 +64,7 @@ def workshop(folder: Path) -> Iterator[Path]:
     made = Path(tempfile.mkdtemp(prefix=PREFIX, dir=folder))
     lock = None
     try:
-        lock = _locked(made / LOCK, os.O_CREAT)
+        lock = _lock(made / LOCK, os.O_CREAT)
         drafts = made / "drafts"
         drafts.mkdir()
         yield drafts
@@ -109,7 +109,7 @@ def _sweep(folder: Path) -> None:
 
 def _is_left(old: Path) -> bool:
     try:
-        lock = _locked(old / LOCK)
+        lock = _lock(old / LOCK)
     except BlockingIOError:
         return False
     except FileNotFoundError:
@@ -120,7 +120,7 @@ def _is_left(old: Path) -> bool:
     return True
 
 
-def _locked(path: Path, flags: int = 0) -> int | None:
+def _lock(path: Path, flags: int = 0) -> int | None:
     """An open file that is locked until its process ends; None where there are no locks."""
     try:
         import fcntl

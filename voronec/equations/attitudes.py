@@ -349,7 +349,7 @@ class _Turned:
             dots[t.theta]: c * rates[0] - s * rates[1],
             dots[t.psi]: t.sense * spin,
         })  # fmt: skip
-        found = Rotations(*t.symbols, entries).rewritten(own)
+        found = Rotations(*t.symbols, entries).rewrite(own)
         matrix = _stood_up(_matrix(t.symbols))
         values = {entries[i][j]: matrix[i][j] for i in range(3) for j in range(3)}
         a, b, e = (dots[q] for q in t.symbols)

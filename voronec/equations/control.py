@@ -27,7 +27,7 @@ from voronec.algebra.precision import NESTED
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.algebra.verdicts import Verdict
 from voronec.equations.connection import AffineForms
 from voronec.equations.derived_equations import DerivedEquations
@@ -188,7 +188,7 @@ class Control:
         state still has dimensions that they do not see.
         """
         self._require_still()
-        read = [self.system_field.read(sympified(y)) for y in outputs]
+        read = [self.system_field.read(sympify(y)) for y in outputs]
         if len(read) != len(self.inputs):
             raise DefinitionError(
                 f"{len(read)} flat outputs for {len(self.inputs)} inputs; name as many"
@@ -270,13 +270,13 @@ class Control:
             raise DefinitionError(
                 f"the point gives no value to '{missing[0]}' of system '{system.name}'; add it"
             )
-        exact = {s: sympified(x) for s, x in values.items()}
+        exact = {s: sympify(x) for s, x in values.items()}
         return {s: se.sympify(sp.nsimplify(x, rational=True) if x.is_Float else x)
                 for s, x in exact.items()}  # fmt: skip
 
     def _require_equilibrium(self, at: Mapping[Any, Any]) -> None:
         for s, rate in zip(self.state, self.inner_drift, strict=True):
-            value = sympified(rate.xreplace(dict(at)))
+            value = sympify(rate.xreplace(dict(at)))
             place = f"system '{self.system_field.system.name}'"
             if value.has(sp.nan, sp.zoo, sp.oo):
                 raise DefinitionError(

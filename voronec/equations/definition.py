@@ -10,11 +10,11 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.bounded import bounded, holds_exponentials
+from voronec.algebra.bounded import bound_exponentials, holds_exponentials
 from voronec.algebra.conditions import condition
 from voronec.algebra.door import Door
 from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, time, velocity
-from voronec.declaration.reading import shown
+from voronec.declaration.reading import quote
 from voronec.declaration.system import System, require_system
 from voronec.equations.connection import AffineForms, FibreSolution
 from voronec.equations.group_frame import GroupFrame, read_group
@@ -294,7 +294,7 @@ def _reader(
 
     def plain(expr: sp.Expr, place: str) -> Any:
         try:
-            return bounded(door.inward(expr))
+            return bound_exponentials(door.inward(expr))
         except DefinitionError as error:
             raise DefinitionError(f"system '{system.name}': {place}: {error}") from None
 
@@ -326,7 +326,7 @@ def _constraints(system: System, enter: Enter, dots: Sequence[Any]) -> AffineFor
 
 
 def _constraint(system: System, i: int) -> str:
-    return f"system '{system.name}': constraint {i + 1} ({shown(system.constraints[i])} = 0)"
+    return f"system '{system.name}': constraint {i + 1} ({quote(system.constraints[i])} = 0)"
 
 
 def _frame(system: System, enter: Enter, dots: Sequence[Any]) -> AffineForms | None:

@@ -15,9 +15,9 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.bounded import bounded_all
+from voronec.algebra.bounded import bound_all_exponentials
 from voronec.algebra.normal import canonical, shortest
-from voronec.declaration.reading import shown
+from voronec.declaration.reading import quote
 from voronec.equations.connection import (
     EhresmannConnection,
     FibreSolution,
@@ -71,14 +71,14 @@ class Derivation:
         """Bring intermediate results into normal form, or leave them, as this derivation does."""
         if not self.exact:
             return list(exprs)
-        given = bounded_all(exprs) if self.definition.exponential else exprs
+        given = bound_all_exponentials(exprs) if self.definition.exponential else exprs
         return canonical(given, self.definition.relations)
 
     def polish(self, exprs: Sequence[Any]) -> list[Any]:
         """Bring final results into their shortest form, or leave them, as this derivation does;
         quotients of exponentials are written so that they do not overflow."""
         d = self.definition
-        found = bounded_all(exprs) if d.exponential else list(exprs)
+        found = bound_all_exponentials(exprs) if d.exponential else list(exprs)
         return shortest(found, d.relations, d.velocities) if self.exact else found
 
     @cached_property
@@ -118,7 +118,7 @@ class Derivation:
         if lost is not None:
             raise DefinitionError(
                 f"system '{d.system.name}': the motion does not keep the relation "
-                f"{shown(d.system.fibration.relations[lost])} = 0; correct it, or the rates"
+                f"{quote(d.system.fibration.relations[lost])} = 0; correct it, or the rates"
             )
         return connection
 

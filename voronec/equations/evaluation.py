@@ -16,7 +16,7 @@ from voronec.algebra.stable import stable_all
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.tape import Tape, as_ball
 from voronec.algebra.verdicts import all_vanish
-from voronec.declaration.reading import shown
+from voronec.declaration.reading import quote
 from voronec.declaration.system import System
 from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
@@ -40,7 +40,7 @@ def named_point(system: System, point: Mapping[Any, Any]) -> dict[str, Any]:
     """
     if not isinstance(point, Mapping):
         raise DefinitionError(
-            f"system '{system.name}': the point is '{shown(point)}'; give {{symbol: number, ...}}"
+            f"system '{system.name}': the point is '{quote(point)}'; give {{symbol: number, ...}}"
         )
     constants = [p for p in system.parameters if isinstance(p.symbol, sp.Symbol)]
     needed = [*system.coordinates, *system.velocities, *(p.symbol for p in constants)]
@@ -89,7 +89,7 @@ def _name(system: System, key: Any) -> str:
         return plain_name(key)
     except DefinitionError:
         raise DefinitionError(
-            f"system '{system.name}': the point has the key '{shown(key)}', which is neither a "
+            f"system '{system.name}': the point has the key '{quote(key)}', which is neither a "
             "symbol nor a name; give {symbol: number, ...}"
         ) from None
 
@@ -102,7 +102,7 @@ def _checked(system: System, name: str, value: Any) -> Any:
         sound = False
     if not sound:
         raise DefinitionError(
-            f"system '{system.name}': the point gives '{name}' = '{shown(value)}', which is not a "
+            f"system '{system.name}': the point gives '{name}' = '{quote(value)}', which is not a "
             "real number; give a finite one"
         )
     return value

@@ -26,7 +26,7 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
-from voronec.declaration.reading import expression, shown
+from voronec.declaration.reading import expression, quote
 from voronec.equations.derivation import Derivation
 from voronec.equations.derived_equations import DerivedEquations
 from voronec.equations.evaluation import jets
@@ -67,7 +67,7 @@ class Linearisation:
         names = [plain_name(x) for x in self.state]
         for x in map(plain_name, variables):
             if x not in names:
-                wrong = f"'{shown(x)}' is no variable of the linearisation"
+                wrong = f"'{quote(x)}' is no variable of the linearisation"
                 raise DefinitionError(wrong + did_you_mean(x, names))
         kept = [names.index(plain_name(x)) for x in variables]
         for j in set(range(len(names))) - {*kept}:
@@ -155,7 +155,7 @@ def _point(
         name = plain_name(key)
         if name not in atoms:
             raise DefinitionError(
-                f"system '{system.name}': '{shown(name)}' at the point is no coordinate, velocity, "
+                f"system '{system.name}': '{quote(name)}' at the point is no coordinate, velocity, "
                 f"parameter or input{did_you_mean(name, [*atoms])}"
             )
         read[name] = expression(value, f"the value of '{name}'")

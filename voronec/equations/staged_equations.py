@@ -26,8 +26,8 @@ from voronec.algebra.stages import (
     Cyclic,
     StagedElimination,
     Stages,
-    factored,
-    needed,
+    factor_sums,
+    needed_stages,
     shared_sums,
 )
 from voronec.equations.definition import Definition
@@ -67,14 +67,16 @@ class StagedSystem:
         conditions += d.differentiated.expressions(dots)
         right += [ZERO] * len(d.relations)
         named = [stages.name(e) for e in (d.lagrangian, *d.forces, *conditions)]
-        stages.replaced(shared_sums(stages.definitions, stages.fresh))
+        stages.replace(shared_sums(stages.definitions, stages.fresh))
         count = 1 + len(d.forces)
         return cls(d, stages, named[0], tuple(named[1:count]), tuple(named[count:]), tuple(right))
 
     @cached_property
     def order(self) -> list[Any]:
         """All stages, each after those it uses."""
-        return needed(self.stages.definitions, (self.lagrangian, *self.forces, *self.conditions))
+        return needed_stages(
+            self.stages.definitions, (self.lagrangian, *self.forces, *self.conditions)
+        )
 
     @cached_property
     def moving(self) -> frozenset[Any]:
@@ -282,8 +284,8 @@ def lean_form(raw: Derivation) -> FirstOrderForm:
     motion = StagedMotion(StagedSystem.of(d, prefix + "_"), prefix)
     mass, force = motion.equations()
     results = [*motion.rates, *force, *(e for row in mass for e in row)]
-    used = needed(motion.stages.definitions, results)
-    definitions = factored({x: motion.stages.definitions[x] for x in used}, motion.stages.fresh)
+    used = needed_stages(motion.stages.definitions, results)
+    definitions = factor_sums({x: motion.stages.definitions[x] for x in used}, motion.stages.fresh)
     return FirstOrderForm(
         coordinates=d.coordinates,
         velocities=d.velocities,

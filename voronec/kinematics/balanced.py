@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.declaration.claims import Case, Equation, Measure, Poisson
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
@@ -23,7 +23,7 @@ from voronec.kinematics.families import (
     FIXED_RADIUS,
     Words,
     constants,
-    joined,
+    join_declarations,
     moment_words,
     rotor_words,
 )
@@ -45,12 +45,12 @@ class BallMotion:
     on a plane [Chaplygin1903] and on a sphere, with the constant momentum kappa of a gyroscope
     [Markeev1985; DragovicGajicJovanovic2020, eqs. (Chap), (Chap*)].
 
-    inertia, carried, rotor, epsilon
+    inertia, contact_inertia, rotor, epsilon
         the principal moments, D, kappa, epsilon.
     """
 
     inertia: Vector
-    carried: Any
+    contact_inertia: Any
     rotor: Vector = ZERO
     epsilon: Any = sp.Integer(1)
 
@@ -67,7 +67,7 @@ class BallMotion:
     @cached_property
     def momentum(self) -> sp.ImmutableMatrix:
         """G, the angular momentum about the contact, without the gyroscope."""
-        return contact_momentum(self.inertia, self.carried, OMEGA, GAMMA)
+        return contact_momentum(self.inertia, self.contact_inertia, OMEGA, GAMMA)
 
     @cached_property
     def whole(self) -> sp.ImmutableMatrix:
@@ -82,7 +82,7 @@ class BallMotion:
         """
         if len({*self.inertia}) == 1:
             return sp.Integer(1)
-        own = self.carried
+        own = self.contact_inertia
         terms = (own * g**2 / (i + own) for g, i in zip(GAMMA, self.inertia, strict=True))
         return sp.sqrt(1 - sp.Add(*terms))
 
@@ -113,7 +113,7 @@ class BallMotion:
         a gyroscope.
         """
         rows = zip(self.inertia, self.momentum, GAMMA, strict=True)
-        trace = sp.Add(*self.inertia) + self.carried
+        trace = sp.Add(*self.inertia) + self.contact_inertia
         return sp.Add(*[(trace - 2 * i) * p * g for i, p, g in rows])
 
     @property
@@ -132,7 +132,9 @@ class BallMotion:
         root, along = self.density, self.spin.dot(self.normal)
         momenta, bracket = sp.symbols("M1:4"), {}
         for i, j, k in CYCLES:
-            bracket[momenta[i], momenta[j]] = -root * (momenta[k] - self.carried * along * GAMMA[k])
+            bracket[momenta[i], momenta[j]] = -root * (
+                momenta[k] - self.contact_inertia * along * GAMMA[k]
+            )
             bracket[momenta[i], GAMMA[j]] = -root * GAMMA[k]
             bracket[momenta[i], GAMMA[k]] = root * GAMMA[j]
         return Poisson(
@@ -190,26 +192,26 @@ class BalancedBall:
         return self.ball.fibre
 
     @property
-    def carried(self) -> sp.Expr:
+    def contact_inertia(self) -> sp.Expr:
         """D = m R2^2."""
-        return sympified(self.ball.mass * self.radius**2)
+        return sympify(self.ball.mass * self.radius**2)
 
     @property
     def epsilon(self) -> sp.Expr:
         """R1/(R1 + R2), and 1 on a plane."""
         if self.fixed is None:
             return sp.Integer(1)
-        return sympified(self.fixed / (self.fixed + self.radius))
+        return sympify(self.fixed / (self.fixed + self.radius))
 
     @cached_property
     def motion(self) -> BallMotion:
         """Its motion without slip, reduced to omega and gamma, with claims that always hold."""
-        return BallMotion(self.ball.inertia, self.carried, self.rotor, self.epsilon)
+        return BallMotion(self.ball.inertia, self.contact_inertia, self.rotor, self.epsilon)
 
     @cached_property
     def rubber(self) -> RubberMotion:
         """The same without twist too."""
-        x, y, z = (moment + self.carried for moment in self.ball.inertia)
+        x, y, z = (moment + self.contact_inertia for moment in self.ball.inertia)
         return RubberMotion((x, y, z), self.rotor, self.epsilon)
 
     def words(self, mass: str = "mass", radius: str = "radius of the ball") -> Words:
@@ -249,7 +251,7 @@ class BalancedBall:
             own["drawing"] = TRACES
         if isinstance(self.fixed, sp.Symbol):
             own["scenes"] = self.ball.scenes_on_sphere(self.fixed, OMEGA)
-        return joined(own, declared)
+        return join_declarations(own, declared)
 
     def rubber_system(self, *, values: Mapping[Any, Any], **declared: Any) -> System:
         """The same where the ball does not twist, without scenes of its own.
@@ -266,7 +268,7 @@ class BalancedBall:
             "measure": motion.measure,
             **({"poisson": motion.poisson} if wheel else {"multiplier": motion.reducer}),
         }
-        return joined(own, declared)
+        return join_declarations(own, declared)
 
 
 @dataclass(frozen=True)
@@ -303,7 +305,7 @@ class SymmetricBallMotion:
     @cached_property
     def b(self) -> sp.Expr:
         """D (C - A)/(C + D)."""
-        own, (a, _, c) = self.ball.carried, self.ball.inertia
+        own, (a, _, c) = self.ball.contact_inertia, self.ball.inertia
         return own * (c - a) / (c + own)
 
     @cached_property

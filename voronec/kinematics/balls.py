@@ -9,7 +9,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.declaration.charts import Chart
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import expression
@@ -20,7 +20,7 @@ from voronec.kinematics.poles import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.sketches import ball_sketch
 from voronec.kinematics.surfaces import Surface
-from voronec.kinematics.vectors import Vector, applied, cross, dot, three
+from voronec.kinematics.vectors import Vector, apply_matrix, cross, dot, three
 
 __all__ = ["RollingBall", "contact_momentum"]
 
@@ -162,7 +162,7 @@ class RollingBall:
         gamma1, gamma2, gamma3, the invariants.  A ball that does not twist, ``twists=False``,
         has the velocities omega1 and omega2, and theta in the fibre.
         """
-        momentum, height = three(rotor, "the momentum of a rotor"), sympified(potential)
+        momentum, height = three(rotor, "the momentum of a rotor"), sympify(potential)
         names = OMEGA if twists else OMEGA[:2]
 
         def of_axes(ball: RollingBall) -> dict[str, Any]:
@@ -194,8 +194,8 @@ class RollingBall:
 
     def _along_axes(self, vector: Vector) -> Vector:
         """A vector along (u, v, n) brought to the ball's axes."""
-        along = applied(self.contact.body.frame, vector)
-        return applied(HALF_TURN, along) if self.turned else along
+        along = apply_matrix(self.contact.body.frame, vector)
+        return apply_matrix(HALF_TURN, along) if self.turned else along
 
     def charts(self, declared: Callable[[RollingBall], Mapping[str, Any]]) -> dict[str, Chart]:
         """Charts of a system of this ball, with the poles of the coordinates elsewhere.

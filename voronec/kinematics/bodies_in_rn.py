@@ -9,14 +9,14 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.declaration.claims import Case, Equation, Measure
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import real_text
 from voronec.declaration.scene import Parameter, Scene
 from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
-from voronec.kinematics.families import FIXED_RADIUS, Words, constants, joined
+from voronec.kinematics.families import FIXED_RADIUS, Words, constants, join_declarations
 from voronec.kinematics.groups import (
     BodyVelocity,
     product_form,
@@ -95,10 +95,10 @@ class BodyInRn:
     @property
     def moments(self) -> tuple[sp.Symbol, ...]:
         """I_ij or J_ij, i < j."""
-        return self.body.named(self.letter)
+        return self.body.skew_symbols(self.letter)
 
     @property
-    def carried(self) -> sp.Expr:
+    def contact_inertia(self) -> sp.Expr:
         """m R2^2."""
         return self.mass * self.radius**2 if self.rolls else sp.Integer(0)
 
@@ -107,7 +107,7 @@ class BodyInRn:
         """R1/(R1 + R2), or 1."""
         if self.fixed is None:
             return sp.Integer(1)
-        return sympified(self.fixed / (self.fixed + self.radius))
+        return sympify(self.fixed / (self.fixed + self.radius))
 
     @property
     def velocities(self) -> tuple[sp.Symbol, ...]:
@@ -117,7 +117,11 @@ class BodyInRn:
     @property
     def momenta(self) -> tuple[sp.Symbol, ...]:
         """Names of the momenta of the velocities: G_ij, or without twist P_i."""
-        return self.body.named("G") if self.twists else tuple(sp.symbols(f"P1:{self.dimension}"))
+        return (
+            self.body.skew_symbols("G")
+            if self.twists
+            else tuple(sp.symbols(f"P1:{self.dimension}"))
+        )
 
     @cached_property
     def energy(self) -> sp.Expr:
@@ -140,7 +144,7 @@ class BodyInRn:
         else:
             along, own = (
                 body.normal_momentum(self.momenta),
-                [i + self.carried for i in self.moments],
+                [i + self.contact_inertia for i in self.moments],
             )
             entries = [i * w for i, w in zip(own, body.angular, strict=True)]
             slipping = (1 - self.epsilon) * skew(entries, self.dimension) * body.matrix * gamma
@@ -185,7 +189,7 @@ class BodyInRn:
     @cached_property
     def form(self) -> sp.Expr:
         """a_1 (gamma, A gamma) for moments a_i a_j about the contact."""
-        return product_form([i + self.carried for i in self.moments], self.normal)
+        return product_form([i + self.contact_inertia for i in self.moments], self.normal)
 
     @property
     def reducer(self) -> sp.Expr:
@@ -197,9 +201,9 @@ class BodyInRn:
         """The case of moments a_i a_j about the contact, or the point; for n = 3 all are such."""
         if self.twists or self.dimension == 3:
             return {}
-        n, own = self.dimension, [i + self.carried for i in self.moments]
+        n, own = self.dimension, [i + self.contact_inertia for i in self.moments]
         values = {
-            f"{self.letter}{i}{j}": value - self.carried
+            f"{self.letter}{i}{j}": value - self.contact_inertia
             for (i, j), value in product_moments(own, n).items()
         }
         if not self.rolls:
@@ -257,7 +261,7 @@ class BodyInRn:
             "meanings": self._meanings,
             "sketch": self._sketch(),
         }
-        return joined(own, declared)
+        return join_declarations(own, declared)
 
     @property
     def _words(self) -> Words:

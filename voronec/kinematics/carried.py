@@ -10,14 +10,14 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.declaration.claims import Equation
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.kinematics.balls import ZERO
 from voronec.kinematics.bodies import kinetic_energy
-from voronec.kinematics.families import constants, joined, moment_words, rotor_words
+from voronec.kinematics.families import constants, join_declarations, moment_words, rotor_words
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.meanings import (
     CURVED,
@@ -102,9 +102,9 @@ class CarriedContact:
         """The velocities of the fibre, as functions of the fibre and of omega."""
         o, r, e, f = self.vectors
         n = e.cross(f)
-        turned = self.contact.rolled([axis.dot(self.omega) for axis in (e, f, n)])
+        turned = self.contact.rolling_velocities([axis.dot(self.omega) for axis in (e, f, n)])
         known = {velocity(q): rate for q, rate in turned.items()}
-        a, b, c = (sympified(x).xreplace(known) for x in self.contact.body.frame_rates)
+        a, b, c = (sympify(x).xreplace(known) for x in self.contact.body.frame_rates)
         pairs = (
             (o, -self.omega.cross(r + o)),
             (r, self.trace(known)),
@@ -116,7 +116,7 @@ class CarriedContact:
 
     def trace(self, known: dict[sp.Expr, sp.Expr]) -> sp.Matrix:
         """The velocity of the contact over the body, where those of (u, v) are ``known``."""
-        x, y, _ = (sympified(z).xreplace(known) for z in self.contact.body.trace_velocity)
+        x, y, _ = (sympify(z).xreplace(known) for z in self.contact.body.trace_velocity)
         return x * self.vectors[2] + y * self.vectors[3]
 
     @property
@@ -161,7 +161,7 @@ class CarriedContact:
             "meanings": self._meanings,
             "sketch": self._sketch(kappa),
         }
-        return joined(own, declared)
+        return join_declarations(own, declared)
 
     @property
     def _meanings(self) -> dict[Any, str]:

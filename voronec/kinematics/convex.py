@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.declaration.reading import expression
-from voronec.kinematics.vectors import Vector, applied, three
+from voronec.kinematics.vectors import Vector, apply_matrix, three
 
 __all__ = ["ConvexBody"]
 
@@ -61,7 +61,7 @@ class ConvexBody:
             sp.ImmutableMatrix(radii),
         )
 
-    def rolled(self, omega: Sequence[Any], sphere: Any = None) -> sp.ImmutableMatrix:
+    def rolling_rate(self, omega: Sequence[Any], sphere: Any = None) -> sp.ImmutableMatrix:
         """dgamma/dt of the rolling body: gamma x omega on a plane.
 
         On a fixed ``sphere`` of that signed radius R1 it is R1 (R1 + H)^-1 (gamma x omega), where
@@ -72,17 +72,17 @@ class ConvexBody:
         if sphere is None:
             return sp.ImmutableMatrix(turning)
         radius = expression(sphere, "the radius of a sphere")
-        bent = sp.Matrix(applied(self.radii, turning))
+        bent = sp.Matrix(apply_matrix(self.radii, turning))
         taken = (radius + self.radii.trace()) * turning - bent
-        return sp.ImmutableMatrix(radius * taken / self.widened(radius))
+        return sp.ImmutableMatrix(radius * taken / self.curvature_product(radius))
 
-    def widened(self, radius: Any) -> sp.Expr:
+    def curvature_product(self, radius: Any) -> sp.Expr:
         """(R1 + r1) (R1 + r2) with the principal radii of curvature r1, r2."""
         return radius**2 + radius * self.radii.trace() + _second(self.radii)
 
     def arm_rate(self, normal_rate: Any) -> sp.ImmutableMatrix:
         """dr/dt = -H dgamma/dt."""
-        return sp.ImmutableMatrix(applied(-self.radii, sp.Matrix(normal_rate)))
+        return sp.ImmutableMatrix(apply_matrix(-self.radii, sp.Matrix(normal_rate)))
 
     def momentum(self, mass: Any, inertia: Sequence[Any], omega: Any) -> sp.ImmutableMatrix:
         """G = I omega + m r x (omega x r): about the contact, the centre of mass being O.

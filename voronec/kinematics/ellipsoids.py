@@ -24,7 +24,7 @@ from voronec.kinematics.families import (
     FIXED_RADIUS,
     Words,
     constants,
-    joined,
+    join_declarations,
     moment_words,
     rotor_words,
 )
@@ -40,7 +40,7 @@ from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.sketches import carried_sketch, rolling_sketch, wheel_of
 from voronec.kinematics.surfaces import Surface
-from voronec.kinematics.vectors import Vector, applied, dot, three
+from voronec.kinematics.vectors import Vector, apply_matrix, dot, three
 
 __all__ = ["RollingEllipsoid"]
 
@@ -103,9 +103,9 @@ class RollingEllipsoid:
         vertical = tuple(ROTATION.matrix.row(2))
         level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, vertical, strict=True)))
         placed = ConvexBody.ellipsoid(axes, vertical, level)
-        across = applied(-ROTATION.matrix, sp.Matrix(OMEGA).cross(placed.arm))
-        rising = -placed.arm.dot(placed.rolled(OMEGA))
-        reach = applied(ROTATION.matrix, placed.arm)
+        across = apply_matrix(-ROTATION.matrix, sp.Matrix(OMEGA).cross(placed.arm))
+        rising = -placed.arm.dot(placed.rolling_rate(OMEGA))
+        reach = apply_matrix(ROTATION.matrix, placed.arm)
         body = ConvexBody.ellipsoid(axes, GAMMA, HEIGHT)
         return cls(
             body,
@@ -115,9 +115,9 @@ class RollingEllipsoid:
             (),
             kinetic_energy(mass, (velocity(x), velocity(y), rising), inertia, OMEGA),
             (velocity(x) - across[0], velocity(y) - across[1]),
-            _named(vertical, level),
+            _name_normal(vertical, level),
             (x + reach[0], y + reach[1]),
-            body.rolled(OMEGA),
+            body.rolling_rate(OMEGA),
             axes=three(axes, "the semi-axes of an ellipsoid"),
         )
 
@@ -137,7 +137,7 @@ class RollingEllipsoid:
         rate = down * velocity(u) + along * sp.sin(u) * velocity(v)
         moved = sphere * rate - placed.arm_rate(rate)
         moved += sp.Matrix(OMEGA).cross(sphere * placed.normal - placed.arm)
-        turned = placed.rolled(OMEGA, sphere)
+        turned = placed.rolling_rate(OMEGA, sphere)
         body = ConvexBody.ellipsoid(axes, GAMMA, HEIGHT)
         square = sum((q * n) ** 2 for q, n in zip(axes, normal, strict=True))
         return cls(
@@ -148,9 +148,9 @@ class RollingEllipsoid:
             (support**2 - square,),
             kinetic_energy(mass, moved, inertia, OMEGA),
             (velocity(u) - dot(turned, down), velocity(v) - dot(turned, along) / sp.sin(u)),
-            _named(normal, support),
+            _name_normal(normal, support),
             tuple(ROTATION.matrix * sp.Matrix(normal)),
-            body.rolled(OMEGA, sphere),
+            body.rolling_rate(OMEGA, sphere),
             axes=three(axes, "the semi-axes of an ellipsoid"),
             sphere=sphere,
         )
@@ -175,7 +175,7 @@ class RollingEllipsoid:
             SurfaceForms.revolution(u1, v1, (sphere, sphere)),
             theta,
         )
-        rolled = contact.rolled(moving.T * omega)
+        rolled = contact.rolling_velocities(moving.T * omega)
         whole = (axes[0], *axes)
         arm = ConvexBody.ellipsoid(whole, normal, level).arm
         moved = sp.Matrix([velocity(q) for q in o]) + omega.cross(sp.Matrix(o))
@@ -188,9 +188,9 @@ class RollingEllipsoid:
             (),
             kinetic_energy(mass, moved, (inertia[0], *inertia), OMEGA),
             (*(velocity(q) - rate for q, rate in rolled.items()), *(moved + omega.cross(arm))),
-            _named(normal, level),
+            _name_normal(normal, level),
             tuple(Surface.sphere(1, u1, v1).position),
-            body.rolled(OMEGA, sphere),
+            body.rolling_rate(OMEGA, sphere),
             CARRIED,
             _turned_poles(whole, sphere, o, contact),
             whole,
@@ -251,7 +251,7 @@ class RollingEllipsoid:
             raise DefinitionError("only a spheroid on a sphere is known by the forms of surfaces")
         u, v = self.surfaces.body.coordinates
         level, frame = self.invariants["height"], Surface.sphere(1, u, v).frame
-        arm = applied(frame, (sp.diff(level, u), sp.Integer(0), level))
+        arm = apply_matrix(frame, (sp.diff(level, u), sp.Integer(0), level))
         own = {q: q for q in (*self.base, *self.fibre, *OMEGA)}
         return {**own, **carried_vectors(arm, frame)}, form_values(self.surfaces)
 
@@ -302,7 +302,7 @@ class RollingEllipsoid:
             },
             "integrals": {"energy": self.momentum.dot(omega) / 2 + weight * HEIGHT},
             "charts": self.charts,
-            "essential": (*self._seen, *OMEGA),
+            "essential": (*self._equation_coordinates, *OMEGA),
             "meanings": self._meanings,
             "sketch": self._sketch(kappa),
             "shapes": self.shapes,
@@ -312,9 +312,9 @@ class RollingEllipsoid:
             and self.inertia[0] == self.inertia[1]
             and not any(kappa[:2])
         ):
-            spread = 1 if self.sphere is None else self.body.widened(self.sphere)
+            spread = 1 if self.sphere is None else self.body.curvature_product(self.sphere)
             own["measure"] = Measure(self.density * spread, (*GAMMA, HEIGHT, *OMEGA))
-        return joined(own, declared)
+        return join_declarations(own, declared)
 
     @property
     def _meanings(self) -> dict[Any, str]:
@@ -341,7 +341,7 @@ class RollingEllipsoid:
         }
 
     @property
-    def _seen(self) -> tuple[sp.Expr, ...]:
+    def _equation_coordinates(self) -> tuple[sp.Expr, ...]:
         """The coordinates that the equations hold."""
         if self.sphere is None:
             return self.base[1:]
@@ -368,7 +368,7 @@ class RollingEllipsoid:
         return self.body.momentum_rate(whole, self.mass, OMEGA, self.turned, weight)
 
 
-def _named(normal: Sequence[Any], height: Any) -> dict[str, sp.Expr]:
+def _name_normal(normal: Sequence[Any], height: Any) -> dict[str, sp.Expr]:
     names = (*map(str, GAMMA), str(HEIGHT))
     return dict(zip(names, (*normal, height), strict=True))
 
@@ -386,7 +386,7 @@ def _turned_poles(
     down, across, outer = (turned.col(i) for i in range(3))
     level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, outer, strict=True)))
     placed = ConvexBody.ellipsoid(axes, tuple(-outer), level)
-    rate = placed.rolled(OMEGA, sphere)
+    rate = placed.rolling_rate(OMEGA, sphere)
     swing = rate - omega.cross(outer)
     x, y = dot(swing, down), dot(swing, across)
     around = -dot(rate, across) / sp.sin(u)

@@ -9,9 +9,9 @@ import sympy as sp
 
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
-from voronec.errors import DefinitionError, shown
+from voronec.errors import DefinitionError, quote
 
-__all__ = ["constants", "joined"]
+__all__ = ["constants", "join_declarations"]
 
 Words = Mapping[sp.Expr, tuple[str, bool]]
 """Symbol -> what it is, and whether it is positive."""
@@ -45,7 +45,7 @@ def _constant(symbol: sp.Expr, value: Any, words: Words) -> Parameter:
     if symbol not in words:
         known = ", ".join(str(s) for s in words if isinstance(s, sp.Symbol))
         raise DefinitionError(
-            f"'{shown(symbol)}' is no constant of this body; it has {known}; others are given as "
+            f"'{quote(symbol)}' is no constant of this body; it has {known}; others are given as "
             "Parameter(...)"
         )
     meaning, positive = words[symbol]
@@ -74,7 +74,7 @@ def _symbols(words: Words) -> Words:
     return {symbol: said for symbol, said in words.items() if isinstance(symbol, sp.Symbol)}
 
 
-def joined(own: Mapping[str, Any], more: Mapping[str, Any]) -> System:
+def join_declarations(own: Mapping[str, Any], more: Mapping[str, Any]) -> System:
     """The system of what a body declares by itself and of what is declared beside.
 
     Of mappings - claims, scenes, cases - entries are added, or take the place of those of the same

@@ -21,9 +21,9 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.arguments import COUNT, MATRIX, SEQUENCE, accepts, require
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.declaration.reading import expression
-from voronec.errors import DefinitionError, shown
+from voronec.errors import DefinitionError, quote
 
 __all__ = [
     "BodyVelocity",
@@ -64,7 +64,7 @@ class BodyVelocity:
     @cached_property
     def angular(self) -> tuple[sp.Symbol, ...]:
         """The entries Omega_ij, i < j, of Omega."""
-        return self.named("Omega")
+        return self.skew_symbols("Omega")
 
     @cached_property
     def linear(self) -> tuple[sp.Symbol, ...]:
@@ -76,7 +76,7 @@ class BodyVelocity:
         """gamma, a unit vector seen from the body."""
         return tuple(sp.Symbol(f"gamma{i + 1}") for i in range(self.dimension))
 
-    def named(self, letter: str) -> tuple[sp.Symbol, ...]:
+    def skew_symbols(self, letter: str) -> tuple[sp.Symbol, ...]:
         """Symbols for the entries i < j of a skew matrix."""
         return tuple(sp.Symbol(f"{letter}{i}{j}") for i, j in self.pairs)
 
@@ -98,7 +98,7 @@ class BodyVelocity:
 
         A rigid body with the second moments a_i of its mass has J_ij = a_i + a_j."""
         turning = sum(j * w**2 for j, w in zip(moments, self.angular, strict=True))
-        return sympified(turning + mass * sum(w**2 for w in self.linear)) / 2
+        return sympify(turning + mass * sum(w**2 for w in self.linear)) / 2
 
     @property
     def last(self) -> tuple[sp.Symbol, ...]:
@@ -156,12 +156,12 @@ class BodyVelocity:
         return found
 
 
-def _counted(entries: Sequence[Any], dimension: int) -> list[sp.Expr]:
+def _check_count(entries: Sequence[Any], dimension: int) -> list[sp.Expr]:
     """As many expressions as there are pairs of axes."""
     found = [expression(entry, "an entry") for entry in entries]
     if dimension not in DIMENSIONS or len(found) != dimension * (dimension - 1) // 2:
         raise DefinitionError(
-            f"{len(found)} entries for {shown(dimension)} dimensions; give n (n - 1) / 2 of them, "
+            f"{len(found)} entries for {quote(dimension)} dimensions; give n (n - 1) / 2 of them, "
             f"with n from {DIMENSIONS[0]} to {DIMENSIONS[-1]}"
         )
     return found
@@ -170,7 +170,7 @@ def _counted(entries: Sequence[Any], dimension: int) -> list[sp.Expr]:
 @accepts(entries=SEQUENCE, dimension=COUNT)
 def skew(entries: Sequence[Any], dimension: int) -> sp.ImmutableMatrix:
     """The skew matrix with these entries above the diagonal, row by row."""
-    found = _counted(entries, dimension)
+    found = _check_count(entries, dimension)
     table = sp.zeros(dimension, dimension)
     for (i, j), entry in zip(combinations(range(dimension), 2), found, strict=True):
         table[i, j], table[j, i] = entry, -entry
@@ -181,7 +181,7 @@ def skew(entries: Sequence[Any], dimension: int) -> sp.ImmutableMatrix:
 def product_moments(moments: Sequence[Any], dimension: int) -> dict[Pair, sp.Expr]:
     """J_ij = a_i a_j: the other moments in terms of J_12, ..., J_1n and J_23."""
     pairs = combinations(range(1, dimension + 1), 2)
-    given = dict(zip(pairs, _counted(moments, dimension), strict=True))
+    given = dict(zip(pairs, _check_count(moments, dimension), strict=True))
     scale = given[2, 3] / (given[1, 2] * given[1, 3])
     others = [pair for pair in given if pair[0] > 1 and pair != (2, 3)]
     return {(i, j): scale * given[1, i] * given[1, j] for i, j in others}
@@ -193,9 +193,9 @@ def product_form(moments: Sequence[Any], vector: Sequence[Any]) -> sp.Expr:
     vector = [expression(entry, "an entry of a vector") for entry in vector]
     size = len(vector)
     pairs = combinations(range(1, size + 1), 2)
-    given = dict(zip(pairs, _counted(moments, size), strict=True))
+    given = dict(zip(pairs, _check_count(moments, size), strict=True))
     form = given[1, 2] * given[1, 3] / given[2, 3] * vector[0] ** 2
-    return sympified(form + sum(given[1, j] * vector[j - 1] ** 2 for j in range(2, size + 1)))
+    return sympify(form + sum(given[1, j] * vector[j - 1] ** 2 for j in range(2, size + 1)))
 
 
 @accepts(matrix=MATRIX)

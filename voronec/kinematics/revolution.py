@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.declaration.claims import Equation
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.shapes import Shape
@@ -19,7 +19,7 @@ from voronec.declaration.system import System
 from voronec.kinematics.balls import OMEGA
 from voronec.kinematics.bodies import kinetic_energy
 from voronec.kinematics.carried import CARRIED, carried_vectors, form_values
-from voronec.kinematics.families import joined
+from voronec.kinematics.families import join_declarations
 from voronec.kinematics.meanings import (
     contact_meanings,
     euler_meanings,
@@ -70,7 +70,12 @@ class BodyOfRevolution:
         """A torus, with what is carried along."""
         more = [q for q in further.values() if isinstance(q, sp.Symbol)]
         return carried_sketch(
-            ATTITUDE.coordinates, PLACE, tuple(self.rolled), (self.rotor,), "torus", more
+            ATTITUDE.coordinates,
+            PLACE,
+            tuple(self.rolling_velocities),
+            (self.rotor,),
+            "torus",
+            more,
         )
 
     @property
@@ -80,14 +85,14 @@ class BodyOfRevolution:
         return sp.Matrix([-sp.sin(u), 0, sp.cos(u)])
 
     @cached_property
-    def rolled(self) -> dict[sp.Expr, sp.Expr]:
+    def rolling_velocities(self) -> dict[sp.Expr, sp.Expr]:
         """The velocities of (u, v, u1, v1, theta) by s, tau, n."""
-        return self.contact.rolled(SPINS)
+        return self.contact.rolling_velocities(SPINS)
 
-    def carried(self, rates: Sequence[Any]) -> sp.Matrix:
+    def carry(self, rates: Sequence[Any]) -> sp.Matrix:
         """``rates`` that hold velocities of the coordinates, by s, tau, n."""
-        known = {velocity(q): rate for q, rate in self.rolled.items()}
-        return sp.Matrix([sympified(rate).xreplace(known) for rate in rates])
+        known = {velocity(q): rate for q, rate in self.rolling_velocities.items()}
+        return sp.Matrix([sympify(rate).xreplace(known) for rate in rates])
 
     def turning_momentum(self, omega: sp.Matrix) -> sp.Matrix:
         """I omega = A omega + (C - A)(omega, e) e."""
@@ -102,7 +107,7 @@ class BodyOfRevolution:
     @cached_property
     def trace(self) -> sp.Matrix:
         """r', the velocity of M over the body."""
-        return self.carried(self.contact.body.trace_velocity)
+        return self.carry(self.contact.body.trace_velocity)
 
     @cached_property
     def momentum(self) -> sp.Matrix:
@@ -116,7 +121,7 @@ class BodyOfRevolution:
         omega = sp.Matrix(SPINS)
         whole = self.momentum + self.rotor * self.axis
         moved = self.mass * self.trace.cross(omega.cross(self.arm))
-        turning = self.carried(self.contact.body.frame_rates)
+        turning = self.carry(self.contact.body.frame_rates)
         return whole.cross(omega) + moved - turning.cross(self.momentum)
 
     @property
@@ -159,11 +164,11 @@ class BodyOfRevolution:
         The equations close in cosines and sines of u, theta, u1, and these.
         """
         own = {
-            **self._placed(),
+            **self._declaration(),
             **self._claims(further),
             "fibration": Fibration(
                 ATTITUDE.coordinates,
-                (*PLACE, *self.rolled, *further.values()),
+                (*PLACE, *self.rolling_velocities, *further.values()),
                 tuple(relations),
             ),
             "meanings": {
@@ -174,9 +179,9 @@ class BodyOfRevolution:
             },
             "sketch": self._sketch(further),
         }
-        return joined(own, declared)
+        return join_declarations(own, declared)
 
-    def _placed(self) -> dict[str, Any]:
+    def _declaration(self) -> dict[str, Any]:
         """Frame, Lagrangian and constraints of the body whose place and contact are carried."""
         place, surface = sp.Matrix(PLACE), self.contact.body
         omega = surface.frame * sp.Matrix(SPINS)
@@ -188,7 +193,7 @@ class BodyOfRevolution:
             "frame": Frame.quasi(dict(zip(SPINS, rates, strict=True))),
             "lagrangian": kinetic_energy(self.mass, moved, inertia, omega) + rotor,
             "constraints": (
-                *(velocity(q) - rate for q, rate in self.rolled.items()),
+                *(velocity(q) - rate for q, rate in self.rolling_velocities.items()),
                 *(moved + omega.cross(sp.Matrix(surface.position))),
             ),
         }

@@ -19,13 +19,13 @@ import sympy as sp
 
 from voronec.algebra.arguments import instance, require
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.declaration.shapes import Shape
 from voronec.errors import DefinitionError
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
-from voronec.kinematics.vectors import Vector, applied, cross, three
+from voronec.kinematics.vectors import Vector, apply_matrix, cross, three
 
 __all__ = ["RollingContact"]
 
@@ -84,7 +84,7 @@ class RollingContact:
     @cached_property
     def centre(self) -> sp.ImmutableMatrix:
         """O = r1 - R r, the body's origin in space; (R1 + R2) n1 for a ball on a sphere."""
-        turned = self._turned(self.arm)
+        turned = self._rotate(self.arm)
         reach = [a - b for a, b in zip(_support(self.fixed), turned, strict=True)]
         return self.fixed.frame * sp.ImmutableMatrix(reach)
 
@@ -108,14 +108,14 @@ class RollingContact:
         Since R^T dR/dt = B (Q^T hat(Omega1) Q + Q^T dQ/dt - hat(Omega)) B^T, that is what
         vee(R^T dR/dt) gives.  For lines of curvature: [DragovicGajicJovanovic2020, eq. (eq:n)].
         """
-        s, tau, n = self._turned(self.fixed.frame_rates)
+        s, tau, n = self._rotate(self.fixed.frame_rates)
         a, b, c = self.body.frame_rates
         return s - a, tau - b, n - c - velocity(self.theta)
 
     @cached_property
     def angular_velocity(self) -> Vector:
         """The body's angular velocity in body axes, B (s, tau, n)."""
-        return applied(self.body.frame, self.spin)
+        return apply_matrix(self.body.frame, self.spin)
 
     @cached_property
     def slip(self) -> Vector:
@@ -124,7 +124,7 @@ class RollingContact:
         Q^T (trace on the fixed surface) - (trace on the body), since dO/dt + omega x OM is
         dr1/dt - R dr/dt.  Its last component vanishes: the surfaces stay in contact.
         """
-        a, b, c = self._turned(self.fixed.trace_velocity)
+        a, b, c = self._rotate(self.fixed.trace_velocity)
         x, y, z = self.body.trace_velocity
         return a - x, b - y, c - z
 
@@ -144,7 +144,7 @@ class RollingContact:
         L_v1 dv1/dt - L_u du/dt cos theta - L_v dv/dt sin theta
         [DragovicGajicJovanovic2020, eq. (eq:nosliding2)].
         """
-        x, y, _ = self._turned(self.body.trace_velocity)
+        x, y, _ = self._rotate(self.body.trace_velocity)
         a, b, _ = self.fixed.trace_velocity
         return a - x, b - y
 
@@ -153,7 +153,7 @@ class RollingContact:
         """The constraint n = 0 of a rubber body: it does not turn about the common normal."""
         return self.spin[2]
 
-    def rolled(self, spin: Sequence[Any]) -> dict[sp.Expr, sp.Expr]:
+    def rolling_velocities(self, spin: Sequence[Any]) -> dict[sp.Expr, sp.Expr]:
         """The velocities of (u, v, u1, v1, theta) where the body rolls with spin (s, tau, n).
 
         Along lines of curvature, with k = -D/E, h = -D''/G, and k1, h1 of the fixed surface, the
@@ -176,10 +176,10 @@ class RollingContact:
         found = {a: step / length for a, step, length in zip(names, steps, lengths, strict=True)}
         dots = {velocity(a): rate for a, rate in found.items()}
         own, carried = self.body.frame_rates[2], self.fixed.frame_rates[2]
-        found[self.theta] = -n - sympified(own + carried).xreplace(dots)
+        found[self.theta] = -n - sympify(own + carried).xreplace(dots)
         return found
 
-    def _turned(self, vector: Vector) -> Vector:
+    def _rotate(self, vector: Vector) -> Vector:
         """Q vector, and Q^T vector, which is the same."""
         c, s = sp.cos(self.theta), sp.sin(self.theta)
         a, b, n = vector

@@ -53,7 +53,7 @@ BODIES = {
 }
 
 
-def _joined(names: Sequence[Any]) -> str:
+def _join(names: Sequence[Any]) -> str:
     return f"({', '.join(map(str, names))})"
 
 
@@ -133,17 +133,17 @@ def rolling_sketch(
     if turned:
         sketch = sketch.turn((0.0, -0.7), 90, 0.24, turned)
     if gamma and attitude:
-        sketch = sketch.arrow(CONTACT, (0.0, -0.4)).text((-0.42, -0.5), _joined(gamma))
+        sketch = sketch.arrow(CONTACT, (0.0, -0.4)).text((-0.42, -0.5), _join(gamma))
     elif gamma:
-        sketch = sketch.arrow(CONTACT, (0.0, 1.3), _joined(gamma))
+        sketch = sketch.arrow(CONTACT, (0.0, 1.3), _join(gamma))
     if centre:
         sketch = sketch.dot(middle).line(middle, (1.3, 0.55), look="thin")
-        sketch = sketch.text((1.75, 0.62), _joined(centre))
+        sketch = sketch.text((1.75, 0.62), _join(centre))
     if height:
         sketch = sketch.distance(CONTACT, (0.0, middle[1]), height, -1.45)
     if note:
         sketch = sketch.text((1.55, 0.95), note)
-    return sketch.dot(CONTACT, f"M{_joined(support)}" if support else "M", -25)
+    return sketch.dot(CONTACT, f"M{_join(support)}" if support else "M", -25)
 
 
 def _axis(
@@ -229,12 +229,12 @@ def carried_sketch(
         wheel=wheel_of(rotor),
     )
     if arm:
-        sketch = sketch.arrow(BODIES[body].middle, CONTACT).text((-1.85, -0.15), _joined(arm))
+        sketch = sketch.arrow(BODIES[body].middle, CONTACT).text((-1.85, -0.15), _join(arm))
         sketch = sketch.line((-1.3, -0.2), (-0.2, -0.45), look="thin")
     if lines:
         ahead, aside = lines
-        sketch = sketch.arrow(CONTACT, (-1.0, -1.0), _joined(ahead))
-        sketch = sketch.arrow(CONTACT, (0.75, -0.55)).text((1.35, -0.45), _joined(aside))
+        sketch = sketch.arrow(CONTACT, (-1.0, -1.0), _join(ahead))
+        sketch = sketch.arrow(CONTACT, (0.75, -0.55)).text((1.35, -0.45), _join(aside))
     return sketch
 
 
@@ -249,7 +249,7 @@ def sleigh_sketch(place: Sequence[Any], heading: Any, ahead: Any = "", left: Any
     sketch = sketch.box(polar(at, 0.5, course), 2.1, 1.0, course).wheel(at, course, 0.6)
     sketch = sketch.line(at, (at[0] + 1.5, at[1]), look="dashed")
     sketch = sketch.line(at, polar(at, 2.0, course), look="dashed")
-    sketch = sketch.angle(at, 1.3, 0, course, heading).dot(at, _joined(place), -100)
+    sketch = sketch.angle(at, 1.3, 0, course, heading).dot(at, _join(place), -100)
     sketch = sketch.dot(centre, "C", 30)
     if left:
         sketch = sketch.distance(polar(at, 1.0, course), centre, left, -0.2)
@@ -274,7 +274,7 @@ def disc_sketch(place: Sequence[Any], heading: Any, rolled: Any, lean: Any = "")
     if lean:
         sketch = sketch.line(CONTACT, (0.0, 1.5), look="dashed")
         sketch = sketch.angle(CONTACT, 2.35, 90, 90 + tilt, lean)
-    return sketch.dot(CONTACT, f"M{_joined(place)}", -110)
+    return sketch.dot(CONTACT, f"M{_join(place)}", -110)
 
 
 @reads("names")
@@ -287,7 +287,7 @@ def pinned_sketch(
     sketch = sketch.area((0.0, 0.0), (-0.16, -0.32), (0.16, -0.32))
     sketch = sketch.line((-0.4, -0.32), (0.4, -0.32))
     if gamma:
-        sketch = sketch.arrow((0, 0), (0.0, 1.5), _joined(gamma))
+        sketch = sketch.arrow((0, 0), (0.0, 1.5), _join(gamma))
     if attitude:
         sketch = _axis(sketch, _Outline(1.1, 1.1), (), attitude, (0.0, 0.0))
     if still:
@@ -300,4 +300,4 @@ def particle_sketch(gamma: Sequence[Any]) -> Sketch:
     """A particle on the unit sphere."""
     sketch = Sketch("seen from the side").ellipse((0, 0), 1.2, 1.2).ring((0, 0), 1.2, 0.3)
     tip = polar((0, 0), 1.2, 55)
-    return sketch.dot((0, 0), "O", 200).arrow((0, 0), tip).dot(tip, _joined(gamma), 35)
+    return sketch.dot((0, 0), "O", 200).arrow((0, 0), tip).dot(tip, _join(gamma), 35)

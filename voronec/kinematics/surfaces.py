@@ -178,7 +178,9 @@ class Surface:
             -(D du/dt + D' dv/dt) / L_u,
             ((2 F_u - E_v - E_u F/E) du/dt + (G_u - E_v F/E) dv/dt) / (2 W).
         """
-        coefficients = self._out(_short([x for row in self._shape.turning for x in row]))
+        coefficients = self._out(
+            _short([x for row in self._shape.frame_rate_coefficients for x in row])
+        )
         du, dv = self._rates
         x, y, z = (coefficients[i] * du + coefficients[i + 1] * dv for i in (0, 2, 4))
         return x, y, z
@@ -266,7 +268,7 @@ class _Shape:
         )
 
     @property
-    def turning(self) -> tuple[tuple[Any, Any], ...]:
+    def frame_rate_coefficients(self) -> tuple[tuple[Any, Any], ...]:
         """The coefficients of ``Surface.frame_rates`` at du/dt and dv/dt."""
         u, v = self.coordinates
         d, mixed, dd = self.second_form

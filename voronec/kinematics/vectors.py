@@ -7,10 +7,10 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympified
-from voronec.errors import DefinitionError, shown
+from voronec.algebra.text import sympify
+from voronec.errors import DefinitionError, quote
 
-__all__ = ["Vector", "applied", "column", "cross", "dot", "three"]
+__all__ = ["Vector", "apply_matrix", "column", "cross", "dot", "three"]
 
 Vector = tuple[Any, Any, Any]
 
@@ -29,7 +29,7 @@ def cross(a: Sequence[Any], b: Sequence[Any]) -> Vector:
     )
 
 
-def applied(matrix: Any, vector: Sequence[Any]) -> Vector:
+def apply_matrix(matrix: Any, vector: Sequence[Any]) -> Vector:
     """A 3 x 3 matrix times a vector."""
     x, y, z = (dot(matrix.row(i), vector) for i in range(3))
     return x, y, z
@@ -45,11 +45,11 @@ def _product(x: Any, y: Any) -> Any:
 def three(things: Any, what: str) -> Vector:
     """Three SymPy expressions out of a sequence or a matrix; ``what`` names them in errors."""
     try:
-        entries = tuple(sympified(thing) for thing in things)
+        entries = tuple(sympify(thing) for thing in things)
     except (TypeError, DefinitionError):
         entries = ()
     if len(entries) != 3 or not all(is_scalar(e) for e in entries):
-        raise DefinitionError(f"{what} must be three expressions, got '{shown(things)}'")
+        raise DefinitionError(f"{what} must be three expressions, got '{quote(things)}'")
     return entries[0], entries[1], entries[2]
 
 

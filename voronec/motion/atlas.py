@@ -79,7 +79,7 @@ class KeptChart:
     @cached_property
     def angles(self) -> set[Any]:
         """Variables that are angles, known up to whole turns."""
-        return {x for x, e in self.back.items() if holds_angles([Angles().resolved(e)])}
+        return {x for x, e in self.back.items() if holds_angles([Angles().resolve(e)])}
 
     @cached_property
     def sides(self) -> tuple[Any, ...]:
@@ -87,7 +87,7 @@ class KeptChart:
         quadrant into another: y and x of each atan2(y, x) in ``back``."""
         found: dict[Any, None] = {}
         for e in self.back.values():
-            for angle in sorted(Angles().resolved(e).atoms(se.atan2), key=str):
+            for angle in sorted(Angles().resolve(e).atoms(se.atan2), key=str):
                 # a root is never negative: its angle stays where it is
                 found |= {part: None for part in angle.args if not _is_root(part)}
         return tuple(found)
@@ -101,7 +101,7 @@ class KeptChart:
             for q, own in dots.items()
             if q in self.back
         }
-        return Angles().resolved(se.sympify(function).xreplace({**rates, **self.back}))
+        return Angles().resolve(se.sympify(function).xreplace({**rates, **self.back}))
 
 
 def kept_charts(equations: VoronecEquations, form: FirstOrderForm) -> tuple[KeptChart, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.arguments import COUNT, FLAG, SEVERAL, TEXT, require
-from voronec.errors import DefinitionError, shown
+from voronec.errors import DefinitionError, quote
 from voronec.motion.vocabulary import Vocabulary, held_name
 
 __all__ = ["Crossings", "Event", "spelled"]
@@ -37,8 +37,8 @@ class Event:
         require("event", "stop", self.stop, FLAG)
         if not COUNT.holds(self.direction) or self.direction not in (-1, 0, 1):
             raise DefinitionError(
-                f"event '{shown(self.name or self.function)}': direction = "
-                f"{shown(self.direction)} must be 1 (upwards), -1 (downwards) or 0 (both)"
+                f"event '{quote(self.name or self.function)}': direction = "
+                f"{quote(self.direction)} must be 1 (upwards), -1 (downwards) or 0 (both)"
             )
 
 
@@ -69,7 +69,7 @@ def spelled(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Event, ...], dic
     """Events with their names filled in, and their functions in the user's symbols by name."""
     single = isinstance(events, str | sp.Basic | Event)
     if not SEVERAL.holds(events) and not isinstance(events, Event):
-        raise DefinitionError(f"events = {shown(events)} are no events; give voronec.Event(...)")
+        raise DefinitionError(f"events = {quote(events)} are no events; give voronec.Event(...)")
     given: Sequence[Any] = (events,) if single else tuple(events)
     named, inside = [], {}
     for item in given:

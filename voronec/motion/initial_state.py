@@ -14,7 +14,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import names_in, plain_name
-from voronec.declaration.reading import mapping, shown, texts_read
+from voronec.declaration.reading import fixed_mapping, quote, texts_read
 from voronec.declaration.system import require_possible
 from voronec.equations.program import Program, compiled
 from voronec.errors import DefinitionError
@@ -119,7 +119,7 @@ def named(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[s
         among = [name for name in vocabulary.symbols if name not in constants | {"t"}]
     result: dict[str, Any] = {}
     argument = "parameters" if role == "parameter" else "initial"
-    for key, value in texts_read(mapping(given, argument, "name: value"), role).items():
+    for key, value in texts_read(fixed_mapping(given, argument, "name: value"), role).items():
         name = vocabulary.name(key, among, role)
         if name in result:
             raise DefinitionError(f"system '{system.name}': the {role} '{name}' is given twice")
@@ -248,7 +248,7 @@ def numbers_of(
         lacking = sorted(map(str, value.free_symbols)) if isinstance(value, sp.Expr) else []
         if lacking:
             raise DefinitionError(
-                f"{place} = {shown(value)} is not a real number, since '{lacking[0]}' has no value"
+                f"{place} = {quote(value)} is not a real number, since '{lacking[0]}' has no value"
             )
         result[name] = number(value, place)
     return result

@@ -21,7 +21,7 @@ import sympy as sp
 from voronec.algebra.symbols import names_in, plain_name, time, velocity
 from voronec.algebra.text import formula
 from voronec.declaration.claims import right_of, without_claims
-from voronec.declaration.reading import expression, mapping, shown
+from voronec.declaration.reading import expression, fixed_mapping, quote
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
@@ -137,11 +137,11 @@ def _named(system: System, given: Mapping[Any, Any]) -> dict[str, Any]:
     """Values by the names of inputs, and of their rates."""
     known = [plain_name(u) + "dot" * k for u in system.inputs for k in range(3)]
     found: dict[str, Any] = {}
-    for key, value in mapping(given, "inputs", "name: value").items():
+    for key, value in fixed_mapping(given, "inputs", "name: value").items():
         name = key if isinstance(key, str) else plain_name(key)
         if name not in known:
             raise DefinitionError(
-                f"system '{system.name}' has no input '{shown(name)}'{did_you_mean(name, known)}"
+                f"system '{system.name}' has no input '{quote(name)}'{did_you_mean(name, known)}"
             )
         found[name] = value
     return found
@@ -176,7 +176,7 @@ def _jet_of_expression(system: System, u: sp.Expr, value: sp.Expr) -> list[sp.Ex
     state = names_in(value) - constants - {time}
     if not state:
         return [value, value.diff(time), value.diff(time, 2)]
-    place = f"system '{system.name}': the input '{plain_name(u)}' = {shown(value)}"
+    place = f"system '{system.name}': the input '{plain_name(u)}' = {quote(value)}"
     known = {*system.known_symbols()} - {*system.inputs}
     foreign = sorted(map(str, state - known))
     if foreign:

@@ -12,8 +12,8 @@ import sympy as sp
 
 from voronec.algebra.arguments import SEQUENCE
 from voronec.algebra.symbols import is_symbolic_name, plain_name
-from voronec.algebra.text import sympified
-from voronec.declaration.reading import doubles, several, shown
+from voronec.algebra.text import sympify
+from voronec.declaration.reading import doubles, quote, several
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, did_you_mean
@@ -66,8 +66,8 @@ def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[st
     known = vocabulary.known
     if isinstance(key, str):
         name = vocabulary.name(key, known, role)
-        return name, sympified(known[name])
-    given = sympified(key)
+        return name, sympify(known[name])
+    given = sympify(key)
     expr = given.xreplace(vocabulary.inputs)
     meaning = {}
     for symbol in sorted(expr.free_symbols, key=str):
@@ -92,7 +92,7 @@ def scene_of(
         return scene
     if scene is not None and not isinstance(scene, str):
         raise DefinitionError(
-            f"system '{system.name}': scene = {shown(scene)} is no scene; give its name, or a "
+            f"system '{system.name}': scene = {quote(scene)} is no scene; give its name, or a "
             "voronec.Scene"
         )
     if scene is None:
@@ -150,7 +150,7 @@ def _columns(given: Values, role: str) -> dict[Any, np.ndarray]:
     """The arrays among some values, in numbers."""
     found = {}
     for key, values in given.items():
-        place = f"{role} '{shown(key)}'"
+        place = f"{role} '{quote(key)}'"
         try:
             column = np.asarray(values)
         except (TypeError, ValueError):  # rows of several lengths

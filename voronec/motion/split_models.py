@@ -25,7 +25,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.declaration.charts import Chart
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.system import System, bare
@@ -211,7 +211,7 @@ def _spelled(
     own = {name: getattr(system, name) for name in names} | dict(changes or {})
 
     def on(expr: Any) -> Any:
-        return sympified(expr).xreplace(meaning)
+        return sympify(expr).xreplace(meaning)
 
     return {
         "lagrangian": on(own["lagrangian"]),

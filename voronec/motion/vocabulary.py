@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
-from voronec.algebra.text import in_doubles, sympified
+from voronec.algebra.text import in_doubles, sympify
 from voronec.declaration.claims import right_of
-from voronec.declaration.reading import expression, quoted, real_text, shown
+from voronec.declaration.reading import expression, quote, quote_number, real_text
 from voronec.errors import DefinitionError, did_you_mean
 
 if TYPE_CHECKING:
@@ -32,18 +32,18 @@ def number(value: Any, place: str) -> float:
         found = math.nan
     except OverflowError:
         raise DefinitionError(
-            f"{place} = {quoted(value)} is not a real number that a double holds"
+            f"{place} = {quote_number(value)} is not a real number that a double holds"
         ) from None
     if math.isfinite(found):
         return found
     raise DefinitionError(
-        f"{place} = {shown(value)} is not {'finite' if math.isinf(found) else 'a real number'}"
+        f"{place} = {quote(value)} is not {'finite' if math.isinf(found) else 'a real number'}"
     )
 
 
 def _double(value: Any, place: str) -> float:
     try:
-        read = real_text(value, place) if isinstance(value, str) else sympified(value, place)
+        read = real_text(value, place) if isinstance(value, str) else sympify(value, place)
     except DefinitionError:
         if isinstance(value, str):
             raise
@@ -65,11 +65,11 @@ def held_name(key: Any, held: Iterable[str], holder: str) -> str:
 
     ``DefinitionError`` where it is not there; ``holder`` begins the message: "the section holds".
     """
-    name = key if isinstance(key, str) else label(sympified(key, "what is asked for"))
+    name = key if isinstance(key, str) else label(sympify(key, "what is asked for"))
     known = list(held)
     if name not in known:
         raise DefinitionError(
-            f"{holder} no '{shown(name)}', ask for it in outputs=(...){did_you_mean(name, known)}"
+            f"{holder} no '{quote(name)}', ask for it in outputs=(...){did_you_mean(name, known)}"
         )
     return name
 
@@ -173,7 +173,7 @@ class Vocabulary:
         allowed = list(among)
         if name not in allowed:
             raise DefinitionError(
-                f"system '{self.equations.system.name}' has no {role} '{shown(name)}'"
+                f"system '{self.equations.system.name}' has no {role} '{quote(name)}'"
                 f"{did_you_mean(name, allowed)}"
             )
         return name
@@ -217,13 +217,13 @@ class Vocabulary:
         """A user's expression inside the door, its invariants spelled out."""
         system = self.equations.system
         meaning = dict(zip(system.invariant_symbols, system.invariants.values(), strict=True))
-        return self.equations.door.inward(sympified(expr).xreplace(meaning))
+        return self.equations.door.inward(sympify(expr).xreplace(meaning))
 
     def _plain(self, key: Any, role: str) -> str:
         try:
-            return plain_name(sympified(key, f"the {role}"))
+            return plain_name(sympify(key, f"the {role}"))
         except DefinitionError:
             raise DefinitionError(
-                f"system '{self.equations.system.name}': '{shown(key)}' names no {role}; give a "
+                f"system '{self.equations.system.name}': '{quote(key)}' names no {role}; give a "
                 "symbol or its name"
             ) from None

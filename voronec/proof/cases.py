@@ -9,7 +9,13 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
-from voronec.declaration.claims import KINDS, Case, expressions_of, replaced, without_claims
+from voronec.declaration.claims import (
+    KINDS,
+    Case,
+    expressions_of,
+    replace_in_claims,
+    without_claims,
+)
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import expression
 from voronec.declaration.scene import Parameter
@@ -67,7 +73,7 @@ def case_of(system: System, case: Case) -> System:
     at = case_values(system, case.parameters)
     bare = replace(system, **without_claims())
     fields = [kind.field for kind in KINDS if hasattr(case, kind.field)]
-    own = {field: replaced(getattr(case, field), at) for field in fields}
+    own = {field: replace_in_claims(getattr(case, field), at) for field in fields}
     return replace(specialised(bare, case.parameters), **own)
 
 
@@ -101,7 +107,7 @@ def _defined(claims: Mapping[str, Any], at: Mapping[Any, Any]) -> dict[str, Any]
     found = {}
     for name, claim in claims.items():
         try:
-            special = replaced(claim, at)
+            special = replace_in_claims(claim, at)
         except DefinitionError:
             continue
         if not any(e.has(sp.zoo, sp.nan, sp.oo, -sp.oo) for e in expressions_of(special)):

@@ -32,7 +32,7 @@ from voronec.declaration.system import System
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, EngineLimit, shown
+from voronec.errors import DefinitionError, EngineLimit, quote
 from voronec.proof.brackets import decide_poisson
 from voronec.proof.cases import case_of, specialised
 from voronec.proof.closure import decide_essential
@@ -266,7 +266,7 @@ def _decide_assertion(motions: Motions, claim: Assertion) -> Decision:
     verdict = claim.decide(motions, claim.expressions)
     if not isinstance(verdict, Verdict):
         raise DefinitionError(
-            f"what decides '{claim.kind}' returned '{shown(verdict)}'; return a Verdict"
+            f"what decides '{claim.kind}' returned '{quote(verdict)}'; return a Verdict"
         )
     return Decision(verdict)
 

@@ -26,7 +26,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.declaration.claims import Measure
-from voronec.declaration.reading import expression, shown
+from voronec.declaration.reading import expression, quote
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit
@@ -44,7 +44,7 @@ def divergence(density: Any, flow: Mapping[Any, Any]) -> sp.Expr:
     It vanishes where the density is that of an invariant measure.
     """
     own = expression(density, "the density")
-    rates = {x: expression(rate, f"the rate of '{shown(x)}'") for x, rate in flow.items()}
+    rates = {x: expression(rate, f"the rate of '{quote(x)}'") for x, rate in flow.items()}
     for x in rates:
         plain_name(x)  # refuses what is no variable
     named = {x: sp.Symbol(x) if isinstance(x, str) else x for x in rates}

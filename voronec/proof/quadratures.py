@@ -25,7 +25,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, witness_at
 from voronec.declaration.quadratures import Plane, Quadratures, Space, Trace
-from voronec.declaration.reading import shown
+from voronec.declaration.reading import quote
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit
@@ -105,7 +105,7 @@ class Ground:
 
     def upright(self, expr: Any) -> Any:
         """A function of the state on upright data."""
-        return self.angles.resolved(expr.xreplace(self._upright))
+        return self.angles.resolve(expr.xreplace(self._upright))
 
     def zero(self, residuals: Residuals) -> Verdict:
         """Whether all residuals vanish."""
@@ -140,8 +140,8 @@ def decide_residues(ground: Ground, rate: sp.Expr) -> Verdict:
     if len(shares) != bottom:
         told = f"the rate has {bottom} poles, of which {len(shares)} are declared"
         return Verdict("undecided", told)
-    residuals = [(f"pole {shown(pole.place)}", pole.bottom) for pole in shares]
-    residuals += [(f"residue at {shown(p.place)}", p.excess(n)) for p, n in shares.items()]
+    residuals = [(f"pole {quote(pole.place)}", pole.bottom) for pole in shares]
+    residuals += [(f"residue at {quote(p.place)}", p.excess(n)) for p, n in shares.items()]
     verdict = ground.zero(residuals)  # for any values of the constants, as if nothing bound them
     if verdict.proved:
         return verdict
@@ -271,8 +271,8 @@ class InSpace:
         for q, value in self.space.coordinates.items():
             off = field.door.inward(value).xreplace(entries) - field.read(q)
             found += [
-                (f"sin({plain_name(q)})", angles.resolved(se.sin(off))),
-                (f"cos({plain_name(q)})", angles.resolved(se.cos(off)) - 1),
+                (f"sin({plain_name(q)})", angles.resolve(se.sin(off))),
+                (f"cos({plain_name(q)})", angles.resolve(se.cos(off)) - 1),
             ]
         return self.ground.zero(found)
 
@@ -375,11 +375,11 @@ def _direction(ground: Ground, plane: Plane) -> Verdict:
     """The vector in the plane is constant, and as long as is said."""
     a, b = (ground.field.read(e) for e in plane.direction)
     found = [
-        (f"the rate of {shown(e)}", rate)
+        (f"the rate of {quote(e)}", rate)
         for e, rate in zip(plane.direction, ground.field.derivatives([a, b]), strict=True)
     ]
     found.append(("the length", a**2 + b**2 - ground.on_level(plane.length) ** 2))
-    parts = [(shown(e), part) for e, part in zip(plane.direction, (a, b), strict=True)]
+    parts = [(quote(e), part) for e, part in zip(plane.direction, (a, b), strict=True)]
     return across_walls(ground.zero(found), ground.field, parts, constant=True)
 
 

@@ -20,7 +20,7 @@ import flint
 import symengine as se
 
 from voronec.algebra.branches import Branches, Wall, bounds_of, has_branches, is_plain, product_of
-from voronec.algebra.conditions import domain_of, moved_hypotheses, parted
+from voronec.algebra.conditions import domain_of, moved_hypotheses, split_hypotheses
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import consistent, sample_point
 from voronec.algebra.precision import GENERIC
@@ -29,7 +29,7 @@ from voronec.algebra.signs import known_sign
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, witness_at
 from voronec.equations.vector_field import VectorField
-from voronec.errors import DefinitionError, EngineLimit, shown
+from voronec.errors import DefinitionError, EngineLimit, quote
 
 __all__ = ["across_walls"]
 
@@ -281,7 +281,7 @@ class _Ground:
     def _point(self, tape: Tape, hypotheses: Sequence[Any], seed: int) -> dict[Any, Any]:
         """A state where hypotheses hold, with parameters that are positive unless they may not be;
         a relation that is a variable itself makes it vanish exactly."""
-        equations, conditions = parted(hypotheses)
+        equations, conditions = split_hypotheses(hypotheses)
         zero = {e: flint.fmpq(0) for e in equations if e in self.moving}
         atoms = dict.fromkeys([*tape.atoms, *Tape(equations).atoms])
         still = [a for a in atoms if isinstance(a, se.Symbol) and a not in self.moving]
@@ -300,7 +300,7 @@ class _Ground:
     def _vanishes(self, expr: Any, hypotheses: Sequence[Any]) -> bool:
         """Whether it is proved that an expression vanishes; where nothing satisfies the relations
         everything does."""
-        equations, conditions = parted(hypotheses)
+        equations, conditions = split_hypotheses(hypotheses)
         try:
             if any(not value.contains(0) for value in self._values(expr, hypotheses)):
                 return False
@@ -372,4 +372,4 @@ def _common(a: Any, b: Any) -> Any:
 
 
 def _shown(expr: Any) -> str:
-    return str(shown(expr))
+    return str(quote(expr))

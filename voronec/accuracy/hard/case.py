@@ -10,7 +10,7 @@ import numpy as np
 
 from voronec.algebra.arguments import COUNT, SEQUENCE, TEXT, require
 from voronec.declaration.scene import Scene
-from voronec.errors import DefinitionError, shown
+from voronec.errors import DefinitionError, quote
 from voronec.motion.methods import METHODS
 
 __all__ = ["ARITHMETICS", "HardCase"]
@@ -63,13 +63,13 @@ class HardCase:
         require(f"hard case '{self.name}'", "points", self.points, COUNT)
         require(f"hard case '{self.name}'", "methods", self.methods, SEQUENCE)
         if not isinstance(self.scene, Scene):
-            raise self._wrong(f"scene = {shown(self.scene)}", "a voronec.Scene")
+            raise self._wrong(f"scene = {quote(self.scene)}", "a voronec.Scene")
         if self.level not in ("coordinates", "invariants", ""):
             raise self._wrong(f"level = '{self.level}'", "coordinates, invariants or ''")
         if self.arithmetic not in ARITHMETICS:
             raise self._wrong(f"arithmetic = '{self.arithmetic}'", " or ".join(ARITHMETICS))
         if unknown := [m for m in self.methods if m not in METHODS]:
-            raise self._wrong(f"method '{shown(unknown[0])}'", ", ".join(METHODS))
+            raise self._wrong(f"method '{quote(unknown[0])}'", ", ".join(METHODS))
         if self.points < 2:
             raise self._wrong(f"points = {self.points}", "2 or more")
         if not self.scene.outputs:

@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.closed.arithmetic import ball, compile_expressions, exact, precise
 from voronec.closed.special.family import Precessions, known_parameters, precessions
 from voronec.closed.special.plane import Strip, sign_on, strips
 from voronec.closed.special.stability import decide_stability
-from voronec.declaration.reading import expression, mapping, shown
+from voronec.declaration.reading import expression, fixed_mapping, quote
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 
@@ -134,11 +134,11 @@ def _read(
 ) -> tuple[tuple[sp.Symbol, sp.Symbol], tuple[sp.Symbol, sp.Expr]]:
     """The constants by name: two of the plane, and the third with its value."""
     own = {str(c): c for c in family.constants}
-    given = mapping(fixed, "fixed", "constant: value")
+    given = fixed_mapping(fixed, "fixed", "constant: value")
     asked = [*map(str, plane), *map(str, given)]
     if len(plane) != 2 or sorted(asked) != sorted(own):
         raise DefinitionError(
-            f"plane {shown(tuple(map(str, plane)))} and fixed {shown([*map(str, given)])} must "
+            f"plane {quote(tuple(map(str, plane)))} and fixed {quote([*map(str, given)])} must "
             f"name each of the constants {', '.join(own)} once: two in plane, one in fixed"
         )
     ((name, value),) = given.items()
@@ -269,7 +269,7 @@ def _points(
         for root in roots:
             if not root.is_real:
                 continue
-            known = {c: sympified(e).xreplace({free: root}) for c, e in constants.items()}
+            known = {c: sympify(e).xreplace({free: root}) for c, e in constants.items()}
             stable = decide_stability(family.quadratures, known, dict(family.values), place).stable
             point = tuple(float(known[c]) for c in axes)
             found.append(LevelPoint((point[0], point[1]), float(place), stable, what))

@@ -14,11 +14,11 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.factors import in_factors
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.closed.special.family import known_parameters, precessions
 from voronec.closed.special.plane import Strip, strips
 from voronec.closed.special.stability import sign_of
-from voronec.declaration.reading import shown
+from voronec.declaration.reading import quote
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 
@@ -80,16 +80,16 @@ def chart_of(
     """
     values = known_parameters(system, parameters or {})
     family = precessions(system, values)
-    scale = sympified(unit).xreplace(values)
+    scale = sympify(unit).xreplace(values)
     if not (scale.is_number and sign_of(scale) > 0):
-        raise DefinitionError(f"unit = {shown(unit)} is not a positive number; write one like k/A")
+        raise DefinitionError(f"unit = {quote(unit)} is not a positive number; write one like k/A")
     x, w = family.place, family.rate
     second = sp.cancel(family.derivative(2).xreplace({w: w * scale}))
     above, below = sp.fraction(in_factors(second))
     names = {p.symbol: p.name for p in system.parameters}
     cells = strips([above], x, w, window, cuts=[below])
     if not cells:
-        raise DefinitionError(f"window = {shown(window)} is empty; write (low, high)")
+        raise DefinitionError(f"window = {quote(window)} is empty; write (low, high)")
     regions = [r for strip in cells for r in _regions(strip, second, x, w)]
     return StabilityChart(
         system=system.name,

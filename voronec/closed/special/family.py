@@ -20,7 +20,7 @@ import sympy as sp
 from voronec.algebra.arguments import VALUES, accepts
 from voronec.algebra.normal import shorten
 from voronec.algebra.symbols import velocity
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.algebra.verdicts import Verdict, prove_equal
 from voronec.closed.request import known_parameters, number, quadratures_of, read_parameters
 from voronec.closed.space import turned_upright
@@ -34,7 +34,7 @@ from voronec.closed.special.elimination import (
 from voronec.closed.special.ends import End, ends_of
 from voronec.closed.special.stability import Stability, decide_stability
 from voronec.declaration.quadratures import Quadratures, Space
-from voronec.declaration.reading import shown
+from voronec.declaration.reading import quote
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
@@ -130,7 +130,7 @@ def linear_matrix(family: Precessions) -> sp.Matrix:
 def _on_family(family: Precessions, value: sp.Expr) -> sp.Expr:
     (angle,) = family.quadratures.meaning.free_symbols
     own = family.at_colatitude(value.xreplace(dict(family.state)))
-    return sympified(own.subs(angle, sp.acos(family.place)))
+    return sympify(own.subs(angle, sp.acos(family.place)))
 
 
 @dataclass(frozen=True, repr=False)
@@ -174,7 +174,7 @@ class Precessions:
 
     def on(self, value: Any) -> sp.Expr:
         """An expression in the variable, constants and parameters, on the family."""
-        own = sympified(value).xreplace(dict(self.constants))
+        own = sympify(value).xreplace(dict(self.constants))
         return short(own.xreplace(dict(self.values)))
 
     def at_colatitude(self, value: Any) -> Any:
@@ -242,7 +242,7 @@ class Precessions:
         given = {self.place: number(place, "x"), self.rate: number(rate, str(self.rate))}
         if not (-1 < given[self.place] < 1):
             raise DefinitionError(
-                f"{self.place} = {shown(place)} is not between -1 and 1; at a pole ask 'ends'"
+                f"{self.place} = {quote(place)} is not between -1 and 1; at a pole ask 'ends'"
             )
         return {**known, **given}
 
@@ -254,8 +254,8 @@ class Precessions:
         for value in self.constants.values():
             if sp.cancel(sp.denom(value).xreplace(at)) == 0:
                 raise DefinitionError(
-                    f"there is no precession of the family at {self.place} = {shown(place)}, "
-                    f"{self.rate} = {shown(rate)}: a denominator vanishes; see 'branches'"
+                    f"there is no precession of the family at {self.place} = {quote(place)}, "
+                    f"{self.rate} = {quote(rate)}: a denominator vanishes; see 'branches'"
                 )
         constants = {c: value.xreplace(at) for c, value in self.constants.items()}
         return decide_stability(self.quadratures, constants, at, at[self.place])

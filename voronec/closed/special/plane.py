@@ -18,7 +18,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.closed.arithmetic import compile_expressions, precise
-from voronec.declaration.reading import shown
+from voronec.declaration.reading import quote
 from voronec.errors import EngineLimit
 
 __all__ = ["Strip", "critical", "sign_on", "strips"]
@@ -160,7 +160,7 @@ def sign_on(expr: sp.Expr, at: Mapping[sp.Symbol, tuple[Fraction, Fraction]]) ->
         return 1
     if value < 0:
         return -1
-    raise EngineLimit(f"the sign of '{shown(expr)}' is not decided beside a critical value")
+    raise EngineLimit(f"the sign of '{quote(expr)}' is not decided beside a critical value")
 
 
 def _ends(ball: Any) -> tuple[Fraction, Fraction]:

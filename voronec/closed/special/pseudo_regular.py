@@ -24,7 +24,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import exact
 from voronec.closed.request import known_parameters, quadratures_of, read_parameters
 from voronec.declaration.quadratures import Quadratures
-from voronec.declaration.reading import expression, mapping, shown
+from voronec.declaration.reading import expression, fixed_mapping, quote
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -204,7 +204,7 @@ def pseudo_regular(
     """
     own = {p.name: p.symbol for p in system.parameters}
     if plain_name(large) not in own:
-        raise DefinitionError(f"system '{system.name}' has no parameter '{shown(large)}'")
+        raise DefinitionError(f"system '{system.name}' has no parameter '{quote(large)}'")
     quadratures = quadratures_of(system)
     wanted = {plain_name(t.longitude) for t in quadratures.traces}
     kept = [q for q in quadratures.integrals if plain_name(q) in wanted]
@@ -353,12 +353,12 @@ def _start_values(system: System, start: Mapping[Any, Any]) -> dict[Any, sp.Expr
     """x and velocities at the beginning, by their symbols."""
     own = {plain_name(s): s for s in (quadratures_of(system).x, *system.velocities)}
     found = {}
-    for key, value in mapping(start, "start", "x or velocity: value").items():
+    for key, value in fixed_mapping(start, "start", "x or velocity: value").items():
         if plain_name(key) not in own:
             raise DefinitionError(
-                f"a start has no '{shown(key)}'; it has values for {', '.join(own)}"
+                f"a start has no '{quote(key)}'; it has values for {', '.join(own)}"
             )
-        found[own[plain_name(key)]] = exact(expression(value, f"the start '{shown(key)}'"))
+        found[own[plain_name(key)]] = exact(expression(value, f"the start '{quote(key)}'"))
     return found
 
 

@@ -39,7 +39,7 @@ class Places:
     rates: list[tuple[Any, Any]] = field(default_factory=list)
     _axes: dict[int, list[tuple[Any, Any]]] = field(default_factory=dict)
 
-    def placed(self, body: str, axis: int, rate: Any) -> Any:
+    def place_rate(self, body: str, axis: int, rate: Any) -> Any:
         """A velocity along an axis at rest as the rate of something: of a function of the
         coordinates, of a place that there is already and such a function, or of a new place."""
         if self._is_exact(rate):
@@ -119,7 +119,7 @@ def free_body(body: Any, frame: Any, read: Components, places: Places) -> FreeBo
     """A ``Particle`` or a ``RigidBody``, read."""
     velocity = in_one_line(lambda: body.masscenter.vel(frame), f"the velocity of '{body.name}'")
     rates = [
-        places.placed(str(body.name), axis, rate)
+        places.place_rate(str(body.name), axis, rate)
         for axis, rate in enumerate(read.of(velocity, frame))
     ]
     moved = FreeBody(body, read.read(body.mass), rates)

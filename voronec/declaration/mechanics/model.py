@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, velocity
-from voronec.errors import DefinitionError, shown
+from voronec.errors import DefinitionError, quote
 
 __all__ = ["MechanicsModel", "read_model"]
 
@@ -66,7 +66,7 @@ def read_model(source: Any, arguments: tuple[Any, ...], named: Mapping[str, Any]
     except TypeError as error:
         kind = "KanesMethod" if reader is _kane else "LagrangesMethod"
         raise DefinitionError(
-            f"from_mechanics: {error}; with '{shown(source)}' first the arguments are those of "
+            f"from_mechanics: {error}; with '{quote(source)}' first the arguments are those of "
             f"{kind}"
         ) from None
     return reader(*bound.args, **bound.kwargs)
@@ -118,7 +118,7 @@ def _lagrange(
     ]
     if len(rows) != 1:
         raise DefinitionError(
-            f"from_mechanics: '{shown(Lagrangian)}' is neither a ReferenceFrame, a Lagrangian nor "
+            f"from_mechanics: '{quote(Lagrangian)}' is neither a ReferenceFrame, a Lagrangian nor "
             "a KanesMethod or LagrangesMethod; give what these methods are called with"
         )
     loads = _loads(forcelist)
@@ -203,7 +203,7 @@ def _names(things: Any, place: str) -> tuple[sp.Expr, ...]:
     for name in names:
         if not is_symbolic_name(name):
             raise DefinitionError(
-                f"from_mechanics: '{shown(name)}' in {place} is neither a symbol nor a "
+                f"from_mechanics: '{quote(name)}' in {place} is neither a symbol nor a "
                 "dynamicsymbol; name it by one"
             )
     return names
@@ -220,7 +220,7 @@ def _bodies(things: Any) -> tuple[Any, ...]:
     for body in bodies:
         if not isinstance(body, Particle | RigidBody):
             raise DefinitionError(
-                f"from_mechanics: '{shown(body)}' among the bodies is neither a RigidBody nor a "
+                f"from_mechanics: '{quote(body)}' among the bodies is neither a RigidBody nor a "
                 "Particle"
             )
     return bodies
@@ -236,7 +236,7 @@ def _loads(things: Any) -> tuple[tuple[Any, Any], ...]:
         kinds = len(pair) == 2 and isinstance(pair[0], Point | ReferenceFrame)
         if not kinds or not (isinstance(pair[1], Vector) or pair[1] == 0):
             raise DefinitionError(
-                f"from_mechanics: the load '{shown(load)}' is no pair of a Point or a "
+                f"from_mechanics: the load '{quote(load)}' is no pair of a Point or a "
                 "ReferenceFrame with a Vector: it acts along nothing that has a velocity"
             )
         found.append(pair)

@@ -20,7 +20,7 @@ from voronec.algebra.numeric_functions import (
     numeric_name,
 )
 from voronec.equations.program.straight import Block
-from voronec.errors import EngineLimit, shown
+from voronec.errors import EngineLimit, quote
 
 __all__ = [
     "FUNCTIONS",
@@ -245,7 +245,7 @@ def decimal(p: int, q: int = 1) -> str:
     try:
         return repr(p / q)
     except OverflowError:
-        raise EngineLimit(f"the number {shown(p)}/{shown(q)} is beyond doubles") from None
+        raise EngineLimit(f"the number {quote(p)}/{quote(q)} is beyond doubles") from None
 
 
 def fits(*numbers: int) -> bool:

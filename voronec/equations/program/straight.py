@@ -16,7 +16,7 @@ import symengine as se
 
 from voronec.algebra.graphs import is_atom
 from voronec.algebra.stable import stable_all
-from voronec.algebra.stages import needed
+from voronec.algebra.stages import needed_stages
 from voronec.equations.program.low_rank import Elimination, eliminations
 from voronec.equations.program.triangular import coupled_rows
 from voronec.equations.program.walls import is_rough, plain_roots
@@ -351,7 +351,7 @@ def shared(
     results = reduced[len(stages) :]
     names: dict[Any, Any] = {}
     assignments = []
-    for old in needed(pending, [*inner, *results]):
+    for old in needed_stages(pending, [*inner, *results]):
         expr = _renamed(pending[old], names)
         if expr.args:
             names[old] = next(fresh)

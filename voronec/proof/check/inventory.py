@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.arguments import SEVERAL, TEXT, accepts, require
-from voronec.declaration.catalogue import Entry, entries, entry_of, file_entry, registered
+from voronec.declaration.catalogue import Entry, entries, entry_of, file_entry, registered_entries
 from voronec.proof.check.contents import Contents, Edge, Face, Trouble
 from voronec.proof.verdict_store import Store, closure, digest
 
@@ -133,7 +133,7 @@ class Inventory:
 def _hidden(known: Sequence[Entry]) -> list[Entry]:
     """Entries whose name another one bears."""
     shown = {(e.name, e.module, e.attribute) for e in known}
-    return [e for e in registered() if (e.name, e.module, e.attribute) not in shown]
+    return [e for e in registered_entries() if (e.name, e.module, e.attribute) not in shown]
 
 
 def _repeats(entry: Entry, found: Mapping[str, Entry]) -> str:

@@ -14,7 +14,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from voronec.errors import DefinitionError, shown
+from voronec.errors import DefinitionError, quote
 from voronec.proof.check.contents import Trouble
 from voronec.proof.check.inventory import Inventory
 from voronec.proof.check.record import Finding, Report, Result, marked
@@ -53,7 +53,7 @@ def check_relation(relation: Relation, systems: Iterable[System] = ()) -> Checke
     from voronec.proof.relations.decision import check_relation as decide
 
     if not isinstance(relation, Relation):
-        raise DefinitionError(f"'{shown(relation)}' is not a voronec.Relation; give one")
+        raise DefinitionError(f"'{quote(relation)}' is not a voronec.Relation; give one")
     own = {s.name: s for s in map(require_system, several(systems, "systems", "system", System))}
 
     @cache

@@ -14,7 +14,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.symbols import plain_name, time
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.algebra.typeset import plain_text
 from voronec.declaration.system import System
 from voronec.equations.curvature import curvature_of, vertical_parts
@@ -33,7 +33,7 @@ def is_general(system: System) -> bool:
     """Whether a system holds functions that nobody has given, as E(u, v); it has no numbers."""
     held = (system.lagrangian, *system.constraints, *system.forces.values())
     named = {*system.coordinates}
-    return any(e.atoms(AppliedUndef) - named for e in map(sympified, held))
+    return any(e.atoms(AppliedUndef) - named for e in map(sympify, held))
 
 
 def random_point(system: System, seed: int = 0) -> dict[Any, Any]:
@@ -283,5 +283,5 @@ def _is_name(thing: Any) -> bool:
 
 
 def _digits(value: Any) -> str:
-    number = sympified(value)
+    number = sympify(value)
     return str(number) if number.is_Rational else str(sp.N(number, 60))

@@ -9,10 +9,10 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name
-from voronec.algebra.text import exact_number, printed
+from voronec.algebra.text import exact_number, read_printed
 from voronec.algebra.typeset import html_table
 from voronec.algebra.verdicts import prove_equal
-from voronec.declaration.reading import shown
+from voronec.declaration.reading import quote
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
@@ -27,8 +27,8 @@ def read_expression(text: Any) -> sp.Expr:
     Raises ``DefinitionError`` for anything that is no expression.
     """
     if not isinstance(text, str):
-        raise DefinitionError(f"'{shown(text)}' is no text of an expression")
-    return printed(text, "a stored expression")
+        raise DefinitionError(f"'{quote(text)}' is no text of an expression")
+    return read_printed(text, "a stored expression")
 
 
 AGREEMENT = sp.Float("1e-24", 30)

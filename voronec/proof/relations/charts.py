@@ -103,11 +103,11 @@ def _up_to_turns(pairs: Iterable[tuple[str, Any]], angles: Angles) -> list[tuple
     """What must vanish where differences do, those of angles up to whole turns."""
     residuals = []
     for label, difference in pairs:
-        off = angles.resolved(difference)
+        off = angles.resolve(difference)
         if off.atoms(se.atan2):
             residuals += [
-                (f"sin({label})", angles.resolved(se.sin(off))),
-                (f"cos({label})", angles.resolved(se.cos(off)) - 1),
+                (f"sin({label})", angles.resolve(se.sin(off))),
+                (f"cos({label})", angles.resolve(se.cos(off)) - 1),
             ]
         else:
             residuals.append((label, off))

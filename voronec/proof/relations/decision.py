@@ -9,7 +9,7 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.conditions import parted
+from voronec.algebra.conditions import split_hypotheses
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import determinant
 from voronec.algebra.rank import generic_rank
@@ -192,7 +192,7 @@ def at_limit(statemap: StateMap) -> StateMap:
         mass=tuple(map(there, source.mass)),
         force=there(source.force),
         relations=there(source.relations),
-        conditions=tuple(c for c in parted(rules)[1] if small not in c.free_symbols),
+        conditions=tuple(c for c in split_hypotheses(rules)[1] if small not in c.free_symbols),
     )
     unit = [[se.Integer(0)] for _ in field.velocities]
     if unit and solve_linear(field.mass, unit, field.hypotheses).free:

@@ -7,7 +7,7 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.conditions import parted
+from voronec.algebra.conditions import split_hypotheses
 from voronec.algebra.normal import quotient
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.errors import EngineLimit
@@ -24,7 +24,7 @@ def vanishes(expr: Any, relations: Sequence[Any], small: Any = None, order: int 
     numerator are decided one by one.  Where relations hold the small parameter, a coefficient is
     refuted only on their zero set at the limit.
     """
-    equations, _ = parted(relations)
+    equations, _ = split_hypotheses(relations)
     bound = small is not None and any(small in r.free_symbols for r in equations)
     if small is None or not (bound or small in expr.free_symbols):
         return decide_zero(expr, relations)
@@ -74,7 +74,9 @@ def at_zero(expr: Any, relations: Sequence[Any], small: Any) -> Any:
     try:
         return _put(expr, small, there)
     except Infinite:
-        above, below = (_put(part, small, there) for part in quotient(expr, parted(relations)[0]))
+        above, below = (
+            _put(part, small, there) for part in quotient(expr, split_hypotheses(relations)[0])
+        )
         if not decide_zero(below, there).refuted:
             raise Infinite(f"'{expr}' has no limit where '{small}' vanishes") from None
         return above / below
@@ -82,7 +84,7 @@ def at_zero(expr: Any, relations: Sequence[Any], small: Any) -> Any:
 
 def all_at_zero(hypotheses: Sequence[Any], small: Any) -> tuple[Any, ...]:
     """Relations where the small parameter vanishes, and the conditions that do not hold it."""
-    equations, conditions = parted(hypotheses)
+    equations, conditions = split_hypotheses(hypotheses)
     there = [_put(e, small, hypotheses) if small in e.free_symbols else e for e in equations]
     return (*there, *(c for c in conditions if small not in c.free_symbols))
 

@@ -9,7 +9,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.symbols import plain_name
-from voronec.declaration.reading import shown
+from voronec.declaration.reading import quote
 from voronec.declaration.relation import Relation
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, did_you_mean
@@ -90,6 +90,6 @@ def refuse_unknown(
     for name in given:
         if name not in known:
             raise DefinitionError(
-                f"relation '{relation.label}': {part} maps '{shown(name)}', which '{target}' does "
+                f"relation '{relation.label}': {part} maps '{quote(name)}', which '{target}' does "
                 "not have" + did_you_mean(name, known)
             )

@@ -14,9 +14,9 @@ from voronec.algebra.conditions import substituted_conditions
 from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expression
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.declaration.claims import Corrected
-from voronec.declaration.reading import shown
+from voronec.declaration.reading import quote
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
@@ -214,10 +214,10 @@ class Question:
         """Read what the user handed in."""
         for name, number in (("degree", degree), ("positions", positions), ("power", power)):
             if not isinstance(number, int) or isinstance(number, bool) or number < 0:
-                raise DefinitionError(f"{name} is {shown(number)}; give a number from 0 upward")
+                raise DefinitionError(f"{name} is {quote(number)}; give a number from 0 upward")
         motions = Motions.of(system)
         given = _functions(motions.system, functions)
-        below = [d if d == "mass" else sympified(d) for d in denominators]
+        below = [d if d == "mass" else sympify(d) for d in denominators]
         plain = [*given.values(), *(d for d in below if d != "mass")]
         values = _values(motions.system, at)
         new = {s for v in values.values() for s in v.free_symbols}
@@ -245,7 +245,7 @@ class _Reader:
     values: Mapping[sp.Symbol, sp.Expr]
 
     def read(self, expr: sp.Expr) -> Any:
-        return self.field.read(sympified(expr).xreplace(dict(self.values)))
+        return self.field.read(sympify(expr).xreplace(dict(self.values)))
 
     def _letter(self, value: Any, kind: str, name: str = "") -> Letter:
         meaning = self.field.door.outward(value)
@@ -294,11 +294,11 @@ class _Reader:
 
     def denominators(self, below: Sequence[Any]) -> list[Letter]:
         found: list[Letter] = []
-        longer = sum(d == "mass" or not sympified(d).is_Symbol for d in below)
+        longer = sum(d == "mass" or not sympify(d).is_Symbol for d in below)
         for d in below:
             value = self.read(d) if d != "mass" else self._determinant()
             if not value.free_symbols & {*self.field.variables}:
-                raise DefinitionError(f"the denominator '{shown(d)}' is a constant; leave it out")
+                raise DefinitionError(f"the denominator '{quote(d)}' is a constant; leave it out")
             meaning = self.field.door.outward(value)
             name = meaning
             if not meaning.is_Symbol:
@@ -311,7 +311,7 @@ class _Reader:
         size, relations = len(self.field.mass), self.field.relations
         matrix = se.DenseMatrix(size, size, [e for row in self.field.mass for e in row])
         ring = ring_over([matrix.det()], relations)
-        above = ring.field.absorbed(ring.fraction(matrix.det())).num
+        above = ring.field.absorb(ring.fraction(matrix.det())).num
         return shortest([ring.polynomial(above)], relations)[0]
 
 
@@ -336,7 +336,7 @@ def _functions(system: System, given: Mapping[str, Any]) -> dict[str, sp.Expr]:
         for one, entry in zip(names, entries, strict=True):
             if one in taken or one in found:
                 raise DefinitionError(f"the name '{one}' is taken; give the function another")
-            found[one] = sympified(entry)
+            found[one] = sympify(entry)
     return found
 
 
@@ -362,8 +362,8 @@ def _values(system: System, at: Mapping[Any, Any]) -> dict[sp.Symbol, sp.Expr]:
                 f"system '{system.name}' has no parameter '{key}'"
                 + did_you_mean(str(key), parameters)
             )
-        found[parameters[str(key)]] = sympified(value).xreplace(
-            {s: parameters[str(s)] for s in sympified(value).free_symbols if str(s) in parameters}
+        found[parameters[str(key)]] = sympify(value).xreplace(
+            {s: parameters[str(s)] for s in sympify(value).free_symbols if str(s) in parameters}
         )
     for symbol, value in found.items():
         if value.free_symbols & {*found}:

@@ -18,7 +18,7 @@ import sympy as sp
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, timed
 from voronec.accuracy.bench.level import BenchLevel, level
 from voronec.accuracy.bench.question import BenchMotion
-from voronec.algebra.text import sympified
+from voronec.algebra.text import sympify
 from voronec.equations.vector_field import VectorField
 from voronec.errors import VoronecError
 
@@ -96,9 +96,9 @@ def _lambdified(
 ) -> Callable[..., Any]:
     symbols = [field.time, *field.variables, *field.parameters]
     plain = {s: sp.Symbol(f"z{i}") for i, s in enumerate(symbols)}
-    names = {sympified(s): p for s, p in plain.items()}
+    names = {sympify(s): p for s, p in plain.items()}
     return sp.lambdify(
-        list(plain.values()), [sympified(e).xreplace(names) for e in exprs], modules, cse=cse
+        list(plain.values()), [sympify(e).xreplace(names) for e in exprs], modules, cse=cse
     )
 
 
