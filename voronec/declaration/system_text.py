@@ -370,14 +370,14 @@ class _Text:
         if "file" in inner and not {"times", "values"} & inner.keys():
             name = inner["file"]
             path = Path(item.source.name).parent / name.text()
-            return (*self._made(name, read_table, path, "a table"), kind)
+            return (*self._make(name, read_table, path, "a table"), kind)
         if {"times", "values"} != inner.keys() - {"kind"}:
             item.wrong('expected { times = [0, 1], values = [2, 0] } or { file = "u.csv" }')
         columns = (inner[key].several() for key in ("times", "values"))
         return (*([float(self._number(i)) for i in column] for column in columns), kind)
 
     def _number(self, item: Item) -> Any:
-        return self._made(item, exact_number, item.scalar(), item.title)
+        return self._make(item, exact_number, item.scalar(), item.title)
 
     def _output(self, item: Item) -> Any:
         return item.text() if OUTPUT.fullmatch(item.scalar()) else self._formula(item)

@@ -12,7 +12,7 @@ from math import isfinite
 from pathlib import Path
 
 from voronec.algebra.text import exact_number
-from voronec.errors import DefinitionError, file_errors, shown
+from voronec.errors import DefinitionError, file_errors, quote
 
 __all__ = ["KINDS", "read_table"]
 
@@ -61,7 +61,7 @@ def _number(cell: str, place: str) -> float:
     except ValueError:
         value = float(exact_number(cell, place))
     if not isfinite(value):
-        raise DefinitionError(f"{place}: '{shown(cell)}' is not finite; leave the row out")
+        raise DefinitionError(f"{place}: '{quote(cell)}' is not finite; leave the row out")
     return value
 
 
