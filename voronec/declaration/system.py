@@ -274,7 +274,7 @@ class System:
         for body in bodies:
             if not isinstance(body, Body):
                 raise DefinitionError(
-                    f"bodies holds '{shown(body)}'; write Body(mass, velocity, inertia, omega)"
+                    f"bodies holds '{quote(body)}'; write Body(mass, velocity, inertia, omega)"
                 )
         store("bodies", tuple(bodies))
         store("inputs", self._all_inputs())
@@ -656,7 +656,7 @@ def check_bodies(system: System) -> None:
     known = {*system.known_symbols()}
     for body in system.bodies:
         for expr in body.expressions:
-            require_known(f"system '{system.name}': the body '{shown(body.title)}'", expr, known)
+            require_known(f"system '{system.name}': the body '{quote(body.title)}'", expr, known)
 
 
 def check_relations(system: System) -> None:
