@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.declaration.reading import expression, several
-from voronec.errors import DefinitionError, shown
+from voronec.errors import DefinitionError, quote
 
 __all__ = ["Body", "inertia_tensor"]
 
@@ -52,8 +52,8 @@ class Body:
 
     def __post_init__(self) -> None:
         if not isinstance(self.title, str):
-            raise DefinitionError(f"the title of a body is '{shown(self.title)}'; give a text")
-        place = f"of the body '{shown(self.title)}'"
+            raise DefinitionError(f"the title of a body is '{quote(self.title)}'; give a text")
+        place = f"of the body '{quote(self.title)}'"
         object.__setattr__(self, "mass", expression(self.mass, f"the mass {place}"))
         object.__setattr__(self, "inertia", inertia_tensor(self.inertia))
         if self.turning is None:
