@@ -12,7 +12,7 @@ from typing import Any
 
 from voronec.motion.model.level import Level
 
-__all__ = ["blocks", "cyclic", "dependence", "holds", "needed_variables", "restricted"]
+__all__ = ["blocks", "closure", "cyclic", "dependence", "holds", "needed_variables", "restricted"]
 
 Sources = Mapping[Any, tuple[Any, ...]]
 """The variables that the rate of each variable holds."""
@@ -24,7 +24,7 @@ def blocks(level: Level) -> list[list[int]]:
     coupled = {i: [j for j in left if mass[i][j] != 0 or mass[j][i] != 0] for i in left}
     found = []
     while left:
-        block = _closure(coupled, left[:1])
+        block = closure(coupled, left[:1])
         found.append(sorted(block))
         left = [i for i in left if i not in block]
     return found
@@ -64,17 +64,17 @@ def needed_variables(level: Level, sources: Sources) -> list[Any]:
     exprs = [*level.outputs.values()]
     for angle in level.angles.values():
         exprs += [angle.cosine, angle.sine]
-    closed = _closure(sources, holds(level, exprs))
+    closed = closure(sources, holds(level, exprs))
     return [x for x in level.variables if x in closed]
 
 
 def cyclic(sources: Sources, kept: Sequence[Any]) -> set[Any]:
     """The variables that take part in a cycle of dependence; the others are quadratures."""
     inside = {x: tuple(y for y in sources[x] if y in kept) for x in kept}
-    return {x for x in kept if x in _closure(inside, inside[x])}
+    return {x for x in kept if x in closure(inside, inside[x])}
 
 
-def _closure(sources: Mapping[Any, Sequence[Any]], roots: Iterable[Any]) -> set[Any]:
+def closure(sources: Mapping[Any, Sequence[Any]], roots: Iterable[Any]) -> set[Any]:
     """The roots, and all on which they depend."""
     found: set[Any] = set()
     stack = [*roots]

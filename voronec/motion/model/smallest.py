@@ -24,6 +24,7 @@ from voronec.motion.model.level import Level, coordinates_level, invariants_leve
 from voronec.motion.model.model import Candidate, Model, Role
 from voronec.motion.model.momenta import momenta_level
 from voronec.motion.model.packs import Packs
+from voronec.motion.model.relative import relative_level
 from voronec.motion.model.special import at_zero, by_integrals, constants, without_parameters
 
 __all__ = ["SmallestModels", "absent", "smallest_model"]
@@ -207,7 +208,11 @@ def _levels(
         alone = len(low.positions) == len(motions.system.invariants)
         if alone and not thorough:
             return
-    yield from _with_momenta(coordinates_level(motions, wanted, integrals))
+    high = coordinates_level(motions, wanted, integrals)
+    yield from _with_momenta(high)
+    relative = relative_level(high)
+    if relative is not None:
+        yield from _with_momenta(relative)
 
 
 def _with_momenta(level: Level) -> Iterator[Level]:
