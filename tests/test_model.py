@@ -97,7 +97,8 @@ def test_an_angle_that_large_equations_hold_in_vain_is_not_kept() -> None:
     along = [(slopes[0] + sp.sqrt(1 + c**2 * r**2) * vo.velocity(r)) / R,
              (slopes[1] - r * vo.velocity(phi)) / R]  # fmt: skip
     frame = vo.Frame.quasi(dict(zip(sp.symbols("o1:4"), (*along, spin), strict=True)))
-    rolling = replace(ball, frame=frame, integrals={}, equations={}, essential=(), scenes={})
+    without = {"integrals": {}, "equations": {}, "essential": (), "scenes": {}, "charts": {}}
+    rolling = replace(ball, frame=frame, **without)
     equations = vo.derive(rolling)
     held = set().union(*(e.free_symbols for e in equations.raw.form.force))
     assert str(alpha) in {str(s) for s in held}  # written in the straight-line form, in vain

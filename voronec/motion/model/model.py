@@ -81,7 +81,7 @@ class Model:
 
     @property
     def level(self) -> str:
-        """``coordinates``, ``invariants``, or these with momenta."""
+        """``coordinates``, with relative angles or without, ``invariants``, or these and momenta."""
         return self.cut.name
 
     @property
