@@ -65,7 +65,7 @@ def test_an_event_and_a_section_see_the_headings(robot: vo.VoronecEquations) -> 
 x, a, b, c = sp.symbols("x a b c")
 
 
-def rotors(potential: sp.Expr, coupling: sp.Expr = sp.Integer(0)) -> vo.System:
+def rotors(potential: sp.Expr, coupling: sp.Expr | int = 0) -> vo.System:
     """Three rotors on one axis."""
     da, db, dc = map(vo.velocity, (a, b, c))
     return vo.System(

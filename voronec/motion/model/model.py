@@ -81,7 +81,7 @@ class Model:
 
     @property
     def level(self) -> str:
-        """``coordinates``, with relative angles or without, ``invariants``, or these and momenta."""
+        """``coordinates``, maybe with relative angles, ``invariants``, or these with momenta."""
         return self.cut.name
 
     @property

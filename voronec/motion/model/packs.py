@@ -35,7 +35,7 @@ ROOMS = ("algebra", "declaration", "equations", "motion")
 LIBRARIES = ("sympy", "symengine", "python-flint", "numpy")
 DERIVED_FROM = (
     "fibration", "lagrangian", "constraints", "parameters", "possible", "forces", "frame",
-    "invariants", "integrals", "inputs",
+    "invariants", "integrals", "inputs", "charts",
 )  # fmt: skip
 """The fields of a system that its equations and models come from."""
 DIGEST = 64
