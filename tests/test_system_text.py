@@ -103,8 +103,9 @@ def test_a_text_declares_the_sleigh_of_the_catalogue(tmp_path: Path) -> None:
 
 def test_the_system_of_the_documentation_is_the_skate(tmp_path: Path) -> None:
     page = (Path(__file__).parents[1] / "docs" / "text-files.md").read_text("utf-8")
-    (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
-    shown, skate = vo.load(written(tmp_path, text)), vo.load(written(tmp_path, SKATE))
+    text, pictures = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    shown, skate = vo.load(written(tmp_path, text + pictures)), vo.load(written(tmp_path, SKATE))
+    assert len(shown.shapes) == 1 and len(shown.sketch.strokes) == 5
     assert shown.lagrangian.equals(skate.lagrangian)
     assert shown.constraints == skate.constraints
     mistaken = wrong(tmp_path, text.replace("alpha)", "alpa)"))
@@ -193,6 +194,7 @@ def test_what_is_wrong_is_told_with_its_line_and_column(
 def test_places_are_those_of_the_letters(tmp_path: Path) -> None:
     """Every key and value of a text stands where its place says."""
     text = SLEIGH + '\n[a."b c".d]\nx.y = [1, {z = """q""", "w" = \'v\'}, # c ]\n 2.5]\n'
+    text += '[[s]]\nu = 1\n[[ s ]]\nu = "two"\n[s.t]\nv = "three"\n[[s.w]]\nq = "four"\n'
     root = read_toml(written(tmp_path, text))
     counted = 0
     for keys, at in root.source.keys.items():
@@ -296,3 +298,158 @@ def test_a_table_that_cannot_be_read_is_refused(tmp_path: Path, table: str, mess
     (tmp_path / "three.csv").write_text("t,u,v\n0,1,2\n", "utf-8")
     (tmp_path / "u.csv").write_text("0,1\n1,2\n", "utf-8")
     assert message in wrong(tmp_path, PUSHED.replace("@", table))
+
+
+ROLLER = """
+name = "roller"
+lagrangian = "m*(xdot^2 + ydot^2)/2 + J*phidot^2/2"
+constraints = "xdot*sin(phi) = ydot*cos(phi)"
+fibre = "y"
+[coordinates]
+x = ""
+phi = ""
+y = ""
+[velocities]
+v = "xdot*cos(phi) + ydot*sin(phi)"
+w = "phidot"
+[parameters]
+m = 1
+J = 1
+R = 1
+[forces]
+@
+"""
+
+
+@pytest.mark.parametrize(
+    ("forces", "expected"),
+    [
+        ('v = "3*m"', ("3*m", "0")),
+        ('w = "-w"\nv = "2"', ("2", "-w")),
+        ('phidot = "5"', ("0", "5")),
+        ('"v + R*w" = "7"', ("7", "7*R")),
+        ('"xdot - phidot" = "7"', ("7*cos(phi)", "-7")),
+    ],
+)
+def test_forces_act_along_velocities(
+    tmp_path: Path, forces: str, expected: tuple[str, str]
+) -> None:
+    eqs = vo.derive(vo.load(written(tmp_path, ROLLER.replace("@", forces))))
+    assert [str(e) for e in eqs.force] == [*expected]
+
+
+@pytest.mark.parametrize(
+    ("forces", "message"),
+    [
+        ('vv = "1"', "line 18, column 1: 'vv' is not a coordinate; did you mean 'v'"),
+        ('"v + x" = "1"', "line 18, column 1: 'v + x' is nothing that a force acts along"),
+        ('"v + q" = "1"', "is nothing that a force acts along; expected a coordinate"),
+        ('"v*w" = "1"', "v*w"),
+        ('"v +" = "1"', "line 18, column 1: "),
+    ],
+)
+def test_what_no_force_acts_along_is_refused(tmp_path: Path, forces: str, message: str) -> None:
+    assert message in wrong(tmp_path, ROLLER.replace("@", forces))
+
+
+SHAPES = """
+[[shapes]]
+kind = "wheel"
+radius = "R"
+heading = "phi"
+centre = ["x", "y", "R"]
+[[shapes]]
+kind = "box"
+lengths = [1, 2, 3]
+attitude = [{ axis = "z", angle = "phi" }, { axis = "x", angle = "pi/2" }]
+[[shapes]]
+kind = "surface"
+coordinates = ["a", "b"]
+position = ["a", "b", "R*a^2"]
+ranges = [[-1, 1], [0, "2*pi"]]
+role = "ground"
+title = "hill"
+"""
+
+
+def test_shapes_are_those_of_python(tmp_path: Path) -> None:
+    system = vo.load(written(tmp_path, ROLLER.replace("@", "") + SHAPES))
+    x, y, phi, R, a, b = sp.symbols("x y phi R a b")
+    cos, sin = sp.cos(phi), sp.sin(phi)
+    turned = sp.Matrix([[cos, 0, sin], [sin, 0, -cos], [0, 1, 0]])
+    assert system.shapes == (
+        vo.Shape.wheel(R, phi, centre=(x, y, R)),
+        vo.Shape.box((1, 2, 3), attitude=turned),
+        vo.Shape.surface(
+            (a, b), (a, b, R * a**2), ((-1, 1), (0, float(2 * sp.pi))), role="ground", title="hill"
+        ),
+    )
+
+
+STROKES = """
+[sketch]
+view = "seen from above"
+strokes = [
+  { draw = "axes", x = "x", y = "y", size = 2 },
+  { draw = "line", points = [[0, 0], [1, "sqrt(2)"]], look = "thin" },
+  { draw = "area", points = [[0, 0], [1, 0], [1, 1]] },
+  { draw = "ellipse", at = [1, 0], width = 1, height = 2 },
+  { draw = "angle", at = [1, 0.8], radius = 0.6, start = 0, end = 30, label = "phi" },
+  { draw = "distance", start = [0, 0], end = [1, 0], label = "R" },
+]
+"""
+
+
+def test_a_sketch_is_that_of_python(tmp_path: Path) -> None:
+    system = vo.load(written(tmp_path, ROLLER.replace("@", "") + STROKES))
+    drawn = vo.Sketch("seen from above").axes("x", "y", size=2)
+    drawn = drawn.line((0, 0), (1, 2**0.5), look="thin").area((0, 0), (1, 0), (1, 1))
+    drawn = drawn.ellipse((1, 0), 1, 2).angle((1, 0.8), 0.6, 0, 30, "phi")
+    assert system.sketch == drawn.distance((0, 0), (1, 0), "R")
+    assert system.sketch.svg() == drawn.distance((0, 0), (1, 0), "R").svg()
+
+
+def test_an_empty_sketch_is_an_empty_picture(tmp_path: Path) -> None:
+    system = vo.load(written(tmp_path, ROLLER.replace("@", "") + "[sketch]\n"))
+    assert system.sketch.svg().startswith("<svg")
+
+
+@pytest.mark.parametrize(
+    ("picture", "message"),
+    [
+        (
+            '[[shapes]]\nkind = "bal"',
+            "line 20, column 8: shapes.kind, entry 1: 'bal' is no kind; did",
+        ),
+        ("[[shapes]]\nradius = 1", "line 19, column 3: shapes, entry 1: 'kind' is missing"),
+        ('[[shapes]]\nkind = "ball"', "shapes, entry 1: 'radius' is missing; 'ball' needs it"),
+        (
+            '[[shapes]]\nkind = "plane"\n[[shapes]]\nkind = "ball"\nradius = "Q"',
+            "line 23, column 11: shapes.radius, entry 2: 'Q' is neither coordinate",
+        ),
+        ('[[shapes]]\nkind = "plane"\ncentre = [1, 2]', "expected 3 entries in brackets"),
+        ('[[shapes]]\nkind = "plane"\nsize = 2', "line 21, column 1: 'size' means nothing"),
+        ('[[shapes]]\nkind = "ball"\nradius = "x"', "contains 'x', which is neither"),
+        ('[sketch]\nstrokes = [{ draw = "arow" }]', "did you mean 'arrow'"),
+        ('[sketch]\nstrokes = [{ draw = "dot", at = [0, "x"] }]', "'x' is not a number"),
+        ('[sketch]\nstrokes = [{ draw = "dot", at = [0, 1e9] }]', "lies outside of the drawing"),
+        ('[sketch]\nstrokes = [{ draw = "text", at = [0, 1], label = "$x" }]', "is no label"),
+        (
+            '[sketch]\nstrokes = [{ draw = "distance", start = [0, 1], end = [0, 1], label = "" }]',
+            "to itself is not drawn",
+        ),
+    ],
+)
+def test_a_picture_that_cannot_be_drawn_is_refused_with_its_place(
+    tmp_path: Path, picture: str, message: str
+) -> None:
+    assert message in wrong(tmp_path, ROLLER.replace("@", "") + picture)
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS, ids=lambda m: m.title)
+def test_a_new_text_draws_what_the_new_python_file_draws(tmp_path: Path, mechanism) -> None:
+    for name in ("python", "toml"):
+        file = tmp_path / f"new.{'py' if name == 'python' else name}"
+        file.write_text(getattr(mechanism, name).replace("@NAME@", "new"), "utf-8")
+    one, other = vo.load(tmp_path / "new.py"), vo.load(tmp_path / "new.toml")
+    assert one.sketch == other.sketch and one.shapes == other.shapes and len(one.shapes) == 2

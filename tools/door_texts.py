@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -26,6 +27,8 @@ Door = tuple[str, Callable[[], Any]]
 MORE = """
 [forces]
 phi = "-m*g*phidot - J*phidotdot/9"
+v = "u"
+"xdot - g*phidot" = "m"
 [equations]
 one = { function = "phidot", rate = "0" }
 two = { function = ["x", "y"], rate = ["xdot", "ydot"] }
@@ -49,9 +52,27 @@ parameters = { m = 2 }
 inputs = { u = "sin(t)" }
 times = ["0", "2*pi"]
 outputs = ["x^2 + c", "energy", "reaction 1", "configuration"]
+[scenes.table]
+initial = { v = 1 }
+inputs = { u = { times = [0, "1/2", 3.5], values = [1, 2, "-pi"], kind = "held" } }
+[scenes.file]
+inputs = { u = { file = "u.csv" } }
+[[shapes]]
+kind = "surface"
+coordinates = ["c1", "c2"]
+position = ["c1", "c2", "m*c1^2"]
+ranges = [[-1, 1], [0, "2*pi"]]
+role = "ground"
+[[shapes]]
+kind = "torus"
+ring = "m"
+tube = "J"
+title = "tyre"
+attitude = [{ axis = "z", angle = "phi" }, { axis = "x", angle = "pi/2" }]
 """
 TEXTS = [m.toml.replace("@NAME@", "made") for m in MECHANISMS]
 SYSTEMS = [*TEXTS, TEXTS[0] + MORE]
+TABLES = "0,1\n1,2\n", "t;u\n0;1,5\n1;2", "0,1,2\n", "\0", "0,nan\n", "1e400\t1\n"
 WORDS = re.compile(r"\w+|[^\w\s]")
 STRING = re.compile(r'"[^"\n]*"')
 SIGNS = [*"[]{}()=.,#\"'\\+-*/^<>\n\t\0\r", '"""', "'''", "[[", "]]", "\ufeff", "é", "\u202e", "**"]
@@ -86,6 +107,7 @@ def _system(dice: Random, place: Path) -> Door:
     file = place / "x.toml"
     file.write_bytes(data)
     further = dice.random() < 0.02
+    (place / "u.csv").write_text(dice.choice(TABLES))
     return f"system of {ascii(text)[-300:]}", lambda: _loaded(file, further)
 
 
@@ -98,6 +120,7 @@ def _loaded(file: Path, further: bool) -> None:
         if placed is None:
             raise Wrong(f"message without its place: {error}") from None
         raise
+    system = system if further else replace(system, sketch=None)  # to draw takes long
     repr(system), system._repr_html_()
     if further:
         vo.derive(system).as_dict()

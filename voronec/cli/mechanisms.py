@@ -28,11 +28,12 @@ SKATE_PYTHON = '''\
 
     voronec derive FILE     its equations of motion
     voronec run FILE        a motion, saved and drawn
+    voronec view FILE       the motion in space, a page for the browser
 """
 
 import sympy as sp
 
-from voronec import Fibration, Frame, Parameter, Scene, System, velocity
+from voronec import Fibration, Frame, Parameter, Scene, Shape, Sketch, System, velocity
 
 # 1. Symbols: coordinates, and constants.  velocity(x) is the symbol of dx/dt.
 x, y, phi = sp.symbols("x y phi")
@@ -75,6 +76,17 @@ SYSTEM = System(
         v: "speed along the blade",
         w: "rate of turning",
     },
+    # What is seen, for 'view', and a sketch, for 'show --out'.
+    shapes=(
+        Shape.box((1, sp.S(1) / 20, sp.S(1) / 5), centre=(x, y, sp.S(1) / 10), attitude=phi),
+        Shape.plane(),
+    ),
+    sketch=Sketch("seen from above; x points downhill")
+    .axes(x, y)
+    .box((1.4, 0.9), 0.9, 0.05, 30)
+    .line((1.4, 0.9), (2.2, 0.9), look="thin")
+    .angle((1.4, 0.9), 0.65, 0, 30, phi)
+    .dot((1.4, 0.9), "(x, y)", 120),
     # Motions to look at: what is not given starts at zero.
     scenes={
         "default": Scene(
@@ -92,6 +104,7 @@ SKATE_TOML = """\
 #
 #     voronec derive FILE     its equations of motion
 #     voronec run FILE        a motion, saved and drawn
+#     voronec view FILE       the motion in space, a page for the browser
 #
 # Formulas stand in quotes.  The velocity of x is xdot, the time is t; powers are x^2.
 
@@ -135,6 +148,25 @@ initial = { w = 1 }
 times = [0, 20]
 outputs = ["x", "y", "phi", "v"]
 caption = "Spun on the slope, the skate does not slide down: it drifts sideways."
+
+[[shapes]]  # what is seen, for 'view'
+kind = "box"
+lengths = [1, "1/20", "1/5"]
+centre = ["x", "y", "1/10"]
+attitude = "phi"  # the heading; for other turns an array, [{ axis = "z", angle = "phi" }, ...]
+
+[[shapes]]
+kind = "plane"
+
+[sketch]  # for 'show --out sketch.svg': lengths are those of the drawing, angles in degrees
+view = "seen from above; x points downhill"
+strokes = [
+  { draw = "axes", x = "x", y = "y" },
+  { draw = "box", at = [1.4, 0.9], length = 0.9, width = 0.05, angle = 30 },
+  { draw = "line", points = [[1.4, 0.9], [2.2, 0.9]], look = "thin" },
+  { draw = "angle", at = [1.4, 0.9], radius = 0.65, start = 0, end = 30, label = "phi" },
+  { draw = "dot", at = [1.4, 0.9], label = "(x, y)", side = 120 },
+]
 """
 
 COIN_PYTHON = '''\
@@ -147,7 +179,7 @@ COIN_PYTHON = '''\
 
 import sympy as sp
 
-from voronec import Fibration, Parameter, Scene, Shape, System, velocity
+from voronec import Fibration, Parameter, Scene, Shape, Sketch, System, velocity
 
 # 1. Symbols: coordinates, and constants.  velocity(x) is the symbol of dx/dt.
 x, y, phi, theta = sp.symbols("x y phi theta")
@@ -184,7 +216,13 @@ SYSTEM = System(
         phi: "heading, the angle from the x axis",
         theta: "angle by which the coin has rolled",
     },
-    # What rolls, for 'view'.
+    # What is seen, for 'view', and a sketch, for 'show --out'.
+    sketch=Sketch("seen from above")
+    .axes(x, y)
+    .wheel((1.4, 0.9), 30, 0.9)
+    .line((1.4, 0.9), (2.2, 0.9), look="thin")
+    .angle((1.4, 0.9), 0.65, 0, 30, phi)
+    .dot((1.4, 0.9), "(x, y)", 120),
     shapes=(
         Shape.wheel(R, phi, theta, centre=(x, y, R), contact=(x, y, 0)),
         Shape.plane(),
@@ -206,6 +244,7 @@ COIN_TOML = """\
 #
 #     voronec derive FILE     its equations of motion
 #     voronec run FILE        a motion, saved and drawn
+#     voronec view FILE       the motion in space, a page for the browser
 #
 # Formulas stand in quotes.  The velocity of x is xdot, the time is t; powers are x^2.
 
@@ -247,6 +286,27 @@ initial = { phidot = "1/2", thetadot = 1 }
 times = [0, 20]
 outputs = ["x", "y", "phi", "theta"]
 caption = "The coin turns at an even rate, and so it rolls on a circle."
+
+[[shapes]]  # what is seen, for 'view'
+kind = "wheel"
+radius = "R"
+heading = "phi"
+turned = "theta"
+centre = ["x", "y", "R"]
+contact = ["x", "y", 0]
+
+[[shapes]]
+kind = "plane"
+
+[sketch]  # for 'show --out sketch.svg': lengths are those of the drawing, angles in degrees
+view = "seen from above"
+strokes = [
+  { draw = "axes", x = "x", y = "y" },
+  { draw = "wheel", at = [1.4, 0.9], angle = 30, size = 0.9 },
+  { draw = "line", points = [[1.4, 0.9], [2.2, 0.9]], look = "thin" },
+  { draw = "angle", at = [1.4, 0.9], radius = 0.65, start = 0, end = 30, label = "phi" },
+  { draw = "dot", at = [1.4, 0.9], label = "(x, y)", side = 120 },
+]
 """
 
 MECHANISMS = (

@@ -12,11 +12,13 @@ from voronec.algebra.text import sympify
 from voronec.declaration.reading import several
 from voronec.errors import DefinitionError, quote
 
-__all__ = ["MESH", "Patch", "Shape"]
+__all__ = ["MESH", "PLACED", "ROLES", "Patch", "Shape", "turn_about"]
 
 MESH = a, b = sp.symbols("mesh_a mesh_b")
 """The two coordinates of every patch."""
 ROLES = "body", "ground"
+PLACED = "centre", "attitude", "contact", "role", "title"
+"""What every shape may be given besides its form."""
 HALF, WHOLE = (0, sp.pi), (0, 2 * sp.pi)
 UNIT = (-1, 1)
 
@@ -65,7 +67,7 @@ class Shape:
             )
         turned = self.attitude
         if not isinstance(turned, sp.MatrixBase | list | tuple):
-            turned = _about_vertical(sympify(turned or 0, f"the attitude of {place}"))
+            turned = turn_about(2, sympify(turned or 0, f"the attitude of {place}"))
         turned = sp.ImmutableMatrix(turned)
         if turned.shape != (3, 3):
             raise DefinitionError(f"{place} has an attitude {turned.shape}; give a 3 x 3 matrix")
@@ -114,7 +116,7 @@ class Shape:
         turned forwards by another."""
         along, down = (sp.cos(turned), -sp.sin(turned)), (-sp.sin(turned), -sp.cos(turned))
         upright = sp.Matrix([[along[0], down[0], 0], [0, 0, 1], [along[1], down[1], 0]])
-        attitude = _about_vertical(sympify(heading)) * upright
+        attitude = turn_about(2, sympify(heading)) * upright
         return cls.disc(radius, width, **{"attitude": attitude, **placed})
 
     @classmethod
@@ -151,10 +153,13 @@ class Shape:
         return cls((Patch(tuple(e.xreplace(named) for e in parts), pairs),), **placed)
 
 
-def _about_vertical(angle: sp.Expr) -> sp.Matrix:
-    """The turn by an angle about the third axis."""
-    cos, sin = sp.cos(angle), sp.sin(angle)
-    return sp.Matrix([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
+def turn_about(axis: int, angle: sp.Expr) -> sp.Matrix:
+    """The turn by an angle about one of three axes, 0 to 2."""
+    ahead, aside = (axis + 1) % 3, (axis + 2) % 3
+    turned = sp.eye(3)
+    turned[ahead, ahead] = turned[aside, aside] = sp.cos(angle)
+    turned[ahead, aside], turned[aside, ahead] = -sp.sin(angle), sp.sin(angle)
+    return turned
 
 
 def _three(values: Any, what: str) -> tuple[sp.Expr, ...]:

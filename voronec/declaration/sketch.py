@@ -10,7 +10,7 @@ import io
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from math import atan2, cos, degrees, radians, sin
+from math import atan2, cos, degrees, isfinite, radians, sin
 from types import MappingProxyType
 from typing import Any
 
@@ -18,7 +18,7 @@ from voronec.algebra.symbols import is_symbolic_name, plain_name
 from voronec.algebra.typeset import symbol_latex
 from voronec.errors import DefinitionError
 
-__all__ = ["Sketch", "Stroke", "polar"]
+__all__ = ["LOOKS", "Sketch", "Stroke", "polar"]
 
 Point = tuple[float, float]
 
@@ -121,6 +121,10 @@ class Sketch:
 
     def distance(self, start: Point, end: Point, label: Any, offset: float = 0.25) -> Sketch:
         """A length between two points, drawn at an offset to their left."""
+        if tuple(start) == tuple(end):
+            raise DefinitionError(
+                f"a distance from {start} to itself is not drawn; give two points"
+            )
         return self._with("distance", (start, end), label, (offset,))
 
     def axes(self, x: Any, y: Any, at: Point = (0.0, 0.0), size: float = 1.0) -> Sketch:
@@ -158,7 +162,8 @@ class Sketch:
             axes.margins(0.06)
             axes.autoscale_view()
             spans = axes.dataLim.width, axes.dataLim.height
-            figure.set_size_inches(*(INCHES * span + 0.6 for span in spans))
+            if all(map(isfinite, spans)):  # something is drawn
+                figure.set_size_inches(*(INCHES * span + 0.6 for span in spans))
         return figure
 
     def _repr_html_(self) -> str:

@@ -16,10 +16,12 @@ tables.  What is wrong is told with its line and column, and with what was expec
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from inspect import Parameter as Argument
+from inspect import signature
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy as sp
 
@@ -28,6 +30,8 @@ from voronec.algebra.text import CHARACTERS, FUNCTION_NAMES, exact_number, formu
 from voronec.declaration.claims import Case, Equation, Measure
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.scene import Parameter, Scene
+from voronec.declaration.shapes import PLACED, ROLES, Shape, turn_about
+from voronec.declaration.sketch import LOOKS, Sketch
 from voronec.declaration.system import System
 from voronec.declaration.table_file import KINDS, read_table
 from voronec.declaration.text_file import Item, read_toml
@@ -40,13 +44,33 @@ CLAIMS = ("integrals", "equations", "measure", "multiplier", "integrable")
 FIELDS = (
     "name", "title", "description", "references", "coordinates", "fibre", "relations", "velocities",
     "parameters", "possible", "inputs", "definitions", "lagrangian", "constraints", "forces",
-    "invariants", *CLAIMS, "essential", "cases", "undecided", "scenes",
+    "invariants", *CLAIMS, "essential", "cases", "undecided", "scenes", "shapes", "sketch",
 )  # fmt: skip
 NAME = re.compile(r"[^\W\d]\w*")
+LABEL = re.compile(r"(?:[A-Za-z]\w*|\d+(?:\.\d+)?|[\s(),.=+*/|:-])*")
+"""What may stand in a drawing: names, numbers, words."""
+SHAPES = tuple(name for name, made in vars(Shape).items() if isinstance(made, classmethod))
+STROKES = tuple(
+    name
+    for name, drawn in vars(Sketch).items()
+    if name[0] != "_" and getattr(drawn, "__annotations__", {}).get("return") == "Sketch"
+)
+FARTHEST = 1000.0
+"""How far from its origin a drawing may reach, in its own units."""
 OUTPUT = re.compile(r"[^\W\d]\w*(?: \w+)*")
 """Names, such as u1 or 'momentum squared'; any other output is a formula."""
 RELATION = re.compile(r"<=|>=|<|>")
 BETWEEN = {"<": sp.Lt, ">": sp.Gt, "<=": sp.Le, ">=": sp.Ge}
+
+
+class Entry(NamedTuple):
+    """An argument of a method that draws: its name, its kind, whether it must be given, and whether
+    it stands for any number of them."""
+
+    name: str
+    kind: str
+    needed: bool
+    many: bool = False
 
 
 def read_system(path: str | Path) -> System:
@@ -102,6 +126,10 @@ class _Text:
         declared["cases"] = self._each("cases", self._case)
         declared["undecided"] = self._each("undecided", Item.text)
         declared["scenes"] = self._each("scenes", self._scene)
+        if "shapes" in top:
+            declared["shapes"] = tuple(map(self._shape, top["shapes"].several()))
+        if "sketch" in top:
+            declared["sketch"] = self._sketch(top["sketch"])
         if "references" in top:
             declared["references"] = tuple(i.text() for i in top["references"].several())
         try:
@@ -272,16 +300,31 @@ class _Text:
             for name, s in self.names.items()
             if self.taken[name].split()[:2] in (["the", "velocity"], ["a", "velocity"])
         }
-        coordinates = self.top["coordinates"].value
-        found = {}
-        for name, item in (self.top["forces"].table() if "forces" in self.top else {}).items():
-            if name not in coordinates:
-                near = did_you_mean(name, coordinates)
-                item.wrong_key(
-                    f"a force acts along a coordinate, and '{quote(name)}' is none{near}"
-                )
-            found[self.names[name]] = self._formula(item, moving)
+        found: dict[Any, Any] = {}
+        for item in (self.top["forces"].table() if "forces" in self.top else {}).values():
+            found[self._direction(item)] = self._formula(item, moving)
         return found
+
+    def _direction(self, item: Item) -> Any:
+        """What a force acts along: a coordinate, a velocity, or a combination of velocities."""
+        said = str(item.keys[-1])
+        moving = ("a coordinate", "a velocity", "the velocity")
+        if NAME.fullmatch(said):
+            return self._known(item, *moving)
+        known = {n: s for n, s in self.names.items() if n not in self.top["coordinates"].value}
+        try:
+            along = formula(said, "what a force acts along", known)
+        except DefinitionError as error:
+            item.wrong_key(str(error))
+        rest = along.xreplace(
+            {self.names[n]: 0 for n, r in self.taken.items() if r.startswith(moving)}
+        )
+        if rest != 0 or along.free_symbols - {*known.values()}:
+            item.wrong_key(
+                f"'{quote(said)}' is nothing that a force acts along; expected a coordinate, a "
+                'velocity, or a combination of velocities in quotes, such as "xdot - ydot"'
+            )
+        return along
 
     def _claims(self, table: Mapping[str, Item]) -> dict[str, Any]:
         """What a system or a case claims."""
@@ -379,5 +422,117 @@ class _Text:
     def _number(self, item: Item) -> Any:
         return self._make(item, exact_number, item.scalar(), item.title)
 
+    # -- pictures ------------------------------------------------------------------------------
+
+    def _shape(self, item: Item) -> Shape:
+        """A body or a surface, by its ``kind`` and the arguments of ``Shape`` that this has."""
+        table = item.table()
+        local: dict[str, Any] = {}
+        for one in table["coordinates"].several() if "coordinates" in table else ():
+            local[one.text()] = sp.Symbol(one.text())
+
+        def three(part: Item) -> Any:
+            return tuple(self._formula(e, local) for e in self._long(part, 3))
+
+        readers = {
+            **dict.fromkeys(("axes", "lengths", "position", "centre", "contact"), three),
+            "coordinates": lambda part: tuple(sp.Symbol(e.text()) for e in self._long(part, 2)),
+            "ranges": lambda part: tuple(map(self._pair, self._long(part, 2))),
+            "attitude": self._attitude,
+            "role": lambda part: self._among(part, ROLES, "role"),
+            "title": Item.text,
+        }
+
+        def plain(part: Item) -> Any:
+            return self._formula(part, local)
+
+        kinds = {name: getattr(Shape, name) for name in SHAPES}
+        return self._called(item, "kind", kinds, lambda entry: readers.get(entry.name, plain))
+
+    def _attitude(self, item: Item) -> Any:
+        """A turn about the vertical, or several about axes of the body, each after the last."""
+        if not isinstance(item.value, list):
+            return self._formula(item)
+        turned = sp.eye(3)
+        for turn in item.several():
+            inner = turn.table(("axis", "angle"))
+            if len(inner) < 2:
+                turn.wrong('expected { axis = "z", angle = "phi" }')
+            axis = "xyz".index(self._among(inner["axis"], "xyz", "axis"))
+            turned = turned * turn_about(axis, self._formula(inner["angle"]))
+        return turned
+
+    def _sketch(self, item: Item) -> Sketch:
+        """A drawing, stroke by stroke: each says what is to ``draw``, and where."""
+        inner = item.table(("view", "strokes"))
+        sketch = Sketch(inner["view"].text() if "view" in inner else "")
+        readers: dict[str, Callable[[Item], Any]] = {
+            "Point": self._pair, "float": self._length, "Any": self._label,
+            "str": lambda part: self._among(part, LOOKS, "look"),
+        }  # fmt: skip
+        for stroke in inner["strokes"].several() if "strokes" in inner else ():
+            kinds = {name: getattr(sketch, name) for name in STROKES}
+            sketch = self._called(stroke, "draw", kinds, lambda entry: readers[entry.kind])
+        return sketch
+
+    def _called(
+        self,
+        item: Item,
+        key: str,
+        kinds: Mapping[str, Callable[..., Any]],
+        reader: Callable[[Entry], Callable[[Item], Any]],
+    ) -> Any:
+        """What the method that the entry ``key`` names makes of the other entries."""
+        table = item.table()
+        if key not in table:
+            item.wrong(f"'{key}' is missing; expected one of {', '.join(kinds)}")
+        kind = self._among(table[key], kinds, "kind" if key == "kind" else "thing to draw")
+        entries = {entry.name: entry for entry in _entries(kinds[kind])}
+        inner = item.table((key, *entries))
+        missing = [name for name, e in entries.items() if e.needed and name not in inner]
+        if missing:
+            item.wrong(f"'{missing[0]}' is missing; '{kind}' needs it")
+        several: list[Any] = []
+        given: dict[str, Any] = {}
+        for name, entry in entries.items():
+            if name in inner and entry.many:
+                several = [reader(entry)(one) for one in inner[name].several()]
+            elif name in inner:
+                given[name] = reader(entry)(inner[name])
+        return self._make(item, kinds[kind], *several, **given)
+
+    def _long(self, item: Item, count: int) -> list[Item]:
+        """The entries of an array of so many."""
+        if not isinstance(item.value, list) or len(item.value) != count:
+            example = "[x, y, 0]" if count == 3 else "[0, 1]"
+            item.wrong(f"expected {count} entries in brackets, such as {example}")
+        return item.several()
+
+    def _pair(self, item: Item) -> tuple[float, float]:
+        first, second = map(self._length, self._long(item, 2))
+        return first, second
+
+    def _length(self, item: Item) -> float:
+        number = float(self._number(item))
+        if not abs(number) <= FARTHEST:
+            item.wrong(f"'{quote(item.value)}' lies outside of the drawing; its unit is a body")
+        return number
+
+    def _label(self, item: Item) -> str:
+        if not LABEL.fullmatch(item.text()):
+            item.wrong(f"'{quote(item.value)}' is no label; expected names, numbers and words")
+        return item.text()
+
     def _output(self, item: Item) -> Any:
         return item.text() if OUTPUT.fullmatch(item.scalar()) else self._formula(item)
+
+
+def _entries(call: Callable[..., Any]) -> Iterator[Entry]:
+    """The arguments of a method, as entries of a table."""
+    for argument in signature(call).parameters.values():
+        if argument.kind is Argument.VAR_KEYWORD:
+            yield from (Entry(name, "", False) for name in PLACED)
+        else:
+            many = argument.kind is Argument.VAR_POSITIONAL
+            needed = many or argument.default is Argument.empty
+            yield Entry(argument.name, str(argument.annotation), needed, many)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -203,16 +203,33 @@ class _Scan:
     values: dict[Keys, int]
     keys: dict[Keys, int]
     at: int = 0
+    arrays: dict[Keys, int] = field(default_factory=dict)
+    """Of arrays written as ``[[name]]``: the number of the entry at hand."""
 
     def all(self) -> None:
         base: Keys = ()
         while self._blank() < len(self.text):
             if self.text[self.at] == "[":
-                self.at += 1 + self.text.startswith("[[", self.at)
-                base = self._key(())
-                self.at += 1 + self.text.startswith("]]", self.at)
+                several = self.text.startswith("[[", self.at)
+                self.at += 1 + several
+                base = self._header(several)
+                self.at += 1 + several
             else:
                 self._pair(base)
+
+    def _header(self, several: bool) -> Keys:
+        """The keys of a table; one in an array counts as the last of its entries."""
+        keys: Keys = ()
+        said = self._dotted()
+        for position, (part, start) in enumerate(said, 1):
+            keys = (*keys, part)
+            self._stands(keys, start)
+            if several and position == len(said):
+                self.arrays[keys] = self.arrays.get(keys, -1) + 1
+            if keys in self.arrays:
+                keys = (*keys, self.arrays[keys])
+                self.values.setdefault(keys, start)
+        return keys
 
     def _pair(self, base: Keys) -> None:
         keys = self._key(base)
@@ -222,17 +239,28 @@ class _Scan:
     def _key(self, base: Keys) -> Keys:
         """A dotted key; every table on the way stands where it is first named."""
         keys = base
+        for part, start in self._dotted():
+            keys = (*keys, part)
+            self._stands(keys, start)
+        return keys
+
+    def _stands(self, keys: Keys, start: int) -> None:
+        self.keys.setdefault(keys, start)
+        self.values.setdefault(keys, start)
+
+    def _dotted(self) -> list[tuple[str, int]]:
+        """The parts of a dotted key, each with its place."""
+        parts = []
         while True:
             start = self._blank()
             match = _STRING.match(self.text, start) or _BARE.match(self.text, start)
             raw = match[0] if match else ""
             self.at = start + len(raw)
-            keys = (*keys, tomllib.loads(f"k = {raw}")["k"] if raw[:1] in "\"'" else raw)
-            self.keys.setdefault(keys, start)
-            self.values.setdefault(keys, start)
+            part = tomllib.loads(f"k = {raw}")["k"] if raw[:1] in "\"'" else raw
+            parts.append((part, start))
             self._blank()
             if not self.text.startswith(".", self.at):
-                return keys
+                return parts
             self.at += 1
 
     def _value(self, keys: Keys) -> None:
