@@ -77,7 +77,7 @@ def _relative_angles(level: Level) -> tuple[dict[Any, Any], dict[Any, Any]] | No
             turned = {
                 q: _total([int(inverse[i, j].p) for j in range(len(angles))], variables)
                 for i, q in enumerate(angles)
-                if i not in kept
+                if i not in kept and q not in fresh  # a form that is one angle stays it
             }
             return fresh, turned
     return None
