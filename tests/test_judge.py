@@ -43,7 +43,7 @@ class Truth:
         self.names |= {str(v): e for v, e in self.quasi.items()}
         self.names |= {f"{v}dot": self.rate(e) for v, e in self.quasi.items()}
         self.names["D"] = self.rate
-        self.states = [self._state(seed) for seed in range(2)]
+        self.states = [self._state(seed) for seed in range(4)]
 
     def _symbols(self) -> list[Any]:
         found = [p.symbol for p in self.system.parameters]
@@ -139,8 +139,13 @@ def test_a_state_where_it_fails() -> None:
         (r"\dot v = a + const", "alone on one side"),
         (r"\dot v = a \# w", "character 12"),
         # what one book means one way and another in another
-        (r"\ddot v = 0", "the rate of an acceleration is not read"),
-        ("d/dt(v' + w) = w'", "the rate of an acceleration is not read"),
+        (r"\dddot v = 0", "this rate is too high"),
+        ("d/dt(v'' + w) = w'", "this rate is too high"),
+        (r"\delta x\sin\phi = \delta y\cos\phi", "variations are not read"),
+        (r"m\ddot x = \lambda\sin\phi", "without multipliers"),
+        ("I1 v = 2", "'I1' is no symbol"),
+        ("v_x' = 0", "'v_x' is no symbol"),
+        ("|v = v", "this bar has no partner"),
         ("v*-w = v - w", "a factor is missing"),
         (r"a\cdot -w = a - w", "a factor is missing"),
         ("v^2^3 = v^3", "two exponents"),
@@ -166,6 +171,10 @@ def test_what_is_not_understood(text: str, said: str) -> None:
         (r"\dot x\sin\phi = \dot y\cos\phi", "constraints"),
         (r"\dot v = a\dot\phi^2", "motion"),
         (r"m v^2 + (J + m a^2) w^2 = const", "integral"),
+        ("energy = const", "integral"),
+        (r"\dddot\phi = \ddot w", "constraints"),
+        (r"\ddot v = 2 a w\dot w", "motion"),
+        (r"(J + m a^2)\dddot\phi = -m a(\dot v w + v\dot w)", "motion"),
     ],
 )
 def test_what_a_proof_rests_on(text: str, ground: str) -> None:
@@ -180,6 +189,12 @@ def test_what_a_proof_rests_on(text: str, ground: str) -> None:
         ("d/dt(v)cos(phi) = a w^2 cos(phi)", r"\frac{d}{dt}(v)\cos\phi = a w^2\cos\phi"),
         ("d^2phi/dt^2 = w'", r"\phi''(t) = \dot w(t)"),
         ("v**2 = v*v", "$v^{2} = v v$."),
+        ("v' = a |w|^2", r"\dot v = a\lvert w\rvert^{2}"),
+        ("v' = a w w", r"\dot v = a\,w\times w \qquad (4)"),
+        ("sign(v)*abs(v) = v", r"\operatorname{sgn}v\,\left|v\right| = v"),
+        ("d/dt(m v) = m a w^2", r"\frac d{dt}\bigl\{m v\bigr\} = m a w^2"),
+        ("tan(phi) = tan(phi)", r"\operatorname{tg}\phi = \tan\varphi"),
+        ("exp(v) = exp(v)", r"e^{v} \equiv \exp v"),
     ],
 )
 def test_notations(pair: tuple[str, str]) -> None:

@@ -188,10 +188,13 @@ def _equal(motions: Motions, left: Any, right: Any) -> tuple[Verdict, str]:
 
 
 def _places(motions: Motions) -> dict[Any, Any]:
-    """Accelerations inside the door, and what they are along the motion."""
+    """Accelerations and their rates inside the door, and what they are along the motion."""
     field = motions.on_coordinates
-    symbols = [field.door.inward(velocity(v)) for v in motions.equations.velocities]
-    return dict(zip(symbols, field.accelerations, strict=True))
+    found = {}
+    for v, value in zip(motions.equations.velocities, field.accelerations, strict=True):
+        found[field.door.admit(velocity(v))] = value
+        found[field.door.admit(velocity(velocity(v)))] = field.derivative(value)
+    return found
 
 
 def _constant(motions: Motions, value: Any) -> Verdict:

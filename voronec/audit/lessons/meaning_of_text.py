@@ -6,17 +6,28 @@ invariants, the time ``t`` and, unless something else is called so, ``L`` for th
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+import symengine as se
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.typeset import symbol_latex
-from voronec.audit.latex.nodes import Chain, Derivative, Dot, Name, Node, Partial, walk
+from voronec.audit.latex.nodes import (
+    Chain,
+    Derivative,
+    Dot,
+    Name,
+    Node,
+    Partial,
+    Variation,
+    walk,
+)
 from voronec.audit.latex.reader import read_tokens
-from voronec.audit.latex.tokens import complain
+from voronec.audit.latex.tokens import Misprint, complain
 from voronec.audit.lessons.notation import spelling_of, words_of
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.study import Motion, Study, key_of
@@ -27,7 +38,7 @@ __all__ = ["CONSTANT", "Language"]
 
 CONSTANT = sp.Symbol("const")
 """What stands for a constant of the motion."""
-BEYOND = sp.Symbol("{rate of an acceleration}")
+BEYOND = sp.Symbol("{rate beyond those of accelerations}")
 """What stands for a rate that is not read."""
 _SHAPES = {"\\phi": "\\varphi", "\\theta": "\\vartheta", "\\epsilon": "\\varepsilon"}
 _ALIKE = {"\\omega": "w", "\\nu": "v", "\\rho": "p", "\\chi": "x", "\\upsilon": "v"}
@@ -54,19 +65,36 @@ class Language:
         found |= {p.name: p.symbol for p in system.parameters}
         found |= {name: value for name, value in system.invariants.items() if name not in found}
         found.setdefault(plain_name(time), time)
+        for name, value in system.conserved.items():  # energy = const
+            if name.isalpha() and len(name) > 1:
+                found.setdefault(name, value)
         return found
 
     @cached_property
     def study(self) -> Study:
         """The dictionary, in LaTeX."""
-        names = {symbol_latex(name): value for name, value in self._unaccented.items()}
+        names = {_latex(name): value for name, value in self._unaccented.items()}
         for shape, other in _SHAPES.items():
             for latex in [x for x in names if x.startswith(shape)]:
                 names.setdefault(other + latex.removeprefix(shape), names[latex])
         names.setdefault("L", self.equations.system.lagrangian)
+        for name, value in self._energies.items():
+            names.setdefault(name, value)
         names.setdefault("\\pi", sp.pi)
         names.setdefault("const", CONSTANT)
+        names |= {"\\mathrm{abs}": sp.Abs, "\\mathrm{sgn}": sp.sign}
         return Study(names=names, motion=self._motion)
+
+    @property
+    def _energies(self) -> dict[str, Any]:
+        """T and V of L = T - V, where L has no terms that are odd in the velocities."""
+        system, frame = self.equations.system, self.equations.system.frame
+        moving = {*map(velocity, system.coordinates), *(frame.velocities if frame else ())}
+        rest = system.lagrangian.xreplace(dict.fromkeys(moving, sp.S.Zero))
+        kinetic = system.lagrangian - rest
+        turned = kinetic.xreplace({v: -v for v in moving})
+        odd = se.expand(self.equations.door.inward(kinetic - turned))
+        return {} if odd != 0 else {"T": kinetic, "V": -rest}
 
     @property
     def _motion(self) -> Motion:
@@ -76,7 +104,8 @@ class Language:
         rates = dict(motion.rates)
         for u in self.equations.system.inputs:
             rates |= {u: velocity(u), velocity(u): velocity(velocity(u))}
-        rates |= {velocity(v): BEYOND for v in self.equations.velocities}
+        for v in self.equations.velocities:
+            rates |= {velocity(v): velocity(velocity(v)), velocity(velocity(v)): BEYOND}
         return replace(motion, rates=rates)
 
     @property
@@ -94,7 +123,7 @@ class Language:
         dots = {velocity(q) for q in self.equations.coordinates}
         free = [v for v in self.equations.velocities if v not in dots]
         moving = [plain_name(x) for x in (*self.equations.coordinates, *free)]
-        words = words_of(text, spelling_of([*self._unaccented], moving))
+        words = words_of(text, spelling_of([*self._unaccented], moving, _latex))
         if not words:
             raise DefinitionError("the equation is empty; write one such as \\dot v = a w^2")
         vocabulary = replace(self.study.vocabulary, by_hand=True)
@@ -117,6 +146,9 @@ class Language:
         system = self.equations.system
         quasi = {*self.equations.velocities} - {velocity(q) for q in system.coordinates}
         for node in walk(tree):
+            if isinstance(node, Variation):
+                what = "variations are not read; write what holds along the motion"
+                raise complain(text, node.at[0], what)
             if isinstance(node, Derivative) and self._found(node.variable) not in (time, None):
                 what = "a derivative with d is by t; write \\partial, or a quotient such as dy/dx"
                 raise complain(text, node.at[0], what)
@@ -140,13 +172,18 @@ class Language:
             value = evaluate(part, self.study)
         except UnknownName as unknown:
             raise self._unknown(unknown.name, text, tree) from None
+        except Misprint:
+            for node in walk(part):
+                if isinstance(node, Name) and node.sub and self._found(node) is None:
+                    raise self._unknown(_named(node), text, tree) from None
+            raise
         except DefinitionError:
             raise
         except SENSELESS as error:
             what = f"this has no value: {type(error).__name__.lower()}"
             raise complain(text, part.at[0], what) from None
         if isinstance(value, sp.Expr) and value.has(BEYOND):
-            what = "the rate of an acceleration is not read; write accelerations and lower rates"
+            what = "this rate is too high; write no higher ones than those of accelerations"
             raise complain(text, part.at[0], what)
         if not isinstance(value, sp.Expr) or value.has(*_NO_VALUE):
             raise complain(text, part.at[0], "this has no value that is a real number")
@@ -158,11 +195,22 @@ class Language:
         node = next(names, None)
         at = 0 if node is None else node.at[0]
         known = [*self._unaccented]
-        bare = name.lstrip("\\")
+        whole = re.match(r"[A-Za-z]+\d+", text[at:])  # I1 is not I
+        bare = whole[0] if whole is not None else name.lstrip("\\")
         alike = _ALIKE.get(name.split("_")[0], "")
         near = f"; did you mean '{alike}'?" if alike in known else did_you_mean(bare, known)
+        if bare in ("lambda", "mu") or bare.startswith(("lambda_", "mu_")):
+            near = "; equations are judged without multipliers: eliminate them"
         system = self.equations.system.name
         return complain(text, at, f"'{bare}' is no symbol of system '{system}'{near}")
+
+
+def _latex(name: str) -> str:
+    """A name as the reader knows it: one of several letters is a word, with an index or without."""
+    head, _, index = name.partition("_")
+    if len(head) > 1 and index.isalnum() and symbol_latex(head).startswith("\\mathrm"):
+        return f"{symbol_latex(head)}_{{{symbol_latex(index)}}}"
+    return symbol_latex(name)
 
 
 def _named(node: Node) -> str:

@@ -8,10 +8,9 @@ was written.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from voronec.algebra.typeset import symbol_latex
 from voronec.audit.latex.tokens import ELEMENTARY, GREEK, Misprint, Token, complain, tokenize
 
 __all__ = ["spelling_of", "words_of"]
@@ -26,6 +25,20 @@ _SPELLED = {
 }
 """What plain text calls functions and Greek letters."""
 _CONSTANT = ("const", "constant")
+_SAME = {
+    **{f"\\{name}": f"\\{other}" for name, other in (
+        ("tg", "tan"), ("ctg", "cot"), ("cotg", "cot"), ("arctg", "arctan"), ("asin", "arcsin"),
+        ("acos", "arccos"), ("atan", "arctan"), ("sh", "sinh"), ("ch", "cosh"), ("th", "tanh"),
+    )},
+    "\\times": "\\cdot", "\\ast": "\\cdot", "\\equiv": "=", "\\lvert": "|", "\\rvert": "|",
+    "\\vert": "|", "\\dfrac": "\\frac", "\\{": "(", "\\}": ")",
+}  # fmt: skip
+"""Commands, and what they mean where there are no vectors."""
+_APPLIED = {"abs": "abs", "Abs": "abs", "sgn": "sgn", "sign": "sgn", "signum": "sgn"}
+"""Functions by name, and what the dictionary calls them."""
+_TAIL = re.compile(
+    r"(?:\\q?quad|\\\\|\\hfill|\s)*\(\d+[a-z']?\)\s*$|(?:\\q?quad|\\\\\s|\\\\$)+\s*$"
+)
 _OPEN, _CLOSE = ("(", "[", "{"), (")", "]", "}")
 _BREAKS = {"+", "-", "=", "/", "*", "\\cdot", "^", "", *_OPEN}
 
@@ -40,23 +53,27 @@ def words_of(text: str, spelled: Mapping[str, str]) -> list[Token]:
     source = text.translate(_SIGNS)
     start, end = _bounds(source)
     words = tokenize(source, start, end)
-    plain = not any(w.kind == "command" and w.text not in _SILENT_SIGNS for w in words)
+    plain = "\\" not in source.replace("\\cdot", "").replace("\\times", "")
     words = [_letter(w) for w in words]
     words = _spelled(source, words, _SPELLED | dict(spelled) if plain else _long(spelled), plain)
-    for change in (_primes, _stars, _applied_to_time, _rates) + ((_exponents,) if plain else ()):
+    words = [_common(w) for w in words]
+    bars = [w for w in words if w.text == "|"]
+    if len(bars) % 2:
+        raise complain(source, bars[-1].start, "this bar has no partner; write |v|", Misprint)
+    changes = (_primes, _stars, _third, _applied_to_time, _quotients, _rates, _sizes, _functions)
+    for change in changes + ((_exponents,) if plain else ()):
         words = change(words)
     _refuse_ambiguous(source, words)
     return words
-
-
-_SILENT_SIGNS = {"\\cdot"}
 
 
 def _bounds(source: str) -> tuple[int, int]:
     """Without dollars, brackets of displays and a stop at the end."""
     beginning, end = _BEGINNING.match(source), _END.search(source)
     start = beginning.end() if beginning is not None else 0
-    return start, max(start, end.start() if end is not None else len(source))
+    stop = end.start() if end is not None else len(source)
+    tail = _TAIL.search(source, start, stop)  # the number of the equation, or empty space
+    return start, max(start, stop if tail is None else tail.start())
 
 
 def _letter(word: Token) -> Token:
@@ -66,6 +83,98 @@ def _letter(word: Token) -> Token:
     if word.kind == "text" and len(word.text) == 1:
         return replace(word, kind="letter")
     return word
+
+
+def _common(word: Token) -> Token:
+    """Of several words for one thing the one that the reader knows."""
+    name = word.text if word.kind == "command" else f"\\{word.text}"
+    if word.kind in ("command", "text") and name in _SAME:
+        text = _SAME[name]
+        return replace(word, kind="command" if text.startswith("\\") else "sign", text=text)
+    if name in ELEMENTARY and word.kind == "text":
+        return replace(word, kind="command", text=name)
+    if name.lstrip("\\") in _APPLIED and word.kind in ("command", "text"):
+        return replace(word, kind="text", text=_APPLIED[name.lstrip("\\")])
+    return word
+
+
+def _third(words: list[Token]) -> list[Token]:
+    r"""``\dddot x`` is the rate of ``\ddot x``."""
+    found: list[Token] = []
+    for position, word in enumerate(words):
+        if word.text == "\\dddot" and position + 1 < len(words):
+            end = _atom(words, position + 1)
+            inner = [replace(word, text="\\ddot"), *words[position + 1 : end]]
+            found += [replace(word, text="\\dot"), _sign(word, "{"), *inner, _sign(word, "}")]
+            return found + _third(words[end:])
+        found.append(word)
+    return found
+
+
+def _quotients(words: list[Token]) -> list[Token]:
+    r"""``\frac d{dt}``, ``\frac{d}{dt}``: what stands without braces gets them."""
+    found: list[Token] = []
+    for position, word in enumerate(words):
+        bare = word.text in ("d", "\\partial") and position and words[position - 1].text == "\\frac"
+        found += [_sign(word, "{"), word, _sign(word, "}")] if bare else [word]
+    return found
+
+
+def _sign(place: Token, text: str) -> Token:
+    return replace(place, kind="sign", text=text)
+
+
+def _sizes(words: list[Token]) -> list[Token]:
+    """``|v|`` is the function ``abs``, applied; a bar opens at the beginning of a term, and where
+    none is open in its bracket."""
+    found: list[Token] = []
+    open_bars: list[int] = []
+    depth = 0
+    for word in words:
+        depth += (word.text in _OPEN) - (word.text in _CLOSE)
+        if word.text != "|":
+            found.append(word)
+        elif open_bars and open_bars[-1] == depth and found[-1].text not in _BREAKS:
+            open_bars.pop()
+            found += [_sign(word, ")"), _sign(word, ")")]
+        else:
+            open_bars.append(depth)
+            found += [_sign(word, "("), replace(word, kind="text", text="abs"), _sign(word, "(")]
+    return found
+
+
+def _functions(words: list[Token]) -> list[Token]:
+    r"""``\operatorname{sgn} v`` is ``sgn(v)``, ``e^{v}`` the exponential."""
+    found: list[Token] = []
+    position = 0
+    while position < len(words):
+        word, after = words[position], words[position + 1 : position + 2]
+        applied = word.kind == "text" and word.text in _APPLIED.values()
+        power = (
+            word.text == "e" and word.kind in ("letter", "text") and after and after[0].text == "^"
+        )
+        start = position + 1 + bool(power)
+        if not (applied or power) or start >= len(words) or (applied and words[start].text == "("):
+            found.append(word)
+            position += 1
+            continue
+        end = _atom(words, start)
+        name = [replace(word, kind="command", text="\\exp") if power else word]
+        found += [*name, _sign(word, "("), *words[start:end], _sign(word, ")")]
+        position = end
+    return found
+
+
+def _atom(words: Sequence[Token], start: int) -> int:
+    """Where what begins at a position ends: a bracket, a dotted letter, a letter with its index."""
+    end = start
+    while words[end].text in ("\\dot", "\\ddot") and end + 1 < len(words):
+        end += 1
+    end = _closing(words, end) if words[end].text in _OPEN else end
+    end = min(end + 1, len(words))
+    if end + 1 < len(words) and words[end].text == "_":
+        end = _atom(words, end + 1)
+    return end
 
 
 def _long(spelled: Mapping[str, str]) -> dict[str, str]:
@@ -139,7 +248,8 @@ def _primes(words: list[Token]) -> list[Token]:
             start += 1
             end = start + braced
         if end == position + 1:
-            found.append(words[position])
+            bare = words[position].text == "\\prime"
+            found.append(_sign(words[position], "'") if bare else words[position])
         position = end
     return found
 
@@ -258,12 +368,13 @@ def _refuse_ambiguous(source: str, words: Sequence[Token]) -> None:
             raise complain(source, words[k + 1].start, what, Misprint)
 
 
-def spelling_of(names: Sequence[str], moving: Sequence[str]) -> dict[str, str]:
-    r"""Plain names -> LaTeX; of what moves also ``xdot``, ``xddot``."""
-    found = {name: symbol_latex(name) for name in names}
+def spelling_of(
+    names: Sequence[str], moving: Sequence[str], latex: Callable[[str], str]
+) -> dict[str, str]:
+    r"""Plain names -> LaTeX; of what moves also ``xdot``, ``xddot``; names of functions."""
+    found = {name: f"\\mathrm{{{other}}}" for name, other in _APPLIED.items()}
+    found |= {name: latex(name) for name in names}
     for name in moving:
-        found |= {
-            name + "dot" * order: f"\\{'d' * order}ot{{{symbol_latex(name)}}}" for order in (1, 2)
-        }
+        found |= {name + "dot" * order: f"\\{'d' * order}ot{{{latex(name)}}}" for order in (1, 2)}
         found[name + "ddot"] = found[name + "dotdot"]
     return found
