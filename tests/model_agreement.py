@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 import voronec as vo
 from voronec.algebra.symbols import plain_name
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.motion.observables import Branch
 from voronec.motion.vocabulary import Vocabulary
 
@@ -45,7 +45,7 @@ def followed(model: vo.Model, start: Mapping[Any, float], t: np.ndarray) -> dict
     sides = {f"cos {n}": a.cosine for n, a in own.angles.items()}
     sides |= {f"sin {n}": a.sine for n, a in own.angles.items()}
     program = Program.of(own.form, {**own.outputs, **sides})
-    rates, extras = compiled(program)
+    rates, extras = compile_program(program)
     constants = [values[p] for p in program.parameters]
     begin = [values[x] for x in program.state]
     states = np.zeros((0, len(t)))
@@ -95,7 +95,7 @@ def read(
     wanted = Vocabulary.of(equations).wanted(outputs).expressions
     program = Program.of(equations.form, wanted)
     values = {**full.parameters}
-    series = compiled(program)[1](
+    series = compile_program(program)[1](
         full.t, list(full.state.T), [values[str(p)] for p in program.parameters]
     )
     return {

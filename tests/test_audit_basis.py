@@ -159,7 +159,9 @@ def test_what_the_decider_imports_matters_and_nothing_else(tmp_path, monkeypatch
 
 
 def test_what_a_file_takes_from_the_package_matters():
-    used = set(sources._used("import voronec as vo\nfrom voronec import System\nvo.descend(1)\n"))
+    used = set(
+        sources._modules_in("import voronec as vo\nfrom voronec import System\nvo.descend(1)\n")
+    )
     assert {"voronec", vo._HOME["System"], vo._HOME["descend"]} == used
 
 

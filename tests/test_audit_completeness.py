@@ -146,7 +146,7 @@ def test_prints_of_the_paper_that_say_too_little(
         displays = tuple(replace(d, latex=d.latex.replace(old, print_)) for d in section.displays)
         page = replace(section, displays=displays)
         work = Work(page, formulas_by_label([page]), dictionaries(section), corrects=False)
-        item = next(i for i in items(work.transcript) if i.called == called)
+        item = next(i for i in items(work.transcript) if i.designation == called)
         verdicts.append({e.record.verdict for e in work.examine(item)})
     assert verdicts[0] == {"proved"}
     assert "misprint" in verdicts[1]

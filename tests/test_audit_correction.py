@@ -10,7 +10,7 @@ import sympy as sp
 from voronec import velocity
 from voronec.audit import Check, Display, Motion, Section, Study, Transcript
 from voronec.audit.correction import Correction, correct
-from voronec.audit.correction.changes import Change, Spare, applied
+from voronec.audit.correction.changes import Change, Spare, apply_pieces
 from voronec.audit.correction.edits import single_changes
 from voronec.audit.correction.mending import Search
 from voronec.audit.correction.missing import repairs
@@ -257,10 +257,10 @@ def test_of_two_equal_changes_the_one_that_is_printed_nearby_is_made():
 
 def test_a_change_is_applied_to_the_text():
     printed = "P^2=x^2+2xy+y^2"
-    assert applied(printed, [(0, 1, r"\tau ")])[0] == r"\tau^2=x^2+2xy+y^2"
-    assert applied("Px", [(0, 1, r"\tau ")]) == (r"\tau x", ((0, 5),))
+    assert apply_pieces(printed, [(0, 1, r"\tau ")])[0] == r"\tau^2=x^2+2xy+y^2"
+    assert apply_pieces("Px", [(0, 1, r"\tau ")]) == (r"\tau x", ((0, 5),))
     change = Change(((0, 1, "a"), (4, 5, "bc")), (0, 5))
-    assert applied("x+y+z", change.pieces) == ("a+y+bc", ((0, 1), (4, 6)))
+    assert apply_pieces("x+y+z", change.pieces) == ("a+y+bc", ((0, 1), (4, 6)))
 
 
 def test_a_formula_without_numbers_has_no_search():

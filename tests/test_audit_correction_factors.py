@@ -9,8 +9,8 @@ import sympy as sp
 
 from voronec import velocity
 from voronec.audit import Check, Display, Motion, Range, Section, Study, Transcript
-from voronec.audit.correction import Correction, Spare, closed, correct
-from voronec.audit.correction.changes import applied
+from voronec.audit.correction import Correction, Spare, close_brackets, correct
+from voronec.audit.correction.changes import apply_pieces
 from voronec.audit.correction.edits import single_changes
 from voronec.audit.correction.missing import repairs
 from voronec.audit.latex.vocabulary import Vocabulary
@@ -122,7 +122,7 @@ def test_every_digit_is_tried(digit):
 
 
 def texts(latex: str) -> set[str]:
-    return {applied(latex, c.pieces)[0] for c in single_changes(latex, STUDY, Spare())}
+    return {apply_pieces(latex, c.pieces)[0] for c in single_changes(latex, STUDY, Spare())}
 
 
 def test_signs_of_differentiation_are_put_where_one_of_two_is_missing():
@@ -144,8 +144,8 @@ def test_a_letter_in_the_exponent_is_a_small_number():
 
 def test_open_brackets_are_closed_at_the_end():
     plain = Vocabulary()
-    assert closed("a(b+[c+(d", plain) == "a(b+[c+(d)])"
-    assert closed("a(b)", plain) is None
-    assert closed(r"a(b\frobnicate", plain) is None
-    assert closed("[a(b]", plain) is None
-    assert applied("a(b+[c", repairs("a(b+[c")[0].pieces)[0] == "a(b+[c])"
+    assert close_brackets("a(b+[c+(d", plain) == "a(b+[c+(d)])"
+    assert close_brackets("a(b)", plain) is None
+    assert close_brackets(r"a(b\frobnicate", plain) is None
+    assert close_brackets("[a(b]", plain) is None
+    assert apply_pieces("a(b+[c", repairs("a(b+[c")[0].pieces)[0] == "a(b+[c])"

@@ -210,7 +210,9 @@ def test_a_record_is_found_by_the_name_that_the_page_shows(label: str) -> None:
         for title, shown in (("s", (display,)), ("t", ()))
     )
     found = audit_paper(Paper("p", "P", sections), label=label).records
-    assert [(r.section, r.called) for r in found] == [("s", "text 3" if " " in label else "(e)")]
+    assert [(r.section, r.designation) for r in found] == [
+        ("s", "text 3" if " " in label else "(e)")
+    ]
 
 
 def test_a_list_names_each_thing_once() -> None:

@@ -102,14 +102,14 @@ def test_the_limits_of_an_integral_principle_bear_no_letter_of_something_else():
 
 
 def unbalanced(latex: str) -> bool:
-    return Units.of(STUDY).unbalanced(read(latex, STUDY.vocabulary), STUDY)
+    return Units.of(STUDY).is_unbalanced(read(latex, STUDY.vocabulary), STUDY)
 
 
 def test_units_of_what_a_dictionary_adds():
     study = Study(NAMES, system=system(energy()), units={sp.Symbol("z"): m * a})
     units = Units.of(study)
-    assert units.unbalanced(read("z+m", study.vocabulary), study)
-    assert not units.unbalanced(read("z+ma", study.vocabulary), study)
+    assert units.is_unbalanced(read("z+m", study.vocabulary), study)
+    assert not units.is_unbalanced(read("z+ma", study.vocabulary), study)
 
 
 def test_without_a_system_nothing_is_known():

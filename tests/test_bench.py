@@ -24,7 +24,7 @@ from voronec.accuracy.bench.peers.handwritten import BY_HAND, start_values
 from voronec.accuracy.bench.record import Measured, Point
 from voronec.accuracy.bench.runs import CONTENDERS, contenders
 from voronec.accuracy.bench.work_precision_picture import plot_work_precision
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 
 pytestmark = pytest.mark.slow
 
@@ -251,7 +251,7 @@ def test_our_source_of_dop853_is_dop853(spring: bench.Question) -> None:
 
 def test_sympys_right_hand_side_is_ours(ball: bench.Question) -> None:
     at = lowest(ball)
-    ours, _ = compiled(at.program)
+    ours, _ = compile_program(at.program)
     state = np.array([0.48, 0.6, 0.64, 0.5, 2.1, 0.4])  # |gamma| = 1, where forms may differ
     expected = np.array(ours(0.0, list(state), list(at.constants)))
     for function in (jitted.sympy_right_hand_side(at), jitted.right_hand_side(at.program)):

@@ -15,7 +15,7 @@ from voronec import Fibration, System, velocity
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.door import Door
 from voronec.algebra.numeric_functions import elementary, numeric_name
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 
 x, y = sp.symbols("x y")
 v = velocity(x)
@@ -88,7 +88,7 @@ def test_what_is_written_and_the_referee_have_the_same_values(kind, tmp_path):
     force = FORCES[kind][0]
     made, namespace = vo.derive(system(force)), {}
     exec(made.python(), namespace)
-    functions = [namespace["rhs"], compiled(Program.of(made.form), True)[0]]
+    functions = [namespace["rhs"], compile_program(Program.of(made.form), True)[0]]
     functions += [c_function(made.c(), tmp_path, 2)] if shutil.which("cc") else []
     for place in (0, 1e-9, -0.3, 2):
         with mp.workdps(80):

@@ -9,7 +9,7 @@ from pole_free import VALUES, reference, without_poles
 
 import voronec as vo
 from voronec.equations.motions import Motions
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.events import Event
@@ -107,7 +107,7 @@ def test_there_and_back_is_the_identity(demchenko):
     rows = rng.uniform(0.1, 3.0, (size, 8))  # u and u1 between 0 and pi
     for chart in charts:
         forward, back = (
-            compiled(quantities(demchenko.form, {str(x): e for x, e in values.items()}))[1]
+            compile_program(quantities(demchenko.form, {str(x): e for x, e in values.items()}))[1]
             for values in (chart.there, chart.back)
         )
         constants = [VALUES[str(p)] for p in demchenko.form.parameters]

@@ -22,7 +22,7 @@ from voronec import (
     velocity,
 )
 from voronec.equations.motions import Motions
-from voronec.proof.cases import specialised
+from voronec.proof.cases import specialise
 
 pytestmark = pytest.mark.slow
 
@@ -442,15 +442,15 @@ def test_a_case_has_claims_of_its_own():
 
 
 def test_a_specialised_system_knows_the_parameter_no_more():
-    level = specialised(skate(integrals={"energy": ENERGY, "odd": x / k}), {"k": 0})
+    level = specialise(skate(integrals={"energy": ENERGY, "odd": x / k}), {"k": 0})
     assert [p.name for p in level.parameters] == ["m"] and k not in level.lagrangian.free_symbols
     assert dict(level.integrals) == {"energy": ENERGY.subs(k, 0)}  # x/k has no value
     assert [c.verdict.status for c in vo.check_claims(level)] == ["proved"]
     h = sp.Symbol("h")
-    slow = specialised(skate(), {k: h**2}, new=(Parameter(h, 1),))
+    slow = specialise(skate(), {k: h**2}, new=(Parameter(h, 1),))
     assert {p.name for p in slow.parameters} == {"m", "h"}
     with pytest.raises(DefinitionError, match="no parameter 'a'"):
-        specialised(skate(), {"a": 1})
+        specialise(skate(), {"a": 1})
 
 
 # What is declared undecided.
@@ -476,7 +476,7 @@ def test_an_undecided_claim_is_admitted_and_a_decided_one_is_reported():
         undecided={"hidden": "logarithms are not combined", "energy": "it is large"},
     )
     found = {c.name: c for c in vo.check_claims(system)}
-    assert found["hidden"].admitted and not found["hidden"].stale
+    assert found["hidden"].is_admitted and not found["hidden"].stale
     assert found["hidden"].standing == "undecided: logarithms are not combined"
     assert found["energy"].stale and "out of date" in found["energy"].standing
 

@@ -15,7 +15,7 @@ import voronec as vo
 from voronec import Fibration, Frame, Measure, System, kinematics, prove_equal, velocity
 from voronec.declaration.claims import right_of
 from voronec.equations.motions import Motions
-from voronec.proof.cases import specialised
+from voronec.proof.cases import specialise
 from voronec.proof.claims import check_claims
 from voronec.proof.measures import defect, measured_field
 
@@ -50,7 +50,7 @@ def test_what_is_declared_undecided_is_true_in_numbers(name):
     admitted = [c for c in check_claims(derived(name)) if c.reason]
     assert admitted
     for claim in admitted:
-        assert claim.admitted and "agree to 200 digits" in claim.verdict.method
+        assert claim.is_admitted and "agree to 200 digits" in claim.verdict.method
 
 
 MOVING = (
@@ -133,7 +133,7 @@ def test_the_sleigh_has_no_simple_measure():
         verdict = verdict_on(sleigh, measure=naive)
         assert verdict.refuted and verdict.witness.left != "0"
     assert verdict_on(sleigh, measure=1 / w).proved
-    balanced = specialised(sleigh, {a: 0})
+    balanced = specialise(sleigh, {a: 0})
     assert verdict_on(balanced, integrals={"v": v}).proved
     assert verdict_on(balanced, measure=1).proved
 

@@ -120,7 +120,7 @@ def test_letters_that_are_not_the_papers_are_explained(audit: Audit) -> None:
         for formula in record.formulas:
             said = heads(" ".join(re.findall(r"\$[^$]*\$", formula.method)))
             strange = heads(formula.derived or "") - printed[record.section] - said - theirs
-            assert not strange, (record.called, record.section)
+            assert not strange, (record.designation, record.section)
 
 
 def test_it_is_small_enough_to_be_carried(build: ModuleType) -> None:

@@ -13,7 +13,7 @@ from command_line import Call, refused
 
 import voronec as vo
 from voronec.declaration import catalogue
-from voronec.proof.comparison import Derived, compare, read_derived
+from voronec.proof.comparison import Derived, compare, read_derivation
 from voronec.proof.comparison.side_by_side import read_expression
 
 pytestmark = pytest.mark.slow
@@ -45,10 +45,10 @@ def test_every_system_is_derived_as_it_is_stored(name: str) -> None:
     today = Derived.of(vo.derive(vo.load(name)))
     if today.text() == file.read_text(encoding="utf-8"):
         return
-    found = compare(read_derived(file), today)
+    found = compare(read_derivation(file), today)
     told = [f"{r.group} {r.name}: {r.first} was, {r.second} is; {r.how}" for r in found.differences]
     assert not told, "\n".join(told)
-    for row in found.rewritten:
+    for row in found.rewritten_rows:
         print(f"rewritten, proved equal: {row.group} {row.name}")
 
 
@@ -65,7 +65,7 @@ def test_a_rewriting_is_proved_and_a_difference_is_shown_at_a_point() -> None:
     ours = derived("sleigh")
     same = compare(changed("sleigh", "mass", "w,w", "m*a*a + J*(sin(phi)**2 + cos(phi)**2)"), ours)
     assert same.equal
-    assert [(r.group, r.name) for r in same.rewritten] == [("mass", "w,w")]
+    assert [(r.group, r.name) for r in same.rewritten_rows] == [("mass", "w,w")]
     other = compare(changed("sleigh", "force", "v", "a*m*w**3"), ours)
     (row,) = other.differences
     assert (row.group, row.name, row.status) == ("force", "v", "refuted")
@@ -91,7 +91,7 @@ def test_the_relations_of_invariants_count() -> None:
 
 def test_what_is_too_long_to_store_is_compared_in_numbers() -> None:
     ours = derived("sleigh")
-    short = replace(ours.stored(), groups={}, equations=None)
+    short = replace(ours.compact(), groups={}, equations=None)
     assert compare(short, ours).equal
     (at, values), *rest = short.points
     wrong = replace(short, points=((at, {**values, "x": "1.5"}), *rest))
@@ -105,7 +105,7 @@ def test_a_group_that_is_too_long_is_not_stored(monkeypatch: pytest.MonkeyPatch)
     whole = derived("demchenko")
     size = {k: sum(map(len, g.values())) for k, g in whole.groups.items()}
     monkeypatch.setattr("voronec.proof.comparison.derived.LONGEST", size["mass"])
-    stored = whole.stored()
+    stored = whole.compact()
     assert {*stored.groups} == {k for k, n in size.items() if n <= size["mass"]} < {*size}
     found = compare(replace(stored, equations=None), whole)
     assert found.equal and {r.status for r in found.rows} == {"identical", "numeric"}
@@ -139,7 +139,7 @@ NO_CLAIMS = {
 
 @pytest.mark.parametrize("name", ["sleigh", "chaplygin-ball", "demchenko", "bicycle"])
 def test_what_is_stored_is_read_back(name: str) -> None:
-    stored = derived(name).stored()
+    stored = derived(name).compact()
     data = json.loads(derived(name).text())
     assert Derived.from_dict(data, "here") == replace(stored, equations=None)
 
@@ -205,7 +205,7 @@ def test_a_file_that_holds_something_else_is_refused(
     file = tmp_path / "odd.json"
     file.write_text(text)
     with pytest.raises(vo.DefinitionError, match=message):
-        read_derived(file)
+        read_derivation(file)
 
 
 def test_signs_that_are_declared_are_stored_with_a_derivation() -> None:

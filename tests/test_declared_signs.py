@@ -9,7 +9,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.errors import DefinitionError
-from voronec.proof.relations.families import carried_back
+from voronec.proof.relations.families import carry_back
 
 pytestmark = pytest.mark.slow
 
@@ -299,5 +299,5 @@ def test_signs_count_where_a_limit_is_carried_back():
     """What vanishes by the signs of parameters need not be moved to zero."""
     m, k, small = sp.symbols("m k small")
     nothing = {"p": sp.sqrt(m * k**2) - k * sp.sqrt(m)}
-    assert carried_back(nothing, {"p": small}, small, [k > 0, m > 0]) == {}
-    assert carried_back(nothing, {"p": small}, small) != {}
+    assert carry_back(nothing, {"p": small}, small, [k > 0, m > 0]) == {}
+    assert carry_back(nothing, {"p": small}, small) != {}

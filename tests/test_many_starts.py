@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import voronec as vo
-from voronec.equations.program import compiled
+from voronec.equations.program import compile_program
 from voronec.motion import many_starts, motion_pool
 from voronec.motion.initial_state import named, parameter_values, start_of
 from voronec.motion.request import quantity
@@ -32,7 +32,7 @@ def one_by_one(vocabulary, scene, starts):
     own = parameter_values(vocabulary, {}, set())
     program = motion_pool.Program.of(vocabulary.equations.form)
     values = [own.get(str(p), np.nan) for p in program.parameters]
-    rates = partial(rates_along, quiet(compiled(program)[0], values), 0.0)
+    rates = partial(rates_along, quiet(compile_program(program)[0], values), 0.0)
     return [
         start_of(vocabulary, scene, named(vocabulary, s, "initial value"), own, rates).state
         for s in starts
@@ -60,7 +60,7 @@ def test_what_does_not_fit_is_left_over():
     program = motion_pool.Program.of(equations.form)
     own = {k: np.full(3, x) for k, x in parameter_values(vocabulary, {}, set()).items()}
     values = np.stack([own[str(p)] for p in program.parameters], axis=-1)
-    rates = partial(motion_pool._rates_of_many, compiled(program)[0], values, 0.0)
+    rates = partial(motion_pool._rates_of_many, compile_program(program)[0], values, 0.0)
 
     def read(starts):
         return many_starts.starts_in_arrays(vocabulary, {}, starts, own, rates)

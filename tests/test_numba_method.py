@@ -12,7 +12,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, QUOTIENTS, SIZE
-from voronec.equations.program import Block, Program, compiled
+from voronec.equations.program import Block, Program, compile_program
 from voronec.equations.program.printing import FUNCTIONS
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers import choice, kept_code, numba_stepper
@@ -180,6 +180,6 @@ def test_every_function_of_programs_is_known_to_numba():
     namespace = {"np": np, "jit": numba.njit(error_model="numpy")}
     exec(kernel_source(program, program), namespace)
     found = namespace["extras"](0.0, 0.3, 0.7, np.zeros(0))
-    expected = compiled(program, scalar=True)[1](0.0, [0.3, 0.7], [])
+    expected = compile_program(program, scalar=True)[1](0.0, [0.3, 0.7], [])
     assert len(found) == len(results) > 30
     assert np.abs(np.array(found) - expected).max() < 1e-15

@@ -24,7 +24,7 @@ from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.program import (
     Program,
     c_source,
-    compiled,
+    compile_program,
     mpmath_source,
     python_source,
     taylor_system,
@@ -106,9 +106,9 @@ def test_python_source_agrees_with_substitution_on_floats_and_arrays() -> None:
     program = Program.of(form)
     expected = direct(form, STATE, VALUES, 0.2)
     for scalar in (False, True):
-        rhs, _ = compiled(program, scalar=scalar)
+        rhs, _ = compile_program(program, scalar=scalar)
         assert np.allclose(rhs(0.2, STATE, VALUES), expected, rtol=1e-13, atol=0)
-    rhs, _ = compiled(program)
+    rhs, _ = compile_program(program)
     states = np.array(STATE)[:, None] * np.linspace(0.5, 1, 7)
     rows = rhs(np.full(7, 0.2), list(states), VALUES)
     assert np.allclose([r[-1] for r in rows], expected, rtol=1e-13, atol=0)
@@ -169,7 +169,7 @@ def test_elimination_solves_symmetric_positive_systems(entries: Any, force: Any)
     for hide in (lambda n: se.Integer(n), lambda n: n * x if n else se.Integer(0)):
         mass = [[hide(int(e)) for e in row] for row in numbers]
         program = Program.of(first_order(mass, force))
-        rhs, _ = compiled(program)
+        rhs, _ = compile_program(program)
         vdot = rhs(0.0, [1.0, 0, 0, 0, 0, 0], [1.0, 1.0])[3:]
         residual = numbers @ np.array(vdot, dtype=float) - force
         assert np.abs(residual).max() <= 1e-10 * (1 + np.abs(numbers).max())
@@ -188,7 +188,7 @@ def test_elimination_on_random_matrices_of_any_size(size: int) -> None:
         mass=tuple(tuple(symbols[max(i, j), min(i, j)] for j in range(size)) for i in range(size)),
         definitions=(),
     )  # fmt: skip
-    rhs, _ = compiled(Program.of(form), scalar=True)
+    rhs, _ = compile_program(Program.of(form), scalar=True)
     q = rng.normal(size=size)
     vdot = rhs(0.0, [*q, *q], [numbers[k] for k in symbols])[size:]
     assert np.allclose(numbers @ vdot, q, rtol=0, atol=1e-9)
@@ -203,7 +203,7 @@ def test_diagonal_and_constant_masses_cost_nothing() -> None:
     # numbers fold: only the products with the force are left, no quotient of the matrix
     constant = Program.of(first_order([[2, 1], [1, 3]], [x, y]))
     assert constant.operations <= 8
-    rhs, _ = compiled(constant)
+    rhs, _ = compile_program(constant)
     assert np.allclose(rhs(0, [1.0, 2.0, 0, 0], VALUES)[2:], [0.2, 0.6])
 
 
@@ -233,7 +233,7 @@ def test_independent_blocks_stay_apart() -> None:
 def test_zeros_on_the_diagonal_are_passed_over() -> None:
     mass = [[0, 1 + x**2, 0], [1 + x**2, 0, y], [0, y, 2]]
     form = first_order(mass, [x, y, z])
-    rhs, _ = compiled(Program.of(form))
+    rhs, _ = compile_program(Program.of(form))
     assert np.allclose(rhs(0.0, STATE, VALUES), direct(form, STATE, VALUES, 0.0))
     with pytest.raises(DefinitionError, match="mass matrix is singular"):
         Program.of(first_order([[0, 0], [0, 1]], [x, y]))
@@ -242,7 +242,7 @@ def test_zeros_on_the_diagonal_are_passed_over() -> None:
 def test_extras_may_use_the_velocities_of_all_coordinates() -> None:
     form = first_order([[1]], [-x], rates=(a * u,))
     program = Program.of(form, {"speed": se.Symbol("xdot") ** 2, "one": 1})
-    _, extras = compiled(program)
+    _, extras = compile_program(program)
     assert extras(0.0, [0.5, 3.0], [2.0, 0.0]) == [36.0, 1]
     assert program.operations == Program.of(form).operations
 
@@ -254,7 +254,7 @@ def test_awkward_names_become_identifiers(tmp_path: Any) -> None:
     program = Program.of(form)
     values = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
     expected = sum(map(math.sin, values)) + math.exp(0.2)
-    rhs, _ = compiled(program)
+    rhs, _ = compile_program(program)
     assert rhs(0.2, [0.0, 0.0], values)[1] == pytest.approx(expected, rel=1e-14)
     source = c_source(program)
     assert "const double double_ = parameters[1];" in source
@@ -266,7 +266,7 @@ def test_awkward_names_become_identifiers(tmp_path: Any) -> None:
 def test_assigned_names_avoid_those_in_use() -> None:
     c0, c1 = se.symbols("c0 c1")
     force = [c0 * se.sin(x) + se.sin(x) ** 2 + c1 * se.sin(se.sin(x))]
-    rhs, _ = compiled(Program.of(first_order([[1]], force, parameters=(c0, c1))))
+    rhs, _ = compile_program(Program.of(first_order([[1]], force, parameters=(c0, c1))))
     sine = math.sin(0.5)
     expected = 2 * sine + sine**2 + 3 * math.sin(sine)
     assert rhs(0.0, [0.5, 0.0], [2.0, 3.0])[1] == pytest.approx(expected, rel=1e-14)
@@ -285,7 +285,7 @@ def test_what_has_no_value_is_refused_by_name() -> None:
 
 
 def test_a_traceback_shows_the_generated_line() -> None:
-    rhs, _ = compiled(Program.of(first_order([[1]], [1 / x])), scalar=True)
+    rhs, _ = compile_program(Program.of(first_order([[1]], [1 / x])), scalar=True)
     with pytest.raises(ZeroDivisionError) as caught:
         rhs(0.0, [0.0, 1.0], VALUES)
     shown = "".join(traceback.format_exception(caught.value))

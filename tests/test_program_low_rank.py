@@ -14,9 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from voronec.equations.derivation import FirstOrderForm
-from voronec.equations.program import Program, compiled, hoisted, solved, taylor_system
+from voronec.equations.program import Program, compile_program, hoist, solve_mass, taylor_system
 from voronec.equations.program.low_rank import eliminations, low_rank
-from voronec.equations.program.straight import nested
+from voronec.equations.program.straight import nest_sums
 from voronec.equations.program.triangular import solve_symmetric
 from voronec.equations.program.weight import QUOTIENT, SQUARE, evaluation_weight, taylor_weight
 
@@ -45,7 +45,7 @@ def straight(matrix: Any, right: Any, **known: Any) -> tuple[list[tuple[Any, Any
 
     if known.pop("triangular", False):
         return assignments, solve_symmetric(matrix, right, name)
-    return assignments, solved(matrix, right, name, **known)
+    return assignments, solve_mass(matrix, right, name, **known)
 
 
 def values(assignments: Any, results: Any, at: dict[Any, Any]) -> list[Any]:
@@ -151,7 +151,7 @@ def test_a_program_knows_a_ball_about_its_contact() -> None:
     assert 9 + 3 * SQUARE + QUOTIENT <= low.weight < 9 + 3 * SQUARE + QUOTIENT + 1
     assert full.weight > 1.5 * low.weight
     state, parameters = [0.3, -0.4, 0.5, 1.0, 2.0, 3.0], [0.4, 0.5, 0.7, 1.1]
-    one, two = (compiled(p, scalar=True)[0](0.0, state, parameters) for p in (low, full))
+    one, two = (compile_program(p, scalar=True)[0](0.0, state, parameters) for p in (low, full))
     assert np.allclose(one, two, rtol=1e-14, atol=1e-15)
 
 
@@ -189,14 +189,14 @@ def test_brackets_change_nothing_but_the_weight(terms: Any) -> None:
     expr = se.Add(*[
         n * se.Mul(*map(se.Pow, (x, y, z, a), powers)) for n, powers in terms
     ])  # fmt: skip
-    short = nested(expr, (a,))
+    short = nest_sums(expr, (a,))
     at = {x: ONE / 3, y: se.Integer(5), z: ONE * 2 / 7, a: se.Integer(11)}
     assert short.subs(at) == expr.subs(at)
 
 
 def test_brackets_save_products() -> None:
     expr = se.expand(x * y * (a * z + b * w + 2 * x))
-    assert taylor_weight((), [nested(expr, (a, b))], (a, b)) < 2.6
+    assert taylor_weight((), [nest_sums(expr, (a, b))], (a, b)) < 2.6
     assert taylor_weight((), [expr], (a, b)) > 4
 
 
@@ -212,12 +212,14 @@ def constants_of(parameters: Any) -> Any:
 
 def test_constants_are_computed_once_and_give_the_same_motion() -> None:
     program, given_values = constants_of([1.3, 0.7, 2.1])
-    raised = hoisted(program)
+    raised = hoist(program)
     assert raised.program.parameters[:3] == program.parameters
     extended = raised.values(given_values)
     assert len(extended) == len(raised.program.parameters) == 3 + len(raised.definitions)
     state = [0.4, -0.6]
-    for before, after in zip(compiled(program), compiled(raised.program), strict=True):
+    for before, after in zip(
+        compile_program(program), compile_program(raised.program), strict=True
+    ):
         found = after(0.0, state, extended)
         assert np.allclose(found, before(0.0, state, given_values), rtol=1e-14)
     still = set(raised.program.parameters)
@@ -233,7 +235,7 @@ def test_constants_are_computed_once_and_give_the_same_motion() -> None:
 
 def test_a_constant_without_a_value_is_nan_and_the_others_are_kept() -> None:
     program, _ = constants_of(None)
-    raised = hoisted(program)
+    raised = hoist(program)
     extended = raised.values([1.0, -1.0, 2.0])  # b + 1 = 0
     missing = [math.isnan(v) for v in extended[3:]]
     assert any(missing) and not all(missing)
@@ -242,10 +244,10 @@ def test_a_constant_without_a_value_is_nan_and_the_others_are_kept() -> None:
 def test_heyoka_takes_the_raised_program() -> None:
     hy = pytest.importorskip("heyoka")
     program, given_values = constants_of([1.3, 0.7, 2.1])
-    raised = hoisted(program)
+    raised = hoist(program)
     pairs = taylor_system(raised.program)
     function = hy.cfunc([e for _, e in pairs], vars=[s for s, _ in pairs])
     numbers = raised.values(given_values)[: function.nparams]
     found = function(inputs=np.array([0.4, -0.6]), pars=np.array(numbers))
-    expected = compiled(program)[0](0.0, [0.4, -0.6], given_values)
+    expected = compile_program(program)[0](0.0, [0.4, -0.6], given_values)
     assert np.allclose(found, expected, rtol=1e-14)

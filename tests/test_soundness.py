@@ -11,7 +11,7 @@ import symengine as se
 import sympy as sp
 
 import voronec as vo
-from voronec.equations.program import Block, Program, compiled, hoisted
+from voronec.equations.program import Block, Program, compile_program, hoist
 from voronec.motion import motion_pool as many_motions
 from voronec.motion.fallback import first_success
 from voronec.motion.steppers import choice
@@ -50,11 +50,11 @@ def test_names_of_one_block_mean_nothing_in_another() -> None:
         derivative=Block(((c, -(a**2)),), (c * q,)),
         names=("root",), extras=Block(((c, q + a),), (se.sqrt(c),)),
     )  # fmt: skip
-    raised = hoisted(program)
+    raised = hoist(program)
     values = raised.values([2.0])
     assert np.isfinite(values).all()
-    assert compiled(raised.program)[1](0.0, [7.0], values)[0] == 3.0
-    assert compiled(raised.program)[0](0.0, [7.0], values)[0] == -28.0
+    assert compile_program(raised.program)[1](0.0, [7.0], values)[0] == 3.0
+    assert compile_program(raised.program)[0](0.0, [7.0], values)[0] == -28.0
 
 
 def test_a_parameter_that_leaves_no_inertia_is_refused() -> None:

@@ -15,7 +15,7 @@ from voronec import Fibration, System, velocity
 from voronec.algebra.door import Door
 from voronec.algebra.numeric_functions import elementary
 from voronec.algebra.stable import stable_all
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.equations.program.taylor import taylor_system
 
 x, y = sp.symbols("x y", real=True)
@@ -70,7 +70,7 @@ def test_every_emitter_has_the_digits_of_many_digits(force, tmp_path):
     made, written = vo.derive(system(force)), {}
     exec(made.python(), written)
     program = Program.of(made.form)
-    functions = [written["rhs"], compiled(program)[0], compiled(program, True)[0]]
+    functions = [written["rhs"], compile_program(program)[0], compile_program(program, True)[0]]
     functions += [c_function(made.c(), tmp_path, 4)] if shutil.which("cc") else []
     functions += [taylor_of(program)] if force not in ROOTS else []  # there states have units
     for place in CASES[force]:
@@ -169,7 +169,7 @@ def test_ratios_of_hyperbolic_cosines_do_not_overflow(k, n, at):
         name="ratio", fibration=Fibration(q), lagrangian=velocity(q) ** 2 / 2, forces={q: force}
     )
     program = Program.of(vo.derive(system).form)
-    found = compiled(program, scalar=True)[0](0.0, [at, 0.0], [])[1]
+    found = compile_program(program, scalar=True)[0](0.0, [at, 0.0], [])[1]
     with mp.workdps(30):
         truth = mp.cosh(500 * k * mp.mpf(at)) / mp.cosh(500 * n * mp.mpf(at))
     assert found == pytest.approx(float(truth), rel=1e-12, abs=1e-300)

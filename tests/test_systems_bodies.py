@@ -13,7 +13,7 @@ import sympy as sp
 import voronec as vo
 from voronec import Equation, Measure, prove_equal, velocity
 from voronec.equations.motions import Motions
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.equations.staged_equations import lean_form
 from voronec.kinematics import ConvexBody, RollingContact, Surface, SurfaceForms, kinetic_energy
 from voronec.proof.claims import check_claims
@@ -171,7 +171,7 @@ def test_quasi_velocities_in_constraints_are_read_in_the_lean_form_too(name):
     raw = motions(name).equations.raw
     results = []
     for form in (raw.form, lean_form(raw)):
-        derivative, _ = compiled(Program.of(form))
+        derivative, _ = compile_program(Program.of(form))
         system = raw.definition.system
         state = np.linspace(0.4, 0.9, len(system.coordinates) + len(system.velocities))
         values = [float(p.value) for p in system.parameters]

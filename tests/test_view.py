@@ -16,7 +16,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.cli import main
-from voronec.equations.program import compiled
+from voronec.equations.program import compile_program
 from voronec.motion.viewer.page import LARGEST, Page
 
 NODE = shutil.which("node")
@@ -71,7 +71,7 @@ def test_rates_places_and_integrals_are_those_of_python(name: str) -> None:
     values = first * random.uniform(0.95, 1.05, (5, len(first)))
     pairs = json.dumps([[*map(list, pair)] for pair in zip(states, values, strict=True)])
     both = f"{pairs}.map(([y, p]) => [...program.rhs(0.7, y, p), ...program.extras(0.7, y, p)])"
-    rates, extras = compiled(program)
+    rates, extras = compile_program(program)
     for row, y, p in zip(in_node(page, both), states, values, strict=True):
         ours = [*rates(0.7, list(y), list(p)), *extras(0.7, list(y), list(p))]
         np.testing.assert_allclose(row, ours, rtol=1e-12, atol=1e-12)
@@ -131,7 +131,7 @@ def test_the_contact_lies_on_both_bodies() -> None:
 def test_what_touches_rests_on_the_ground_there(name: str) -> None:
     """Bodies of round shape do not slip where they are drawn to touch, and blades not sideways."""
     page, step = page_of(name, times=(0.0, 0.01)), 1e-6
-    rates, extras = compiled(page.program)
+    rates, extras = compile_program(page.program)
     values = [page.trajectory.parameters[str(p)] for p in page.program.parameters]
     state = page.states[0]
     flow = np.array(rates(0.0, list(state), values), dtype=float)

@@ -22,7 +22,7 @@ from bench_systems import chain
 
 import voronec as vo
 from voronec.accuracy.bench.peers.jitted import right_hand_side, stepper_source
-from voronec.equations.program import Hoisted, Program, hoisted, taylor_system
+from voronec.equations.program import Hoisted, Program, hoist, taylor_system
 from voronec.equations.staged_equations import lean_form
 
 RUNS = 5
@@ -68,7 +68,7 @@ def measured(links: int = 7, blades: int = 3, span: float = 20.0) -> dict[str, A
     equations = clocked(setup, "derivation", lambda: vo.derive(system))
     form = clocked(setup, "straight-line form", lambda: lean_form(equations.raw))
     program = clocked(setup, "program", lambda: Program.of(form))
-    problem = posed(clocked(setup, "constants", lambda: hoisted(program)), span)
+    problem = posed(clocked(setup, "constants", lambda: hoist(program)), span)
     methods = {
         "heyoka": clocked(setup, "heyoka, cold", lambda: by_heyoka(problem)),
         "numba": clocked(setup, "numba, cold", lambda: by_numba(problem)),

@@ -20,7 +20,7 @@ from sympy.core.cache import clear_cache
 from sympy.physics import mechanics as me
 
 import voronec as vo
-from voronec.equations.program.straight import pruned
+from voronec.equations.program.straight import prune
 
 ENDLESS = ("whipple_bicycle",)
 """Models whose ``rhs()`` SymPy's ``cse`` is not through with after four minutes: a share of 0."""
@@ -73,7 +73,7 @@ def program(eqs: vo.VoronecEquations, method: Any) -> int:
     found, known = eqs.program, {str(x.func) for x in method.q}
     wanted = [str(x) in known or x in found.velocities for x in found.state]
     results = [e for e, kept in zip(found.derivative.results, wanted, strict=True) if kept]
-    return pruned(found.derivative.assignments, results).operations
+    return prune(found.derivative.assignments, results).operations
 
 
 def main() -> int:

@@ -14,7 +14,7 @@ import voronec as vo
 from voronec.accuracy.bench import BenchMotion, Reference, ask, at_error, difference
 from voronec.accuracy.bench.peers.handwritten import BY_HAND, start_values
 from voronec.accuracy.bench.runs import contenders
-from voronec.equations.program import Program, hoisted, taylor_system
+from voronec.equations.program import Program, hoist, taylor_system
 from voronec.motion.numeric_model import modelled
 from voronec.motion.vocabulary import Vocabulary
 
@@ -49,7 +49,7 @@ class Prepared:
     @classmethod
     def of(cls, program: Program, start: Any, values: Any) -> Prepared:
         """As the engine itself hands it over."""
-        raised = hoisted(program)
+        raised = hoist(program)
         own = raised.program
         used = [i for i, p in enumerate(own.parameters) if p in own.derivative.symbols]
         numbers = raised.values(list(map(float, values)))[: max(used, default=-1) + 1]

@@ -12,7 +12,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from voronec.audit import Audit, FormulaRecord, Paper, Record
-from voronec.audit.page.phrases import convened, counted, ended, with_verdict
+from voronec.audit.page.phrases import (
+    conventions_with_formulas,
+    count_sentences,
+    end_sentence,
+    with_verdict,
+)
 from voronec.audit.page.witness_points import short
 from voronec.cli import main as voronec
 from voronec.declaration.catalogue import load_paper
@@ -45,7 +50,7 @@ def read_audit(folder: Path, paper: Paper) -> Audit:
 
 def summary(audit: Audit, paper: Paper) -> str:
     """Counts, errata and conventions in Markdown."""
-    lines = [f"- {line}" for line in counted(audit)]
+    lines = [f"- {line}" for line in count_sentences(audit)]
     return "\n".join(
         [
             *lines,
@@ -73,7 +78,7 @@ def _numbering(paper: Paper) -> str:
 def _errata(audit: Audit) -> Iterator[str]:
     yield "### Errata"
     for number, (record, formula) in enumerate(with_verdict(audit, "misprint"), 1):
-        yield f"\n{number}. `{record.called}` in *{record.section}*:"
+        yield f"\n{number}. `{record.designation}` in *{record.section}*:"
         if not formula.printed:
             yield f"   not true: {formula.says}"
         else:
@@ -83,7 +88,7 @@ def _errata(audit: Audit) -> Iterator[str]:
         elif formula.derived:
             yield from _display("\n   instead", formula.derived)
         else:
-            yield f"\n   {ended(short(formula.method))}"
+            yield f"\n   {end_sentence(short(formula.method))}"
 
 
 def _display(word: str, latex: str) -> Iterator[str]:
@@ -91,16 +96,16 @@ def _display(word: str, latex: str) -> Iterator[str]:
 
 
 def _conventions(audit: Audit) -> Iterator[str]:
-    found = list(convened(audit))
+    found = list(conventions_with_formulas(audit))
     if found:
         yield "\n### Conventions and ranges"
     for number, (said, several) in enumerate(found, 1):
         mark = f"\n{number}."
         for record, formula in several:
             what = formula.says or f"$`{' '.join(formula.printed.split())}`$"
-            yield f"{mark} `{record.called}` in *{record.section}*: {what}\\"
+            yield f"{mark} `{record.designation}` in *{record.section}*: {what}\\"
             mark = "  "
-        yield f"   {ended(short(said))}"
+        yield f"   {end_sentence(short(said))}"
 
 
 def _unaudited(audit: Audit) -> Iterator[str]:
@@ -108,8 +113,8 @@ def _unaudited(audit: Audit) -> Iterator[str]:
     if found:
         yield "\n### Not audited"
     for number, (record, formula) in enumerate(found, 1):
-        yield f"\n{number}. `{record.called}` in *{record.section}*: {formula.says}\\"
-        yield f"   {ended(formula.method)}"
+        yield f"\n{number}. `{record.designation}` in *{record.section}*: {formula.says}\\"
+        yield f"   {end_sentence(formula.method)}"
 
 
 def pasted(page: str, text: str) -> str:

@@ -213,8 +213,8 @@ def _audited(
     try:
         whole = load_paper(paper)
         work = Work(whole.sections[k - 1], formulas_by_label(whole.sections), corrects=False)
-        every = [i for i in items(work.transcript) if names is None or i.called in names]
-        return {item.called: _told(work, item) for item in every}
+        every = [i for i in items(work.transcript) if names is None or i.designation in names]
+        return {item.designation: _told(work, item) for item in every}
     finally:
         vo.derive, vo.descend = derive, descend
 

@@ -19,7 +19,7 @@ from voronec.cli.mechanisms import MECHANISMS
 from voronec.cli.values import input_values, instants, outputs_of, pair, tolerance
 from voronec.declaration.bibliography import read_entries
 from voronec.errors import DefinitionError
-from voronec.proof.comparison import read_derived
+from voronec.proof.comparison import read_derivation
 
 __all__ = ["text_door"]
 
@@ -193,7 +193,7 @@ def _table(text: str, place: Path) -> None:
 def _derivation(text: str, place: Path) -> None:
     data = json.dumps({"name": "x", "mass": [text], "facts": {"base": text}})
     (place / "x.json").write_text(data if len(text) % 2 else text, "utf-8", "replace")
-    read_derived(place / "x.json")
+    read_derivation(place / "x.json")
 
 
 READERS: dict[str, Callable[[str, Path], Any]] = {

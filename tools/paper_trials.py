@@ -58,7 +58,7 @@ class _Spy(Transcript):
 
     def labelled(self, label: str) -> Formula:
         self.seen.add(label)
-        return Transcript(self.section).labelled(label)
+        return Transcript(self.section).formula_labelled_as(label)
 
 
 @dataclass(frozen=True)
@@ -144,9 +144,9 @@ class Page:
     def called(self, place: int) -> str:
         """How the records of a place are called, and in which section."""
         if place >= len(self._displays):
-            here = [self._sentences[place - len(self._displays)].called]
+            here = [self._sentences[place - len(self._displays)].designation]
         else:
-            here = [i.called for i in self._items if self._at(i, place)]
+            here = [i.designation for i in self._items if self._at(i, place)]
         return f"{', '.join(here)} of '{self.section.title}'"
 
     def _at(self, item: Item, place: int) -> bool:
@@ -200,7 +200,7 @@ class Page:
             after, before = work.examine(twin), self.before(item)
             if _worst(after) != _worst(before) and _worst(after) in ("undecided", *FAULTS):
                 outcome = "undecided" if _worst(after) == "undecided" else "noticed elsewhere"
-                return Trial(outcome, f"{item.called}: {_told(after)}")
+                return Trial(outcome, f"{item.designation}: {_told(after)}")
         return None
 
     def _changed(self, place: int, slip: Slip) -> tuple[Work, Display]:

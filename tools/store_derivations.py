@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import voronec as vo
-from voronec.proof.comparison import Derived, compare, read_derived
+from voronec.proof.comparison import Derived, compare, read_derivation
 
 FOLDER = Path(__file__).resolve().parents[1] / "tests" / "derivations"
 
@@ -26,7 +26,7 @@ def store(name: str) -> str:
         return "unchanged"
     word = "new"
     if file.exists():
-        found = compare(read_derived(file), derived)
+        found = compare(read_derivation(file), derived)
         changed = [f"{row.group} {row.name}" for row in found.differences]
         word = "different: " + ", ".join(changed) if changed else "rewritten, proved equal"
     FOLDER.mkdir(exist_ok=True)

@@ -32,7 +32,7 @@ from voronec.errors import did_you_mean
 from voronec.motion import integrate
 from voronec.proof.check import Inventory, Result
 from voronec.proof.check.record import failure_line
-from voronec.proof.check.run import broken
+from voronec.proof.check.run import trouble_result
 from voronec.proof.check.unit import Unit, units_of
 from voronec.proof.check.work import Derivations, examine
 from voronec.proof.comparison import is_general, random_point
@@ -195,7 +195,9 @@ def _results(name: str, *kinds: str) -> list[Result]:
     entry = _entry(name)
     stock = _stock(entry.path)
     found = [
-        broken(t) for t in stock.all_troubles if entry.name in (t.name, t.owner) and t.kind in kinds
+        trouble_result(t)
+        for t in stock.all_troubles
+        if entry.name in (t.name, t.owner) and t.kind in kinds
     ]
     units = units_of(stock, [entry.name])
     return [*found, *(_result(unit) for unit in units if unit.kind in kinds)]

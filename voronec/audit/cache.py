@@ -40,14 +40,16 @@ class Basis:
         """Collect them; ``paper`` holds the sections to whose formulas its sentences may refer."""
         refers = any(slot.kind == "reference" for s in section.sentences for slot in s.slots)
         others = [d.latex for s in paper for d in s.displays] if refers else []
-        return cls(_declared(section) + _text(others), tuple(sorted(closure(_origins(section)))))
+        return cls(
+            _declaration_text(section) + _text(others), tuple(sorted(closure(_origins(section))))
+        )
 
     def digest(self) -> str:
         """A digest of everything, with the files as they are now."""
         return digest(self.declared, self.files, DECIDER)
 
 
-def _declared(section: Section) -> str:
+def _declaration_text(section: Section) -> str:
     """All that the section declares, functions by their names."""
     return _text((section.title, section.displays, section.inline, section.sentences))
 
@@ -110,7 +112,7 @@ class Cache:
     def load(self, key: str, ordinal: int) -> list[Examined] | None:
         """The verdicts of a unit, or ``None``."""
         try:
-            return [_examined(entry) for entry in Store(self.folder).load(key, str(ordinal))]
+            return [_read_examined(entry) for entry in Store(self.folder).load(key, str(ordinal))]
         except (ValueError, TypeError, KeyError, AttributeError):
             return None
 
@@ -119,7 +121,7 @@ class Cache:
         Store(self.folder, KEPT).save(key, str(ordinal), [asdict(e) for e in found])
 
 
-def _examined(entry: dict[str, Any]) -> Examined:
+def _read_examined(entry: dict[str, Any]) -> Examined:
     rest = {name: value for name, value in entry.items() if name != "record"}
     rest["uses"], rest["given"] = tuple(rest["uses"]), tuple(rest["given"])
     return Examined(FormulaRecord.from_dict(entry["record"]), **rest)

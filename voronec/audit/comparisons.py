@@ -11,7 +11,7 @@ import sympy as sp
 
 from voronec.algebra.symbols import time
 from voronec.audit.display import Check
-from voronec.audit.hooks import asked
+from voronec.audit.hooks import call_hook
 from voronec.audit.latex.nodes import Chain, Integral
 from voronec.audit.latex.tokens import Misprint
 from voronec.audit.meaning import evaluate, rate
@@ -45,7 +45,7 @@ def comparisons(chain: Chain, check: Check, study: Study) -> Iterator[Comparison
         elif check.truth is not None:
             yield _equation(chain, check, study, where)
         elif check.value is not None:
-            derived = asked(check.value, study, where)
+            derived = call_hook(check.value, study, where)
             derived = study.motion.restrict(derived).xreplace(dict(study.given))
             for part in chain.parts:
                 yield from _componentwise(value_of(part, study, where), derived, where)
@@ -136,7 +136,7 @@ def _equation(chain: Chain, check: Check, study: Study, where: dict[str, int]) -
     if len(chain.parts) != 2:
         raise Misprint("an equation of motion has two sides, one '=' between them")
     left, right = (value_of(part, study, where) for part in chain.parts)
-    truth = asked(check.truth, study, where) if check.truth else sp.Integer(0)
+    truth = call_hook(check.truth, study, where) if check.truth else sp.Integer(0)
     truth = truth.xreplace(dict(study.given))
     about = "left side minus right side"
     return Comparison(left - right, truth, where, about, accelerations(study))
@@ -167,5 +167,5 @@ def _stationary(
         number = {**where, letter: position + 1}
         about = "coefficient of the variation"
         yield Comparison(
-            euler, asked(check.truth, study, number), number, about, accelerations(study)
+            euler, call_hook(check.truth, study, number), number, about, accelerations(study)
         )

@@ -11,7 +11,7 @@ from voronec.audit.record import FormulaRecord
 from voronec.audit.study import key_of
 from voronec.errors import DefinitionError
 
-__all__ = ["Examined", "defined", "families", "with_uses"]
+__all__ = ["Examined", "defined_name", "families", "with_uses"]
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def _users(examined: Examined, everything: Sequence[Examined]) -> list[Examined]
     return [e for e in everything if e in found]
 
 
-def defined(chain: Chain) -> str:
+def defined_name(chain: Chain) -> str:
     """What a formula defines: its left side, or the last thing there that is varied."""
     left = chain.parts[0]
     if isinstance(left, Call):

@@ -14,7 +14,7 @@ from voronec.algebra.normal import shorten
 from voronec.algebra.text import sympify
 from voronec.audit.comparisons import accelerations
 from voronec.audit.display import Check
-from voronec.audit.hooks import HookError, asked
+from voronec.audit.hooks import HookError, call_hook
 from voronec.audit.latex.nodes import Call, Chain, Dot, Name, Node, walk
 from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.structure import mentions, names_constant, whole_name
@@ -58,7 +58,7 @@ def _given_pairs(chain: Chain, check: Check, study: Study) -> str:
     assert check.derived is not None
     pairs = []
     for where in assignments(chain, study)[:1]:
-        pairs += asked(check.derived, study, where)
+        pairs += call_hook(check.derived, study, where)
     return ", \\quad ".join(
         f"{_side(a, chain, study)} = {_side(b, chain, study)}" for a, b in pairs
     )
@@ -75,7 +75,7 @@ def _equation(chain: Chain, check: Check, study: Study) -> str | None:
     """An equation of motion: terms with accelerations on the left, the rest on the right."""
     assert check.truth is not None
     where = next(iter(assignments(chain, study)))
-    residual = asked(check.truth, study, where).xreplace(dict(study.given))
+    residual = call_hook(check.truth, study, where).xreplace(dict(study.given))
     dots = [d for d in accelerations(study) if residual.has(d)]
     inertia = sum((sp.diff(residual, d) * d for d in dots), sp.Integer(0))
     at_rest = {d: sp.Integer(0) for d in dots}

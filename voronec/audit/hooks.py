@@ -9,14 +9,14 @@ from typing import Any
 from voronec.declaration.plugin_files import failure
 from voronec.errors import DefinitionError, VoronecError
 
-__all__ = ["HookError", "asked"]
+__all__ = ["HookError", "call_hook"]
 
 
 class HookError(DefinitionError):
     """A function of the paper failed: its author must act, and no verdict can be given."""
 
 
-def asked(hook: Callable[..., Any], *arguments: Any) -> Any:
+def call_hook(hook: Callable[..., Any], *arguments: Any) -> Any:
     """What a function of the paper answers; ``HookError`` names the line in which it failed."""
     try:
         return hook(*arguments)

@@ -11,11 +11,11 @@ import sympy as sp
 
 from voronec.algebra.verdicts import Verdict
 from voronec.audit.constraints import independent_conditions
-from voronec.audit.correction import Correction, Spare, closed, correct
+from voronec.audit.correction import Correction, Spare, close_brackets, correct
 from voronec.audit.derived import derived_latex
 from voronec.audit.display import Check, Decision
 from voronec.audit.formula import Formula
-from voronec.audit.hooks import HookError, asked
+from voronec.audit.hooks import HookError, call_hook
 from voronec.audit.latex.displays import Piece
 from voronec.audit.latex.nodes import Chain
 from voronec.audit.latex.reader import read, read_tokens
@@ -63,7 +63,7 @@ class SectionContext:
             return study
         return replace(study, given={**self._stated_conditions(check, study), **study.given})
 
-    def mentioned(
+    def is_mentioned(
         self, name: str, formula: Formula, check: Check, index: bool = False, anywhere: bool = False
     ) -> bool:
         """Whether another formula has a name, as an index or not; under the same dictionary only,
@@ -83,7 +83,7 @@ class SectionContext:
         return False
 
     @cached_property
-    def settled(self) -> bool:
+    def has_enough_formulas(self) -> bool:
         """Whether enough other formulas are there to tell what the paper's letters are."""
         displays = (*self.transcript.section.displays, *self.transcript.section.inline)
         pieces = sum(len(unit.pieces) for display in displays for unit in display.units)
@@ -107,13 +107,13 @@ class SectionContext:
                 hint = did_you_mean(name, there[kind])
                 raise DefinitionError(f"{where}: there is no {kind} '{name}'{hint}")
         for label in (label for check in checks for label in check.given):
-            self.transcript.labelled(label)
+            self.transcript.formula_labelled_as(label)
 
     def _stated_conditions(self, check: Check, study: Study) -> dict[sp.Expr, sp.Expr]:
         """Conditions that the paper states as equations ``symbol = expression``."""
         found: dict[sp.Expr, sp.Expr] = {}
         for label in check.given:
-            chain = self.transcript.labelled(label).tree(study.vocabulary)
+            chain = self.transcript.formula_labelled_as(label).tree(study.vocabulary)
             try:
                 symbol, value = (evaluate(part, study) for part in chain.parts)
             except UnknownName:
@@ -131,9 +131,9 @@ def judge_sentence(sentence: Sentence, bench: SectionContext) -> FormulaRecord:
         study = bench.study(sentence)
         decide = _bound(sentence.decide, sentence.read(bench.labels))
         finding = by_range(study, sentence.within, decide)
-        derived = asked(sentence.derived, study) if sentence.derived is not None else None
+        derived = call_hook(sentence.derived, study) if sentence.derived is not None else None
     except HookError as error:
-        if sentence.as_printed:
+        if sentence.is_original:
             raise
         fault = f"its decision cannot take what stands in a slot: {error}"
         return FormulaRecord("", "undecided", fault, says=says)
@@ -177,7 +177,7 @@ def judge_formula(
         except DefinitionError as error:
             record = _unreadable(formula, check, bench, error)
             return replace(record, source=_source(record, check, bench)), None
-        record = _judged(formula, chain, check, study, bench)
+        record = _judge_formula(formula, chain, check, study, bench)
         record = _elsewhere(record, formula, check, bench)
         record = replace(record, method=with_note(record, study))
     except HookError:
@@ -229,12 +229,12 @@ def _meaningless(formula: Formula, check: Check, bench: SectionContext, error: E
         return str(error)
     if not isinstance(error, UnknownName):
         return ""
-    if not bench.settled:
+    if not bench.has_enough_formulas:
         return ""  # it may be the dictionary that lacks it
     chain = formula.tree(bench.study(check).vocabulary)
     if check.role == "definition" and error.name in mentions(chain.parts[0]):
         return f"it introduces nothing, and '{error.name}' has no value"
-    if bench.mentioned(error.name, formula, check, error.index):
+    if bench.is_mentioned(error.name, formula, check, error.index):
         return ""
     return f"nothing introduces '{error.name}', and no other formula here has it"
 
@@ -258,7 +258,7 @@ def _made_true(
         formula.printed,
         "misprint",
         f"{fault}; the corrected formula is proved ({correction.method})",
-        derived=_derived_of(correction.latex, check, study),
+        derived=_derived_counterpart(correction.latex, check, study),
         correction=correction.latex,
         changes=correction.changes,
         struck=correction.struck,
@@ -266,14 +266,14 @@ def _made_true(
     )
 
 
-def _derived_of(latex: str, check: Check, study: Study) -> str | None:
+def _derived_counterpart(latex: str, check: Check, study: Study) -> str | None:
     """The derived counterpart of a corrected formula."""
     return derived_latex(read(latex, study.vocabulary), latex, check, study, True)
 
 
 def _closed_witness(printed: str, check: Check, study: Study) -> dict[str, Any] | None:
     """Values of what is printed, with the brackets that are open closed at the end."""
-    whole = closed(printed, study.vocabulary)
+    whole = close_brackets(printed, study.vocabulary)
     if whole is None:
         return None
     try:
@@ -292,7 +292,7 @@ def _elsewhere(
     good = ("proved", "definition")
     for name in check.also if record.verdict in good else ():
         study = bench.study(check, name)
-        other = _judged(formula, formula.tree(study.vocabulary), check, study, bench)
+        other = _judge_formula(formula, formula.tree(study.vocabulary), check, study, bench)
         if other.verdict not in good:
             return other
         record = replace(record, method=f"{record.method}; proved for '{name}' too")
@@ -303,7 +303,7 @@ NOTHING_LESS = Verdict("proved", "")
 """What is no constraint need not be sufficient."""
 
 
-def _judged(
+def _judge_formula(
     formula: Formula, chain: Chain, check: Check, study: Study, bench: SectionContext
 ) -> FormulaRecord:
     printed = formula.printed
@@ -315,8 +315,8 @@ def _judged(
     if bench.prints:
         derived = derived_latex(chain, formula.unit.display, check, study, proved)
     if finding.verdict.refuted:
-        return _refuted(formula, chain, check, study, finding, derived, bench)
-    if proved and not finding.count and (unused := _unused(formula, chain, check, bench)):
+        return _judge_refuted(formula, chain, check, study, finding, derived, bench)
+    if proved and not finding.count and (unused := _unused_name(formula, chain, check, bench)):
         fault = f"it introduces '{unused}', which no other formula here has"
         mended = _made_true(formula, check, bench, fault)
         if mended is not None and unused not in mentions(
@@ -363,10 +363,12 @@ def _said_before(formula: Formula, chain: Chain, study: Study, bench: SectionCon
     return ""
 
 
-def _unused(formula: Formula, chain: Chain, check: Check, bench: SectionContext) -> str:
+def _unused_name(formula: Formula, chain: Chain, check: Check, bench: SectionContext) -> str:
     """A name that a definition introduces and nothing else has; else nothing."""
     names = sorted(new_names(chain, bench.study(check)))
-    if not bench.settled or any(bench.mentioned(x, formula, check, anywhere=True) for x in names):
+    if not bench.has_enough_formulas or any(
+        bench.is_mentioned(x, formula, check, anywhere=True) for x in names
+    ):
         return ""
     return names[0] if names else ""
 
@@ -389,16 +391,18 @@ def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
         if equal != [1] or letter not in study.indices:
             return "the range of an index reads '" + " ".join(w.text for w in words) + "'"
         if letter not in free_indices(chain, study):
-            return f"a range is printed for the index {_spoken(letter)}, which is not free here"
+            return (
+                f"a range is printed for the index {_spoken_name(letter)}, which is not free here"
+            )
         top = read_tokens(words[after:], formula.unit.display, study.vocabulary)
         numbers = [word.text for word in words[2:after] if word.text not in (",", *ELLIPSES)]
         last = evaluate(top.parts[0], study)
         if numbers != [str(i) for i in range(1, len(numbers) + 1)] or not numbers:
-            return f"the range of the index {_spoken(letter)} does not count from 1"
+            return f"the range of the index {_spoken_name(letter)} does not count from 1"
         if last != study.indices[letter]:
             return (
-                f"the index {_spoken(letter)} runs from 1 to {study.indices[letter]} here, and is "
-                f"printed to run to {last}"
+                f"the index {_spoken_name(letter)} runs from 1 to {study.indices[letter]} here, "
+                f"and is printed to run to {last}"
             )
     return ""
 
@@ -419,11 +423,11 @@ def _last_part(words: Sequence[Token]) -> int:
     return max((i for i, w in enumerate(words) if w.text in (",", *ELLIPSES)), default=1) + 1
 
 
-def _spoken(letter: str) -> str:
+def _spoken_name(letter: str) -> str:
     return letter.lstrip("\\")
 
 
-def _refuted(
+def _judge_refuted(
     formula: Formula,
     chain: Chain,
     check: Check,
@@ -449,7 +453,7 @@ def _refuted(
         if mended is not None and len(mended.changes) == 1:
             method = f"refuted as printed, even if {check.convention.statement}, as against "
             method += f"({against}); with that, the corrected formula is proved ({mended.method})"
-            return _mended(record, mended, method)
+            return _with_correction(record, mended, method)
     loose = loose_index(formula, chain, study)
     if finding.verdict.witness is None:
         loose += f": {finding.verdict.method}"
@@ -458,10 +462,10 @@ def _refuted(
         method = f"refuted as printed{loose}; no correction by a small change was found"
         return replace(record, method=method)
     method = f"refuted as printed{loose}; the corrected formula is proved ({correction.method})"
-    return _mended(record, correction, method)
+    return _with_correction(record, correction, method)
 
 
-def _mended(record: FormulaRecord, correction: Correction, method: str) -> FormulaRecord:
+def _with_correction(record: FormulaRecord, correction: Correction, method: str) -> FormulaRecord:
     return replace(
         record,
         method=method,

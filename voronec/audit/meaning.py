@@ -60,10 +60,10 @@ __all__ = [
     "SENSELESS",
     "UnknownName",
     "call",
-    "called",
     "direction",
     "evaluate",
     "is_named",
+    "kind_or_key",
     "listed_values",
     "rate",
 ]
@@ -87,7 +87,7 @@ def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
     """The value of a function of the dictionary, or of an expression that lists what it holds."""
     inner = (part for argument in node.arguments for part in walk(argument))
     if node.function in inner and not _is_quantity_too(node.function, study):
-        raise Misprint(f"'{called(node.function)}' stands among its own arguments")
+        raise Misprint(f"'{kind_or_key(node.function)}' stands among its own arguments")
     function = _function(node.function, study)
     value: Any = evaluate(node.function, study, where) if function is None else None
     if callable(value) and not isinstance(value, sp.Basic):
@@ -103,8 +103,8 @@ def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
     missing = (value.free_symbols & variables) - listed
     if missing:
         raise Misprint(
-            f"'{called(node.function)}' depends on '{sorted(map(str, missing))[0]}', which its "
-            "list of arguments leaves out"
+            f"'{kind_or_key(node.function)}' depends on '{sorted(map(str, missing))[0]}', which "
+            "its list of arguments leaves out"
         )
     return value
 
@@ -159,12 +159,12 @@ def _listed_symbols(
         if isinstance(item, Dots):
             continue
         if items.count(item) > 1:
-            raise Misprint(f"a list of arguments has '{called(item)}' twice")
+            raise Misprint(f"a list of arguments has '{kind_or_key(item)}' twice")
         if not is_named(item):
-            what = f"a list of arguments holds a {called(item).lower()}, which is no variable"
+            what = f"a list of arguments holds a {kind_or_key(item).lower()}, which is no variable"
             raise Misprint(what)
         if isinstance(item, Name) and item.head in study.functions:
-            raise Misprint(f"a list of arguments holds '{called(item)}', which is a function")
+            raise Misprint(f"a list of arguments holds '{kind_or_key(item)}', which is a function")
     values = listed_values(items, study, where, evaluate)
     variables = _variables(study)
     for value in values:
@@ -188,9 +188,9 @@ def listed_values(
         if letters:
             for value in range(1, study.indices[letters[0]] + 1):
                 found.append(evaluate(item, study, {**where, letters[0]: value}))
-        elif is_named(item) and f"{called(item)}_#" in study.table:
+        elif is_named(item) and f"{kind_or_key(item)}_#" in study.table:
             top = max(study.indices.values())
-            found += [study.table[f"{called(item)}_#"](i) for i in range(1, top + 1)]
+            found += [study.table[f"{kind_or_key(item)}_#"](i) for i in range(1, top + 1)]
         else:
             found.append(evaluate(item, study, where))
     return found
@@ -217,7 +217,7 @@ def is_named(node: Node) -> bool:
     return isinstance(_innermost(node), Name)
 
 
-def called(node: Node) -> str:
+def kind_or_key(node: Node) -> str:
     """The key of a name, or the kind of any other node."""
     return key_of(node) if is_named(node) else type(node).__name__
 
@@ -355,10 +355,10 @@ def rate(node: Node, study: Study, where: Where | None = None) -> Any:
 
 def _differential(node: Differential, study: Study, where: Where) -> Any:
     if node.sign != "d":
-        return sp.Symbol(f"{{\\partial {called(node.body)}}}")
+        return sp.Symbol(f"{{\\partial {kind_or_key(node.body)}}}")
     value = _dot(Dot(node.body), study, where)
     if value == 0:
-        raise UnknownRate(f"'d{called(node.body)}' has no value: its rate is not known")
+        raise UnknownRate(f"'d{kind_or_key(node.body)}' has no value: its rate is not known")
     return value
 
 
@@ -386,7 +386,7 @@ def _partial(node: Partial, study: Study, where: Where) -> Any:
 def _variable(node: Node, study: Study, where: Where) -> sp.Symbol:
     symbol = evaluate(node, study, where)
     if not isinstance(symbol, sp.Symbol):
-        raise Misprint(f"'{called(node)}' is not a variable to differentiate by")
+        raise Misprint(f"'{kind_or_key(node)}' is not a variable to differentiate by")
     return symbol
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-__all__ = ["VERDICTS", "Audit", "FormulaRecord", "Record", "called", "worst"]
+__all__ = ["VERDICTS", "Audit", "FormulaRecord", "Record", "designation_of", "worst"]
 
 VERDICTS = (
     "definition",
@@ -73,9 +73,9 @@ class Record:
     kind: str = "display"
 
     @property
-    def called(self) -> str:
+    def designation(self) -> str:
         """The label in parentheses, or the place."""
-        return called(self.label, self.kind, self.ordinal)
+        return designation_of(self.label, self.kind, self.ordinal)
 
     @property
     def verdict(self) -> str:
@@ -136,7 +136,7 @@ class Audit:
         return [r.as_dict() for r in self.records]
 
 
-def called(label: str | None, kind: str, ordinal: int) -> str:
+def designation_of(label: str | None, kind: str, ordinal: int) -> str:
     """How a record is called: by its label in parentheses, or by its place."""
     return f"({label})" if label else f"{kind} {ordinal}"
 

@@ -8,12 +8,12 @@ from functools import cached_property
 from typing import Any
 
 from voronec.audit.cache import Basis, Cache
-from voronec.audit.consistency import Examined, defined, families, with_uses
+from voronec.audit.consistency import Examined, defined_name, families, with_uses
 from voronec.audit.formula import Formula
-from voronec.audit.hooks import asked
+from voronec.audit.hooks import call_hook
 from voronec.audit.judge import SectionContext, judge_formula, judge_sentence
 from voronec.audit.paper import Paper, Section
-from voronec.audit.record import Audit, Record, called, worst
+from voronec.audit.record import Audit, Record, designation_of, worst
 from voronec.audit.sentence import Sentence
 from voronec.audit.slots import Labels
 from voronec.audit.structure import definitions_in, mentions
@@ -61,7 +61,9 @@ def audit_paper(
         if stage is not None:
             stage(section.title, found)
     if label is not None:
-        records = [r for r in records if label in (r.label, r.called, _label_of(paper, r.section))]
+        records = [
+            r for r in records if label in (r.label, r.designation, _label_of(paper, r.section))
+        ]
     return Audit(paper.name, paper.title, tuple(records), paper.references, paper.authors)
 
 
@@ -72,7 +74,7 @@ def _sections_with(paper: Paper, label: str) -> list[Section]:
         own = [section.label] if section.label else []
         everything = list(items(Transcript(section)))
         labels += own + [item.label for item in everything if item.label]
-        if label in own or any(label in (item.label, item.called) for item in everything):
+        if label in own or any(label in (item.label, item.designation) for item in everything):
             found.append(section)
     if not found:
         hint = did_you_mean(label, labels)
@@ -115,9 +117,9 @@ class Item:
         return self.formulas[0].unit.label if self.formulas else None
 
     @property
-    def called(self) -> str:
+    def designation(self) -> str:
         """The label in parentheses, or the place."""
-        return called(self.label, self.kind, self.ordinal)
+        return designation_of(self.label, self.kind, self.ordinal)
 
     @property
     def printed(self) -> str:
@@ -147,7 +149,7 @@ def audit_section(
                 shelf.store(item.ordinal, found)
         done.append((item, found))
         if progress is not None:
-            progress(item.called, worst(e.record.verdict for e in found))
+            progress(item.designation, worst(e.record.verdict for e in found))
     everything = [e for _, found in done for e in found]
     return tuple(_record(section, item, found, everything) for item, found in done)
 
@@ -194,7 +196,7 @@ class Work:
     @cached_property
     def bench(self) -> SectionContext:
         """The dictionaries, with the names that the section defines."""
-        found = self.studies or asked(self.section.studies, self.transcript)
+        found = self.studies or call_hook(self.section.studies, self.transcript)
         where = f"section '{self.section.title}'"
         if not isinstance(found, Mapping) or not found:
             raise DefinitionError(f"{where}: 'studies' must return a dict of name -> Study")
@@ -209,7 +211,7 @@ class Work:
     def examine(self, item: Item) -> list[Examined]:
         """The verdicts of an item."""
         if item.sentence is not None:
-            return [Examined(judge_sentence(item.sentence, self.bench), item.called)]
+            return [Examined(judge_sentence(item.sentence, self.bench), item.designation)]
         return [self._formula(formula, item) for formula in item.formulas]
 
     def _formula(self, formula: Formula, item: Item) -> Examined:
@@ -220,9 +222,9 @@ class Work:
         record = replace(record, quantifiers=texts)
         return Examined(
             record,
-            item.called,
+            item.designation,
             item.label,
-            "" if chain is None else defined(chain),
+            "" if chain is None else defined_name(chain),
             () if chain is None else families(chain),
             check.given,
             check.role == "condition",

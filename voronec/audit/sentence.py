@@ -65,7 +65,7 @@ class Sentence:
 
     def __post_init__(self) -> None:
         if not self.quotation:
-            object.__setattr__(self, "quotation", self._printed)
+            object.__setattr__(self, "quotation", self._plain_text)
         if (self.decide is None) != bool(self.unaudited):
             raise DefinitionError(f"{self._place}: give it a decision, or say why there is none")
         if self.decide is not None:
@@ -77,14 +77,14 @@ class Sentence:
         return tuple(_cut(self.text))
 
     @property
-    def _printed(self) -> str:
+    def _plain_text(self) -> str:
         """The text without its marks."""
         return "".join(p.printed if isinstance(p, Slot) else p for p in self._parts)
 
     @property
-    def as_printed(self) -> bool:
+    def is_original(self) -> bool:
         """Whether what is judged is the print from which the slots were made."""
-        return self.quotation == self._printed
+        return self.quotation == self._plain_text
 
     @cached_property
     def slots(self) -> tuple[Slot, ...]:
@@ -106,7 +106,7 @@ class Sentence:
         )
         found = re.fullmatch(pattern, words)
         if found is None:
-            start = _common(words, _single(self._printed))
+            start = _common(words, _single(self._plain_text))
             raise DefinitionError(
                 f"it reads '{words[max(0, start - SHOWN // 2) : start + SHOWN]}', which is not the "
                 "sentence that is decided here"

@@ -152,7 +152,7 @@ def _number(printed: str, _: Labels) -> int:
     return int(word) if word.isdecimal() else one_of(word, _NUMBERS)
 
 
-def _affirmed(printed: str, _: Labels) -> bool:
+def _is_affirmed(printed: str, _: Labels) -> bool:
     """Whether what is said is affirmed: each denial turns it round."""
     return len(_DENIAL.findall(printed.lower())) % 2 == 0
 
@@ -208,7 +208,7 @@ _WORDS, _MATH = r"[^$]*?", r"\$[^$]*\$"
 KINDS: dict[str, SlotKind] = {
     "number": SlotKind(r"[^$]*?|\$\d+\$", _number),
     "quantifier": SlotKind(_WORDS, lambda printed, _: one_of(printed.lower(), _QUANTIFIERS)),
-    "affirmed": SlotKind(_WORDS, _affirmed),
+    "affirmed": SlotKind(_WORDS, _is_affirmed),
     "stability": SlotKind(_WORDS, lambda printed, _: one_of(printed.lower(), _STABILITY)),
     "relation": SlotKind(r".*?", lambda printed, _: one_of(printed.lower(), _RELATIONS)),
     "word": SlotKind(_WORDS, lambda printed, _: printed.lower()),

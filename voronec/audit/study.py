@@ -183,7 +183,7 @@ class Study:
     units: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
 
     @property
-    def declared(self) -> Any:
+    def declared_system(self) -> Any:
         """The system that was derived, if the dictionary tells; else ``None``."""
         eqs = getattr(self.context, "eqs", self.context)
         return self.system or getattr(eqs, "system", None)
@@ -191,7 +191,7 @@ class Study:
     @property
     def origin(self) -> str:
         """``source``; without one, the derived system that the hooks find in ``context``."""
-        system = getattr(self.declared, "name", "")
+        system = getattr(self.declared_system, "name", "")
         return self.source or (f"the equations derived for the system '{system}'" if system else "")
 
     @cached_property
@@ -243,7 +243,7 @@ class Study:
         for symbol in [x for x in found if isinstance(x, sp.Symbol)]:
             for order in ("\\dot", "\\ddot"):
                 dotted = velocity(symbol) if order == "\\dot" else velocity(velocity(symbol))
-                found.setdefault(dotted, _dotted(order, found[symbol]))
+                found.setdefault(dotted, _dot_name(order, found[symbol]))
         return found
 
     def _members(self, name: str, value: Any) -> Iterator[tuple[str, Any]]:
@@ -309,6 +309,6 @@ def _with_values(name: str, letters: list[str], values: tuple[int, ...]) -> str:
     return head + marks
 
 
-def _dotted(accent: str, name: str) -> str:
+def _dot_name(accent: str, name: str) -> str:
     cut = min(x for x in (name.find("_"), name.find("^"), len(name)) if x >= 0)
     return f"{accent}{{{name[:cut]}}}{name[cut:]}"

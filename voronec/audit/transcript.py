@@ -34,7 +34,7 @@ class Transcript:
                         yield Formula(display, unit, piece, position, kind)
                         position += 1
 
-    def labelled(self, label: str) -> Formula:
+    def formula_labelled_as(self, label: str) -> Formula:
         """The first formula of the unit with that label."""
         for formula in self.formulas():
             if formula.unit.label == label:

@@ -16,7 +16,7 @@ from voronec.algebra.text import sympify
 from voronec.algebra.verdicts import Verdict, prove_equal
 from voronec.audit.comparisons import Comparison, accelerations, comparisons, value_of
 from voronec.audit.display import Check, Decision
-from voronec.audit.hooks import HookError, asked
+from voronec.audit.hooks import HookError, call_hook
 from voronec.audit.latex.nodes import Chain, Integral, Name, Number, walk
 from voronec.audit.structure import integrand, says_nothing
 from voronec.audit.study import Range, Study, key_of
@@ -65,13 +65,13 @@ def verify(chain: Chain, check: Check, study: Study) -> FormulaOutcome:
     unsaid = _unsaid(chain, study) if check.stationary else ""
     if unsaid:
         return FormulaOutcome(Verdict("refuted", unsaid))
-    finding = _compared(chain, check, study)
+    finding = _compare_chain(chain, check, study)
     if finding.verdict.proved and says_nothing(chain):
         return FormulaOutcome(EMPTY, None, finding.count)
     gaps = list(_inequalities(chain, study))
     if not gaps or not finding.verdict.proved:
         return finding if finding.count or check.role == "definition" else FormulaOutcome(NOTHING)
-    ordered = by_range(study, check.within, lambda _, where: _ordered(gaps, where))
+    ordered = by_range(study, check.within, lambda _, where: _order_verdict(gaps, where))
     if not study.ranges and ordered.verdict.refuted:
         return FormulaOutcome(UNSIGNED)
     return ordered if finding.count == 0 else replace(ordered, count=finding.count + len(gaps))
@@ -80,14 +80,14 @@ def verify(chain: Chain, check: Check, study: Study) -> FormulaOutcome:
 def by_range(study: Study, within: Sequence[str], decide: Decision) -> FormulaOutcome:
     """The outcome of a decision for each range of the parameters, or for the one of no name."""
     ranges = [r for r in study.ranges if not within or r.name in within] or [Range()]
-    outcomes = tuple((r, asked(decide, study, r)) for r in ranges)
+    outcomes = tuple((r, call_hook(decide, study, r)) for r in ranges)
     for _, outcome in outcomes:
         if not isinstance(outcome, Verdict):
             raise HookError(f"'{decide.__name__}' returns no Verdict")
     return FormulaOutcome(outcomes[0][1], None, 1, outcomes if study.ranges else (), study.scope)
 
 
-def _compared(chain: Chain, check: Check, study: Study) -> FormulaOutcome:
+def _compare_chain(chain: Chain, check: Check, study: Study) -> FormulaOutcome:
     count = 0
     doubt: FormulaOutcome | None = None
     for comparison in comparisons(chain, check, study):
@@ -104,7 +104,7 @@ def _compared(chain: Chain, check: Check, study: Study) -> FormulaOutcome:
     return FormulaOutcome(Verdict("proved", "zero in exact normal form"), None, count)
 
 
-def _ordered(gaps: Sequence[tuple[Any, str, Any]], where: Range) -> Verdict:
+def _order_verdict(gaps: Sequence[tuple[Any, str, Any]], where: Range) -> Verdict:
     """Whether all inequalities hold in a range; the first that does not decides."""
     found = []
     for left, relation, right in gaps:
@@ -119,7 +119,7 @@ def _equal(comparison: Comparison, check: Check, study: Study) -> Verdict:
     left, right = comparison.left, comparison.right
     verdict = prove_equal(left, right, study.relations)
     along = check.truth is None and check.role != "definition"  # what defines is true off it, too
-    if along and verdict.refuted and _unsolved(left - right, study):
+    if along and verdict.refuted and _has_unknown_accelerations(left - right, study):
         return UNSOLVED
     if verdict.proved or check.truth is None:
         return verdict
@@ -128,7 +128,7 @@ def _equal(comparison: Comparison, check: Check, study: Study) -> Verdict:
     return verdict
 
 
-def _unsolved(value: Any, study: Study) -> bool:
+def _has_unknown_accelerations(value: Any, study: Study) -> bool:
     """Whether accelerations stand in a value of which the motion says nothing."""
     rates = study.motion.rates
     velocities = {s for rate in rates.values() for s in rate.free_symbols} & set(rates)
@@ -172,7 +172,7 @@ def _unsaid(chain: Chain, study: Study) -> str:
         return "a limit is the variable of integration, not a fixed moment"
     if integral.lower == integral.upper:
         return "the two limits are the same"
-    heads = {_letter(part) for part in _named(study)} - {_letter(p) for p in _names(variable)}
+    heads = {_letter(part) for part in _names_of(study)} - {_letter(p) for p in _names(variable)}
     for limit in _names((integral.lower, integral.upper)):
         if _letter(limit) in heads:
             return f"the limit '{key_of(limit)}' bears the letter of something else"
@@ -187,7 +187,7 @@ def _names(part: Any) -> Iterator[Name]:
             yield from (node for node in walk(one) if isinstance(node, Name))
 
 
-def _named(study: Study) -> Iterator[Name]:
+def _names_of(study: Study) -> Iterator[Name]:
     """What the names of a dictionary are names of, without dots and variations."""
     for name in study.names:
         yield from _names(study.tree(name))

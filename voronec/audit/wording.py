@@ -65,13 +65,13 @@ def _where(finding: FormulaOutcome) -> str:
     good = [r.name for r, v in finding.ranges if v.proved]
     bad = [r.name for r, v in finding.ranges if v.refuted]
     open_ = [r.name for r, v in finding.ranges if v.undecided]
-    parts = [f"true for {_listed(good)}"] if good else []
-    parts += [f"false for {_listed(bad)}"] if bad else []
-    parts += [f"undecided for {_listed(open_)}"] if open_ else []
+    parts = [f"true for {_list_names(good)}"] if good else []
+    parts += [f"false for {_list_names(bad)}"] if bad else []
+    parts += [f"undecided for {_list_names(open_)}"] if open_ else []
     if not good:
         return finding.verdict.method
     if finding.scope and set(finding.scope) <= set(good) and len(parts) > 1:
-        return f"{parts[0]}, of which the section speaks; it does not extend to " + _listed(
+        return f"{parts[0]}, of which the section speaks; it does not extend to " + _list_names(
             bad + open_
         )
     sources = dict.fromkeys(r.source for r, v in finding.ranges if r.source and not v.proved)
@@ -80,7 +80,7 @@ def _where(finding: FormulaOutcome) -> str:
     return ", ".join(parts)
 
 
-def _listed(names: list[str]) -> str:
+def _list_names(names: list[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
@@ -99,11 +99,11 @@ def _range(where: Range, verdict: Any) -> dict[str, Any]:
         "statement": ",\\ ".join([where.statement, *shown]),
         "verdict": verdict.status,
         "method": verdict.method,
-        "witness": None if verdict.witness is None else _placed(verdict.witness, where),
+        "witness": None if verdict.witness is None else _place_witness(verdict.witness, where),
     }
 
 
-def _placed(witness: Witness, where: Range) -> dict[str, Any]:
+def _place_witness(witness: Witness, where: Range) -> dict[str, Any]:
     """A witness with the values of the paper's own parameters at its point."""
     found = _values(witness)
     known = {sp.Symbol(name): sp.Rational(v) for name, v in found["point"].items() if _exact(v)}

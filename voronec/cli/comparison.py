@@ -36,10 +36,10 @@ def execute(arguments: Namespace) -> int:
 
 def _side(subject: str) -> Derived:
     from voronec.equations.voronec_equations import derive
-    from voronec.proof.comparison import Derived, read_derived
+    from voronec.proof.comparison import Derived, read_derivation
 
     if subject.endswith(".json"):
-        return read_derived(subject)
+        return read_derivation(subject)
     system, _ = resolve(subject)
     progress(f"deriving '{system.name}'")
     return Derived.of(derive(system))
@@ -49,7 +49,7 @@ def _lines(found: Comparison) -> Iterator[str]:
     yield f"{found.first} and {found.second}"
     yield ""
     yield from columns(_summary(found), "  ")
-    for row in (*found.rewritten, *found.differences):
+    for row in (*found.rewritten_rows, *found.differences):
         yield from ("", f"{row.group} {row.name}: {row.status}")
         yield f"  {found.first}: {row.first or '-'}"
         yield f"  {found.second}: {row.second or '-'}"

@@ -70,14 +70,14 @@ def euler_angles(equations: VoronecEquations) -> tuple[EulerAngles, ...]:
 
     Found by numbers; that the system is regular at the poles ``with_attitude_charts`` decides.
     """
-    return equations.memo.once("Euler angles", lambda: tuple(_recognised(equations.definition)))
+    return equations.memo.once("Euler angles", lambda: tuple(_recognise(equations.definition)))
 
 
 def with_attitude_charts(equations: VoronecEquations) -> VoronecEquations | None:
     """The equations with charts that are regular at the poles of Euler's angles, beside those that
     the system declares; None where there are no such angles but those that declared charts turn,
     or where the system is not regular there."""
-    return equations.memo.once("attitude charts", lambda: _charted(equations))
+    return equations.memo.once("attitude charts", lambda: _make_chart(equations))
 
 
 def angles_without_chart(equations: VoronecEquations) -> tuple[EulerAngles, ...]:
@@ -87,7 +87,7 @@ def angles_without_chart(equations: VoronecEquations) -> tuple[EulerAngles, ...]
     return tuple(t for t in triples if not moved & {str(q) for q in t.symbols})
 
 
-def _charted(equations: VoronecEquations) -> VoronecEquations | None:
+def _make_chart(equations: VoronecEquations) -> VoronecEquations | None:
     system, triples = equations.system, angles_without_chart(equations)
     turned: dict[str, Chart] = {}
     for own, count in product(("", *system.charts), range(1, len(triples) + 1)):
@@ -137,7 +137,7 @@ def _both(chart: Chart, declared: Chart) -> Chart:
     )
 
 
-def _recognised(d: Definition) -> Iterator[EulerAngles]:
+def _recognise(d: Definition) -> Iterator[EulerAngles]:
     """Every triple whose two outer rates are one where the middle angle is at its pole."""
     if d.group is not None or d.inputs:
         return
@@ -237,12 +237,12 @@ def _matrix(angles: Sequence[Any]) -> Any:
     )
 
 
-def _laid_down(R: Any) -> Any:
+def _lay_down(R: Any) -> Any:
     """Q^T R, Q the quarter turn about x."""
     return R[0], R[2], tuple(-x for x in R[1])
 
 
-def _stood_up(R: Any) -> Any:
+def _stand_up(R: Any) -> Any:
     """Q R."""
     return R[0], tuple(-x for x in R[2]), R[1]
 
@@ -277,8 +277,8 @@ class _Turned:
         other = se.Mul(*kept, *[se.sin(t.theta) for t in self.chosen])
         for t in self.chosen:
             upright = _matrix((t.phi, t.theta + t.shift, t.sense * t.psi))
-            there |= zip(t.symbols, _angles_of(_laid_down(upright)), strict=True)
-            phi, theta, psi = _angles_of(_stood_up(_matrix(t.symbols)))
+            there |= zip(t.symbols, _angles_of(_lay_down(upright)), strict=True)
+            phi, theta, psi = _angles_of(_stand_up(_matrix(t.symbols)))
             back |= zip(t.symbols, (phi, theta - t.shift, t.sense * psi), strict=True)
             other_side = (t.phi + se.pi, -t.theta - 2 * t.shift, t.psi - se.pi)
             twins.append(outside(zip(t.symbols, other_side, strict=True)))
@@ -307,16 +307,16 @@ class _Turned:
         if d.added:
             raise EngineLimit("forces that hold accelerations are not written in other angles")
         dots = d.dots
-        changes: dict[str, Any] = {"lagrangian": out(self._moved(d.lagrangian))}
+        changes: dict[str, Any] = {"lagrangian": out(self._move(d.lagrangian))}
         if d.constraints.matrix:
             rows = zip(d.constraints.matrix, d.constraints.offset, strict=True)
-            changes["constraints"] = tuple(out(self._moved(_affine(r, c, dots))) for r, c in rows)
+            changes["constraints"] = tuple(out(self._move(_affine(r, c, dots))) for r, c in rows)
         if d.frame is not None:
             rows = zip(d.frame.matrix, d.frame.offset, strict=True)
-            read = [out(self._moved(_affine(r, c, dots))) for r, c in rows]
+            read = [out(self._move(_affine(r, c, dots))) for r, c in rows]
             changes["frame"] = self._frame(read)
         if any(f != 0 for f in d.forces):
-            power = self._moved(_affine(d.forces, se.Integer(0), dots))
+            power = self._move(_affine(d.forces, se.Integer(0), dots))
             own = d.system.coordinates
             changes["forces"] = {q: out(power.diff(dot)) for q, dot in zip(own, dots, strict=True)}
         return changes
@@ -326,7 +326,7 @@ class _Turned:
         assert own is not None
         return replace(own, expressions=tuple(expressions))
 
-    def _moved(self, expr: Any) -> Any:
+    def _move(self, expr: Any) -> Any:
         """A function of coordinates and velocities in the other angles."""
         for t in self.chosen:
             expr = self._of_one(expr, t)
@@ -350,7 +350,7 @@ class _Turned:
             dots[t.psi]: t.sense * spin,
         })  # fmt: skip
         found = Rotations(*t.symbols, entries).rewrite(own)
-        matrix = _stood_up(_matrix(t.symbols))
+        matrix = _stand_up(_matrix(t.symbols))
         values = {entries[i][j]: matrix[i][j] for i in range(3) for j in range(3)}
         a, b, e = (dots[q] for q in t.symbols)
         sine, cosine = se.sin(t.theta), se.cos(t.theta)

@@ -122,7 +122,7 @@ class EhresmannConnection:
         """The horizontal fields on the coordinates, a row for each."""
         if self.group is None:
             return self.lift
-        columns = [self.group.moved(column) for column in zip(*self.lift, strict=True)]
+        columns = [self.group.coordinate_rates(column) for column in zip(*self.lift, strict=True)]
         return tuple(zip(*columns, strict=True))
 
     def along(self, i: int, function: Any) -> Any:
@@ -136,7 +136,7 @@ class EhresmannConnection:
             terms.append(function.diff(self.time))
         return se.Add(*terms) if terms else se.Integer(0)
 
-    def lost(self, relations: Sequence[Any]) -> int | None:
+    def broken_relation(self, relations: Sequence[Any]) -> int | None:
         """The position of the first relation that some horizontal field does not keep, if any."""
         for k, relation in enumerate(relations):
             slopes = [self.along(i, relation) for i in range(self.n + 1)]
@@ -158,7 +158,7 @@ class EhresmannConnection:
         moved = [self.along(i, row[j]) - self.along(j, row[i]) for row in self.lift]
         if self.group is None:
             return moved
-        turned = self.group.turned([r[i] for r in self.lift], [r[j] for r in self.lift])
+        turned = self.group.bracket([r[i] for r in self.lift], [r[j] for r in self.lift])
         return [m + t for m, t in zip(moved, turned, strict=True)]
 
     def decompose(

@@ -109,7 +109,7 @@ class Control:
         one by normal forms.
         """
         self._require_still()
-        drift, fields = self._simplified
+        drift, fields = self._after_feedback
         dimension = self.system_field.dimension
         frame, tops = list(fields), list(fields)
         kept = self._independent(frame)
@@ -123,7 +123,7 @@ class Control:
             made = [b for b in brackets if any(e != 0 for e in b)]
             new = self._independent([*frame, *made])[len(frame) :]
             if not new:
-                return Accessibility(tuple(growth), dimension, self._closed(frame, made))
+                return Accessibility(tuple(growth), dimension, self._closure(frame, made))
             tops = [made[i - len(frame)] for i in new]
             frame = [*frame, *tops]
             growth.append(len(frame))
@@ -145,7 +145,7 @@ class Control:
             return (above,)
         return tuple(f for f, _ in sp.factor_list(above)[1] if not f.is_number)
 
-    def _closed(self, frame: Sequence[Vector], brackets: Sequence[Vector]) -> Verdict:
+    def _closure(self, frame: Sequence[Vector], brackets: Sequence[Vector]) -> Verdict:
         """That brackets lie in a span which is not everything."""
         words = f"the brackets span {len(frame)} dimensions of {self.system_field.dimension}"
         rows, right = [list(r) for r in zip(*frame, strict=True)], [[se.Integer(0)]] * len(frame[0])
@@ -197,7 +197,7 @@ class Control:
         redundant = len(field.independent_relations)
         try:
             return flatness(
-                field.variables, *self._simplified, read, field.hypotheses, redundant,
+                field.variables, *self._after_feedback, read, field.hypotheses, redundant,
                 self._independent,
             )  # fmt: skip
         except EngineLimit as limit:
@@ -206,7 +206,7 @@ class Control:
     # -- what these are made of -----------------------------------------------------------
 
     @cached_property
-    def _simplified(self) -> tuple[Vector, tuple[Vector, ...]]:
+    def _after_feedback(self) -> tuple[Vector, tuple[Vector, ...]]:
         """f and g_i after the feedback v' = u, where the inputs reach all velocities: it changes
         neither property; as they are where they do not."""
         if self.underactuation:
@@ -296,7 +296,7 @@ class _Brackets:
         variables = control.system_field.variables
         expansion = Expansion(at, variables, degree - 1)
         fields = (control.inner_drift, *control.inner_fields)
-        simple = (control._simplified[0], *control._simplified[1])
+        simple = (control._after_feedback[0], *control._after_feedback[1])
         if simple != fields and _regular(control, expansion):
             fields = simple
         self._basis = [expansion.field(f) for f in fields]
@@ -307,7 +307,7 @@ class _Brackets:
     @cached_property
     def verdict(self) -> Verdict | None:
         """Sussmann's condition; None where brackets of higher degree may decide."""
-        if len(self._inputs) == 1 and self._obstructed():
+        if len(self._inputs) == 1 and self._is_obstructed():
             words = "with one input, [g, [f, g]] is no combination of g, [f, g], [f, [f, g]], ..."
             return Verdict("refuted", f"{words} at the point")
         span = Span()
@@ -329,7 +329,7 @@ class _Brackets:
                 return Verdict("proved", f"{words}, and no bad one obstructs [Sussmann1987]")
         return None
 
-    def _obstructed(self) -> bool:
+    def _is_obstructed(self) -> bool:
         """Whether [g, [f, g]] leaves the span of g, [f, g], [f, [f, g]], ... at the point.
 
         f vanishes there, so that these are g, A g, A^2 g, ... up to signs, A the linear part of f.
@@ -338,7 +338,7 @@ class _Brackets:
         linear = [parts[1] for parts in drift.components]
         along, vector = Span(), push.value
         while along.add(vector):
-            vector = _applied(linear, vector)
+            vector = _apply_matrix(linear, vector)
         return bool(along.rest(push.bracket(drift.bracket(push)).value))
 
     def _levels(self) -> Iterator[dict[tuple[int, ...], list[FieldJet]]]:
@@ -362,7 +362,7 @@ class _Brackets:
             level = longer
 
 
-def _applied(linear: Sequence[Any], vector: Mapping[int, Any]) -> dict[int, Any]:
+def _apply_matrix(linear: Sequence[Any], vector: Mapping[int, Any]) -> dict[int, Any]:
     """A matrix, its rows given as linear forms, times a vector."""
     found = {}
     for i, form in enumerate(linear):

@@ -19,7 +19,7 @@ from voronec.declaration.system import System, require_system
 from voronec.equations.connection import AffineForms, FibreSolution
 from voronec.equations.group_frame import GroupFrame, read_group
 from voronec.equations.jumps import require_no_jump, require_no_jump_of_lagrangian
-from voronec.equations.transversality import solved
+from voronec.equations.transversality import solve_for_fibre
 from voronec.errors import DefinitionError
 
 __all__ = ["Definition", "read"]
@@ -138,11 +138,11 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
     constraints = _constraints(system, enter, dots)
     _count(system, len(constraints.matrix), differentiated)
     point = _start(system) if near is None else dict(near)
-    fibre = solved(system, constraints, differentiated, relations, point, share)
+    fibre = solve_for_fibre(system, constraints, differentiated, relations, point, share)
     _require_continuity(system, enter, (*coordinates, *dots), dots, _conditions(system, door))
     named = system.frame.momenta if system.frame is not None else ()
     determinant = system.frame.determinant if system.frame is not None else None
-    forces, added = _applied(system, door, enter, dots, frame)
+    forces, added = _read_forces(system, door, enter, dots, frame)
     return Definition(
         system=system,
         door=door,
@@ -194,7 +194,7 @@ def _require_continuity(
             require_no_jump(partial(str, title), enter(expr, title), known)
 
 
-def _applied(
+def _read_forces(
     system: System, door: Door, enter: Enter, dots: Sequence[Any], frame: AffineForms | None
 ) -> tuple[tuple[Any, ...], tuple[tuple[Any, ...], ...]]:
     """The forces along all directions, and their coefficients of the accelerations qddot.
@@ -261,14 +261,14 @@ def _start(system: System) -> dict[str, Any]:
         values[named.get(plain_name(key), key)] = value
     point = {plain_name(symbol): value for symbol, value in values.items()}
     initial = scene.initial if scene is not None else {}
-    point |= {plain_name(k): _spelled(v, values) for k, v in initial.items()}
+    point |= {plain_name(k): _with_numbers(v, values) for k, v in initial.items()}
     point = {name: value for name, value in point.items() if not _is_open(value)}
     if not system.fibration.relations:
         point = {plain_name(q): 0 for q in system.coordinates} | point
     return point
 
 
-def _spelled(value: Any, values: Mapping[Any, Any]) -> Any:
+def _with_numbers(value: Any, values: Mapping[Any, Any]) -> Any:
     """A value with numbers for the parameters in it, as far as they are known."""
     return value.subs(values) if _is_open(value) else value
 
@@ -301,7 +301,7 @@ def _reader(
     if system.frame is None:
         return plain
     if group is not None:
-        rates = group.moved(group.velocities)
+        rates = group.coordinate_rates(group.velocities)
         spelled = dict(zip(coordinate_velocities, rates, strict=True))
         return lambda expr, place: plain(expr, place).xreplace(spelled)
     pairs = zip(system.frame.velocities, system.frame.expressions, strict=True)

@@ -114,7 +114,11 @@ class Derivation:
             lift=tuple(tuple(row) for row in lift),
             group=d.group,
         )
-        lost = connection.lost(d.relations) if d.group is not None and not self.exact else None
+        lost = (
+            connection.broken_relation(d.relations)
+            if d.group is not None and not self.exact
+            else None
+        )
         if lost is not None:
             raise DefinitionError(
                 f"system '{d.system.name}': the motion does not keep the relation "
@@ -154,7 +158,9 @@ class Derivation:
     def rates(self) -> list[Any]:
         """qdot in terms of q, v, t."""
         group = self.definition.group
-        return self.dot_rates if group is None else self.tidy(group.moved(self.dot_rates))
+        return (
+            self.dot_rates if group is None else self.tidy(group.coordinate_rates(self.dot_rates))
+        )
 
     @property
     def dependent(self) -> tuple[tuple[Any, Any], ...]:
@@ -164,12 +170,12 @@ class Derivation:
         return pairs[d.base :] if d.group is not None else ()
 
     @property
-    def turning(self) -> tuple[tuple[Any, ...], ...]:
+    def group_terms(self) -> tuple[tuple[Any, ...], ...]:
         """C_ab^k h_i^a w^b of a group, a row for each i; k over the independent velocities."""
         n = self.definition.base
         if self.definition.group is None:
             return ()
-        return tuple(tuple(self._turned(i)[:n]) for i in range(n))
+        return tuple(tuple(self._group_terms_of(i)[:n]) for i in range(n))
 
     @property
     def named_momenta(self) -> tuple[tuple[Any, Any], ...]:
@@ -213,13 +219,13 @@ class Derivation:
         upper = [(i, j) for i in range(n) for j in range(i, n)]
         own = [self.quasi_momenta[i].diff(vs[j]) for i, j in upper]
         if self.definition.added:
-            own = [m - self.added[i][j] for (i, j), m in zip(upper, own, strict=True)]
+            own = [m - self.added_mass[i][j] for (i, j), m in zip(upper, own, strict=True)]
         entries = self.polish(own)
         table = dict(zip(upper, entries, strict=True))
         return [[table[min(i, j), max(i, j)] for j in range(n)] for i in range(n)]
 
     @cached_property
-    def pushed(self) -> list[list[Any]]:
+    def inertia_forces(self) -> list[list[Any]]:
         """h_i^a N_ab for forces Q_a + N_ab qddot_b; no rows where they hold no accelerations."""
         lift, size = self.connection.lift, range(self.connection.n if self.definition.added else 0)
         rows = [[e.xreplace(self._on_constraints) for e in row] for row in self.definition.added]
@@ -230,12 +236,12 @@ class Derivation:
         ]  # fmt: skip
 
     @cached_property
-    def added(self) -> list[list[Any]]:
+    def added_mass(self) -> list[list[Any]]:
         """h_i^a N_ab h_j^b: what forces that hold accelerations take from the mass matrix."""
         lift, n = self.connection.lift, self.connection.n
         return [
             [se.Add(*[e * h[j] for e, h in zip(row, lift, strict=True)]) for j in range(n)]
-            for row in self.pushed
+            for row in self.inertia_forces
         ]
 
     @cached_property
@@ -260,18 +266,20 @@ class Derivation:
             ):
                 turn = connection.along(i, rate) - connection.flow_derivative(row[i], rates)
                 terms.append(row[i] * force - momentum * turn)
-            terms += [-p * t for p, t in zip(self.momenta, self._turned(i), strict=False)]
+            terms += [-p * t for p, t in zip(self.momenta, self._group_terms_of(i), strict=False)]
             if d.added:  # at vdot = 0 the accelerations are the drift of the rates
-                terms += [e * g for e, g in zip(self.pushed[i], self.dot_drift, strict=True)]
+                terms += [
+                    e * g for e, g in zip(self.inertia_forces[i], self.dot_drift, strict=True)
+                ]
             result.append(se.Add(*terms))
         return result
 
-    def _turned(self, i: int) -> list[Any]:
+    def _group_terms_of(self, i: int) -> list[Any]:
         """What the brackets of a group's own frame add to [h_i, h_j]^a v^j; nothing elsewhere."""
         group = self.definition.group
         if group is None:
             return []
-        return group.turned([row[i] for row in self.connection.lift], self.dot_rates)
+        return group.bracket([row[i] for row in self.connection.lift], self.dot_rates)
 
     @cached_property
     def force(self) -> list[Any]:

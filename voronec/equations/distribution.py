@@ -69,12 +69,12 @@ def grow(definition: Definition, connection: EhresmannConnection) -> Distributio
             for j, y in enumerate(tops)
             if len(growth) > 1 or i < j
         ]
-        tops = rank_of.enlarging(frame, [b for b in brackets if any(e != 0 for e in b)])
+        tops = rank_of.enlarge(frame, [b for b in brackets if any(e != 0 for e in b)])
         if not tops:
             break
         frame += tops
         growth.append(len(frame))
-    standing = _standing(definition, connection, frame[len(fields) :], timed)
+    standing = _integrability(definition, connection, frame[len(fields) :], timed)
     if cut:  # what annihilates the brackets that were made may not annihilate those that were not
         standing = ["undecided" if s == "proved" else s for s in standing]
     return Distribution(
@@ -87,7 +87,7 @@ def grow(definition: Definition, connection: EhresmannConnection) -> Distributio
     )
 
 
-def _standing(
+def _integrability(
     definition: Definition, connection: EhresmannConnection, new: Sequence[Field], timed: bool
 ) -> list[str]:
     """For each constraint: is it integrable?  proved, refuted or undecided."""
@@ -99,22 +99,22 @@ def _standing(
     ):
         form = (*row, offset) if timed else row
         on_new = [se.Add(*[c * f for c, f in zip(form, field, strict=True)]) for field in new]
-        if _witnessed(on_new, relations):
+        if _is_nonzero_somewhere(on_new, relations):
             result.append("refuted")
-        elif _all_proved(on_new, relations) or (alone and _frobenius(form, variables, relations)):
+        elif _are_all_zero(on_new, relations) or (alone and _frobenius(form, variables, relations)):
             result.append("proved")
         else:
             result.append("undecided")
     return result
 
 
-def _witnessed(exprs: Sequence[Any], relations: Sequence[Any]) -> bool:
+def _is_nonzero_somewhere(exprs: Sequence[Any], relations: Sequence[Any]) -> bool:
     """Whether ball arithmetic shows one of the expressions to be nonzero somewhere."""
     samples = sample_evaluable(Tape(exprs), relations, NESTED)
     return any(not value.contains(0) for _, values in samples for value in values)
 
 
-def _all_proved(exprs: Sequence[Any], relations: Sequence[Any]) -> bool:
+def _are_all_zero(exprs: Sequence[Any], relations: Sequence[Any]) -> bool:
     return all(decide_zero(e, relations).proved for e in exprs)
 
 
@@ -126,7 +126,7 @@ def _frobenius(form: Field, variables: Sequence[Any], relations: Sequence[Any]) 
         for a in range(m)
         for b in range(a + 1, m)
     }
-    if _all_proved(list(d.values()), relations):
+    if _are_all_zero(list(d.values()), relations):
         return True
     triples = [
         form[a] * d[b, c] - form[b] * d[a, c] + form[c] * d[a, b]
@@ -134,7 +134,7 @@ def _frobenius(form: Field, variables: Sequence[Any], relations: Sequence[Any]) 
         for b in range(a + 1, m)
         for c in range(b + 1, m)
     ]
-    return _all_proved(triples, relations)
+    return _are_all_zero(triples, relations)
 
 
 def _uses_time(definition: Definition, connection: EhresmannConnection) -> bool:
@@ -166,13 +166,15 @@ class _Space:
         group = self.connection.group
         if group is None:
             return moved
-        turned = group.turned(x[: len(group.velocities)], y[: len(group.velocities)])
+        turned = group.bracket(x[: len(group.velocities)], y[: len(group.velocities)])
         turned += [se.Integer(0)] * int(self.timed)
         return tuple(m + t for m, t in zip(moved, turned, strict=True))
 
     def _along(self, field: Field, function: Any) -> Any:
         coordinates, group = self.connection.coordinates, self.connection.group
-        rates = list(field if group is None else group.moved(field[: len(group.velocities)]))
+        rates = list(
+            field if group is None else group.coordinate_rates(field[: len(group.velocities)])
+        )
         variables = list(coordinates)
         if self.timed:
             variables.append(self.connection.time)
@@ -193,7 +195,7 @@ class _RankOracle:
             return 0
         return len(self._independent([[r.diff(q) for q in variables] for r in self._relations]))
 
-    def enlarging(self, frame: Sequence[Field], candidates: Sequence[Field]) -> list[Field]:
+    def enlarge(self, frame: Sequence[Field], candidates: Sequence[Field]) -> list[Field]:
         """The candidates that, one after the other, enlarge the span of the frame."""
         kept = self._independent([*frame, *candidates])
         return [candidates[i - len(frame)] for i in kept if i >= len(frame)]

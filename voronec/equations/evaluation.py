@@ -22,7 +22,7 @@ from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["acceleration", "check_added", "check_inertia", "named_point"]
+__all__ = ["acceleration", "check_added_mass", "check_inertia", "named_point"]
 
 ON_RELATIONS = 1e-9
 """How far a point may lie off the relations between redundant coordinates."""
@@ -58,7 +58,7 @@ def named_point(system: System, point: Mapping[Any, Any]) -> dict[str, Any]:
             raise DefinitionError(
                 f"system '{system.name}': the point gives '{name}' twice; give it once"
             )
-        given[name] = _checked(system, name, value)
+        given[name] = _check(system, name, value)
     for parameter in constants:
         if parameter.value is not None:
             given.setdefault(parameter.name, parameter.value)
@@ -94,7 +94,7 @@ def _name(system: System, key: Any) -> str:
         ) from None
 
 
-def _checked(system: System, name: str, value: Any) -> Any:
+def _check(system: System, name: str, value: Any) -> Any:
     """A value as it stands, if it is a finite real number."""
     try:
         sound = as_ball(value).is_finite()
@@ -154,7 +154,7 @@ def _accelerations(raw: Derivation, values: dict[str, Any], digits: int) -> list
             h = flint.arb_mat(total, n, [next(numbers) for _ in lift])
             drift = flint.arb_mat(total, 1, [next(numbers) for _ in range(total)])
             _check_relations(system, list(numbers))
-            result = _solved(m, f, h, drift)
+            result = _solve(m, f, h, drift)
         if result is not None and _accurate(result, digits):
             if doubtful or all(a.is_zero() or not a.contains(0) for a in result):
                 return [_float(a, digits) for a in result]
@@ -173,7 +173,7 @@ def _float(ball: Any, digits: int) -> sp.Float:
         return sp.Float(mp.ldexp(mp.mpf(mantissa), exponent), digits)
 
 
-def _solved(m: Any, f: Any, h: Any, drift: Any) -> list[Any] | None:
+def _solve(m: Any, f: Any, h: Any, drift: Any) -> list[Any] | None:
     try:
         vdot = m.solve(f) if f.nrows() else f
     except ZeroDivisionError:
@@ -197,11 +197,13 @@ def _check_relations(system: System, residuals: list[Any]) -> None:
             )
 
 
-def check_added(raw: Derivation) -> None:
+def check_added_mass(raw: Derivation) -> None:
     """Raise ``DefinitionError`` where accelerations in forces make no symmetric mass matrix."""
     n = raw.connection.n
     gaps = [
-        raw.added[i][j] - raw.added[j][i] for i in range(n if raw.added else 0) for j in range(i)
+        raw.added_mass[i][j] - raw.added_mass[j][i]
+        for i in range(n if raw.added_mass else 0)
+        for j in range(i)
     ]
     try:
         symmetric = all_vanish(gaps, raw.definition.relations)

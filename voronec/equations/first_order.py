@@ -34,10 +34,10 @@ def expand(
     known: dict[Any, FirstOrder] = {}
     for k, x in enumerate(variables):
         known[x] = (point.get(x, x), {k: se.Integer(1)})
-    return [_expanded(se.sympify(e), known, point) for e in exprs]
+    return [_expand(se.sympify(e), known, point) for e in exprs]
 
 
-def _expanded(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, Any]) -> FirstOrder:
+def _expand(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, Any]) -> FirstOrder:
     found = known.get(expr)
     if found is None:
         found = known[expr] = _first_order(expr, known, point)
@@ -51,7 +51,7 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
         return point.get(expr, expr), {}
     if is_flat(expr) or not expr.args:
         return (se.Integer(0) if is_flat(expr) else expr), {}
-    parts = [_expanded(a, known, point) for a in expr.args]
+    parts = [_expand(a, known, point) for a in expr.args]
     if isinstance(expr, se.Add):
         return se.Add(*[v for v, _ in parts]), _sums([(se.Integer(1), s) for _, s in parts])
     if isinstance(expr, se.Mul):

@@ -44,7 +44,7 @@ class _Extended:
         pairs = zip(self.state, field, strict=True)
         return se.Add(*[rate * function.diff(x) for x, rate in pairs if rate != 0])
 
-    def met(self, output: Any) -> tuple[int, Any, tuple[Any, ...]] | None:
+    def relative_degree(self, output: Any) -> tuple[int, Any, tuple[Any, ...]] | None:
         """The order r at which inputs appear in the rates of an output, b and A; None where none
         do, or nobody can decide it."""
         for order in range(1, len(self.state) + 1):
@@ -62,7 +62,7 @@ class _Extended:
                 return None
         return None
 
-    def prolonged(
+    def prolong(
         self, rows: Sequence[tuple[Any, ...]], offsets: Sequence[Any], independent: Independent
     ) -> _Extended:
         """The system whose inputs are the rates of w = b + A u, rows of full rank, and what is left
@@ -103,7 +103,7 @@ def flatness(
     ``redundant`` variables of the state are bound by relations."""
     system = _Extended(tuple(state), tuple(drift), tuple(map(tuple, fields)), tuple(relations))
     for _ in range(len(system.state)):
-        met = [system.met(y) for y in outputs]
+        met = [system.relative_degree(y) for y in outputs]
         found = [m for m in met if m is not None]
         if len(found) < len(met):
             return Verdict("undecided", "an output holds no input, whatever its rates, or too much")
@@ -118,5 +118,5 @@ def flatness(
             words = f"{total} rates of the outputs are independent, and the state has {size}"
             return Verdict("refuted", f"{words} dimensions: a motion is left that they do not see")
         offsets = [found[k][1] for k in kept]
-        system = system.prolonged([rows[k] for k in kept], offsets, independent)
+        system = system.prolong([rows[k] for k in kept], offsets, independent)
     return Verdict("undecided", f"{len(state)} times as many integrators do not suffice")

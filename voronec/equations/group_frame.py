@@ -38,11 +38,11 @@ class GroupFrame:
     fields: tuple[tuple[Any, ...], ...]
     brackets: tuple[tuple[int, int, int, Any], ...]
 
-    def moved(self, x: Vector) -> list[Any]:
+    def coordinate_rates(self, x: Vector) -> list[Any]:
         """The rates of the coordinates along x^a X_a."""
         return [_total([(f, e) for f, e in zip(row, x, strict=True)]) for row in self.fields]
 
-    def turned(self, x: Vector, y: Vector) -> list[Any]:
+    def bracket(self, x: Vector, y: Vector) -> list[Any]:
         """C_ab^c x^a y^b, for each c: the bracket of two fields with constant components."""
         terms: list[list[tuple[Any, ...]]] = [[] for _ in self.velocities]
         for a, b, c, coefficient in self.brackets:

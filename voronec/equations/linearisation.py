@@ -178,8 +178,8 @@ def _about(
     table = [rows[k + n + i * n : k + n + (i + 1) * n] for i in range(n)]
     kept, spread = _independent(rows[k + n + n * n :], k)
     vdot, slopes = _accelerations(table, rows[k : k + n], width)
-    chained = [_chained(_row(rows[i], width), spread, k) for i in kept]
-    chained += [_chained(row, spread, k) for row in slopes]
+    chained = [_chain_slopes(_row(rows[i], width), spread, k) for i in kept]
+    chained += [_chain_slopes(row, spread, k) for row in slopes]
     values = [*(rows[i][0] for i in kept), *vdot]
     flat = _tidy([e for row in chained for e in row] + values, point, own.relations)
     out = [equations.door.outward(se.sympify(e).xreplace(late)) for e in flat]
@@ -196,7 +196,7 @@ def _about(
     )
 
 
-def _chained(slopes: Sequence[Any], spread: Sequence[Sequence[Any]], k: int) -> list[Any]:
+def _chain_slopes(slopes: Sequence[Any], spread: Sequence[Sequence[Any]], k: int) -> list[Any]:
     """Slopes by the independent coordinates in the place of those by all k."""
     columns = zip(*spread, strict=True)
     along = [se.Add(*[s * c for s, c in zip(slopes, column, strict=False)]) for column in columns]

@@ -63,12 +63,12 @@ class MechanicsForm:
     @cached_property
     def mass_matrix(self) -> sp.Matrix:
         """The mass matrix, n x n."""
-        return self._named(self.equations.mass)
+        return self._name_rates(self.equations.mass)
 
     @cached_property
     def forcing(self) -> sp.Matrix:
         """The right side of mass_matrix * udot = forcing, n x 1."""
-        return self._named(self.equations.force)
+        return self._name_rates(self.equations.force)
 
     @property
     def mass_matrix_full(self) -> sp.Matrix:
@@ -84,7 +84,7 @@ class MechanicsForm:
         """(qdot, udot) solved for, (k + n) x 1."""
         equations = self.equations
         solved = [[a] for a in for_numbers(equations).accelerations]
-        return sp.Matrix([self._rates, self._named(equations.door.outward_matrix(solved))])
+        return sp.Matrix([self._rates, self._name_rates(equations.door.outward_matrix(solved))])
 
     def linearize(
         self, op_point: Mapping[sp.Expr, Any] | None = None, A_and_B: bool = True
@@ -100,7 +100,7 @@ class MechanicsForm:
         at = {names.get(x, x): value for x, value in given if not isinstance(x, sp.Derivative)}
         found = linearise(self.equations, at)
         inputs = sp.Matrix([self._names.get(w, w) for w in found.inputs])
-        parts = (self._named(found.A), self._named(found.B), inputs)
+        parts = (self._name_rates(found.A), self._name_rates(found.B), inputs)
         return parts if A_and_B else (sp.eye(len(found.state)), *parts)
 
     def kindiffdict(self) -> dict[sp.Expr, sp.Expr]:
@@ -121,7 +121,7 @@ class MechanicsForm:
 
     @cached_property
     def _rates(self) -> sp.Matrix:
-        return self._named(self.equations.rates)
+        return self._name_rates(self.equations.rates)
 
     @cached_property
     def _names(self) -> Mapping[sp.Expr, sp.Expr]:
@@ -130,7 +130,7 @@ class MechanicsForm:
         moving = (*system.coordinates, *system.velocities, *system.inputs)
         return {x: sp.Function(plain_name(x))(time) for x in moving}
 
-    def _named(self, matrix: Any) -> sp.Matrix:
+    def _name_rates(self, matrix: Any) -> sp.Matrix:
         """A matrix in functions of the time: rates of inputs first, which hold the inputs."""
         inputs = self.equations.system.inputs
         rates = {velocity(i): self._names[i].diff(time) for i in inputs}

@@ -56,12 +56,12 @@ class Reduction:
     def _repr_html_(self) -> str:
         """For notebooks: the invariants and the closed equations."""
 
-        def shown(expr: Any) -> str:
+        def show(expr: Any) -> str:
             return f"${latex_of(expr, self.system.coordinates, self.velocities)}$"
 
         triples = zip(self.invariants, self.definitions, self.rates, strict=True)
-        rows = [(str(g), f"{shown(d)}, with the rate {shown(r)}") for g, d, r in triples]
-        rows += [("masses", shown(self.mass)), ("forces", shown(self.force))]
+        rows = [(str(g), f"{show(d)}, with the rate {show(r)}") for g, d, r in triples]
+        rows += [("masses", show(self.mass)), ("forces", show(self.force))]
         return html_table(f"{self.system.title or self.system.name}, reduced", rows)
 
     @property
@@ -99,7 +99,7 @@ def descend(
     every invariant changes it), ``EngineLimit`` where no expression was found.
     """
     eqs = system if isinstance(system, VoronecEquations) else derive(system)
-    chosen = _chosen(eqs, invariants)
+    chosen = _choose_invariants(eqs, invariants)
     derivation = eqs.exact
     inside = [eqs.door.inward(g) for g in chosen.values()]
     _check_configurational(eqs, chosen, inside)
@@ -137,7 +137,7 @@ def in_invariants(
 ) -> list[Any | None]:
     """Expressions inside the door as functions of the declared invariants, of velocities of the
     equations and of the coordinates that are ``kept``; None for those that were not rewritten."""
-    chosen = _chosen(eqs, None)
+    chosen = _choose_invariants(eqs, None)
     inside = [eqs.door.inward(g) for g in chosen.values()]
     tags = [se.Symbol(name) for name in chosen]
     plain = canonical(exprs, eqs.definition.relations)
@@ -150,7 +150,9 @@ def in_invariants(
     return [expression(ring, e, group) if _free_of(ring, e, moving) else None for e in elements]
 
 
-def _chosen(eqs: VoronecEquations, invariants: Mapping[str, Any] | None) -> dict[str, Any]:
+def _choose_invariants(
+    eqs: VoronecEquations, invariants: Mapping[str, Any] | None
+) -> dict[str, Any]:
     chosen = dict(eqs.system.invariants if invariants is None else invariants)
     if not chosen:
         raise DefinitionError(f"system '{eqs.system.name}' declares no invariants; give some")

@@ -79,7 +79,7 @@ class StagedSystem:
         )
 
     @cached_property
-    def moving(self) -> frozenset[Any]:
+    def moving_stages(self) -> frozenset[Any]:
         """Velocities, and stages that depend on them."""
         found = set(self.definition.coordinate_velocities)
         for x in self.order:
@@ -110,12 +110,12 @@ class StagedMotion:
         self.stages = Stages(prefix, Cyclic(d.coordinates))
         self._value: dict[Any, Any] = {}
         for x in structure.order:
-            if x not in structure.moving:
+            if x not in structure.moving_stages:
                 self._value[x] = self.on(structure.expression(x))
         self._lifts: dict[Any, list[Any]] = {}
         self._solve()
         for x in structure.order:
-            if x in structure.moving:
+            if x in structure.moving_stages:
                 self._value[x] = self.on(structure.expression(x))
         self._accelerate()
 
@@ -149,7 +149,7 @@ class StagedMotion:
 
     def _row(self, condition: Any) -> dict[int, Any]:
         """The coefficients of the velocities in a condition, by a reverse sweep."""
-        moving = self.structure.moving
+        moving = self.structure.moving_stages
         pushed: dict[Any, list[Any]] = defaultdict(list)
         pushed[condition].append((ONE, ONE))
         if condition not in self.structure.stages.definitions and not condition.is_Symbol:
@@ -169,7 +169,7 @@ class StagedMotion:
 
     def _at_rest(self, expr: Any, memory: dict[Any, Any]) -> Any:
         """The value at qdot = 0."""
-        for w in expr.free_symbols & self.structure.moving:
+        for w in expr.free_symbols & self.structure.moving_stages:
             if w not in memory:
                 memory[w] = self._at_rest(self.structure.expression(w), memory)
         return self.on(expr.xreplace({w: memory[w] for w in expr.free_symbols if w in memory}))
@@ -180,7 +180,7 @@ class StagedMotion:
             parts = [
                 (self.on(p), self.lift(w))
                 for w, p in self.structure.partials(self.structure.expression(x))
-                if w in self.structure.moving
+                if w in self.structure.moving_stages
             ]
             self._lifts[x] = [
                 self.stages.total((p, column[i]) for p, column in parts)
@@ -235,7 +235,7 @@ class StagedMotion:
         self, expr: Any, slope: Any, change: Any, slopes: Any, changes: Any, halves: Any
     ) -> None:
         """Hand dL/dx of a stage x, and its change, on to what x is made of; add to the mass."""
-        moving = self.structure.moving
+        moving = self.structure.moving_stages
         partials = self.structure.partials(expr)
         for w, p in partials:
             value = self.on(p)

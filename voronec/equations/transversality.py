@@ -13,10 +13,10 @@ from voronec.declaration.system import System
 from voronec.equations.connection import AffineForms, FibreSolution, solve_fibre
 from voronec.errors import DefinitionError
 
-__all__ = ["solved"]
+__all__ = ["solve_for_fibre"]
 
 
-def solved(
+def solve_for_fibre(
     system: System,
     constraints: AffineForms,
     differentiated: AffineForms,

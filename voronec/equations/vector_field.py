@@ -83,9 +83,9 @@ class VectorField:
         """A function of the state, from the user's symbols."""
         return self.express(self.door.inward(expr))
 
-    def read_named(self, expr: sp.Expr) -> Any:
+    def read_with_momenta(self, expr: sp.Expr) -> Any:
         """The same with named momenta as they are: its rate is simpler so."""
-        return self._own(self._spelled(self.door.inward(expr)).xreplace(self.meaning))
+        return self._own(self._spell_determinant(self.door.inward(expr)).xreplace(self.meaning))
 
     def read_density(self, expr: sp.Expr) -> Any:
         """The same with the determinant of the mass by its name."""
@@ -101,7 +101,9 @@ class VectorField:
 
     def express(self, expr: Any) -> Any:
         """A function inside the door, with everything that has a meaning spelled out."""
-        return self._own(self._spelled(expr).xreplace(self.meaning).xreplace(self.momenta))
+        return self._own(
+            self._spell_determinant(expr).xreplace(self.meaning).xreplace(self.momenta)
+        )
 
     @cached_property
     def _foreign(self) -> frozenset[Any]:
@@ -119,7 +121,7 @@ class VectorField:
             )
         return expr
 
-    def _spelled(self, expr: Any) -> Any:
+    def _spell_determinant(self, expr: Any) -> Any:
         """An expression with the determinant of the mass spelled out."""
         if self.determinant is None or self.determinant not in expr.free_symbols:
             return expr
@@ -247,6 +249,6 @@ def _field(equations: DerivedEquations, d: Derivation) -> VectorField:
         definitions=dict(zip(own.velocities, d.definitions, strict=True)),
         momenta=dict(d.named_momenta),
         determinant=own.determinant,
-        turning=d.turning,
+        turning=d.group_terms,
         conditions=own.conditions,
     )

@@ -25,7 +25,7 @@ from voronec.declaration.system import System, require_system
 from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
 from voronec.equations.derived_equations import DerivedEquations
-from voronec.equations.evaluation import check_added, check_inertia
+from voronec.equations.evaluation import check_added_mass, check_inertia
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -350,13 +350,13 @@ def derive(system: System) -> VoronecEquations:
     """
     require_system(system)
     # a system is a value that does not change, and so are its equations
-    return system.memo.once("equations", lambda: _derived(system))
+    return system.memo.once("equations", lambda: _derive(system))
 
 
-def _derived(system: System) -> VoronecEquations:
+def _derive(system: System) -> VoronecEquations:
     definition = read(system)
     raw, exact = Derivation(definition, False), Derivation(definition, True)
     _ = raw.connection
-    check_added(raw)
+    check_added_mass(raw)
     check_inertia(raw)
     return VoronecEquations(system, definition, raw, exact)

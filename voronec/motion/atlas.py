@@ -15,7 +15,7 @@ from voronec.algebra.angles import Angles, holds_angles
 from voronec.algebra.symbols import velocity
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import system_in
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.motion.events import Event
 from voronec.motion.state_probe import quantities
@@ -261,7 +261,7 @@ class Atlas:
         """How far states of the own chart are from its singularity."""
         program = quantities(self.form, {HOME: own_singular(self.charts)})
         with np.errstate(all="ignore"):
-            (found,) = compiled(program)[1](times, list(rows.T), self._values(program))
+            (found,) = compile_program(program)[1](times, list(rows.T), self._values(program))
         return np.abs(np.broadcast_to(found, times.shape))
 
     def _distance(self, name: str, time: Any, state: np.ndarray) -> float:
@@ -373,7 +373,7 @@ class Atlas:
     def _rows(self, form: FirstOrderForm, images: Mapping[Any, Any]) -> Home:
         """A map to the own chart, for many states of a form."""
         program = quantities(form, {str(x): e for x, e in images.items()})
-        values, (_, extras) = self._values(program), compiled(program)
+        values, (_, extras) = self._values(program), compile_program(program)
 
         def home(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
             with np.errstate(all="ignore"):
@@ -399,7 +399,7 @@ class Atlas:
     def _single(self, wanted: list[Any]) -> Callable[[Any, np.ndarray], np.ndarray]:
         """Functions of single states; not a number where one is undefined."""
         program = quantities(self.form, {str(i): e for i, e in enumerate(wanted)})
-        values, (_, extras) = self._values(program), compiled(program, scalar=True)
+        values, (_, extras) = self._values(program), compile_program(program, scalar=True)
 
         def evaluate(time: Any, state: np.ndarray) -> np.ndarray:
             try:

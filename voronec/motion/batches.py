@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.equations.program import Hoisted, Program, hoisted, taylor_system
+from voronec.equations.program import Hoisted, Program, hoist, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.methods import METHODS, method_names
 from voronec.motion.one_by_one import Look, StepSizes, Stopped, broken_off, is_lasting, ready
@@ -121,7 +121,7 @@ def lanes_of(program: Program, tol: float, states: np.ndarray, values: np.ndarra
     width = 1
     while width < min(hy.recommended_simd_size(), len(states)):
         width *= 2
-    plain, raised = program, hoisted(program)
+    plain, raised = program, hoist(program)
     program = raised.program
     own = units_of_many(plain, states, values)
     moving = np.array([r != 0 for r in plain.derivative.results])

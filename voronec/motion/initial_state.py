@@ -16,7 +16,7 @@ import sympy as sp
 from voronec.algebra.symbols import names_in, plain_name
 from voronec.declaration.reading import fixed_mapping, quote, texts_read
 from voronec.declaration.system import require_possible
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
 from voronec.motion.velocity_conditions import CONSISTENT, Rates, changes, met
 from voronec.motion.vocabulary import Vocabulary, number
@@ -106,7 +106,7 @@ def _residuals_and_slopes(form: FirstOrderForm) -> tuple[tuple[Any, ...], Callab
     """The parameters of a function for the relations and then their slopes, row by row; and it."""
     slopes = [r.diff(q) for r in form.relations for q in form.coordinates]
     program = Program.of(form, {str(i): e for i, e in enumerate([*form.relations, *slopes])})
-    return program.parameters, compiled(program)[1]
+    return program.parameters, compile_program(program)[1]
 
 
 def named(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from voronec.algebra.normal import canonical, canonical_for_numbers
 from voronec.algebra.signs import prove_inequality
 from voronec.equations.program import Block, Program
 from voronec.equations.program.digits import compiled_digits
-from voronec.equations.program.straight import opened, with_plain_roots
+from voronec.equations.program.straight import with_plain_roots, without_stages
 from voronec.equations.program.walls import (
     SATURATED,
     Sides,
@@ -94,7 +94,7 @@ class Modes:
     ) -> Modes | None:
         """The modes of a form; None where it is smooth.  tanh w counts as flat to the rounding in
         force where |w| is greater than ``saturated``."""
-        form, functions = opened(with_plain_roots(form), functions)
+        form, functions = without_stages(with_plain_roots(form), functions)
         still = frozenset(form.parameters)
         functions = {name: plain_roots(e, still) for name, e in functions.items()}
         exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]

@@ -13,7 +13,7 @@ import sympy as sp
 from voronec.declaration.scene import Scene
 from voronec.equations.attitudes import euler_angles
 from voronec.equations.motions import Motions
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.divisors import Divisor
@@ -127,7 +127,7 @@ class Many:
         program = quantities(self.ground.form, dict(zip(names, functions, strict=True)))
         order = [self.program.parameters.index(p) for p in program.parameters]
         each = np.broadcast_to(values[:, None, order], (*states.shape[:2], len(program.parameters)))
-        sizes = at_each(compiled(program)[1], program.names, t, states, each)
+        sizes = at_each(compile_program(program)[1], program.names, t, states, each)
         for divisor, size in zip(self.divisors, sizes.values(), strict=True):
             found |= (np.abs(size) < NEAR * divisor.scale).any(axis=1)
             found |= (np.diff(np.sign(size), axis=1) != 0).any(axis=1)
@@ -166,7 +166,7 @@ def many(
     looked = {**basis.quantities, **{f"integral {n}": e for n, e in basis.integrals.items()}}
     program = Program.of(basis.form, looked)
     below = _below(equations, basis)
-    functions = compiled(below)
+    functions = compile_program(below)
     needed = {str(s) for p in (program, below) for b in (p.derivative, p.extras) for s in b.symbols}
     constants, wrong = _constants(vocabulary, scene, parameters, len(starts), needed)
     initial = named(vocabulary, scene.initial if scene else {}, "initial value")
@@ -188,7 +188,7 @@ def many(
             wrong[i] = error
     states, frozen = _placed(below, functions[1], full, constants, time)
     values = _table({**constants, **frozen}, program.parameters, len(starts))
-    rhs, extras = compiled(program)
+    rhs, extras = compile_program(program)
     if not program.derivative.is_rough(program.parameters):
         # a case that does not hold may have no value, and yet the motion has
         _check_defined(vocabulary, rhs, states, values, time, wrong)

@@ -13,7 +13,7 @@ import numpy as np
 import symengine as se
 
 from voronec.equations.motions import Motions
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.equations.program.digits import compiled_digits
 from voronec.motion.model import Model, SmallestModels
 from voronec.motion.observables import Branch, Watch, watched
@@ -80,7 +80,7 @@ class Modelled:
         digits = np.asarray(state).dtype == object
         nothing = mpmath.nan if digits else np.nan
         own = [constants.get(str(p), nothing) for p in self.below.parameters]
-        _, extras = (compiled_digits if digits else compiled)(self.below)
+        _, extras = (compiled_digits if digits else compile_program)(self.below)
         with np.errstate(all="ignore"):
             found = dict(zip(self.below.names, extras(time, list(state), own), strict=True))
         kind = object if digits else float

@@ -10,7 +10,7 @@ import mpmath
 import numpy as np
 import symengine as se
 
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.equations.program.digits import compiled_digits, precision
 from voronec.motion.reactions import Multipliers
 from voronec.motion.vocabulary import Vocabulary, Wanted
@@ -146,7 +146,7 @@ def _along(
         plain = [mpmath.mpf(r) if isinstance(r, int) else r for r in results]
         return [np.broadcast_to(np.asarray(r, dtype=object), t.shape).copy() for r in plain]
     with np.errstate(all="ignore"):
-        results = compiled(program)[which](t, list(states.T), list(values))
+        results = compile_program(program)[which](t, list(states.T), list(values))
     return [np.broadcast_to(np.asarray(r, dtype=float), t.shape).copy() for r in results]
 
 

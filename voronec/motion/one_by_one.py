@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.choice import COMPILED, STAGES
 from voronec.motion.steppers.first_step import STRIDE
@@ -136,7 +136,7 @@ def strides(
         return
     from scipy.integrate import DOP853
 
-    rhs, constants = compiled(program, scalar=True)[0], values.tolist()
+    rhs, constants = compile_program(program, scalar=True)[0], values.tolist()
 
     def derivative(t: float, y: np.ndarray) -> Any:
         try:

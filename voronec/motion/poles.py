@@ -11,7 +11,7 @@ import symengine as se
 
 from voronec.algebra.verdicts import all_vanish
 from voronec.equations.attitudes import EulerAngles, angles_without_chart, euler_angles
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import IntegrationError
 from voronec.motion.events import Event
@@ -81,7 +81,7 @@ class PoleGuard:
         program = quantities(self.form, self.levels)
         own = dict(zip(map(str, self.program.parameters), values, strict=True))
         given = [own[str(p)] for p in program.parameters]
-        if all(value > 0 for value in quiet(compiled(program)[1], given)(time, list(state))):
+        if all(value > 0 for value in quiet(compile_program(program)[1], given)(time, list(state))):
             return
         if self.near != LAST:
             raise self._near(time, state)
@@ -146,6 +146,6 @@ def _is_singular(
     state = np.random.default_rng(0).uniform(0.5, 1.5, len(start))
     state[equations.definition.coordinates.index(angles.theta)] = -float(angles.shift)
     model, values = made.place(state, constants, time)
-    rates = quiet(compiled(made.program)[0], values)(time, list(model))
+    rates = quiet(compile_program(made.program)[0], values)(time, list(model))
     sizes = np.abs(np.array(rates, dtype=float))
     return bool((~(sizes < LARGE)).any())

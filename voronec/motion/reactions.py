@@ -60,7 +60,7 @@ class Multipliers:
         Raises ``DefinitionError`` where they are not unique at generic points.
         """
         _check_unique(d)
-        rates = d.group.moved(d.dots) if d.group is not None else d.dots
+        rates = d.group.coordinate_rates(d.dots) if d.group is not None else d.dots
         conditions = _conditions(d)
         momenta = [d.lagrangian.diff(w) for w in d.dots]
         mass = [p.diff(w) for p in momenta for w in d.dots]
@@ -194,7 +194,7 @@ def _still(d: Definition, rates: Sequence[Any], momenta: Sequence[Any]) -> list[
         terms = [power.diff(w), -2 * along, -applied]
         if d.group is not None:
             unit = [se.Integer(b == a) for b in range(len(d.dots))]
-            turned = d.group.turned(unit, d.dots)
+            turned = d.group.bracket(unit, d.dots)
             terms += [t * p for t, p in zip(turned, momenta, strict=True)]
         result.append(se.Add(*terms))
     return result

@@ -16,7 +16,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.motions import Motions
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.batches import chosen
@@ -91,7 +91,7 @@ def _integrals(motions: Many) -> Integrals:
     relations = motions.vocabulary.equations.form.relations
     quantities |= {f"relation {k}": e for k, e in enumerate(relations)}
     program = Program.of(motions.ground.form, quantities)
-    extras = compiled(program)[1]
+    extras = compile_program(program)[1]
 
     def integrals(states: np.ndarray) -> np.ndarray:
         rows = np.broadcast_to(motions.values[:1], (len(states), motions.values.shape[1]))
@@ -404,7 +404,7 @@ def _watch(motions: Many, name: str, value: float) -> Watch:
             f"the plane '{name.removeprefix('plane ')}' is constant along every motion; name a "
             "quantity that moves"
         )
-    extras = compiled(program)[1]
+    extras = compile_program(program)[1]
 
     def function(t: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
         return at_each(extras, ("plane",), t, states, values)["plane"] - value

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import symengine as se
 
-from voronec.equations.program import compiled
+from voronec.equations.program import compile_program
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.batches import require_method
 from voronec.motion.events import Event
@@ -112,7 +112,7 @@ class Apart:
 
     def _unit(self, time: float, state: np.ndarray, values: np.ndarray) -> float:
         """A time in which no variable changes by more than its size, or by one unit."""
-        rates = compiled(self.motions.program)[0](time, list(state), values.tolist())
+        rates = compile_program(self.motions.program)[0](time, list(state), values.tolist())
         pace = np.max(np.abs(np.array(rates, float)) / np.maximum(1.0, np.abs(state)), initial=0.0)
         return float(1.0 / pace) if 0 < pace < np.inf else 1.0
 
@@ -140,7 +140,7 @@ class Apart:
         """How fast the plane's quantity changes at crossings."""
         if not len(t):
             return np.empty(0)
-        rates = compiled(self.motions.program)[0](t, list(states.T), values.tolist())
+        rates = compile_program(self.motions.program)[0](t, list(states.T), values.tolist())
         along = np.stack([np.broadcast_to(r, t.shape) for r in rates], axis=-1)
         given, h = np.broadcast_to(values, (len(t), len(values))), SLOPE * unit
         ends = [watch.function(t + s * h, states + s * h * along, given) for s in (1, -1)]

@@ -26,7 +26,7 @@ from voronec.algebra.numeric_functions import elementary
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.claims import right_of
 from voronec.equations.motions import Motions
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
 from voronec.motion.divisors import usual_size
@@ -362,7 +362,7 @@ def proved(equations: VoronecEquations, integral: Any) -> bool:
     function = right_of(integral)
     try:
         field = Motions.of(equations).deciding([function])
-        read = field.read_named(function)
+        read = field.read_with_momenta(function)
         rate = field.derivative(read)
         return not is_many_valued(read) and bool(all_vanish([rate], field.relations))
     except VoronecError:
@@ -371,7 +371,7 @@ def proved(equations: VoronecEquations, integral: Any) -> bool:
 
 def program_rates(program: Program, at: Callable[[np.ndarray], list[Any]]) -> Rates:
     """The right-hand side that was integrated, ``at`` giving its parameters at times (k,)."""
-    rhs = compiled(program)[0]
+    rhs = compile_program(program)[0]
 
     def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
         with np.errstate(all="ignore"):
@@ -504,7 +504,7 @@ class JudgeOfMany:
         windows = Windows((size * np.arange(count)[:, None, None] + single).reshape(-1, WIDTH))
         each = np.broadcast_to(values[:, None, :], (count, size, values.shape[-1]))
         joined = np.concatenate([states, each], axis=-1).reshape(count * size, -1)
-        rhs = compiled(self.program)[0]
+        rhs = compile_program(self.program)[0]
 
         def rates(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
             with np.errstate(all="ignore"):
@@ -531,7 +531,7 @@ class JudgeOfMany:
 
 def _rates_of_one(program: Program, values: np.ndarray) -> Rates:
     """The rates of one state at a time, with parameters (p,): numbers cost less than arrays."""
-    rhs, constants = compiled(program, scalar=True)[0], values.tolist()
+    rhs, constants = compile_program(program, scalar=True)[0], values.tolist()
 
     def rates(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
         try:
@@ -547,7 +547,7 @@ def _at(
 ) -> dict[str, np.ndarray]:
     """Extra quantities at times (...), states (..., n) and parameters (..., p)."""
     with np.errstate(all="ignore"):
-        found = compiled(program)[1](
+        found = compile_program(program)[1](
             t, list(np.moveaxis(states, -1, 0)), list(np.moveaxis(values, -1, 0))
         )
     return {

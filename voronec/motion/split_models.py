@@ -31,7 +31,7 @@ from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.system import System, bare
 from voronec.equations.definition import Definition, read
 from voronec.equations.derivation import Derivation, FirstOrderForm
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.equations.program.digits import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
@@ -79,7 +79,7 @@ def wide_form(d: Definition) -> FirstOrderForm:
         velocities=tuple(d.dots),
         parameters=d.parameters,
         time=d.time,
-        rates=tuple(d.dots if d.group is None else d.group.moved(d.dots)),
+        rates=tuple(d.dots if d.group is None else d.group.coordinate_rates(d.dots)),
         mass=tuple(tuple(one if i == j else zero for j in range(n)) for i in range(n)),
         force=(zero,) * n,
         velocity_symbols=() if d.group is None else d.coordinate_velocities,
@@ -258,7 +258,7 @@ ON_RELATIONS, NEWTON = 1e-9, 12
 def numbers(program: Program, time: Any, state: Sequence[Any], values: Sequence[Any]) -> list[Any]:
     """The extra quantities of a program at a state of doubles, arrays or mpmath's numbers."""
     digits = any(isinstance(x, mpmath.mpf) for x in state)
-    _, extras = (compiled_digits if digits else compiled)(program)
+    _, extras = (compiled_digits if digits else compile_program)(program)
     with np.errstate(all="ignore"):
         return list(extras(time, list(state), list(values)))
 
@@ -539,7 +539,9 @@ class SplitModel:
         state, program = self.narrow(float(time), wide), self.program
         values = self.ground.values(program)
         with np.errstate(all="ignore"):
-            rates = compiled(program)[0](np.float64(time), [np.float64(x) for x in state], values)
+            rates = compile_program(program)[0](
+                np.float64(time), [np.float64(x) for x in state], values
+            )
         defined = np.isfinite(np.array(rates, dtype=float)).all()
         if not (defined or (np.isfinite(state).all() and self._at_pole(state))):
             return 0.0

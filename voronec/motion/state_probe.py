@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import symengine as se
 
-from voronec.equations.program import Program, compiled, hoisted
+from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.run import Halt, Suspect
 from voronec.motion.steppers.signals import Signals, values_along
@@ -150,7 +150,7 @@ class Probe:
 
     @cached_property
     def _rhs(self) -> Right:
-        return quiet(compiled(self.program)[0], self.values)
+        return quiet(compile_program(self.program)[0], self.values)
 
     @cached_property
     def _mass_program(self) -> Program:
@@ -160,7 +160,7 @@ class Probe:
 
     @cached_property
     def _mass_entries(self) -> Any:
-        return compiled(self._mass_program)[1]
+        return compile_program(self._mass_program)[1]
 
     def masses(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Mass matrices (k, n, n) at times (k,) and states (k, m)."""
@@ -179,7 +179,7 @@ class Probe:
     def _meaningless(self) -> str:
         """The parameters, with their values, of which the equations hold an expression without a
         value, such as the inverse of a sum that vanishes."""
-        raised = hoisted(self.program)
+        raised = hoist(self.program)
         given = list(map(float, self.values))
         values = raised.values(given)[len(given) :]
         if np.isfinite(values).all():

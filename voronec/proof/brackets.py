@@ -126,7 +126,7 @@ class _Structure:
 
     def residuals(self) -> Iterator[tuple[str, Any]]:
         """What has to vanish, with its name."""
-        for label, residual in (*self._jacobi(), *self._kept(), *self._motion()):
+        for label, residual in (*self._jacobi(), *self._relation_brackets(), *self._motion()):
             yield label, residual.xreplace(self.meaning)
 
     def _jacobi(self) -> Iterator[tuple[str, Any]]:
@@ -138,7 +138,7 @@ class _Structure:
             total = se.Add(*[self.along(a, slopes[b, c]) for a, b, c in cycles])
             yield f"Jacobi's identity of {names[i]}, {names[j]}, {names[k]}", total
 
-    def _kept(self) -> Iterator[tuple[str, Any]]:
+    def _relation_brackets(self) -> Iterator[tuple[str, Any]]:
         """The bracket of each variable with each relation vanishes, as it does by definition where
         the relations are further variables."""
         for relation in self.field.independent_relations:

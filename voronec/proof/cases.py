@@ -22,10 +22,10 @@ from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 
-__all__ = ["case_of", "case_values", "specialised"]
+__all__ = ["case_of", "case_values", "specialise"]
 
 
-def specialised(
+def specialise(
     system: System, parameters: Mapping[Any, Any], new: tuple[Parameter, ...] = ()
 ) -> System:
     """The system with some parameters replaced everywhere by numbers or by functions of others.
@@ -74,7 +74,7 @@ def case_of(system: System, case: Case) -> System:
     bare = replace(system, **without_claims())
     fields = [kind.field for kind in KINDS if hasattr(case, kind.field)]
     own = {field: replace_in_claims(getattr(case, field), at) for field in fields}
-    return replace(specialised(bare, case.parameters), **own)
+    return replace(specialise(bare, case.parameters), **own)
 
 
 def case_values(system: System, parameters: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
@@ -96,13 +96,13 @@ def _kept_claims(system: System, at: Mapping[Any, Any]) -> dict[str, Any]:
     """The integrals, equations and measure at some values of parameters."""
     density = {} if system.measure is None else {"": system.measure}
     return {
-        "integrals": _defined(system.integrals, at),
-        "equations": _defined(system.equations, at),
-        "measure": _defined(density, at).get(""),
+        "integrals": _finite_claims(system.integrals, at),
+        "equations": _finite_claims(system.equations, at),
+        "measure": _finite_claims(density, at).get(""),
     }
 
 
-def _defined(claims: Mapping[str, Any], at: Mapping[Any, Any]) -> dict[str, Any]:
+def _finite_claims(claims: Mapping[str, Any], at: Mapping[Any, Any]) -> dict[str, Any]:
     """Claims with parameters replaced, but for those that this makes infinite."""
     found = {}
     for name, claim in claims.items():

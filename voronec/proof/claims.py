@@ -34,7 +34,7 @@ from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, quote
 from voronec.proof.brackets import decide_poisson
-from voronec.proof.cases import case_of, specialised
+from voronec.proof.cases import case_of, specialise
 from voronec.proof.closure import decide_essential
 from voronec.proof.decision import Decision, all_zero
 from voronec.proof.measures import binding, chosen_variables, decide_measure, measured_field
@@ -47,7 +47,7 @@ __all__ = ["Claim", "check_claims", "decide_equation", "decide_integrable", "dec
 def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
     """dF/dt = 0 along the motion."""
     field = motions.deciding([function])
-    named = field.read_named(function)
+    named = field.read_with_momenta(function)
     inner = _innermost(named, frozenset(field.parameters))
     found = all_zero([("", field.derivative(inner))], field.hypotheses)
     if not found.proved and inner != named:
@@ -59,12 +59,12 @@ def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
 def decide_equation(motions: Motions, equation: Equation) -> Decision:
     """dF/dt = G along the motion, entry by entry; the first entry that fails is named."""
     field = motions.deciding([*expressions_of(equation)])
-    functions = [field.read_named(f) for f in equation.function]
+    functions = [field.read_with_momenta(f) for f in equation.function]
     found = field.derivatives(functions)
     claimed = [field.read(g) for g in equation.rate]
     residuals = [a - b for a, b in zip(found, claimed, strict=True)]
-    verdict = all_zero(_numbered(residuals), field.hypotheses)
-    inside = _numbered([field.read_branches(f) for f in equation.function])
+    verdict = all_zero(_number_residuals(residuals), field.hypotheses)
+    inside = _number_residuals([field.read_branches(f) for f in equation.function])
     return Decision(across_walls(verdict, field, inside), field.level)
 
 
@@ -77,7 +77,7 @@ def _innermost(function: Any, still: frozenset[Any]) -> Any:
         (function,) = moving
 
 
-def _numbered(residuals: list[Any]) -> list[tuple[str, Any]]:
+def _number_residuals(residuals: list[Any]) -> list[tuple[str, Any]]:
     if len(residuals) == 1:
         return [("", residuals[0])]
     return [(f"entry {i + 1}", r) for i, r in enumerate(residuals)]
@@ -94,7 +94,9 @@ def decide_integrable(
     low = field.level == "coordinates"
     inside = [field.read(e) for e in integrals if low or not motions.holds_coordinate([e])]
     functions = [e for e in inside if not e.free_symbols & _outside(motions, field, chosen)]
-    return Decision(_counted(field, chosen, functions, field.read(measure.density)), field.level)
+    return Decision(
+        _count_integrals(field, chosen, functions, field.read(measure.density)), field.level
+    )
 
 
 def _outside(motions: Motions, field: VectorField, chosen: Sequence[Any]) -> set[Any]:
@@ -104,7 +106,7 @@ def _outside(motions: Motions, field: VectorField, chosen: Sequence[Any]) -> set
     return state - {*chosen}
 
 
-def _counted(
+def _count_integrals(
     field: VectorField, chosen: Sequence[Any], functions: Sequence[Any], density: Any
 ) -> Verdict:
     relations = binding(field, chosen)
@@ -170,7 +172,7 @@ class Claim:
         return html_table(f"{self.kind}: {self.name}", rows)
 
     @property
-    def admitted(self) -> bool:
+    def is_admitted(self) -> bool:
         """Whether it is undecided, and declared to be so."""
         return bool(self.reason) and self.verdict.undecided
 
@@ -185,7 +187,7 @@ class Claim:
         words = " ".join(filter(None, (self.verdict.status, self.verdict.limits)))
         if self.printed is not None and self.verdict.proved:
             words += f"; refuted as printed in {self.source}"
-        if self.admitted:
+        if self.is_admitted:
             words += f": {self.reason}"
         if self.stale:
             words += "; declared undecided, which is out of date"
@@ -225,7 +227,7 @@ def check_claims(
     known = [*claims]
     for name, case in own.cases.items():
         claims += _claims_of_case(own, name, case, known, tell)
-    return [_admitted(claim, own) for claim in claims]
+    return [_with_reason(claim, own) for claim in claims]
 
 
 def _claims_of_case(
@@ -234,7 +236,7 @@ def _claims_of_case(
     """The claims of one case; that it makes no sense, or is too much, is found of it alone."""
     tell(f"case {name}")
     try:
-        general = _Known().with_claims(specialised(system, case.parameters), known)
+        general = _Known().with_claims(specialise(system, case.parameters), known)
         found = _claims_of(Motions.of(case_of(system, case)), general, tell)
     except DefinitionError as error:
         return [Claim("case", name, Verdict("refuted", str(error)))]
@@ -250,14 +252,14 @@ def _claims_of(motions: Motions, general: _Known, tell: Callable[[str], None]) -
     """The claims of one system; ``general`` is what is known already."""
     own = motions.system
     _ = motions.on_coordinates  # the derivation belongs to no claim
-    descent = _decided("descent", ", ".join(own.invariants), _descends, motions, None)
+    descent = _decide_claim("descent", ", ".join(own.invariants), _descends, motions, None)
     claims: list[Claim] = []
     for kind, name, _, _, value in declared_claims(own):
         decide = DECIDERS.get(kind, _decide_assertion)
         # a theorem rests on what has been decided before it
         about = general.with_claims(own, claims) if kind == "integrable" else value
         tell(f"{kind} {name}")
-        claims.append(_decided(kind, name, decide, motions, about))
+        claims.append(_decide_claim(kind, name, decide, motions, about))
     return [*claims, descent] if own.invariants else claims
 
 
@@ -302,19 +304,22 @@ def _descends(motions: Motions, _: Any) -> Decision:
     return Decision(across_walls(found, field, inside))
 
 
-def _decided(kind: str, name: str, decide: Decide, motions: Motions, claim: Any) -> Claim:
+def _decide_claim(kind: str, name: str, decide: Decide, motions: Motions, claim: Any) -> Claim:
     """A claim, timed; a corrected one is two."""
     begin = clock.perf_counter()
-    found = _limited(decide, motions, right_of(claim))
+    found = _decide_within_limits(decide, motions, right_of(claim))
     printed, source, verdict = None, "", found.verdict
     if isinstance(claim, Corrected):
-        printed, source = _limited(decide, motions, claim.printed).verdict, claim.source
-        verdict = _corrected(found.verdict, printed)
+        printed, source = (
+            _decide_within_limits(decide, motions, claim.printed).verdict,
+            claim.source,
+        )
+        verdict = _correction_verdict(found.verdict, printed)
     seconds = clock.perf_counter() - begin
     return Claim(kind, name, verdict, found.level, seconds, printed, source)
 
 
-def _limited(decide: Decide, motions: Motions, claim: Any) -> Decision:
+def _decide_within_limits(decide: Decide, motions: Motions, claim: Any) -> Decision:
     try:
         return decide(motions, claim)
     except EngineLimit as limit:
@@ -323,7 +328,7 @@ def _limited(decide: Decide, motions: Motions, claim: Any) -> Decision:
         return Decision(Verdict("refuted", str(error)))
 
 
-def _corrected(right: Verdict, printed: Verdict) -> Verdict:
+def _correction_verdict(right: Verdict, printed: Verdict) -> Verdict:
     """A correction is proved where the right form is proved and the printed one refuted."""
     if not right.proved or printed.refuted:
         return right
@@ -332,7 +337,7 @@ def _corrected(right: Verdict, printed: Verdict) -> Verdict:
     return Verdict("undecided", f"the printed form is not refuted: {printed.method}")
 
 
-def _admitted(claim: Claim, system: System) -> Claim:
+def _with_reason(claim: Claim, system: System) -> Claim:
     """The claim with the reason why it is declared undecided, if it is."""
     case, _, _ = claim.name.rpartition(": ")
     kind = f"{case}: {claim.kind}" if case in system.cases else claim.kind

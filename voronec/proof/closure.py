@@ -36,18 +36,18 @@ def decide_essential(motions: Motions, variables: Sequence[Any]) -> Decision:
 def foreign_rate(field: VectorField, own: Sequence[Any]) -> Verdict:
     """Proved where the rates of ``own`` depend on no other variable of the field."""
     others = {*field.variables} - {*own}
-    if not others & _occurring(field, own):
+    if not others & _occurring_symbols(field, own):
         return Verdict("proved", "the equations hold no other variable")
     rates = dict(zip(field.variables, field.components, strict=True))
     short = canonical([rates[x] for x in own], field.hypotheses)
     for x, rate in zip(own, short, strict=True):
         met = sorted(rate.free_symbols & others, key=str)
         if met:
-            return _refuted(field, own, x, rate, met)
+            return _refutation(field, own, x, rate, met)
     return Verdict("proved", "the normal forms of the rates hold no other variable")
 
 
-def _occurring(field: VectorField, own: Sequence[Any]) -> set[Any]:
+def _occurring_symbols(field: VectorField, own: Sequence[Any]) -> set[Any]:
     """The symbols in the equations for ``own``; for a velocity in it, all of mass and force."""
     needed = [rate for q, rate in zip(field.positions, field.rates, strict=True) if q in own]
     if {*field.velocities} & {*own}:
@@ -56,7 +56,7 @@ def _occurring(field: VectorField, own: Sequence[Any]) -> set[Any]:
     return {s for e in needed for s in e.free_symbols}
 
 
-def _refuted(
+def _refutation(
     field: VectorField, own: Sequence[Any], x: Any, rate: Any, met: Sequence[Any]
 ) -> Verdict:
     """A point at which a rate changes with another variable while ``own`` stay."""

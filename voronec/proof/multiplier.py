@@ -57,7 +57,7 @@ def _verdict(motions: Motions, field: VectorField, n: Any) -> Verdict:
         return Verdict("refuted", "the base coordinates are redundant; choose independent ones")
     base, fibre = own.coordinates[: own.base], own.coordinates[own.base :]
     dots = own.coordinate_velocities[: own.base]
-    lagrangian = _constrained(motions, dots)
+    lagrangian = _constrained_lagrangian(motions, dots)
     foreign = _foreign(
         lagrangian, n, (*fibre, own.time), (*dots, *own.velocities), field.hypotheses
     )
@@ -85,7 +85,9 @@ def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
     foreign = _foreign(lagrangian, n, (own.time,), own.velocities, field.hypotheses)
     if foreign is not None:
         return foreign
-    chosen = _moved(field, [list(row[: connection.n]) for row in connection.coordinate_lift])
+    chosen = _independent_coordinates(
+        field, [list(row[: connection.n]) for row in connection.coordinate_lift]
+    )
     if any(row[connection.n] != 0 for row in connection.coordinate_lift) or not chosen:
         return Verdict(
             "refuted", "the velocities do not move the coordinates as a frame of their space"
@@ -117,7 +119,7 @@ def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
     return all_zero(residuals, field.hypotheses)
 
 
-def _moved(field: VectorField, rows: Sequence[Sequence[Any]]) -> list[int]:
+def _independent_coordinates(field: VectorField, rows: Sequence[Sequence[Any]]) -> list[int]:
     """As many coordinates as velocities, with independent rates; none where there are not."""
     width = len(rows[0]) if rows else 0
     tape = Tape([e for row in rows for e in row])
@@ -128,7 +130,7 @@ def _moved(field: VectorField, rows: Sequence[Sequence[Any]]) -> list[int]:
     raise EngineLimit("no point was found on the relations between the coordinates")
 
 
-def _constrained(motions: Motions, dots: Sequence[Any]) -> Any:
+def _constrained_lagrangian(motions: Motions, dots: Sequence[Any]) -> Any:
     """Lc(r, rdot): the Lagrangian on the constraints, in velocities of the base."""
     own, fibre = motions.equations.definition, motions.equations.best.fibre
     sdots = own.coordinate_velocities[own.base :]

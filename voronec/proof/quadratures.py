@@ -247,13 +247,13 @@ class InSpace:
         rest = [(f"the rate of {q}", rate) for q, rate in pairs if q not in own]
         rest += [(f"the vector, {i + 1}", m) for i, m in enumerate(self.vector)]
         rest += [(f"{s}", e) for s, e in self.ground.level.items()]
-        rest += [(f"the turning, {i + 1}", e) for i, e in enumerate(self._turning())]
+        rest += [(f"the turning, {i + 1}", e) for i, e in enumerate(self._rotation_entries())]
         found = [
             (f"{what} by {q}", e.diff(q)) for what, e in rest for q in own if q in e.free_symbols
         ]
         return self.ground.zero(found)
 
-    def _turning(self) -> list[Any]:
+    def _rotation_entries(self) -> list[Any]:
         """The three entries of E^T dE/dt."""
         field = self.ground.field
         a, b, c = zip(*self.frame, strict=True)

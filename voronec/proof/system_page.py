@@ -73,7 +73,7 @@ def system_page(
         f"Made from the system by `python tools/build_pages.py`; `voronec check {system.name}` "
         "decides it anew.",
     ]
-    return _joined(parts)
+    return _join_paragraphs(parts)
 
 
 def index_page(systems: Sequence[System], results: Mapping[str, Result]) -> str:
@@ -93,7 +93,7 @@ def index_page(systems: Sequence[System], results: Mapping[str, Result]) -> str:
         for f in result.findings
         if f.admitted
     ]
-    return _joined(
+    return _join_paragraphs(
         [
             "# The systems",
             "Each is a file of declarations; what it claims is decided by `voronec check`. The "
@@ -106,7 +106,7 @@ def index_page(systems: Sequence[System], results: Mapping[str, Result]) -> str:
     )
 
 
-def _joined(parts: Iterable[str]) -> str:
+def _join_paragraphs(parts: Iterable[str]) -> str:
     """Paragraphs, with the items of a list below one another."""
     text = ""
     last = ""
@@ -196,14 +196,14 @@ def _claims(system: System, found: Result) -> Iterator[str]:
         yield "None."
         return
     for finding in found.findings:
-        yield f"**{finding.kind}: {finding.name}** - {_standing(finding)}"
+        yield f"**{finding.kind}: {finding.name}** - {_standing_words(finding)}"
         yield from _statement(system, finding)
     for name, case in system.cases.items():
         values = ", ".join(f"{k} = {v}" for k, v in case.parameters.items())
         yield f"*{name}*: {values}. {case.note}".strip()
 
 
-def _standing(finding: Finding) -> str:
+def _standing_words(finding: Finding) -> str:
     words = finding.status
     if finding.remark:
         words += f" ({finding.remark})"

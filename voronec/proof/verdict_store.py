@@ -45,7 +45,7 @@ def digest(declared: str, files: Iterable[Path], decider: str) -> str:
     module that decides, and the files rest on it."""
     files = [*files]
     texts = [f.read_bytes() if f.is_file() else b"" for f in files]
-    used = {module for text in texts for module in _used_by(text)}
+    used = {module for text in texts for module in _uses(text)}
     mark = sha256(engine_digest(frozenset((decider, *used))).encode())
     mark.update(declared.encode())
     for file, text in zip(files, texts, strict=True):
@@ -91,15 +91,15 @@ def _imports_of(file: Path) -> frozenset[str]:
     text = file.read_text(encoding="utf-8")
     # a room that imports nothing by itself names under TYPE_CHECKING what it loads on use
     is_room = file.name == "__init__.py" and file.parent != engine_folder()
-    return frozenset(_used(text if is_room else ANNOTATION.sub("", text)))
+    return frozenset(_modules_in(text if is_room else ANNOTATION.sub("", text)))
 
 
 @remembered
-def _used_by(source: bytes) -> frozenset[str]:
-    return frozenset(_used(source.decode("utf-8", "replace")))
+def _uses(source: bytes) -> frozenset[str]:
+    return frozenset(_modules_in(source.decode("utf-8", "replace")))
 
 
-def _used(text: str) -> Iterator[str]:
+def _modules_in(text: str) -> Iterator[str]:
     """Modules of the engine that a source imports, and the homes of names that it takes from the
     package itself."""
     prefixes = set[str]()
@@ -146,7 +146,7 @@ def closure(files: Iterable[Path]) -> set[Path]:
         if file in found or not file.is_file() or not _is_own(file):
             continue
         found.add(file)
-        waiting |= _rested_on(file)
+        waiting |= _files_under(file)
     return found
 
 
@@ -162,21 +162,21 @@ def _libraries() -> tuple[Path, ...]:
     return tuple({Path(sysconfig.get_path(n)).resolve() for n in ("stdlib", "purelib", "platlib")})
 
 
-def _rested_on(file: Path) -> set[Path]:
+def _files_under(file: Path) -> set[Path]:
     found: set[Path] = set()
-    for node in _that_bring_in(file.read_bytes()):
+    for node in _importing_nodes(file.read_bytes()):
         if isinstance(node, ast.ImportFrom):
-            found |= set(_imported(file, node))
+            found |= set(_imported_files(file, node))
         elif isinstance(node, ast.Import):
             for alias in node.names:
                 found |= set(_absolute(file, alias.name))
         elif isinstance(node, ast.Call):
-            found |= set(_loaded(node))
+            found |= set(_loaded_files(node))
     return found
 
 
 @remembered
-def _that_bring_in(source: bytes) -> tuple[ast.AST, ...]:
+def _importing_nodes(source: bytes) -> tuple[ast.AST, ...]:
     """The imports of a source, and its calls of ``load``."""
     try:
         tree = ast.parse(source)
@@ -186,7 +186,7 @@ def _that_bring_in(source: bytes) -> tuple[ast.AST, ...]:
         node
         for node in (ast.walk(tree) if b"load" in source else _statements([tree]))
         if isinstance(node, ast.ImportFrom | ast.Import)
-        or (isinstance(node, ast.Call) and _called(node.func) == "load")
+        or (isinstance(node, ast.Call) and _name_of_call(node.func) == "load")
     )
 
 
@@ -199,11 +199,11 @@ def _statements(nodes: Iterable[ast.AST]) -> Iterator[ast.AST]:
             yield from _statements(inner if isinstance(inner, list) else ())
 
 
-def _called(function: ast.expr) -> str:
+def _name_of_call(function: ast.expr) -> str:
     return getattr(function, "attr", getattr(function, "id", ""))
 
 
-def _imported(file: Path, node: ast.ImportFrom) -> Iterator[Path]:
+def _imported_files(file: Path, node: ast.ImportFrom) -> Iterator[Path]:
     names = [alias.name for alias in node.names]
     if node.level == 0:
         for name in ("", *(f".{n}" for n in names)):
@@ -236,7 +236,7 @@ def _at(place: Path) -> Iterator[Path]:
             yield candidate.resolve()
 
 
-def _loaded(node: ast.Call) -> Iterator[Path]:
+def _loaded_files(node: ast.Call) -> Iterator[Path]:
     """The files of the system that a call of ``load`` names; of every system, if it names none."""
     argument = node.args[0] if node.args else None
     wanted = [argument.value] if isinstance(argument, ast.Constant) else names()

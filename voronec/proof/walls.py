@@ -73,10 +73,10 @@ def across_walls(
         for one in found:
             if one.status == status:
                 return one
-    return _joined(verdict, found)
+    return _join_proofs(verdict, found)
 
 
-def _joined(verdict: Verdict, found: Sequence[Verdict]) -> Verdict:
+def _join_proofs(verdict: Verdict, found: Sequence[Verdict]) -> Verdict:
     """A proof with the periods and the domain of several."""
     both = (verdict, *found)
     modulo = ", ".join(dict.fromkeys(v.modulo for v in both if v.modulo))
@@ -106,7 +106,7 @@ class _Ground:
     def verdict_on(self, function: Any, proof: Verdict) -> Verdict:
         """The verdict on one function with a proof off its walls."""
         if is_plain(function, self.moving, essential=not self.constant):
-            return self._bounded(proof, function)
+            return self._with_domain(proof, function)
         branches = Branches(function, self.moving, self.relations, not self.constant)
         open_walls = [h for h in branches.unclear if not self._has_sign(h, strict=True)]
         open_walls = [h for h in open_walls if not self._is_kept(h)]
@@ -124,18 +124,16 @@ class _Ground:
         if any(j.witness is None for j in jumps):
             return Verdict("undecided", next(j.words for j in jumps if j.witness is None))
         if open_walls:
-            return Verdict("undecided", f"whether it jumps where {_shown(open_walls[0])} = 0")
+            return Verdict("undecided", f"whether it jumps where {_show(open_walls[0])} = 0")
         if jumps:
             found = _smallest([j.period for j in jumps])
-            proof = replace(proof, modulo=" and ".join(map(self._written, found)))
-        return self._bounded(proof, function)
+            proof = replace(proof, modulo=" and ".join(map(self._write, found)))
+        return self._with_domain(proof, function)
 
-    def _bounded(self, proof: Verdict, function: Any) -> Verdict:
+    def _with_domain(self, proof: Verdict, function: Any) -> Verdict:
         """The proof with the domain on which the function is real, where that is less than all."""
         bounds = [
-            f"{self._written(b)} > 0"
-            for b in bounds_of(function, self.moving)
-            if self._is_crossed(b)
+            f"{self._write(b)} > 0" for b in bounds_of(function, self.moving) if self._is_crossed(b)
         ]
         return replace(proof, domain=", ".join(filter(None, (proof.domain, *bounds))))
 
@@ -159,12 +157,12 @@ class _Ground:
             return None
         for found in self._crossings(wall, there):
             words = f"it jumps where {self._place(wall)}, which motions cross"
-            domain = f"{self._written(h)} != 0" if self._is_jump_of_field(h) else ""
+            domain = f"{self._write(h)} != 0" if self._is_jump_of_field(h) else ""
             is_turn = self._vanishes(wall.turned - wall.above, there)
             period = self._period(jump) if is_turn else None
             return _Jump(words, period, witness_at(*found), domain)
         if self._is_kept(h):
-            return _Jump("", None, None, f"{self._written(h)} != 0")
+            return _Jump("", None, None, f"{self._write(h)} != 0")
         if self._is_pole(wall, there) or self._is_singular(there):
             return None
         return _Jump(f"whether it jumps where {self._place(wall)} is open", None, None)
@@ -320,11 +318,11 @@ class _Ground:
     def _place(self, wall: Wall) -> str:
         """Where a wall is, in words."""
         if wall.whole is not None:
-            return f"{self._written(wall.function + wall.whole)} is a whole number"
-        return f"{self._written(wall.function)} = 0"
+            return f"{self._write(wall.function + wall.whole)} is a whole number"
+        return f"{self._write(wall.function)} = 0"
 
-    def _written(self, expr: Any) -> str:
-        return _shown(self.field.door.outward(expr))
+    def _write(self, expr: Any) -> str:
+        return _show(self.field.door.outward(expr))
 
 
 @dataclass(frozen=True)
@@ -371,5 +369,5 @@ def _common(a: Any, b: Any) -> Any:
     return se.Integer(gcd(int(a.p) * int(b.q), int(b.p) * int(a.q))) / se.Integer(below)
 
 
-def _shown(expr: Any) -> str:
+def _show(expr: Any) -> str:
     return str(quote(expr))

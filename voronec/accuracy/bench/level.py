@@ -15,7 +15,7 @@ from voronec.accuracy.bench.question import BenchMotion
 from voronec.algebra.text import sympify
 from voronec.declaration.claims import right_of
 from voronec.equations.derivation import FirstOrderForm
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit, VoronecError
 
@@ -57,7 +57,7 @@ class BenchLevel:
         self, t: np.ndarray, states: np.ndarray
     ) -> tuple[dict[str, np.ndarray], dict[str, float]]:
         """Outputs, each of shape (k,), and the drift of each integral, at states (k, n)."""
-        _, extras = compiled(self.program)
+        _, extras = compile_program(self.program)
         with np.errstate(all="ignore"):
             rows = extras(t, list(states.T), list(self.constants))
         arrays = [np.broadcast_to(np.asarray(r, dtype=float), t.shape) for r in rows]

@@ -154,7 +154,7 @@ class Units:
     @classmethod
     def of(cls, study: Study) -> Units | None:
         """Those of the system from which a dictionary was made; ``None`` without one."""
-        system = study.declared
+        system = study.declared_system
         if system is None or not hasattr(system, "lagrangian"):
             return None
         keys = _keys(system, study)
@@ -172,9 +172,9 @@ class Units:
             return None
         for left, right in _rules(study, scale.weights[VARIATION], scale):
             scale.agreed([left, right])
-        return cls(_solved(scale, rows))
+        return cls(_solve_scale(scale, rows))
 
-    def unbalanced(self, chain: Chain, study: Study) -> bool:
+    def is_unbalanced(self, chain: Chain, study: Study) -> bool:
         """Whether a formula certainly adds or equates what has different units."""
         try:
             for where in assignments(chain, study):
@@ -208,10 +208,10 @@ class _Reading:
             found = self.scale.agreed(t for t in terms if t != SILENT)
             return SILENT if SILENT in terms and found is None else found
         if isinstance(node, Product):
-            return self._joined([self.weight(factor) for factor in node.factors])
+            return self._join([self.weight(factor) for factor in node.factors])
         if isinstance(node, Quotient):
             top, bottom = self.weight(node.top), self.weight(node.bottom)
-            return self._joined([top, self._power(bottom, -1)])
+            return self._join([top, self._power(bottom, -1)])
         if isinstance(node, Power) and isinstance(node.exponent, Number):
             return self._power(self.weight(node.base), node.exponent.text)
         if isinstance(node, Root) and node.index is None:
@@ -228,9 +228,9 @@ class _Reading:
         variable, body = integrand(node)
         ends = [self.weight(part) for part in (variable, node.lower, node.upper) if part]
         along = self.scale.agreed(weight for weight in ends if weight != SILENT)
-        return self._joined([self.weight(body), SILENT if along is None else along])
+        return self._join([self.weight(body), SILENT if along is None else along])
 
-    def _joined(self, factors: list[Weight | None]) -> Weight | None:
+    def _join(self, factors: list[Weight | None]) -> Weight | None:
         return SILENT if SILENT in factors else self.scale.product(factors)
 
     def _power(self, weight: Weight | None, exponent: Any) -> Weight | None:
@@ -298,7 +298,9 @@ def _rules(
 ) -> Iterator[tuple[Weight | None, Weight | None]]:
     """What a dictionary sets equal, as far as units of it are known; a variation is a small number
     times what is varied."""
-    invariants = [(sp.Symbol(name), value) for name, value in study.declared.invariants.items()]
+    invariants = [
+        (sp.Symbol(name), value) for name, value in study.declared_system.invariants.items()
+    ]
     pairs = [*study.given.items(), *study.units.items(), *invariants]
     pairs += [(relation, sp.Integer(0)) for relation in study.relations]
     for left, right in pairs:
@@ -313,19 +315,19 @@ def _rules(
             continue
 
 
-def _solved(scale: _Scale, rows: list[Weight]) -> _Scale:
+def _solve_scale(scale: _Scale, rows: list[Weight]) -> _Scale:
     """The same scale in the weights that all equations allow."""
     table = [[int(x * _common(row)) for x in row] for row in dict.fromkeys(rows)]
     whole = flint.fmpz_mat(table or [[0] * scale.size])
     found, count = whole.nullspace()
     basis = [[flint.fmpq(found[i, j]) for i in range(scale.size)] for j in range(count)]
 
-    def seen(weight: Weight) -> Weight:
+    def substitute(weight: Weight) -> Weight:
         return tuple(
             sum((a * b for a, b in zip(weight, one, strict=True)), flint.fmpq(0)) for one in basis
         )
 
-    return _Scale({k: seen(w) for k, w in scale.weights.items()}, count, _differ)
+    return _Scale({k: substitute(w) for k, w in scale.weights.items()}, count, _differ)
 
 
 def _common(row: Weight) -> int:

@@ -11,7 +11,7 @@ from voronec.audit.latex.tokens import Token
 from voronec.audit.study import Study
 from voronec.audit.transcript import Transcript
 
-__all__ = ["Change", "Piece", "Spare", "applied", "insert", "replace_word", "without"]
+__all__ = ["Change", "Piece", "Spare", "apply_pieces", "insert", "replace_word", "without"]
 
 Piece = tuple[int, int, str]
 """Replace the characters from, to by a text."""
@@ -60,7 +60,7 @@ class Spare:
         )
 
 
-def applied(printed: str, pieces: Sequence[Piece]) -> tuple[str, tuple[tuple[int, int], ...]]:
+def apply_pieces(printed: str, pieces: Sequence[Piece]) -> tuple[str, tuple[tuple[int, int], ...]]:
     """The changed text, and where the new words stand in it."""
     text, last, marks = "", 0, []
     for start, end, new in sorted(pieces):

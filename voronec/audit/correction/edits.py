@@ -14,7 +14,7 @@ from itertools import pairwise
 
 from voronec.audit.correction.changes import Change, Piece, Spare, insert, replace_word, without
 from voronec.audit.correction.factors import NUMBERS, left_out, own_factors, put_in, words_left_out
-from voronec.audit.correction.fonts import Letter, is_letter, known_fonts, letters_of, spaced
+from voronec.audit.correction.fonts import Letter, is_letter, known_fonts, letters_of, space_after
 from voronec.audit.correction.missing import differentials, relations
 from voronec.audit.latex.displays import RELATIONS, script_ranges
 from voronec.audit.latex.nodes import Chain
@@ -46,7 +46,7 @@ def keyboard_slips(
 ) -> Iterator[Change]:
     """Every change of this kind; they are not tried in pairs."""
     for change in (
-        *_transposed(words),
+        *_transpositions(words),
         *_twice(words),
         *_brackets(words),
         *_indices(words, study, spare),
@@ -55,14 +55,14 @@ def keyboard_slips(
         yield replace(change, paired=False)
 
 
-def _transposed(words: Sequence[Token]) -> Iterator[Change]:
+def _transpositions(words: Sequence[Token]) -> Iterator[Change]:
     """Two letters that follow each other exchanged, without their fonts and with them."""
     plain = [w for w in words if is_letter(w)]
     for one, two in pairwise(plain):
         if one.text != two.text:
             pieces = (
-                (one.start, one.end, spaced(two.text)),
-                (two.start, two.end, spaced(one.text)),
+                (one.start, one.end, space_after(two.text)),
+                (two.start, two.end, space_after(one.text)),
             )
             yield Change(pieces, (one.start, two.end))
     for first, second in pairwise(letters_of(words)):
@@ -111,7 +111,7 @@ def _indices(words: Sequence[Token], study: Study, spare: Spare) -> Iterator[Cha
             yield Change(((a, b, other),), about)
         for word in odd:
             for letter in study.indices:
-                yield Change(((word.start, word.end, spaced(letter)),), about)
+                yield Change(((word.start, word.end, space_after(letter)),), about)
 
 
 def _arguments(words: Sequence[Token], letters: Sequence[str]) -> Iterator[Change]:
@@ -120,7 +120,7 @@ def _arguments(words: Sequence[Token], letters: Sequence[str]) -> Iterator[Chang
         ends = after is None or after.text in {*_CLOSING, *RELATIONS, "+", "-", ","}
         if word.text in _TAKING and ends:
             for letter in dict.fromkeys(letters):
-                place = (word.end, word.end, spaced(" " + letter))
+                place = (word.end, word.end, space_after(" " + letter))
                 yield Change((place,), (word.start, word.end))
 
 
@@ -171,7 +171,7 @@ def numbers_for_letters(words: Sequence[Token], letters: Sequence[str]) -> Itera
     for word in words:
         if word.kind == "number":
             for letter in dict.fromkeys(letters):
-                yield replace_word(word, spaced(letter))
+                yield replace_word(word, space_after(letter))
 
 
 def script_edits(words: Sequence[Token]) -> Iterator[Change]:
@@ -299,7 +299,7 @@ def _name_edits(words: Sequence[Token], study: Study, letters: Sequence[str]) ->
     for word in words:
         if is_letter(word):
             for other in letters:
-                yield replace_word(word, spaced(other))
+                yield replace_word(word, space_after(other))
 
 
 def _font_edits(words: Sequence[Token], study: Study) -> Iterator[Change]:

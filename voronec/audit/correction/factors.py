@@ -73,12 +73,12 @@ def left_out(printed: str, chain: Chain, words: Sequence[Token]) -> Iterator[Cha
     for part in parts:
         if isinstance(part, Product):
             for factor in part.factors:
-                start, end = _widened(factor.at, words, _GROUPS)
+                start, end = _widen(factor.at, words, _GROUPS)
                 if part.at[0] <= start < end <= part.at[1]:
                     yield _alone(((start, end, ""),), part.at)
     for part in parts:
         if isinstance(part, Quotient) and printed.startswith("\\", part.at[0]):
-            top = _widened(part.top.at, words, _BRACKETS)
+            top = _widen(part.top.at, words, _BRACKETS)
             if part.at[0] < top[0] < top[1] < part.at[1]:
                 pieces = ((part.at[0], top[0], ""), (top[1], part.at[1], ""))
                 yield _alone(pieces, part.at)
@@ -103,7 +103,7 @@ def _terms_left_out(node: Sum, words: Sequence[Token]) -> Iterator[Change]:
 
 
 def _sign_before(term: Node, words: Sequence[Token]) -> Token | None:
-    start = _widened(term.at, words, _GROUPS)[0]
+    start = _widen(term.at, words, _GROUPS)[0]
     before = [w for w in words if w.end <= start]
     return before[-1] if before and before[-1].text in ("+", "-", "\\pm", "\\mp") else None
 
@@ -175,7 +175,7 @@ def _terms(printed: str, chain: Chain, words: Sequence[Token]) -> Iterator[tuple
         if isinstance(part, (Product, Power)):
             continue  # their factors and bases are no terms
         for node in _children(part):
-            start, end = _widened(node.at, words, _BRACKETS)
+            start, end = _widen(node.at, words, _BRACKETS)
             bare = (start, end) == tuple(node.at)
             unbraced = isinstance(part, Quotient) and printed[start - 1 : start] != "{"
             if not unbraced and not (isinstance(node, Sum) and bare):
@@ -193,7 +193,7 @@ def _behind_number(node: Node, start: int) -> int:
     return int(first.at[1]) if numeral and node is not first else start
 
 
-def _widened(at: Place, words: Sequence[Token], groups: dict[str, str]) -> Place:
+def _widen(at: Place, words: Sequence[Token], groups: dict[str, str]) -> Place:
     """The place with the brackets that enclose just it."""
     start, end = at
     while True:

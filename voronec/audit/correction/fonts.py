@@ -10,7 +10,7 @@ from voronec.audit.latex.displays import script_ranges
 from voronec.audit.latex.tokens import ACCENTS, GREEK, Token
 from voronec.audit.study import Study
 
-__all__ = ["Letter", "is_letter", "known_fonts", "letters_of", "names_in", "spaced"]
+__all__ = ["Letter", "is_letter", "known_fonts", "letters_of", "names_in", "space_after"]
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Letter:
     @property
     def text(self) -> str:
         """One spelling, to be put in another place."""
-        return (self.accent + " " if self.accent else "") + spaced(self.letter)
+        return (self.accent + " " if self.accent else "") + space_after(self.letter)
 
 
 def is_letter(word: Token) -> bool:
@@ -33,7 +33,7 @@ def is_letter(word: Token) -> bool:
     return word.kind == "letter" or word.text in GREEK
 
 
-def spaced(text: str) -> str:
+def space_after(text: str) -> str:
     """A word that a letter may follow."""
     return text + " " if text.startswith("\\") else text
 
@@ -48,7 +48,7 @@ def letters_of(words: Sequence[Token]) -> Iterator[Letter]:
         if word.text in ACCENTS and inside and is_letter(inside[0]):
             yield Letter(word.text, inside[0].text, word.start, inside[0].end)
             skip = position + 2
-        elif word.text in ACCENTS and len(inside) == 3 and _braced(inside):
+        elif word.text in ACCENTS and len(inside) == 3 and _are_braced(inside):
             yield Letter(word.text, inside[1].text, word.start, inside[2].end)
             skip = position + 4
         elif is_letter(word):
@@ -66,7 +66,7 @@ def names_in(words: Sequence[Token], source: str) -> Iterator[str]:
         yield source[letter.start : end]
 
 
-def _braced(words: Sequence[Token]) -> bool:
+def _are_braced(words: Sequence[Token]) -> bool:
     return (words[0].text, words[2].text) == ("{", "}") and is_letter(words[1])
 
 

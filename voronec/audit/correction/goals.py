@@ -11,7 +11,7 @@ from voronec.audit.comparisons import accelerations
 from voronec.audit.correction.sampling import Sampler, close
 from voronec.audit.correction.slots import Slot, plant
 from voronec.audit.display import Check
-from voronec.audit.hooks import asked
+from voronec.audit.hooks import call_hook
 from voronec.audit.latex.nodes import Chain, Node
 from voronec.audit.structure import names_constant, new_names, whole_name
 from voronec.audit.study import Study
@@ -63,8 +63,8 @@ def along(check: Check) -> bool:
 
 def _against_value(chain: Chain, check: Check, sampler: Sampler, where: Where) -> list[Slot] | None:
     """The parts of the first side that has not the derived value."""
-    derived = asked(check.value, sampler.study, where) if check.value else 0
-    goal = sampler.settled(derived)
+    derived = call_hook(check.value, sampler.study, where) if check.value else 0
+    goal = sampler.number_of(derived)
     for part in chain.parts:
         value = sampler.value(part, where)
         wanted = goal if np.ndim(goal) else 0.0 * value + goal

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from voronec.audit.correction.balance import Units
-from voronec.audit.correction.changes import Change, Piece, Spare, applied
+from voronec.audit.correction.changes import Change, Piece, Spare, apply_pieces
 from voronec.audit.correction.edits import single_changes
 from voronec.audit.correction.goals import Where, along, holds, slots_of
 from voronec.audit.correction.missing import repairs
@@ -143,7 +143,7 @@ class Search:
     def _effect(self, change: Change) -> _Effect | None:
         slot = self._slot(change)
         while slot is not None:
-            node, value = self._changed(slot, change.pieces)
+            node, value = self._changed_part(slot, change.pieces)
             if value is not None and _fits(node, slot):
                 return _Effect(change, slot, value)
             if node is not None and value is None:
@@ -151,11 +151,11 @@ class Search:
             slot = slot.parent
         return None
 
-    def _changed(self, slot: Slot, pieces: Sequence[Piece]) -> tuple[Node | None, Any]:
+    def _changed_part(self, slot: Slot, pieces: Sequence[Piece]) -> tuple[Node | None, Any]:
         """A part with replacements in it, and its value; ``None`` for what there is not."""
         start, end = slot.at
         moved = [(a - start, b - start, text) for a, b, text in pieces]
-        latex, _ = applied(self.printed[start:end], moved)
+        latex, _ = apply_pieces(self.printed[start:end], moved)
         if not latex:
             return None, None
         node: Node | None = slot.node
@@ -190,7 +190,7 @@ class Search:
         for effect in effects:
             for _, part, value in effect.slot.ancestors(effect.value):
                 if part in signs and self._reaches(part, -value):
-                    yield _joined(effect.change, signs[part])
+                    yield _join(effect.change, signs[part])
 
     def _together(self, effects: Sequence[_Effect]) -> Iterator[Change]:
         """Pairs in one and the same smallest part."""
@@ -205,8 +205,8 @@ class Search:
         ]
         tried.sort(key=lambda item: item[1][0].rank + item[1][1].rank)
         for slot, (first, second) in tried[:DIRECT_PAIRS]:
-            both = _joined(first, second)
-            value = None if both is None else self._changed(slot, both.pieces)[1]
+            both = _join(first, second)
+            value = None if both is None else self._changed_part(slot, both.pieces)[1]
             if both is not None and value is not None and self._reaches(slot, value):
                 yield both
 
@@ -220,7 +220,7 @@ def _fits(node: Node, slot: Slot) -> bool:
     return not (inside_power and isinstance(node, (Product, Power)) and bare)
 
 
-def _joined(first: Change, second: Change) -> Change | None:
+def _join(first: Change, second: Change) -> Change | None:
     """Two changes as one; none where they overlap."""
     pieces = sorted((*first.pieces, *second.pieces))
     for (_, end, _), (start, stop, _) in pairwise(pieces):
@@ -262,7 +262,7 @@ def _matches(members: Sequence[_Member], parent: Slot, effect: Any) -> Iterator[
             low, high = np.searchsorted(ordered, [wanted - size - slack, wanted - size + slack])
             for j in order[low:high]:
                 if i < j and members[i].part is not members[j].part:
-                    yield _joined(members[i].effect.change, members[j].effect.change)
+                    yield _join(members[i].effect.change, members[j].effect.change)
 
 
 SCREENING_SEEDS = (0, 2)
@@ -282,10 +282,10 @@ class Screen:
             Sampler(study, seed, along=along(check), work=WORK) for seed in SCREENING_SEEDS
         ]
 
-    def fitting(self, printed: str, changes: Iterable[Change]) -> Iterator[Change]:
+    def filter(self, printed: str, changes: Iterable[Change]) -> Iterator[Change]:
         """The changes after which the formula has a value and holds at the points."""
         for change in changes:
-            latex, _ = applied(printed, change.pieces)
+            latex, _ = apply_pieces(printed, change.pieces)
             if self._fits(latex):
                 yield change
 
@@ -314,13 +314,13 @@ def unknown_places(printed: str, study: Study, new: Collection[str] = ()) -> lis
                 evaluate(part, study, where)
     except UnknownName as unknown:
         names = [part for part in walk(chain) if isinstance(part, Name)]
-        return [name.at for name in names if _called(name) == unknown.name]
+        return [name.at for name in names if _name_with_place(name) == unknown.name]
     except SENSELESS:
         return []
     return []
 
 
-def _called(name: Name) -> str:
+def _name_with_place(name: Name) -> str:
     try:
         return key_of(name)
     except DefinitionError:
@@ -376,12 +376,12 @@ class _Case:
 
     def prove(self, change: Change) -> Correction | None:
         """The correction that a change makes, if the changed formula is proved."""
-        latex, marks = applied(self.printed, change.pieces)
-        method = self.proved(latex)
+        latex, marks = apply_pieces(self.printed, change.pieces)
+        method = self.proof_of(latex)
         struck = tuple((start, end) for start, end, _ in sorted(change.pieces))
         return None if method is None else Correction(latex, marks, struck, method)
 
-    def proved(self, latex: str) -> str | None:
+    def proof_of(self, latex: str) -> str | None:
         """How a formula is proved that says something and leaves no new name open."""
         try:
             chain = read(latex, self.study.vocabulary)
@@ -391,14 +391,17 @@ class _Case:
                 return None  # no more than the sign of a letter
             if len({ORDER[s] for s in chain.relations if s in ORDER}) > 1:
                 return None  # a chain rises or falls
-            if not new_names(chain, self.study) <= self.new or _cancelled(chain) - self.cancelled:
+            if (
+                not new_names(chain, self.study) <= self.new
+                or _cancelling_terms(chain) - self.cancelled
+            ):
                 return None
             finding = verify(chain, self.check, self.study)
             if not (finding.verdict.proved and finding.count):
                 return None
             if any(_is_zero(term, self.study) for term in _terms(chain) - self.terms):
                 return None  # a term of it is struck, in effect
-            if self.units is not None and self.units.unbalanced(chain, self.study):
+            if self.units is not None and self.units.is_unbalanced(chain, self.study):
                 return None  # what it adds vanishes apart
         except SENSELESS:
             return None  # the changed formula has no meaning
@@ -432,10 +435,10 @@ def correct(
     if case.empty:
         return None  # what it should have said cannot be seen
     spare = spare or Spare()
-    changes = _ordered(formula, study, spare)
+    changes = _order_changes(formula, study, spare)
     search = None if senseless else Search.of(printed, check, study)
-    found = _searched(case, changes, spare, search)
-    return found or (None if check.proposal is None else _proposed(case, check.proposal))
+    found = _search_correction(case, changes, spare, search)
+    return found or (None if check.proposal is None else _proposed_correction(case, check.proposal))
 
 
 def _terms(chain: Chain) -> frozenset[Node]:
@@ -445,7 +448,7 @@ def _terms(chain: Chain) -> frozenset[Node]:
     return frozenset([*sides, *(term for node in sums for _, term in node.terms)])
 
 
-def _cancelled(chain: Chain) -> frozenset[Node]:
+def _cancelling_terms(chain: Chain) -> frozenset[Node]:
     """What a sum adds and takes away again."""
     sums = [part for part in walk(chain) if isinstance(part, Sum)]
     return frozenset(t for s in sums for sign, t in s.terms if (-sign, t) in s.terms)
@@ -465,10 +468,10 @@ def _case(printed: str, check: Check, study: Study) -> _Case:
     except VoronecError:
         return _Case(printed, check, study)
     new, empty = frozenset(new_names(chain, study)), says_nothing(chain)
-    return _Case(printed, check, study, new, _terms(chain), _cancelled(chain), empty, True)
+    return _Case(printed, check, study, new, _terms(chain), _cancelling_terms(chain), empty, True)
 
 
-def _ordered(formula: Formula, study: Study, spare: Spare) -> list[Change]:
+def _order_changes(formula: Formula, study: Study, spare: Spare) -> list[Change]:
     """Those at an index that nothing binds first, then by kind, then what a neighbour prints."""
     printed = formula.printed
     bound = {w.text for words in formula.piece.quantifiers for w in words}
@@ -495,13 +498,13 @@ def _unbound_places(printed: str, study: Study, bound: set[str]) -> list[tuple[i
 
 def _like_neighbours(printed: str, change: Change, spare: Spare) -> bool:
     """Whether the changed words, with what stands around them, are printed elsewhere."""
-    latex, marks = applied(printed, change.pieces)
+    latex, marks = apply_pieces(printed, change.pieces)
     start, end = marks[0][0], marks[-1][1]
     near = "".join(latex[max(start - NEAR, 0) : end + NEAR].split())
     return any(near in text for text in spare.formulas)
 
 
-def _searched(
+def _search_correction(
     case: _Case, changes: Sequence[Change], spare: Spare, search: Search | None
 ) -> Correction | None:
     if search is not None:
@@ -515,7 +518,7 @@ def _searched(
         found = case.first(mending, SINGLES)
     else:
         mending = _at_unknown(case, mending)
-        fitting = Screen(case.check, case.study).fitting(case.printed, mending)
+        fitting = Screen(case.check, case.study).filter(case.printed, mending)
         found = case.first(fitting, SINGLES)
     if found is not None or case.legible:
         return found
@@ -538,26 +541,26 @@ def _after_repair(case: _Case, mending: Sequence[Change], spare: Spare) -> Corre
     """Two changes, the first of which gives the formula a meaning."""
     mended = 0
     for repair in mending:
-        latex, _ = applied(case.printed, repair.pieces)
+        latex, _ = apply_pieces(case.printed, repair.pieces)
         search = Search.of(latex, case.check, case.study)
         if search is None:
             continue
         changes = single_changes(latex, case.study, spare)
         found = replace(case, printed=latex).first(search.singles(changes))
         if found is not None:
-            return _compared(case.printed, found.latex, found.method)
+            return _correction_by_words(case.printed, found.latex, found.method)
         mended += 1
         if mended == REPAIRS:
             break
     return None
 
 
-def _proposed(case: _Case, proposal: str) -> Correction | None:
-    method = case.proved(proposal)
-    return None if method is None else _compared(case.printed, proposal, method)
+def _proposed_correction(case: _Case, proposal: str) -> Correction | None:
+    method = case.proof_of(proposal)
+    return None if method is None else _correction_by_words(case.printed, proposal, method)
 
 
-def _compared(printed: str, latex: str, method: str) -> Correction:
+def _correction_by_words(printed: str, latex: str, method: str) -> Correction:
     """A correction whose changes are found by comparing word by word."""
     old, new = tokenize(printed), tokenize(latex)
     matcher = SequenceMatcher(None, [w.text for w in old], [w.text for w in new], autojunk=False)

@@ -11,13 +11,13 @@ from voronec.audit.latex.tokens import Token, tokenize
 from voronec.audit.latex.vocabulary import Vocabulary
 from voronec.errors import DefinitionError
 
-__all__ = ["closed", "differentials", "group_end", "relations", "repairs"]
+__all__ = ["close_brackets", "differentials", "group_end", "relations", "repairs"]
 
 _CLOSED_BY = {"(": ")", "[": "]", "{": "}"}
 _SIGNS = ("\\partial", "d")
 
 
-def closed(printed: str, vocabulary: Vocabulary | None = None) -> str | None:
+def close_brackets(printed: str, vocabulary: Vocabulary | None = None) -> str | None:
     """The formula with all open brackets closed at its end, if that can be read."""
     opened = _open_brackets(tokenize(printed))
     if not opened:

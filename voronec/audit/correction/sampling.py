@@ -104,11 +104,11 @@ class Sampler:
             self.spent[type(node)] += 1
             if self.spent[type(node)] > self.work.get(type(node), self.spent[type(node)]):
                 raise EngineLimit("too many derivatives to take")
-            return self.settled(evaluate(node, self.study, where))
+            return self.number_of(evaluate(node, self.study, where))
         except SENSELESS as error:
             return error
 
-    def settled(self, value: Any) -> Any:
+    def number_of(self, value: Any) -> Any:
         """The number of a symbolic value, under all that the verdict takes into account."""
         motion = self.study.motion
         value = motion.restrict(value).xreplace(dict(self.study.given))
@@ -122,13 +122,13 @@ class Sampler:
         tape = Tape([self.door.inward(value)])
         for atom in tape.atoms:
             if atom not in self.point:
-                self.point[atom] = self._drawn(atom)
+                self.point[atom] = self._draw(atom)
         result = tape.arb(self.point, BITS)[0]
         if not result.is_finite():
             raise DefinitionError("no real value at the point")
         return float(result.mid())
 
-    def _drawn(self, atom: Any) -> Any:
+    def _draw(self, atom: Any) -> Any:
         """A positive number for even seeds; one of either sign for odd seeds."""
         mark = " moved" if atom in self.moved else ""
         source = random.Random(f"voronec {self.seed} {atom}{mark}")

@@ -108,7 +108,7 @@ def _unit(latex: str, lines: list[tuple[int, int]]) -> Unit:
     ended = False
     for a, b in lines:
         tokens = tokenize(latex, a, b)
-        for words in _listed(tokens):
+        for words in _split_list(tokens):
             if not _is_text(words):
                 _append(pieces, words, said, ended)
             said, ended = words, True
@@ -149,7 +149,7 @@ def _has_relation(words: tuple[Token, ...]) -> bool:
     return any(w.text in RELATIONS for w in words)
 
 
-def _listed(tokens: list[Token]) -> list[tuple[Token, ...]]:
+def _split_list(tokens: list[Token]) -> list[tuple[Token, ...]]:
     r"""Split at top-level commas, wide spaces, stops and words of text.
 
     Text stands by itself, but for "const" and what follows a colon; dots between formulas, and

@@ -113,14 +113,14 @@ def _ordered_sum(reader: Reader, token: Token, first: Node) -> Node:
         reader.fail("a sum runs over indices between bounds")
     body = _summand(reader)
     at = reader.since(token.start)
-    least = _shifted(lower, sum(steps[:1]))
+    least = _shift(lower, sum(steps[:1]))
     for position, index in enumerate(indices):
-        most = _shifted(([*indices, upper])[position + 1], -steps[position + 1])
+        most = _shift(([*indices, upper])[position + 1], -steps[position + 1])
         body = Bound(index, least, most, body, at)
     return body
 
 
-def _shifted(node: Node, step: int) -> Node:
+def _shift(node: Node, step: int) -> Node:
     if step == 0:
         return node
     return Sum(((1, node), (1 if step > 0 else -1, Number("1"))), node.at)
@@ -155,13 +155,13 @@ def _partial_fraction(reader: Reader, token: Token) -> Node | None:
         return None
     reader.position += 2
     order = _order(reader)
-    body = None if reader.peek() == "}" else _differentiated(reader)
+    body = None if reader.peek() == "}" else _numerator(reader)
     reader.take("}")
     reader.take("{")
     variables: list[Node] = []
     while reader.peek() == "\\partial":
         reader.take()
-        variables.extend(_repeated(reader.factor()))
+        variables.extend(_repeat(reader.factor()))
     if reader.peek() != "}":
         reader.fail("below the line of a derivative stand variables alone", Misprint)
     reader.take()
@@ -173,7 +173,7 @@ def _partial_fraction(reader: Reader, token: Token) -> Node | None:
     return Partial(body, tuple(variables), reader.since(token.start))
 
 
-def _differentiated(reader: Reader) -> Node:
+def _numerator(reader: Reader) -> Node:
     r"""What stands above the line behind a sign of differentiation: ``f``, ``f+\partial g``."""
     start, terms = reader.begin(), [(1, reader.term())]
     while reader.peek() in ("+", "-") and reader.peek(1) == "\\partial":
@@ -193,7 +193,7 @@ def _total_fraction(reader: Reader, token: Token) -> Node | None:
     reader.take("}")
     reader.take("{")
     reader.take("d")
-    variables = _repeated(reader.factor())
+    variables = _repeat(reader.factor())
     reader.take("}")
     _same_order(reader, order, len(variables))
     if body is None:
@@ -230,7 +230,7 @@ def _denominator_is_differential(reader: Reader) -> bool:
     return False
 
 
-def _repeated(variable: Node) -> list[Node]:
+def _repeat(variable: Node) -> list[Node]:
     """``x^2`` in the denominator of a partial derivative is x twice."""
     if isinstance(variable, Power) and isinstance(variable.exponent, Number):
         return [variable.base] * int(variable.exponent.text)
@@ -253,7 +253,7 @@ def atom(reader: Reader, token: Token) -> Node:
     if text in ELEMENTARY:
         return _elementary(reader, token)
     if text in ACCENTS:
-        return _accented(reader, token)
+        return _read_accent(reader, token)
     before = reader.tokens[reader.position - 2].text if reader.position > 1 else ""
     if text in (")", "]", "}") and before != "{":  # braces around nothing bear an index
         what = f"something before '{text}' is missing"
@@ -301,7 +301,7 @@ def _argument_by_hand(reader: Reader, start: int) -> Node:
     return argument
 
 
-def _accented(reader: Reader, token: Token) -> Node:
+def _read_accent(reader: Reader, token: Token) -> Node:
     inner = reader.argument()
     if isinstance(inner, Dot):  # \bar{\dot U}: a name of its own
         inner = Name(f"\\dot{{{inner.body.head}}}", inner.body.sub, inner.body.sup)
@@ -320,7 +320,7 @@ def _arrow(reader: Reader, token: Token) -> Node:
     return Name(f"{token.text}{{{''.join(words)}}}", at=reader.since(token.start))
 
 
-def _dotted(reader: Reader, token: Token) -> Node:
+def _read_dots(reader: Reader, token: Token) -> Node:
     order = len(token.text) - len("\\ot")
     body = reader.argument()
     if isinstance(body, Number):
@@ -351,8 +351,8 @@ _COMMANDS: dict[str, Callable[[Reader, Token], Node]] = {
     "\\int": integral,
     "\\delta": _variation,
     "\\partial": _lone_partial,
-    "\\dot": _dotted,
-    "\\ddot": _dotted,
+    "\\dot": _read_dots,
+    "\\ddot": _read_dots,
     "\\overrightarrow": _arrow,
     "\\ker": _operator,
 }
@@ -600,7 +600,7 @@ class Reader:
                 if self.vocabulary.by_hand and self.ends_term():
                     self.fail("a factor is missing; a sign behind a product wants parentheses")
             elif text in _BETWEEN or text == "\\oplus":
-                factors = self._joined(text, factors, start)
+                factors = self._join(text, factors, start)
             else:
                 factors.append(self.factor())
         if not factors:
@@ -611,7 +611,7 @@ class Reader:
         """Whether no further factor follows."""
         return self.peek() == "" or self.peek() in _STOP
 
-    def _joined(self, sign: str, factors: list[Node], start: int) -> list[Node]:
+    def _join(self, sign: str, factors: list[Node], start: int) -> list[Node]:
         r"""A sign between all factors before it and the one behind it.
 
         ``\partial f/\partial x`` is a derivative, and only the factor before it belongs to it.
@@ -663,13 +663,13 @@ class Reader:
         while self.peek() == ",":
             self.take()
             items.append(self._item())
-        if self.peek() != closer and (self.peek() in (*_CLOSERS, "") or not self._balanced()):
+        if self.peek() != closer and (self.peek() in (*_CLOSERS, "") or not self._is_balanced()):
             what = f"the '{opening.text}' here is not closed: '{closer}' is missing"
             raise complain(self.source, opening.start, what, Misprint)
         self.take(closer)
         return tuple(items)
 
-    def _balanced(self) -> bool:
+    def _is_balanced(self) -> bool:
         """Whether as many brackets close in the formula as open."""
         texts = [token.text for token in self.tokens]
         return sum(t in _CLOSERS for t in texts) == sum(t in _CLOSERS.values() for t in texts)

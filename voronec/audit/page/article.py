@@ -16,10 +16,10 @@ from voronec.audit.page.phrases import (
     KINDS,
     MEANING,
     about,
-    convened,
+    conventions_with_formulas,
     counts,
-    ended,
-    grouped,
+    end_sentence,
+    group_ranges,
     values,
     with_verdict,
 )
@@ -104,7 +104,7 @@ def _body(latex: str, box: Box, broken: Broken, colours: list[tuple[int, int, st
     starts = [line[0].start for line in broken.lines[1:]]
     places = [(at, 1, "\\\\\n&\\quad ") for at in starts] + colours
     edges = [edge for fence in broken.opened for edge in (fence.parts[0], fence.parts[2])]
-    text = _inserted(latex, places, edges)
+    text = _insert(latex, places, edges)
     if starts:
         return f"\\begin{{aligned}}\n&{text}\n\\end{{aligned}}"
     return f"\\begin{{aligned}}\n{text}\n\\end{{aligned}}" if _bare_table(box, latex) else text
@@ -132,7 +132,7 @@ def _colours(
     return places
 
 
-def _inserted(latex: str, places: Sequence[tuple[int, int, str]], edges: Sequence[Box]) -> str:
+def _insert(latex: str, places: Sequence[tuple[int, int, str]], edges: Sequence[Box]) -> str:
     r"""The source with texts inserted; ``\left`` and ``\right`` of open fences are plain."""
     found, last = [], 0
     plain = {e.start: e for e in edges if latex.startswith(("\\left", "\\right"), e.start)}
@@ -192,7 +192,9 @@ def audit_latex(audit: Audit) -> str:
     parts.append("\\section*{Errata}\n")
     wrong = enumerate(with_verdict(audit, "misprint"), 1)
     parts += [_erratum(n, r, f) for n, (r, f) in wrong] or ["None.\n"]
-    held = [_convention(n, s, pairs) for n, (s, pairs) in enumerate(convened(audit), 1)]
+    held = [
+        _convention(n, s, pairs) for n, (s, pairs) in enumerate(conventions_with_formulas(audit), 1)
+    ]
     parts += ["\\section*{Conventions and ranges}\n", *held] if held else []
     for section in audit.sections:
         parts.append(f"\\section*{{{escape_text(section)}}}\n")
@@ -225,7 +227,7 @@ def _summary(audit: Audit) -> str:
 
 
 def _place(record: Record, number: str = "") -> str:
-    return f"\\paragraph{{{number}\\texttt{{{escape_text(record.called)}}}}}"
+    return f"\\paragraph{{{number}\\texttt{{{escape_text(record.designation)}}}}}"
 
 
 def _erratum(number: int, record: Record, formula: FormulaRecord) -> str:
@@ -248,7 +250,7 @@ def _convention(number: int, said: str, several: Sequence[tuple[Record, FormulaR
         count = "" if place else f"{number}. "
         text += f"{_place(record, count)} {escape_text(record.section)}.\n{inline(formula.says)}\n"
         text += display(formula.printed) if formula.printed else "\n"
-    return f"{text}\n{{\\small {inline(ended(short(said)))}\\par}}\n\n"
+    return f"{text}\n{{\\small {inline(end_sentence(short(said)))}\\par}}\n\n"
 
 
 def _record(record: Record) -> str:
@@ -269,13 +271,13 @@ def _record(record: Record) -> str:
 def _method(formula: FormulaRecord) -> str:
     quantifiers = ", ".join(f"${q}$" for q in formula.quantifiers)
     text = f"For {quantifiers}. " if quantifiers else ""
-    return f"\n{{\\small {text}{inline(ended(short(formula.method)))}\\par}}\n\n"
+    return f"\n{{\\small {text}{inline(end_sentence(short(formula.method)))}\\par}}\n\n"
 
 
 def _ranges(formula: FormulaRecord) -> str:
     """In which ranges it holds, with what is said of each."""
     rows = []
-    for entry in grouped(formula):
+    for entry in group_ranges(formula):
         said = ", ".join(part for part in (entry["method"], entry["witness"]) if part)
         cells = (escape_text(entry["range"]), inline(entry["where"]))
         rows.append(" & ".join((*cells, f"\\verdict{{{entry['verdict']}}}", inline(said))))

@@ -25,7 +25,7 @@ from voronec.audit.page.symbols import (
     SIZES,
     SPACES,
     STRETCHED,
-    lettered,
+    letter_in_font,
 )
 from voronec.errors import DefinitionError
 
@@ -229,7 +229,7 @@ class _Parser:
             return self.group()
         word = self.take()
         if word.kind == "edge":
-            return self.stretched(word)
+            return self.stretch(word)
         if word.kind == "begin":
             return self.environment(word)
         if word.text in BRACKETS and is_closed(self.words[self.position :], word.text):
@@ -250,9 +250,9 @@ class _Parser:
         """A letter in the font in force; capital Greek letters are upright in print."""
         upright = "Α" <= text <= "Ω" and not self.font
         kind = "upright" if upright else "letter"
-        return Box(kind, word.start, word.end, lettered(text, self.font))
+        return Box(kind, word.start, word.end, letter_in_font(text, self.font))
 
-    def stretched(self, word: Word) -> Box:
+    def stretch(self, word: Word) -> Box:
         r"""``\left`` up to the ``\right`` that matches it."""
         if not word.text.startswith("\\left"):
             raise DefinitionError(f"'{word.text}' matches no \\left, in '{self.source[:40]}'")

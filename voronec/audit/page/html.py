@@ -16,10 +16,10 @@ from voronec.audit.page.phrases import (
     MEANING,
     about,
     clauses,
-    convened,
+    conventions_with_formulas,
     counts,
-    ended,
-    grouped,
+    end_sentence,
+    group_ranges,
     values,
     with_verdict,
 )
@@ -36,7 +36,7 @@ __all__ = [
     "conventions",
     "errata",
     "record_html",
-    "unaudited",
+    "unaudited_list",
 ]
 
 
@@ -71,16 +71,17 @@ def errata(audit: Audit, places: Places) -> str:
 def conventions(audit: Audit, places: Places) -> str:
     """The list of what is true under a convention, or in some ranges."""
     items = ""
-    for said, several in convened(audit):
+    for said, several in conventions_with_formulas(audit):
         held = "".join(f"{_place(r, places)}{_statement(f)}" for r, f in several)
-        items += f'<li>{held}<p class="method">{prose(ended(said))}</p></li>'
+        items += f'<li>{held}<p class="method">{prose(end_sentence(said))}</p></li>'
     return f'<ol id="conventions-list">{items}</ol>' if items else ""
 
 
-def unaudited(audit: Audit, places: Places) -> str:
+def unaudited_list(audit: Audit, places: Places) -> str:
     """The list of what nothing decides, each with the reason."""
     items = "".join(
-        f'<li>{_place(r, places)}{_statement(f)}<p class="method">{prose(ended(f.method))}</p></li>'
+        f"<li>{_place(r, places)}{_statement(f)}"
+        f'<p class="method">{prose(end_sentence(f.method))}</p></li>'
         for r, f in with_verdict(audit, "unaudited")
     )
     return f'<ol id="unaudited-list">{items}</ol>' if items else ""
@@ -93,16 +94,16 @@ def record_html(record: Record, places: Places) -> str:
     tag = f"{record.kind} {record.ordinal}" if record.label else ""
     return (
         f'<article id="{anchor}" data-verdict="{record.verdict}" data-kind="{record.kind}" '
-        f'data-name="{escape(record.called.lower(), quote=True)}" '
+        f'data-name="{escape(record.designation.lower(), quote=True)}" '
         f'data-text="{escape(_words(record), quote=True)}"><header><a href="#{anchor}">'
-        f'{escape(record.called)}</a><span class="tag">{tag}</span>{_badge(record.verdict)}'
+        f'{escape(record.designation)}</a><span class="tag">{tag}</span>{_badge(record.verdict)}'
         f"</header>{formulas}</article>\n"
     )
 
 
 def _words(record: Record) -> str:
     """What the search looks through."""
-    parts = [record.called, record.section, record.kind, record.printed]
+    parts = [record.designation, record.section, record.kind, record.printed]
     for formula in record.formulas:
         parts += [formula.verdict, formula.printed, formula.says, formula.method]
         parts.append(formula.source)
@@ -113,7 +114,7 @@ def _words(record: Record) -> str:
 def _place(record: Record, places: Places) -> str:
     anchor = places[record.section, record.ordinal]
     return (
-        f'<div><a href="#{anchor}">{escape(record.called)}</a> '
+        f'<div><a href="#{anchor}">{escape(record.designation)}</a> '
         f'<span class="tag">{escape(record.section)}</span></div>'
     )
 
@@ -141,7 +142,7 @@ def _erratum(record: Record, formula: FormulaRecord, places: Places) -> str:
     else:
         if formula.derived:
             parts.append(_line("instead", mathml(formula.derived, limit=WIDE)))
-        parts.append(f'<p class="method">{prose(ended(short(formula.method)))}</p>')
+        parts.append(f'<p class="method">{prose(end_sentence(short(formula.method)))}</p>')
     link = places[record.section, record.ordinal]
     return f"<li>{''.join(parts)}{_at_a_point(formula, link)}</li>"
 
@@ -177,7 +178,7 @@ def _source(formula: FormulaRecord) -> str:
     """What the derived side was made from."""
     if not formula.source:
         return ""
-    return f'<p class="method">Compared with: {prose(ended(formula.source))}</p>'
+    return f'<p class="method">Compared with: {prose(end_sentence(formula.source))}</p>'
 
 
 def _cell(title: str, latex: str, marks: Sequence[tuple[int, int]] = (), mark: str = "") -> str:
@@ -212,7 +213,7 @@ def _beginning(text: str) -> str:
 
 def _ranges(formula: FormulaRecord) -> str:
     """In which ranges of the parameters it holds; a column of which nothing is said is left out."""
-    entries = grouped(formula)
+    entries = group_ranges(formula)
     heads = [h for h in ("range", "where", "verdict", "method", "witness")
              if any(entry[h] for entry in entries)]  # fmt: skip
     shown: dict[str, Callable[[str], str]] = {
@@ -246,7 +247,7 @@ def _at_a_point(formula: FormulaRecord, link: str) -> str:
     what = about(formula.witness)
     text = ", ".join(f"{name} {short(value)}" for name, value in values(formula))
     place = f'<a href="#{link}">At a point</a>'
-    said = ended(text + (f" ({what})" if what else ""))
+    said = end_sentence(text + (f" ({what})" if what else ""))
     return f'<p class="method">{place}: {escape(said)}</p>'
 
 
@@ -425,7 +426,7 @@ def audit_page(audit: Audit, figures: Sequence[Figure] = ()) -> str:
         f"{_contents(audit)}<main>\n<h1>{escape(audit.title)}</h1>\n"
         f'<p class="by">{escape(audit.authors)}</p>\n{_summary(audit)}\n'
         f'<section id="errata"><h2>Errata</h2>\n{errata(audit, places)}</section>\n'
-        f"{_conventions(audit, places)}{_unaudited(audit, places)}{_search(audit)}\n"
+        f"{_conventions(audit, places)}{_unaudited_list(audit, places)}{_search(audit)}\n"
         f"{sections}{pictures}</main>\n"
         f"<script>{SCRIPT}</script></body></html>\n"
     )
@@ -481,8 +482,8 @@ def _conventions(audit: Audit, places: dict[tuple[str, int], str]) -> str:
     )
 
 
-def _unaudited(audit: Audit, places: dict[tuple[str, int], str]) -> str:
-    found = unaudited(audit, places)
+def _unaudited_list(audit: Audit, places: dict[tuple[str, int], str]) -> str:
+    found = unaudited_list(audit, places)
     if not found:
         return ""
     return (

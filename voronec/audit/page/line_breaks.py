@@ -69,7 +69,7 @@ def break_lines(row: Box, limit: float) -> Broken:
     if row.kind != "row" or width(row) <= limit:
         return Broken((row.parts if row.kind == "row" else (row,),), ())
     opened: list[Box] = []
-    rest = _opened(row.parts, limit / 2, 0, opened)
+    rest = _open(row.parts, limit / 2, 0, opened)
     lines: list[tuple[Box, ...]] = []
     while rest:
         cut = _cut(rest, limit - (INDENT if lines else 0.0))
@@ -78,14 +78,14 @@ def break_lines(row: Box, limit: float) -> Broken:
     return Broken(tuple(lines), tuple(opened))
 
 
-def _opened(parts: tuple[Box, ...], limit: float, depth: int, opened: list[Box]) -> list[_Item]:
+def _open(parts: tuple[Box, ...], limit: float, depth: int, opened: list[Box]) -> list[_Item]:
     found: list[_Item] = []
     for box in parts:
         inner = box.parts[1] if box.kind == "fence" else box
         if box.kind == "fence" and inner.kind == "row" and width(box) > limit:
             opened.append(box)
             found.append(_Item(box.parts[0], depth + 1))
-            found += _opened(inner.parts, limit, depth + 1, opened)
+            found += _open(inner.parts, limit, depth + 1, opened)
             found.append(_Item(box.parts[2], depth + 1))
         else:
             found.append(_Item(box, depth))

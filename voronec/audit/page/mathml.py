@@ -40,7 +40,7 @@ def mathml(
     setter = _Setter(Marks.of(marks, box), mark)
     broken = break_lines(box, limit)
     display = "" if inline else ' display="block"'
-    return f"<math{display}{_shrunk(broken, limit)}>{setter.lines(box, broken)}</math>"
+    return f"<math{display}{_shrink(broken, limit)}>{setter.lines(box, broken)}</math>"
 
 
 def fits(latex: str, limit: float) -> bool:
@@ -89,7 +89,7 @@ class _Setter:
             "sign": self.sign,
             "fence": self.fence,
             "scripts": self.scripts,
-            "primed": self.primed,
+            "primed": self.prime,
             "fraction": self.fraction,
             "root": self.root,
             "accent": self.accent,
@@ -112,12 +112,12 @@ class _Setter:
             setter = replace(self, marks=Marks(())) if marked else self
             body = ""
             for box in group:
-                body += setter.placed(box, before)
+                body += setter.place(box, before)
                 before = box
             found.append(f'<mrow class="{self.mark}">{body}</mrow>' if marked else body)
         return "".join(found)
 
-    def placed(self, box: Box, before: Box | None) -> str:
+    def place(self, box: Box, before: Box | None) -> str:
         """A box in a row: signs between two things keep their spaces wherever they stand."""
         if box.kind == "sign" and box.text in BINARY | RELATIONS:
             first = before is None or (before.kind == "sign" and before.text not in _CLOSING)
@@ -141,10 +141,10 @@ class _Setter:
         """Brackets that grow with what they enclose, where that is tall."""
         opening, body, closing = box.parts
         if not _tall(body):
-            ends = [self.marked(self.sign(x), x) for x in (opening, closing)]
+            ends = [self.mark_box(self.sign(x), x) for x in (opening, closing)]
             return f"<mrow>{ends[0]}{self.run(_row(body))}{ends[1]}</mrow>"
         signs = [
-            self.marked(
+            self.mark_box(
                 f'<mo stretchy="true" form="{form}" lspace="0" rspace="0">{escape(sign.text)}</mo>',
                 sign,
             )
@@ -154,7 +154,7 @@ class _Setter:
         ]
         return f"<mrow>{signs[0]}{self.run(_row(body))}{signs[1]}</mrow>"
 
-    def marked(self, element: str, box: Box) -> str:
+    def mark_box(self, element: str, box: Box) -> str:
         """An element in the class of the marks, where they cover its box."""
         return f'<mrow class="{self.mark}">{element}</mrow>' if self.marks.cover(box) else element
 
@@ -174,7 +174,7 @@ class _Setter:
         found = f"<{name}>{''.join(inside)}</{name}>"
         return f"<mrow>{found}{primes}</mrow>" if primes else found
 
-    def primed(self, box: Box) -> str:
+    def prime(self, box: Box) -> str:
         return f"<mrow>{self.element(box.parts[0])}{_primes(box.text)}</mrow>"
 
     def fraction(self, box: Box) -> str:
@@ -201,7 +201,7 @@ class _Setter:
         return f'<mtable displaystyle="true">{"".join(rows)}</mtable>'
 
 
-def _shrunk(broken: Broken, limit: float) -> str:
+def _shrink(broken: Broken, limit: float) -> str:
     """A smaller size for what cannot be broken, as a long fraction."""
     scale = max(limit / max(broken.width, 1.0), SMALLEST)
     return f' style="font-size:{scale:.2f}em"' if scale < 1 else ""

@@ -15,13 +15,13 @@ __all__ = [
     "MEANING",
     "about",
     "clauses",
-    "convened",
-    "counted",
+    "conventions_with_formulas",
+    "count_sentences",
     "counts",
-    "ended",
+    "end_sentence",
     "faults",
     "gist",
-    "grouped",
+    "group_ranges",
     "values",
     "with_verdict",
 ]
@@ -60,7 +60,7 @@ def values(formula: FormulaRecord) -> tuple[tuple[str, str], ...]:
     return (first, plain(str(witness["printed"]))), (second, plain(str(witness["derived"])))
 
 
-def grouped(formula: FormulaRecord) -> tuple[dict[str, str], ...]:
+def group_ranges(formula: FormulaRecord) -> tuple[dict[str, str], ...]:
     """The ranges of a claim: those with the same verdict, method and witness are one entry.
 
     ``range``, ``where`` (with dollar signs), ``verdict``, ``method`` (empty where the record says
@@ -115,7 +115,7 @@ def gist(method: str) -> str:
     return "; ".join(parts[: last + 1])
 
 
-def ended(text: str) -> str:
+def end_sentence(text: str) -> str:
     """A sentence with its full stop, where it does not end in dots."""
     return text if text.endswith((".", "...")) else f"{text}."
 
@@ -128,7 +128,9 @@ def with_verdict(audit: Audit, verdict: str) -> Iterator[tuple[Record, FormulaRe
                 yield record, formula
 
 
-def convened(audit: Audit) -> Iterator[tuple[str, tuple[tuple[Record, FormulaRecord], ...]]]:
+def conventions_with_formulas(
+    audit: Audit,
+) -> Iterator[tuple[str, tuple[tuple[Record, FormulaRecord], ...]]]:
     """The conventions: what is said of each, and the formulas in a row of which it is said."""
     found = with_verdict(audit, "convention")
     for said, several in groupby(found, key=lambda pair: gist(pair[1].method)):
@@ -150,7 +152,7 @@ def counts(audit: Audit) -> dict[str, dict[str, int]]:
     return found
 
 
-def counted(audit: Audit) -> list[str]:
+def count_sentences(audit: Audit) -> list[str]:
     """The counts, a sentence for each kind of record."""
     lines = []
     for kind, numbers in counts(audit).items():

@@ -14,7 +14,7 @@ __all__ = [
     "SIZES",
     "SPACES",
     "STRETCHED",
-    "lettered",
+    "letter_in_font",
 ]
 
 LETTERS = dict(
@@ -155,7 +155,7 @@ INVISIBLE = frozenset(
 )
 
 
-def lettered(text: str, font: str) -> str:
+def letter_in_font(text: str, font: str) -> str:
     """A letter in another alphabet; what has no such form stays."""
     special = {"mathbb": _DOUBLE_STRUCK, "mathfrak": _FRAKTUR}.get(font, {})
     if text in special:

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from voronec.audit.page.phrases import about, convened, counted, ended, faults, values, with_verdict
+from voronec.audit.page.phrases import (
+    about,
+    conventions_with_formulas,
+    count_sentences,
+    end_sentence,
+    faults,
+    values,
+    with_verdict,
+)
 from voronec.audit.page.witness_points import short
 from voronec.audit.record import Audit, FormulaRecord, Record
 
@@ -23,7 +31,7 @@ def audit_summary(audit: Audit, width: int = 100, most: int = 12) -> str:
 
     Plain text, no line longer than ``width``.
     """
-    lines = [_cut(line, width) for line in counted(audit)]
+    lines = [_cut(line, width) for line in count_sentences(audit)]
     # of a record with several the first
     wrong = {id(r): (r, f) for r, f in reversed([*with_verdict(audit, "misprint")])}
     several = [*reversed(wrong.values())]
@@ -36,10 +44,10 @@ def audit_summary(audit: Audit, width: int = 100, most: int = 12) -> str:
             (a, b), (c, d) = formula.struck[0], formula.changes[0]
             old = _context(formula.printed, a, b, NEAR)
             what = f"{old} -> {_context(formula.correction, c, d, NEAR)}"
-        lines.append(_cut_line(f"  {record.called}: {' '.join(what.split())}", width))
+        lines.append(_cut_line(f"  {record.designation}: {' '.join(what.split())}", width))
     if len(several) > most:
         lines.append(f"  and {len(several) - most} more")
-    undecided = [r.called for r in audit.records if r.verdict == "undecided"]
+    undecided = [r.designation for r in audit.records if r.verdict == "undecided"]
     if undecided:
         lines += ["", _cut(f"undecided: {', '.join(undecided)}", width)]
     return "\n".join(lines) + "\n"
@@ -50,26 +58,26 @@ def audit_table(audit: Audit, width: int = 100) -> str:
 
     Plain text, no line longer than ``width``.
     """
-    names = max((len(r.called) for r in audit.records), default=0)
+    names = max((len(r.designation) for r in audit.records), default=0)
     lines: list[str] = []
     for section in audit.sections:
         lines += ["", _cut(section, width), "-" * min(width, len(section))]
         for record in (r for r in audit.records if r.section == section):
             lines += _lines(record, min(names, NAME), width)
-    lines += ["", *(_cut(line, width) for line in counted(audit))]
+    lines += ["", *(_cut(line, width) for line in count_sentences(audit))]
     for number, (record, formula) in enumerate(with_verdict(audit, "misprint"), 1):
         lines += ["", *_erratum(number, record, formula, width)]
-    for said, several in convened(audit):
+    for said, several in conventions_with_formulas(audit):
         lines.append("")
         for record, formula in several:
             lines.append(_cut(f"convention: {_place(record)}", width))
-            lines += _wrapped(formula.says or formula.printed, "  ", width)
-        lines += _wrapped(ended(short(said)), "  ", width)
+            lines += _wrap(formula.says or formula.printed, "  ", width)
+        lines += _wrap(end_sentence(short(said)), "  ", width)
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
 def _lines(record: Record, names: int, width: int) -> Iterator[str]:
-    head = f"{record.called:<{names}}  {record.verdict:<10}  "
+    head = f"{record.designation:<{names}}  {record.verdict:<10}  "
     yield head + _cut("; ".join(f.printed or f.says for f in record.formulas), width - len(head))
     wrong = faults(record) if len(record.formulas) > 1 else ()
     for formula in wrong[:SEVERAL]:
@@ -84,7 +92,7 @@ def _reason(formula: FormulaRecord, names: int, width: int) -> list[str]:
     """Why a formula is neither proved nor refuted."""
     if formula.verdict != "undecided":
         return []
-    return _wrapped(ended(short(formula.method)), " " * (names + 4), width)
+    return _wrap(end_sentence(short(formula.method)), " " * (names + 4), width)
 
 
 def _cut(latex: str, width: int) -> str:
@@ -92,7 +100,7 @@ def _cut(latex: str, width: int) -> str:
     return text if len(text) <= width else text[: max(width - 3, 10)] + "..."
 
 
-def _wrapped(text: str, indent: str, width: int) -> list[str]:
+def _wrap(text: str, indent: str, width: int) -> list[str]:
     """Words on lines of the width, the first after ``indent``, the others below its end."""
     lines, empty = [indent], True
     for word in text.split():
@@ -108,16 +116,16 @@ def _cut_line(line: str, width: int) -> str:
 
 
 def _place(record: Record) -> str:
-    return f"{record.called} in '{record.section}'"
+    return f"{record.designation} in '{record.section}'"
 
 
 def _erratum(number: int, record: Record, formula: FormulaRecord, width: int) -> list[str]:
     lines = [_cut(f"erratum {number}: {_place(record)}", width)]
     if formula.says:
-        lines += _wrapped(formula.says, "  claim  ", width)
+        lines += _wrap(formula.says, "  claim  ", width)
     if formula.correction is None:
-        lines += _wrapped(formula.printed, "  for    ", width) if formula.printed else []
-        lines += _wrapped(short(formula.method), "  ", width)
+        lines += _wrap(formula.printed, "  for    ", width) if formula.printed else []
+        lines += _wrap(short(formula.method), "  ", width)
     else:
         for (a, b), (c, d) in zip(formula.struck, formula.changes, strict=True):
             lines.append(_cut_line(f"  for    {_context(formula.printed, a, b)}", width))

@@ -47,13 +47,13 @@ def readable(name: str) -> str:
         order = f"^{len(by)}" if len(by) > 1 else ""
         below = "".join(rf"\partial {readable(x)}" for x in by)
         return rf"\partial{order} {readable(derivative[1])}/{below}"
-    return _WORD.sub(_lettered, re.sub(r"[\\{}]", "", name)).strip()
+    return _WORD.sub(_spell_name, re.sub(r"[\\{}]", "", name)).strip()
 
 
-def _lettered(match: re.Match[str]) -> str:
+def _spell_name(match: re.Match[str]) -> str:
     """One word of a name: ``q1dot`` is ``\\dot{q}_{1}``."""
     head, below = match["head"], match["digits"] or match["under"] or match["sub"]
-    script = f"_{{{_WORD.sub(_lettered, below).strip()}}}" if below else ""
+    script = f"_{{{_WORD.sub(_spell_name, below).strip()}}}" if below else ""
     if head is None:
         return script
     known = head in LETTERS or head in FUNCTIONS or head == "dot"

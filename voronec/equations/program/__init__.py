@@ -7,13 +7,13 @@ expressions.  ``jacobian`` are its derivatives by state and inputs.
 
 from voronec.equations.program.c import c_source
 from voronec.equations.program.casadi_function import casadi_function
-from voronec.equations.program.constants import Hoisted, hoisted
+from voronec.equations.program.constants import Hoisted, hoist
 from voronec.equations.program.jacobian import jacobian
 from voronec.equations.program.javascript import javascript_source
-from voronec.equations.program.low_rank import solved
+from voronec.equations.program.low_rank import solve_mass
 from voronec.equations.program.python import (
     casadi_source,
-    compiled,
+    compile_program,
     mpmath_source,
     python_source,
     scalar_source,
@@ -28,14 +28,14 @@ __all__ = [
     "c_source",
     "casadi_function",
     "casadi_source",
-    "compiled",
-    "hoisted",
+    "compile_program",
+    "hoist",
     "jacobian",
     "javascript_source",
     "mpmath_source",
     "python_source",
     "scalar_source",
-    "solved",
+    "solve_mass",
     "taylor_extras",
     "taylor_system",
 ]

@@ -14,10 +14,10 @@ from typing import Any
 
 import symengine as se
 
-from voronec.equations.program.python import compiled
+from voronec.equations.program.python import compile_program
 from voronec.equations.program.straight import Block, Program
 
-__all__ = ["Hoisted", "hoisted"]
+__all__ = ["Hoisted", "hoist"]
 
 
 @dataclass(frozen=True)
@@ -46,13 +46,13 @@ class Hoisted:
     @cached_property
     def _function(self) -> Any:
         names = [name for name, _ in self.definitions]
-        return _compiled(self.original, self.original.parameters, self.definitions, names)
+        return _compile(self.original, self.original.parameters, self.definitions, names)
 
     def _one_by_one(self, given: list[Any]) -> list[Any]:
         """The same where some have no value."""
         known = list(self.original.parameters)
         for name, expr in self.definitions:
-            function = _compiled(self.original, known, (), [expr])
+            function = _compile(self.original, known, (), [expr])
             try:
                 given += function(0.0, (), given)
             except (ZeroDivisionError, ValueError, OverflowError):
@@ -61,19 +61,19 @@ class Hoisted:
         return given
 
 
-def _compiled(
+def _compile(
     program: Program, known: Sequence[Any], assignments: Sequence[Any], results: Sequence[Any]
 ) -> Any:
     """A function of (0, (), parameters)."""
     names = tuple(f"_{i}" for i in range(len(results)))
     block = Block(tuple(assignments), tuple(results))
-    return compiled(
+    return compile_program(
         Program(program.time, (), (), tuple(known), Block((), ()), names, block), scalar=True
     )[1]
 
 
 @lru_cache(maxsize=32)  # a run looks at the constants before it compiles with them
-def hoisted(program: Program) -> Hoisted:
+def hoist(program: Program) -> Hoisted:
     """The program with every largest expression of parameters and numbers as one parameter.
 
     A sum whose terms share such a factor is written as factor times sum.
@@ -126,13 +126,13 @@ class _Lifting:
         if isinstance(expr, se.Add):
             return self._sum(args)
         whole = expr.func(*args)
-        return self._named(whole) if whole.free_symbols <= self._still else whole
+        return self._name_constant(whole) if whole.free_symbols <= self._still else whole
 
     def _product(self, args: Iterable[Any]) -> Any:
         """Constant factors together, as one; into a sum whose terms all have constants anyway."""
-        still, moving = self._parted(se.Mul(*args))
+        still, moving = self._split_constant(se.Mul(*args))
         if still.free_symbols and isinstance(moving, se.Add):
-            parts = [self._parted(term) for term in moving.args]
+            parts = [self._split_constant(term) for term in moving.args]
             if all(c.free_symbols for c, _ in parts):
                 return se.Add(*[self._times(still * c, m) for c, m in parts])
         return self._times(still, moving)
@@ -142,8 +142,8 @@ class _Lifting:
         total = se.Add(*args)
         if not isinstance(total, se.Add):
             return self.of(total) if total.args else total
-        parts = [self._parted(term) for term in total.args]
-        still = self._named(se.Add(*[c for c, m in parts if m == 1]))
+        parts = [self._split_constant(term) for term in total.args]
+        still = self._name_constant(se.Add(*[c for c, m in parts if m == 1]))
         moving = [(c, m) for c, m in parts if m != 1]
         if not moving:
             return still
@@ -152,10 +152,10 @@ class _Lifting:
         shared = still == 0 and first.free_symbols and all(r.is_Number for r in ratios)
         if len(moving) > 1 and shared:
             inner = se.Add(*[r * m for r, (_, m) in zip(ratios, moving, strict=True)])
-            return self._named(first) * inner
+            return self._name_constant(first) * inner
         return se.Add(still, *[self._times(c, m) for c, m in moving])
 
-    def _parted(self, term: Any) -> tuple[Any, Any]:
+    def _split_constant(self, term: Any) -> tuple[Any, Any]:
         """A term as constant times what moves, the constant in the original's parameters."""
         factors = term.args if isinstance(term, se.Mul) else [term]
         still = [f for f in factors if f.free_symbols <= self._still]
@@ -164,10 +164,10 @@ class _Lifting:
 
     def _times(self, still: Any, moving: Any) -> Any:
         if moving == 1:
-            return self._named(still)
-        return self._named(still) * moving
+            return self._name_constant(still)
+        return self._name_constant(still) * moving
 
-    def _named(self, expr: Any) -> Any:
+    def _name_constant(self, expr: Any) -> Any:
         """A constant by its name; numbers and single parameters have theirs."""
         if expr.is_Number or not expr.args:
             return expr

@@ -47,7 +47,7 @@ def compiled_digits(program: Program) -> tuple[Callable[..., Any], Callable[...,
 
 
 def _careful(function: Callable[..., Any]) -> Callable[..., Any]:
-    def computed(t: Any, state: Any, parameters: Any) -> Any:
+    def compute(t: Any, state: Any, parameters: Any) -> Any:
         columns = [np.ravel(np.asarray(x, dtype=object)) for x in (t, *state)]
         # short numbers, such as 1, say nothing of the precision that they are meant with
         bits = max(precision(np.concatenate(columns)), mpmath.mp.prec)
@@ -55,4 +55,4 @@ def _careful(function: Callable[..., Any]) -> Callable[..., Any]:
             moments = np.frompyfunc(mpmath.mpf, 1, 1)(t)
             return function(moments, state, parameters)
 
-    return computed
+    return compute

@@ -28,7 +28,7 @@ from voronec.algebra.numeric_functions import (
     SIZE,
     numeric_name,
 )
-from voronec.equations.program.straight import Block, Program, fresh_names, shared
+from voronec.equations.program.straight import Block, Program, fresh_names, share_subexpressions
 from voronec.errors import EngineLimit
 
 __all__ = ["jacobian", "jacobian_columns"]
@@ -72,18 +72,18 @@ def jacobian(program: Program) -> Block:
     assignments = list(program.derivative.assignments)
     for name, expr in program.derivative.assignments:
         slopes[name] = {}
-        for x, slope in _chained(se.sympify(expr), slopes).items():
+        for x, slope in _chain_slopes(se.sympify(expr), slopes).items():
             if slope.args:
                 assignments.append((se.Symbol(f"d {name} / d {x}"), slope))
                 slope = assignments[-1][0]
             slopes[name][x] = slope
-    rows = [_chained(se.sympify(e), slopes) for e in program.derivative.results]
+    rows = [_chain_slopes(se.sympify(e), slopes) for e in program.derivative.results]
     entries = [row.get(x, se.Integer(0)) for row in rows for x in columns]
     known = [program.time, *columns, *program.parameters]
-    return shared(entries, fresh_names(known), assignments)
+    return share_subexpressions(entries, fresh_names(known), assignments)
 
 
-def _chained(expr: Any, slopes: dict[Any, dict[Any, Any]]) -> dict[Any, Any]:
+def _chain_slopes(expr: Any, slopes: dict[Any, dict[Any, Any]]) -> dict[Any, Any]:
     """The slopes of an expression by the columns that it depends on."""
     partials = _gradient(expr, {})
     return _total([(partials[s], slopes[s]) for s in sorted(partials, key=str) if s in slopes])

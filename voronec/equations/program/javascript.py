@@ -67,6 +67,6 @@ def _function(part: Part, program: Program, names: dict[Any, str]) -> str:
     rows += [f"  const {name} = {value};" for name, value in lines(block, _JAVASCRIPT, names)]
     rows.append("  return [")
     values = [text(result, _JAVASCRIPT, names) for result in block.results]
-    for value, meaning in part.written(values, "[", "]"):
+    for value, meaning in part.write(values, "[", "]"):
         rows.append(f"    {value}, // {remark(meaning)}")
     return "\n".join([*rows, "  ];", "}"]) + "\n"

@@ -24,7 +24,7 @@ from voronec.equations.program.triangular import Name, coupled_rows, solve_symme
 from voronec.equations.program.weight import taylor_weight
 from voronec.errors import VoronecError
 
-__all__ = ["Elimination", "LowRank", "eliminations", "low_rank", "solved"]
+__all__ = ["Elimination", "LowRank", "eliminations", "low_rank", "solve_mass"]
 
 MOST = 12
 """Larger blocks, and blocks of longer entries than the next, are not looked at."""
@@ -69,7 +69,7 @@ class Elimination:
     solve: Callable[[Sequence[Any], Sequence[Any], Name], list[Any]]
 
 
-def solved(
+def solve_mass(
     mass: Sequence[Sequence[Any]], right: Sequence[Any], name: Name,
     constants: Iterable[Any] = (), relations: Sequence[Any] = (), positive: Iterable[Any] = (),
 ) -> list[Any]:  # fmt: skip

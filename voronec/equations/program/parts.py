@@ -29,7 +29,7 @@ class Part(NamedTuple):
         """What each result means."""
         return [f"d({row})/d({x})" for row in self.rows for x in self.columns] or [*self.rows]
 
-    def written(self, values: Sequence[str], begin: str, end: str) -> list[tuple[str, str]]:
+    def write(self, values: Sequence[str], begin: str, end: str) -> list[tuple[str, str]]:
         """The results as text, a row of the matrix between ``begin`` and ``end``, with meanings."""
         width = len(self.columns)
         if not width:

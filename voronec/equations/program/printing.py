@@ -32,7 +32,7 @@ __all__ = [
     "identifiers",
     "lines",
     "rational",
-    "rewritten",
+    "rewrite",
     "series",
     "text",
 ]
@@ -107,7 +107,7 @@ def series(name: str, x: str = "x") -> str:
     return f"({found})"
 
 
-def rewritten(expr: Any) -> Any | None:
+def rewrite(expr: Any) -> Any | None:
     """cot, sec and their like by the functions that every dialect has; None for others."""
     rule = _REWRITTEN.get(type(expr))
     return rule(*expr.args) if rule else None
@@ -134,10 +134,10 @@ def lines(block: Block, dialect: Dialect, names: Mapping[Any, str]) -> list[tupl
 
 def text(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> str:
     """One expression as source."""
-    return _written(expr, dialect, names)[0]
+    return _write(expr, dialect, names)[0]
 
 
-def _written(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> tuple[str, int]:
+def _write(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> tuple[str, int]:
     """Source and its precedence."""
     if isinstance(expr, se.Symbol):
         return names[expr], _ATOM
@@ -150,17 +150,17 @@ def _written(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> tuple[str
     if isinstance(expr, se.Mul):
         return _product(expr, dialect, names), _PRODUCT
     if isinstance(expr, se.Pow) or expr == se.E:
-        return _powered(expr, dialect, names)
-    other = rewritten(expr)
+        return _print_power(expr, dialect, names)
+    other = rewrite(expr)
     if other is not None:
-        return _written(other, dialect, names)
+        return _write(other, dialect, names)
     name = numeric_name(expr) or type(expr).__name__
     if name not in dialect.words:
         raise EngineLimit(f"'{name}' cannot be written as source; use elementary functions")
-    return _called(name, expr.args, dialect, names), _ATOM
+    return _print_call(name, expr.args, dialect, names), _ATOM
 
 
-def _called(name: str, args: Iterable[Any], dialect: Dialect, names: Mapping[Any, str]) -> str:
+def _print_call(name: str, args: Iterable[Any], dialect: Dialect, names: Mapping[Any, str]) -> str:
     word, inner = dialect.words[name], [text(a, dialect, names) for a in args]
     while name == HYPOT and len(inner) > 2:  # of two sides in most libraries
         inner = [f"{word}({inner[0]}, {inner[1]})", *inner[2:]]
@@ -181,15 +181,15 @@ def _number(expr: Any, dialect: Dialect) -> tuple[str, int]:
 
 
 def _sum(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> str:
-    written = [_written(a, dialect, names)[0] for a in expr.args]
+    written = [_write(a, dialect, names)[0] for a in expr.args]
     written.sort(key=lambda term: term.startswith("-"))  # begin with a positive term
     while len(written) > TERMS:
         groups = [written[i : i + TERMS] for i in range(0, len(written), TERMS)]
-        written = [f"({_joined(group)})" for group in groups]
-    return _joined(written)
+        written = [f"({_join_terms(group)})" for group in groups]
+    return _join_terms(written)
 
 
-def _joined(terms: list[str]) -> str:
+def _join_terms(terms: list[str]) -> str:
     first, *others = terms
     return first + "".join(f" - {w[1:]}" if w.startswith("-") else f" + {w}" for w in others)
 
@@ -216,26 +216,26 @@ def _product(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> str:
 
 
 def _operand(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> str:
-    written, precedence = _written(expr, dialect, names)
+    written, precedence = _write(expr, dialect, names)
     return written if precedence >= _POWER else f"({written})"
 
 
-def _powered(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> tuple[str, int]:
+def _print_power(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> tuple[str, int]:
     if expr == se.E:
-        return _called("exp", [se.Integer(1)], dialect, names), _ATOM
+        return _print_call("exp", [se.Integer(1)], dialect, names), _ATOM
     base, exponent = expr.args
     if base == se.E:
-        return _called("exp", [exponent], dialect, names), _ATOM
+        return _print_call("exp", [exponent], dialect, names), _ATOM
     if not exponent.is_Number:
-        return _called("power", [base, exponent], dialect, names), _ATOM
+        return _print_call("power", [base, exponent], dialect, names), _ATOM
     p, q = rational(exponent)
     if p < 0:
         one = dialect.number(1)
         return f"{one}/{_operand(1 / expr, dialect, names)}", _PRODUCT
     if q > 2:
-        return _called("power", [base, exponent], dialect, names), _ATOM
+        return _print_call("power", [base, exponent], dialect, names), _ATOM
     if q == 2:
-        root = _called("sqrt", [base], dialect, names)
+        root = _print_call("sqrt", [base], dialect, names)
         return (root, _ATOM) if p == 1 else (dialect.power(root, p), _POWER)
     return dialect.power(text(base, dialect, names), p), _POWER
 

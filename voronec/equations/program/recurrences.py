@@ -35,11 +35,11 @@ from voronec.algebra.numeric_functions import (
     numeric_name,
 )
 from voronec.algebra.tape import Tape
-from voronec.equations.program.printing import code, rational, rewritten
+from voronec.equations.program.printing import code, rational, rewrite
 from voronec.equations.program.straight import Program
 from voronec.errors import EngineLimit
 
-__all__ = ["Coefficients", "Recurrences", "fixed", "recurrences"]
+__all__ = ["Coefficients", "Recurrences", "fixed_point", "recurrences"]
 
 
 _CURVES = (se.sin, se.sinh, se.cos, se.cosh)
@@ -72,7 +72,7 @@ class Coefficients:
         """The list of an expression that moves."""
         name = self.known.get(expr)
         if name is None:
-            name = self.known[expr] = self._made(expr)
+            name = self.known[expr] = self._make(expr)
         return name
 
     def term(self, expr: Any) -> tuple[str, str]:
@@ -102,7 +102,7 @@ class Coefficients:
         """The list up to order k, backwards."""
         return self._helper("reverse", name, None, f"{name}[::-1]")
 
-    def weighted(self, name: str) -> str:
+    def weigh(self, name: str) -> str:
         """The list i a_i from i = 1 on."""
         return self._helper("weighted", name, "", f"k*{name}[k]")
 
@@ -169,18 +169,18 @@ class Coefficients:
     def primitive(self, first: str, pairs: Sequence[tuple[str, str, str]]) -> str:
         """A function by its slope: k c_k = sum of +- (i a_i) g_(k-i), given (sign, a, g)."""
         inner = " ".join(
-            f"{sign} sum(map(mul, {self.weighted(a)}, {f'{g}[k - 1::-1]'}))" for sign, a, g in pairs
+            f"{sign} sum(map(mul, {self.weigh(a)}, {f'{g}[k - 1::-1]'}))" for sign, a, g in pairs
         )
         return self.entry(first, f"({inner} >> P)//k")
 
-    def _made(self, expr: Any) -> str:
+    def _make(self, expr: Any) -> str:
         if isinstance(expr, se.Add):
             return self._sum(expr)
         if isinstance(expr, se.Mul):
             return self._product(expr)
         if isinstance(expr, se.Pow):
             return self._power(expr)
-        other = rewritten(expr)
+        other = rewrite(expr)
         if other is not None:
             return self.series(other)
         name = numeric_name(expr)
@@ -191,12 +191,12 @@ class Coefficients:
     def _sum(self, expr: Any) -> str:
         first, later = [], []
         for argument in expr.args:
-            begin, then = self._scaled(argument)
+            begin, then = self._scale(argument)
             first.append(begin)
             later += [then] if then != "0" else []
         return self.entry(" + ".join(first), " + ".join(later))
 
-    def _scaled(self, expr: Any) -> tuple[str, str]:
+    def _scale(self, expr: Any) -> tuple[str, str]:
         """A term of a sum: a small rational factor needs no list of its own."""
         if isinstance(expr, se.Mul) and expr.args[0].is_Number:
             p, q = rational(expr.args[0])
@@ -218,13 +218,13 @@ class Coefficients:
                 above.append(self.series(factor))
         scale = self.constant(se.Mul(*still)) if still else ""
         if not above:
-            return self.quotient((scale or "ONE", "0"), self._joined(below))
-        top = self._joined(above)
+            return self.quotient((scale or "ONE", "0"), self._join(below))
+        top = self._join(above)
         if scale:
             top = self.entry(f"{scale}*{top}[0] >> P", f"{scale}*{top}[k] >> P")
-        return self.quotient((f"{top}[0]", f"{top}[k]"), self._joined(below)) if below else top
+        return self.quotient((f"{top}[0]", f"{top}[k]"), self._join(below)) if below else top
 
-    def _joined(self, names: Sequence[str]) -> str:
+    def _join(self, names: Sequence[str]) -> str:
         result, *others = names
         for name in others:
             result = self.product(result, name)
@@ -240,7 +240,7 @@ class Coefficients:
 
     def _exp(self, a: str) -> str:
         name = f"a{self.count}"
-        weighted = self.weighted(a)
+        weighted = self.weigh(a)
         later = f"(sum(map(mul, {weighted}, {name}[::-1])) >> P)//k"
         return self.entry(f"apply('exp', {a}[0])", later)
 
@@ -304,7 +304,7 @@ class Coefficients:
         if (f"sin{kind}", a) in self.helpers:
             return self.helpers[f"sin{kind}", a], self.helpers[f"cos{kind}", a]
         sine, cosine = f"a{self.count}", f"a{self.count + 1}"
-        weighted = self.weighted(a)
+        weighted = self.weigh(a)
         sign = "" if kind else "-"
         # both from orders below k: the cosine must not see what the sine has just got
         self.entry(
@@ -323,7 +323,7 @@ class Coefficients:
         name = f"a{self.count}"
         self.entry(
             f"tangent({a}[0])",
-            f"(sum(map(mul, {self.weighted(a)}, s_{name}[::-1])) >> P)//k",
+            f"(sum(map(mul, {self.weigh(a)}, s_{name}[::-1])) >> P)//k",
         )
         self.first.append(f"s_{name} = [ONE - ({name}[0]**2 >> P)]")
         self.later.append(f"s_{name}.append(-(sum(map(mul, {name}, {name}[::-1])) >> P))")
@@ -394,9 +394,11 @@ class Recurrences:
         point = {str(p): v for p, v in zip(self.parameters, values, strict=True)}
         numbers = self._tape.arb({a: point[str(a)] for a in self._tape.atoms}, bits + 64)
         with flint.ctx.workprec(bits + 64):
-            known = {name: fixed(x, bits) for name, x in zip(self.constants, numbers, strict=True)}
-        functions: dict[str, Any] = {"mul": mul, "isqrt": isqrt, "apply": _applied(bits)}
-        functions["power"] = _powered(bits)
+            known = {
+                name: fixed_point(x, bits) for name, x in zip(self.constants, numbers, strict=True)
+            }
+        functions: dict[str, Any] = {"mul": mul, "isqrt": isqrt, "apply": _ball_function(bits)}
+        functions["power"] = _power_function(bits)
         functions["tangent"] = _tangent(bits)
         functions["composed"] = partial(_Composed, bits)
         namespace: dict[str, Any] = {"P": bits, "ONE": 1 << bits, **functions, **known}
@@ -408,7 +410,7 @@ class Recurrences:
         return Tape(list(self.constants.values()))
 
 
-def fixed(ball: Any, bits: int) -> int:
+def fixed_point(ball: Any, bits: int) -> int:
     """The middle of a ball in units of 2^-bits; ``ValueError`` where it is not finite."""
     if not ball.is_finite():
         raise ValueError("not a finite number")
@@ -421,17 +423,17 @@ def _ball(number: int, bits: int) -> Any:
     return flint.arb(number) * flint.arb(2) ** -bits
 
 
-def _applied(bits: int) -> Callable[..., int]:
+def _ball_function(bits: int) -> Callable[..., int]:
     def apply(name: str, *numbers: int) -> int:
         with flint.ctx.workprec(bits + 32 + max(n.bit_length() for n in numbers)):
             balls = [_ball(n, bits) for n in numbers]
-            return fixed(getattr(flint.arb, name)(*balls), bits)
+            return fixed_point(getattr(flint.arb, name)(*balls), bits)
 
     return apply
 
 
 def _tangent(bits: int) -> Callable[[int], int]:
-    apply, one = _applied(bits), 1 << bits
+    apply, one = _ball_function(bits), 1 << bits
 
     def tangent(number: int) -> int:
         """tanh; where it is 1 to the last digit it is flat, and no rounding is to grow in it."""
@@ -458,14 +460,14 @@ class _Composed:
 
     def entry(self, k: int) -> int:
         """The coefficient of order k; lower ones were asked for before."""
-        self.found.append(self._expanded(k) if self.near else self._divided(k))
+        self.found.append(self._power_sum(k) if self.near else self._quotient(k))
         return self.found[k]
 
-    def _divided(self, k: int) -> int:
+    def _quotient(self, k: int) -> int:
         inner = sum(map(mul, self.below[1:], self.found[::-1]))
         return ((self.above[k] << self.bits) - inner) // self.below[0]
 
-    def _expanded(self, k: int) -> int:
+    def _power_sum(self, k: int) -> int:
         """sum_j F_j [(w - w_0)^j]_k; of the power j all that is below order j vanishes."""
         self.slopes.append(coefficient(self.name, self.w[0], k, self.bits))
         if k == 0:
@@ -479,11 +481,11 @@ class _Composed:
         return sum(map(mul, self.slopes[1:], [p[k] for p in self.powers])) >> self.bits
 
 
-def _powered(bits: int) -> Callable[[int, int, int], int]:
+def _power_function(bits: int) -> Callable[[int, int, int], int]:
     def power(number: int, p: int, q: int) -> int:
         with flint.ctx.workprec(bits + 32 + number.bit_length()):
             exponent = flint.arb(flint.fmpq(p, q))
-            return fixed(_ball(number, bits) ** exponent, bits)
+            return fixed_point(_ball(number, bits) ** exponent, bits)
 
     return power
 

@@ -30,30 +30,30 @@ __all__ = [
     "Block",
     "Program",
     "fresh_names",
-    "nested",
-    "opened",
-    "pruned",
-    "shared",
+    "nest_sums",
+    "prune",
+    "share_subexpressions",
     "with_plain_roots",
+    "without_stages",
 ]
 
 
-def nested(expr: Any, constants: Iterable[Any]) -> Any:
+def nest_sums(expr: Any, constants: Iterable[Any]) -> Any:
     """An expression whose sums take the factor that most of their terms share before a bracket,
     and so on inside; ``constants`` are no such factors."""
-    return _nested(se.sympify(expr), set(constants), {})
+    return _nest(se.sympify(expr), set(constants), {})
 
 
-def _nested(expr: Any, still: set[Any], memo: dict[Any, Any]) -> Any:
+def _nest(expr: Any, still: set[Any], memo: dict[Any, Any]) -> Any:
     if not expr.args or expr.is_Number:
         return expr
     done = memo.get(expr)
     if done is None:
         if isinstance(expr, se.Add):
-            terms = [_factors(_nested(t, still, memo)) for t in expr.args]
-            done = _bracketed(terms, still)
+            terms = [_factors(_nest(t, still, memo)) for t in expr.args]
+            done = _bracket(terms, still)
         else:
-            done = expr.func(*[_nested(a, still, memo) for a in expr.args])
+            done = expr.func(*[_nest(a, still, memo) for a in expr.args])
         memo[expr] = done
     return done
 
@@ -73,7 +73,7 @@ def _product(factors: Mapping[Any, int]) -> Any:
     return se.Mul(*[se.Pow(base, e) for base, e in factors.items()])
 
 
-def _bracketed(terms: list[dict[Any, int]], still: set[Any]) -> Any:
+def _bracket(terms: list[dict[Any, int]], still: set[Any]) -> Any:
     """The sum of terms, factors that are shared before brackets, the most frequent first."""
     counts: Counter[Any] = Counter()
     for term in terms:
@@ -95,11 +95,11 @@ def _bracketed(terms: list[dict[Any, int]], still: set[Any]) -> Any:
             inside.append(rest)
         else:
             outside.append(term)
-    bracket = _bracketed(inside, still)
+    bracket = _bracket(inside, still)
     factor = base if sign > 0 else 1 / base
     if not outside:
         return factor * bracket
-    return se.Add(factor * bracket, _bracketed(outside, still))
+    return se.Add(factor * bracket, _bracket(outside, still))
 
 
 NESTED = 1_000
@@ -204,7 +204,7 @@ class Program:
 
 @lru_cache(maxsize=32)  # starts, tolerances and methods change, what is asked of a form does not
 def _program(form: FirstOrderForm, extras: tuple[tuple[str, Any], ...]) -> Program:
-    form, wanted, inputs = _driven(form, dict(extras))
+    form, wanted, inputs = _replace_functions(form, dict(extras))
     known = [form.time, *form.coordinates, *form.velocities, *form.parameters, *inputs]
     dots = form.velocity_symbols
     rates = dict(zip(dots, form.rates, strict=bool(dots))) | dict(form.dependent)
@@ -217,14 +217,14 @@ def _program(form: FirstOrderForm, extras: tuple[tuple[str, Any], ...]) -> Progr
     for name, expr in zip(wanted, observed, strict=True):
         _check(f"'{name}'", [expr], [*known, *names])
     derivative = _derivative(form, tuple(known))
-    extra = shared(observed, fresh_names(known), form.stages)
+    extra = share_subexpressions(observed, fresh_names(known), form.stages)
     if derivative.is_rough(form.parameters):
         form = with_plain_roots(form)
         derivative = _derivative(form, tuple(known))
     if extra.is_rough(form.parameters):
         form, still = with_plain_roots(form), frozenset(form.parameters)
         plain = [plain_roots(e, still) for e in observed]
-        extra = shared(plain, fresh_names(known), form.stages)
+        extra = share_subexpressions(plain, fresh_names(known), form.stages)
     return Program(
         time=form.time,
         coordinates=tuple(form.coordinates),
@@ -237,7 +237,7 @@ def _program(form: FirstOrderForm, extras: tuple[tuple[str, Any], ...]) -> Progr
     )
 
 
-def _driven(
+def _replace_functions(
     form: FirstOrderForm, extras: dict[str, Any]
 ) -> tuple[FirstOrderForm, dict[str, Any], tuple[Any, ...]]:
     """The same with plain symbols, also returned, for functions of the time and their rates."""
@@ -293,20 +293,20 @@ def _derivative(form: FirstOrderForm, known: tuple[Any, ...]) -> Block:
     # before sums are bracketed: what cancels in them is seen in their powers
     exprs, inner = stable_all(exprs), stable_all(e for _, e in form.stages)
 
-    def written(change: Callable[[Any], Any]) -> Block:
+    def write(change: Callable[[Any], Any]) -> Block:
         fresh = fresh_names(known)
         stages = [(name, change(e)) for (name, _), e in zip(form.stages, inner, strict=True)]
-        common = shared([change(e) for e in exprs], fresh, stages)
-        return _eliminated(form, single, left, blocks, common, fresh)
+        common = share_subexpressions([change(e) for e in exprs], fresh, stages)
+        return _eliminate(form, single, left, blocks, common, fresh)
 
-    plain = written(se.sympify)
+    plain = write(se.sympify)
     if plain.operations > NESTED:
         return plain
-    bracketed = written(lambda e: nested(e, form.parameters))
+    bracketed = write(lambda e: nest_sums(e, form.parameters))
     return min(plain, bracketed, key=lambda block: block.weight(form.parameters))
 
 
-def _eliminated(
+def _eliminate(
     form: FirstOrderForm, single: Mapping[int, Any], left: Sequence[int],
     blocks: Sequence[Elimination], common: Block, fresh: Iterator[Any],
 ) -> Block:  # fmt: skip
@@ -326,7 +326,7 @@ def _eliminated(
         entries = [name(results.pop(0)) for _ in block.expressions]
         values = block.solve(entries, [force[i] for i in block.rows], name)
         vdot |= zip((left[i] for i in block.rows), values, strict=True)
-    return pruned(assignments, [*rates, *(vdot[i] for i in range(len(form.force)))])
+    return prune(assignments, [*rates, *(vdot[i] for i in range(len(form.force)))])
 
 
 def fresh_names(known: Iterable[Any]) -> Iterator[Any]:
@@ -338,11 +338,11 @@ def fresh_names(known: Iterable[Any]) -> Iterator[Any]:
     return (se.Symbol(f"{prefix}{i}") for i in count())
 
 
-def shared(
+def share_subexpressions(
     exprs: Sequence[Any], fresh: Iterator[Any], stages: Sequence[tuple[Any, Any]] = ()
 ) -> Block:
     """Common subexpressions of several expressions and of the stages they need, freshly named."""
-    stages = pruned(stages, exprs).assignments
+    stages = prune(stages, exprs).assignments
     if not exprs:
         return Block((), ())
     replacements, reduced = se.cse(stable_all([*(e for _, e in stages), *exprs]))
@@ -352,23 +352,23 @@ def shared(
     names: dict[Any, Any] = {}
     assignments = []
     for old in needed_stages(pending, [*inner, *results]):
-        expr = _renamed(pending[old], names)
+        expr = _rename(pending[old], names)
         if expr.args:
             names[old] = next(fresh)
             assignments.append((names[old], expr))
         else:
             names[old] = expr
-    return Block(tuple(assignments), tuple(_renamed(e, names) for e in results))
+    return Block(tuple(assignments), tuple(_rename(e, names) for e in results))
 
 
-def _renamed(expr: Any, names: Mapping[Any, Any]) -> Any:
+def _rename(expr: Any, names: Mapping[Any, Any]) -> Any:
     """An expression with its own symbols renamed: to hand over all names takes longer, in programs
     of many lines."""
     expr = se.sympify(expr)
     return expr.xreplace({s: names[s] for s in expr.free_symbols if s in names})
 
 
-def pruned(assignments: Sequence[tuple[Any, Any]], results: Sequence[Any]) -> Block:
+def prune(assignments: Sequence[tuple[Any, Any]], results: Sequence[Any]) -> Block:
     """Only what the results need."""
     needed = set().union(*(se.sympify(r).free_symbols for r in results)) if results else set()
     kept = []
@@ -401,7 +401,9 @@ def _check(place: str, exprs: Iterable[Any], known: Iterable[Any]) -> None:
         stack.extend(node.args)
 
 
-def opened(form: FirstOrderForm, exprs: Mapping[str, Any]) -> tuple[FirstOrderForm, dict[str, Any]]:
+def without_stages(
+    form: FirstOrderForm, exprs: Mapping[str, Any]
+) -> tuple[FirstOrderForm, dict[str, Any]]:
     """A form, and expressions on it, without stages."""
     known: dict[Any, Any] = {}
     for name, expr in form.stages:
@@ -410,7 +412,7 @@ def opened(form: FirstOrderForm, exprs: Mapping[str, Any]) -> tuple[FirstOrderFo
     def change(expr: Any) -> Any:
         return se.sympify(expr).xreplace(known)
 
-    return _changed(replace(form, stages=()), change), {n: change(e) for n, e in exprs.items()}
+    return _change_form(replace(form, stages=()), change), {n: change(e) for n, e in exprs.items()}
 
 
 def with_plain_roots(form: FirstOrderForm) -> FirstOrderForm:
@@ -421,10 +423,10 @@ def with_plain_roots(form: FirstOrderForm) -> FirstOrderForm:
     still = frozenset(form.parameters)
     if all(plain_roots(e, still, known) == e for e in map(se.sympify, exprs)):
         return form
-    return _changed(form, lambda e: plain_roots(se.sympify(e), still, known))
+    return _change_form(form, lambda e: plain_roots(se.sympify(e), still, known))
 
 
-def _changed(form: FirstOrderForm, change: Callable[[Any], Any]) -> FirstOrderForm:
+def _change_form(form: FirstOrderForm, change: Callable[[Any], Any]) -> FirstOrderForm:
     return replace(
         form,
         rates=tuple(map(change, form.rates)),

@@ -30,7 +30,7 @@ from voronec.algebra.numeric_functions import (
     TANH_REST,
     numeric_name,
 )
-from voronec.equations.program.printing import rational, rewritten
+from voronec.equations.program.printing import rational, rewrite
 from voronec.equations.program.straight import Block, Program
 from voronec.errors import EngineLimit
 
@@ -104,7 +104,7 @@ def _built(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
         return hy.pi
     if expr == se.E:
         return hy.exp(hy.expression(1.0))
-    other = rewritten(expr)
+    other = rewrite(expr)
     if other is not None:
         return _build(other, known, hy)
     numeric = numeric_name(expr)

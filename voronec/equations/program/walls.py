@@ -76,7 +76,7 @@ class Sides:
         if not expr.args:
             return expr
         if isinstance(expr, (se.sin, se.cos)):
-            return expr.func(self._turning(expr.args[0]))
+            return expr.func(self._angle_argument(expr.args[0]))
         args = [self(a) for a in expr.args]
         if isinstance(expr, (se.sign, se.Abs)):
             side = self._side(args[0])
@@ -118,7 +118,7 @@ class Sides:
             return se.atan2(y, x)
         return self._side(y) * se.pi + se.atan2(-y, -x)
 
-    def _turning(self, expr: Any) -> Any:
+    def _angle_argument(self, expr: Any) -> Any:
         """The argument of a sine: whole turns of an angle in it are nothing."""
         terms = expr.args if isinstance(expr, se.Add) else (expr,)
         return se.Add(*[self._turn(t) for t in terms])

@@ -52,7 +52,7 @@ def eliminate(
     The ``first`` rows are used up before later ones are touched: so rows that hold exactly come
     before rows that hold to the accuracy of somebody's numbers.
     """
-    rows = _scaled(matrix, right)
+    rows = _scale_rows(matrix, right)
     count = len(rows)
     groups = [range(count)] if first is None else [range(first), range(first, count)]
     size = max((abs(row[-1]) for row in rows), default=mp.mpf(0))
@@ -81,7 +81,7 @@ def eliminate(
     return Elimination(tuple(pivots), leftover, tuple(columns), solution, tuple(kernel), size)
 
 
-def _scaled(matrix: Sequence[Vector], right: Vector) -> list[Vector]:
+def _scale_rows(matrix: Sequence[Vector], right: Vector) -> list[Vector]:
     """Augmented rows, each divided by its largest coefficient unless all of them are noise."""
     sizes = [max(map(abs, row), default=mp.mpf(0)) for row in matrix]
     largest = max(sizes, default=mp.mpf(0)) or mp.mpf(1)

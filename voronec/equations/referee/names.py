@@ -80,7 +80,7 @@ class Names:
     def read(self, expr: sp.Expr) -> Any:
         """The symengine expression of a user's expression."""
         exact = expr.xreplace({x: _decimal(x) for x in expr.atoms(sp.Float)})
-        named = self._carried_out(exact).xreplace(self.letters)
+        named = self._carry_out(exact).xreplace(self.letters)
         named = named.replace(sp.sinc, lambda a: sp.sin(a) / a)
         _refuse_rest(named)
         return se.sympify(_in_cases(named))
@@ -94,7 +94,7 @@ class Names:
         """Of each input its symbol and those of its rates, in order."""
         return [[se.Symbol(name) for name in rate_names(u)] for u in self.system.inputs]
 
-    def _carried_out(self, expr: sp.Expr) -> sp.Expr:
+    def _carry_out(self, expr: sp.Expr) -> sp.Expr:
         """Partial derivatives that SymPy can take are taken; rates of things are left alone."""
         nodes = [d for d in expr.atoms(sp.Derivative) if time not in d.variables]
         return expr.xreplace({d: d.doit() for d in nodes}) if nodes else expr
@@ -108,7 +108,7 @@ def rate_names(thing: sp.Expr) -> list[str]:
 def _in_cases(expr: sp.Expr) -> sp.Expr:
     """The expression with cases and floors for steps, limits and remainders."""
     expr = expr.replace(lambda e: isinstance(e, sp.Mod), lambda e: _remainder(*e.args))
-    expr = expr.replace(lambda e: isinstance(e, (sp.frac, sp.ceiling)), _floored)
+    expr = expr.replace(lambda e: isinstance(e, (sp.frac, sp.ceiling)), _floor)
     for kind, (outer, inner) in _RECIPROCALS.items():
         expr = expr.replace(kind, lambda x, f=outer, g=inner: f(g(x)))
     return expr.replace(lambda e: isinstance(e, _CASES), lambda e: e.rewrite(sp.Piecewise))
@@ -118,7 +118,7 @@ def _remainder(a: sp.Expr, b: sp.Expr) -> sp.Expr:
     return a - b * sp.floor(a / b)
 
 
-def _floored(expr: sp.Expr) -> sp.Expr:
+def _floor(expr: sp.Expr) -> sp.Expr:
     (a,) = expr.args
     return a - sp.floor(a) if isinstance(expr, sp.frac) else -sp.floor(-a)
 

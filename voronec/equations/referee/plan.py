@@ -251,7 +251,7 @@ class Plan:
     followers: Sequenced | None
 
     @property
-    def held(self) -> set[str]:
+    def occurring_names(self) -> set[str]:
         """The names of everything that occurs anywhere."""
         parts = (self.relations, self.kinematics, self.dynamics, self.bends)
         return {name for part in parts for name in part.names}
@@ -293,7 +293,7 @@ class _Entered:
 
 def make_plan(system: System) -> Plan:
     """Differentiate a system's Lagrangian, constraints and relations once."""
-    inside = _entered(system)
+    inside = _enter(system)
     relations = [_smooth(inside.enter(r)) for r in system.fibration.relations]
     bound = [_smooth(inside.enter(c)) for c in system.constraints]
     bound += [inside.drift(r) for r in relations]
@@ -321,7 +321,7 @@ def make_plan(system: System) -> Plan:
     )
 
 
-def _entered(system: System) -> _Entered:
+def _enter(system: System) -> _Entered:
     names, frame = Names(system), system.frame
     clock = names.symbol(time)
     v = tuple(names.symbol(velocity(x)) for x in system.coordinates)
@@ -357,18 +357,18 @@ def _dynamics(inside: _Entered) -> list[Any]:
             se.Add(*[s * rate.diff(w) for s, rate in zip(slopes, inside.qdot, strict=True)])
             for w in inside.v
         ]
-    applied, pushed = _applied(inside)
+    applied, pushed = _read_forces(inside)
     force = [
         q_force + 2 * slope - change.diff(v) - turn
         for slope, v, q_force, turn in zip(
-            slopes, inside.v, applied, _turning(inside, momenta), strict=True
+            slopes, inside.v, applied, _group_terms(inside, momenta), strict=True
         )
     ]
     mass = [p.diff(v) for p in momenta for v in inside.v]
     return [*(m - x for m, x in zip(mass, pushed, strict=True)), *force]
 
 
-def _applied(inside: _Entered) -> tuple[list[Any], list[Any]]:
+def _read_forces(inside: _Entered) -> tuple[list[Any], list[Any]]:
     """The forces without accelerations, and their slopes by each of these, row by row."""
     system, zero = inside.system, sp.Integer(0)
     applied = [inside.enter(system.forces.get(x, zero)) for x in system.directions]
@@ -383,7 +383,7 @@ def _applied(inside: _Entered) -> tuple[list[Any], list[Any]]:
     return [f.xreplace(dict.fromkeys(symbols, se.Integer(0))) for f in spelled], slopes
 
 
-def _turning(inside: _Entered, momenta: list[Any]) -> list[Any]:
+def _group_terms(inside: _Entered, momenta: list[Any]) -> list[Any]:
     """C_ab^c w^b p_c of a group; zero in coordinates."""
     frame = inside.system.frame
     total = dict.fromkeys(inside.v, se.Integer(0))

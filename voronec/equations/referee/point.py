@@ -70,7 +70,7 @@ def read_point(system: System, point: Mapping[Any, Any], held: Set[str]) -> dict
 
 def at_precision(values: Mapping[str, Exact]) -> dict[str, Any]:
     """The numbers as ``mpf`` at the working precision of mpmath."""
-    return {name: _rounded(value) for name, value in values.items()}
+    return {name: _round(value) for name, value in values.items()}
 
 
 def _name(system: System, key: Any) -> str:
@@ -138,7 +138,7 @@ def _is_too_large(value: sp.Expr) -> bool:
     return False
 
 
-def _rounded(value: Exact) -> Any:
+def _round(value: Exact) -> Any:
     if isinstance(value, Fraction):
         return mp.mpf(value.numerator) / value.denominator
     if isinstance(value, mp.mpf):

@@ -184,13 +184,13 @@ def _solve_motion(plan: Plan, numbers: Mapping[str, Any], rows: list[Vector]) ->
     reaction = [
         mp.fsum(m * row[i] for m, row in zip(multipliers, rows, strict=True)) for i in range(width)
     ]
-    determined = _determined(rows, width) if found.leftover else (True,) * len(rows)
+    determined = _determinacy(rows, width) if found.leftover else (True,) * len(rows)
     unique = [m if d else mp.mpf(0) for m, d in zip(multipliers, determined, strict=True)]
-    accelerations = _followed(plan, numbers, motion.solution[:width])
+    accelerations = _group_accelerations(plan, numbers, motion.solution[:width])
     return MultiplierSolution(accelerations, reaction, unique, determined)
 
 
-def _followed(plan: Plan, numbers: Mapping[str, Any], found: Vector) -> Vector:
+def _group_accelerations(plan: Plan, numbers: Mapping[str, Any], found: Vector) -> Vector:
     """On a group, the accelerations of the coordinates before those of the frame's velocities."""
     if plan.followers is None:
         return found
@@ -199,7 +199,7 @@ def _followed(plan: Plan, numbers: Mapping[str, Any], found: Vector) -> Vector:
     return [*(mp.fdot(row[:-1], found) + row[-1] for row in rows), *found]
 
 
-def _determined(rows: list[Vector], width: int) -> tuple[bool, ...]:
+def _determinacy(rows: list[Vector], width: int) -> tuple[bool, ...]:
     """Which multipliers A^T lambda determines: those on which no null vector of A^T has a part."""
     transposed = [[row[i] for row in rows] for i in range(width)]
     kernel = eliminate(transposed, [mp.mpf(0)] * width, len(rows)).kernel
@@ -278,15 +278,15 @@ def multiplier_acceleration(
     relations; for constraints that are not affine or contradict each other; where an admissible
     velocity has no inertia; for an unknown function; where the equations are not defined.
     """
-    solution = _confirmed(require_system(system), point, digits)
+    solution = _confirm(require_system(system), point, digits)
     things = (*system.coordinates, *(system.directions if system.on_group else ()))
-    return _labelled(things, solution.accelerations, digits)
+    return _label(things, solution.accelerations, digits)
 
 
 @accepts(point=POINT)
 def reaction_forces(system: System, point: Mapping[Any, Any], digits: int = 30) -> Reactions:
     """The multipliers and reaction forces at a point; see ``multiplier_acceleration``."""
-    solution = _confirmed(require_system(system), point, digits)
+    solution = _confirm(require_system(system), point, digits)
     count = len(system.constraints)
 
     def unique(part: slice) -> tuple[sp.Float, ...] | None:
@@ -297,22 +297,22 @@ def reaction_forces(system: System, point: Mapping[Any, Any], digits: int = 30) 
     return Reactions(
         multipliers=unique(slice(None, count)),
         relation_multipliers=unique(slice(count, None)),
-        generalized=MappingProxyType(_labelled(system.directions, solution.reaction, digits)),
+        generalized=MappingProxyType(_label(system.directions, solution.reaction, digits)),
     )
 
 
-def _labelled(things: tuple[sp.Expr, ...], numbers: Vector, digits: int) -> dict[sp.Expr, sp.Float]:
+def _label(things: tuple[sp.Expr, ...], numbers: Vector, digits: int) -> dict[sp.Expr, sp.Float]:
     return {x: sp.Float(number, digits) for x, number in zip(things, numbers, strict=True)}
 
 
-def _confirmed(system: System, point: Mapping[Any, Any], digits: int) -> MultiplierSolution:
+def _confirm(system: System, point: Mapping[Any, Any], digits: int) -> MultiplierSolution:
     """A solution of which two precisions agree to the digits asked for."""
     require_digits(f"system '{system.name}'", digits)
     try:
         plan = _plan(system)
     except DefinitionError as error:
         raise DefinitionError(f"system '{system.name}': {error}") from None
-    values = read_point(system, point, plan.held)
+    values = read_point(system, point, plan.occurring_names)
     precision = digits + GUARD
     before = _attempt(plan, values, precision)
     for _ in range(DOUBLINGS):

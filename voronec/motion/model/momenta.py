@@ -23,7 +23,7 @@ import symengine as se
 from voronec.algebra.normal import canonical
 from voronec.algebra.ring import sparse_terms
 from voronec.algebra.roots import ring_over
-from voronec.equations.program import solved
+from voronec.equations.program import solve_mass
 from voronec.errors import EngineLimit
 from voronec.motion.model.level import Level
 
@@ -80,7 +80,9 @@ def _solution(level: Level, names: Sequence[Any]) -> tuple[tuple[Any, Any], ...]
         assignments.append((next(fresh), expr))
         return assignments[-1][0]
 
-    solution = solved(level.mass, names, name, level.parameters, level.relations, level.positive)
+    solution = solve_mass(
+        level.mass, names, name, level.parameters, level.relations, level.positive
+    )
     return (*assignments, *zip(level.velocities, solution, strict=True))
 
 

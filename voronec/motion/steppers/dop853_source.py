@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.equations.program import Program, hoisted, scalar_source
+from voronec.equations.program import Program, hoist, scalar_source
 
 __all__ = ["COLLAPSED", "DONE", "HAPPENING", "LIMIT", "kernel_source"]
 
@@ -33,7 +33,7 @@ def kernel_source(program: Program, levels: Program | None) -> str:
     program with its constants (``hoisted``), and those of ``levels``; its arrays are described in
     ``numba_stepper``.
     """
-    parts = [scalar_source(hoisted(program).program)]
+    parts = [scalar_source(hoist(program).program)]
     if levels is not None:
         parts.append(scalar_source(levels, extras=True))
     count = 0 if levels is None else len(levels.names)

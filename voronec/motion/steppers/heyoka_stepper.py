@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import symengine as se
 
-from voronec.equations.program import Program, hoisted, taylor_extras, taylor_system
+from voronec.equations.program import Program, hoist, taylor_extras, taylor_system
 from voronec.motion.events import Event
 from voronec.motion.steppers.angle_states import angles_among
 from voronec.motion.steppers.first_step import GROWING, STRIDE, opening
@@ -165,7 +165,7 @@ class _Machine:
         """Go to the start of a problem, whatever went before."""
         ta, log = self.integrator, self.log
         ta.time, ta.state[:] = float(grid[0]), problem.start / self.winding.units
-        values = hoisted(problem.program).values(list(map(float, problem.parameters)))
+        values = hoist(problem.program).values(list(map(float, problem.parameters)))
         ta.pars[:] = values[: len(ta.pars)]
         if ta.with_events:
             ta.reset_cooldowns()
@@ -207,7 +207,7 @@ def taylor(problem: Problem) -> Stepper:
 
 def _integrator(problem: Problem, log: Log, winding: Winding, hy: Any) -> Any:
     """heyoka's integrator, to be given start and parameters."""
-    program, levels = hoisted(problem.program).program, problem.levels
+    program, levels = hoist(problem.program).program, problem.levels
     units = winding.units.tolist()
     functions = taylor_extras(levels, units) if levels is not None else {}
     moving = _moving(levels) if levels is not None else set()

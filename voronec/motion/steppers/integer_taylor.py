@@ -14,7 +14,7 @@ import numpy as np
 from voronec.algebra.tape import as_ball
 from voronec.equations.program import Program
 from voronec.equations.program.digits import compiled_digits
-from voronec.equations.program.recurrences import Recurrences, fixed, recurrences
+from voronec.equations.program.recurrences import Recurrences, fixed_point, recurrences
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
 from voronec.motion.steppers.step_loop import Halted, Levels, Stride, march
 from voronec.motion.steppers.units import SMALL, natural_units
@@ -72,7 +72,7 @@ def _levels(levels: Program | None, parameters: Sequence[Any]) -> Levels:
 def _units(number: Any, bits: int) -> int:
     """A number in units of 2^-bits."""
     with flint.ctx.workprec(bits + 128):
-        return fixed(as_ball(number), bits)
+        return fixed_point(as_ball(number), bits)
 
 
 def _number(units: int, bits: int, kept: int) -> Any:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from voronec.equations.program import Program, hoisted, scalar_source
+from voronec.equations.program import Program, hoist, scalar_source
 from voronec.motion.steppers import dop853_source
 from voronec.motion.steppers.dop853_source import COLLAPSED, HAPPENING, kernel_source
 from voronec.motion.steppers.kept_code import kept_function
@@ -57,7 +57,7 @@ def compiled_dop853(problem: Problem) -> Stepper:
 @lru_cache(maxsize=32)  # loaded code stays in memory, and to read it takes longer than most runs
 def compiled_loop(program: Program, levels: Program | None = None) -> Callable[..., int]:
     """The function ``drive`` of a program, and of functions of events."""
-    parts = [scalar_source(hoisted(program).program), Path(dop853_source.__file__).read_text()]
+    parts = [scalar_source(hoist(program).program), Path(dop853_source.__file__).read_text()]
     parts += [scalar_source(levels, extras=True)] if levels is not None else []
     parts += [str(len(program.state)), version("scipy")]
     key = "\n".join(parts)
@@ -107,7 +107,7 @@ class Loop:
         relative = [finest if s in held else 0.0 for s in problem.program.state]
         scales = np.array([finest * natural_units(problem), relative])
         coarse = np.array([e.name in problem.coarse for e in problem.events], dtype=np.int64)
-        known = hoisted(problem.program).values(given)
+        known = hoist(problem.program).values(given)
         return cls(
             drive, problem, grid, np.empty((len(grid), n)),
             np.array([float(grid[0]), 0.0, float(grid[0])]), np.array([1, 0, 0, 0, 0]), states,

@@ -12,7 +12,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.equations.program import compiled
+from voronec.equations.program import compile_program
 from voronec.motion.steppers.run import Problem, Run, Stepper, in_parts
 from voronec.motion.steppers.signals import exact_mpf
 
@@ -88,7 +88,7 @@ def _with_jumps(problem: Problem, part: Run, times: tuple[float, float, float]) 
     for values in (changing.on(first, end), changing.on(end, ahead[0] if ahead else later)):
         known = {**own, **values}
         numbers = [float(known[name]) for name in given]
-        found = compiled(levels)[1](end, [float(x) for x in state], numbers)
+        found = compile_program(levels)[1](end, [float(x) for x in state], numbers)
         sides.append(dict(zip(levels.names, map(float, found), strict=True)))
     crossings, stopped = dict(part.crossings), ""
     order = 1 if later >= first else -1

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.equations.program import compiled
+from voronec.equations.program import compile_program
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
 from voronec.motion.steppers.step_loop import Halted, Levels, Stride, march
 from voronec.motion.steppers.units import natural_units
@@ -60,7 +60,7 @@ def estimated_steps(problem: Problem, grid: np.ndarray) -> int | None:
 
 
 def _solver(problem: Problem, method: Callable[..., Any], grid: np.ndarray) -> Any:
-    rhs, _ = compiled(problem.program, scalar=True)
+    rhs, _ = compile_program(problem.program, scalar=True)
     at = problem.parameters_at()
     finest = max(problem.tol, FINEST)
     without = 0
@@ -98,7 +98,7 @@ def level_function(problem: Problem) -> Levels:
     """The events' functions at times (k,) and states (k, n), as an array (k, m)."""
     if problem.levels is None:
         return lambda t, _states: np.empty((len(t), 0))
-    _, extras = compiled(problem.levels)
+    _, extras = compile_program(problem.levels)
     asked = problem.changing is not None and problem.changing.called is not None
     at = problem.parameters_at()
 

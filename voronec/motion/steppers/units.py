@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from voronec.equations.program import Program, compiled
+from voronec.equations.program import Program, compile_program
 from voronec.motion.steppers.angle_states import angles_among
 from voronec.motion.steppers.run import Problem
 
@@ -60,7 +60,7 @@ def _units_beside(
     program: Program, states: np.ndarray, values: np.ndarray, angles: list[int]
 ) -> np.ndarray:
     """The same where it is known which states are ``angles``."""
-    rhs = compiled(program)[0]
+    rhs = compile_program(program)[0]
 
     def slopes(at: np.ndarray) -> np.ndarray:
         rates = [np.asarray(r, dtype=float) for r in rhs(np.float64(0.0), [*at.T], [*values.T])]

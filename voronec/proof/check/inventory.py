@@ -42,7 +42,7 @@ class Inventory:
         found = {e.name: e for e in known}
         troubles = [
             Trouble("system", hidden.name, hidden.name, hidden.place, _repeats(hidden, found))
-            for hidden in _hidden(known)
+            for hidden in _shadowed_entries(known)
         ]
         for file in files:
             entry = file_entry(file)
@@ -130,7 +130,7 @@ class Inventory:
         return self.entries[name] if name in self.entries else entry_of(name)
 
 
-def _hidden(known: Sequence[Entry]) -> list[Entry]:
+def _shadowed_entries(known: Sequence[Entry]) -> list[Entry]:
     """Entries whose name another one bears."""
     shown = {(e.name, e.module, e.attribute) for e in known}
     return [e for e in registered_entries() if (e.name, e.module, e.attribute) not in shown]

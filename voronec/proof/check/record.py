@@ -149,6 +149,6 @@ def worst(findings: Sequence[Finding]) -> str:
     return min((f.status for f in findings), key=SEVERITY.index, default="no claims")
 
 
-def marked(result: Result) -> Result:
+def mark_as_known(result: Result) -> Result:
     """The result as one that an earlier check found."""
     return replace(result, reused=True)

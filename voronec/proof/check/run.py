@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from voronec.errors import DefinitionError, quote
 from voronec.proof.check.contents import Trouble
 from voronec.proof.check.inventory import Inventory
-from voronec.proof.check.record import Finding, Report, Result, marked
+from voronec.proof.check.record import Finding, Report, Result, mark_as_known
 from voronec.proof.check.unit import Unit, units_of
 from voronec.proof.verdict_store import Store
 
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from voronec.proof.relations.decision import CheckedRelation
 
 __all__ = [
-    "broken",
     "check_catalogue",
     "check_relation",
     "known_results",
     "results_of",
+    "trouble_result",
     "user_store",
 ]
 
@@ -118,7 +118,7 @@ class _Worker:
         context = get_context("spawn")
         ours, theirs = context.Pipe()
         process = context.Process(target=_serve, args=(theirs,), daemon=True)
-        with _interrupt_blocked():
+        with _block_interrupt():
             process.start()
         theirs.close()
         return cls(process, ours)
@@ -149,7 +149,7 @@ class _Worker:
 
 
 @contextmanager
-def _interrupt_blocked() -> Iterator[None]:
+def _block_interrupt() -> Iterator[None]:
     """Ctrl-C waits; a process that starts inside never hears of it, not even while it imports."""
     if sys.platform == "win32":
         yield
@@ -234,7 +234,9 @@ def check_catalogue(
                     store.save(keys[unit], "result", result.as_dict())
     except KeyboardInterrupt:
         stopped = True
-    wrong = [broken(t) for t in stock.all_troubles if not names or {t.name, t.owner} & {*names}]
+    wrong = [
+        trouble_result(t) for t in stock.all_troubles if not names or {t.name, t.owner} & {*names}
+    ]
     results = (*wrong, *(found[unit] for unit in units if unit in found))
     return Report(tuple(results), perf_counter() - begun, stopped)
 
@@ -245,11 +247,11 @@ def _known(store: Store | None, keys: dict[Unit, str]) -> dict[Unit, Result]:
     for unit, key in keys.items():
         result = Result.from_dict(store.load(key, "result")) if store is not None else None
         if result is not None and result.status != "broken":
-            found[unit] = marked(result)
+            found[unit] = mark_as_known(result)
     return found
 
 
-def broken(trouble: Trouble) -> Result:
+def trouble_result(trouble: Trouble) -> Result:
     """What is wrong at sight, as a result."""
     finding = Finding(trouble.kind, trouble.name, "broken", trouble.why)
     return Result(trouble.kind, trouble.name, trouble.place, (finding,), systems=(trouble.owner,))

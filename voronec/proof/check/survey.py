@@ -21,7 +21,7 @@ __all__ = ["survey"]
 def survey(entries: Mapping[str, Entry]) -> Contents:
     """What systems declare, and what is wrong with it at sight."""
     found = _Survey(entries)
-    edges, squares, troubles = found.sorted_out
+    edges, squares, troubles = found.declared_checks
     graph = diagram([*found.systems, *found.related_members(edges)], [e.value for e in edges])
     beside = {e.value.label: e.entry for e in edges}
     named = {s.value.label: s for s in squares}
@@ -35,7 +35,7 @@ def survey(entries: Mapping[str, Entry]) -> Contents:
         found.families[0],
         tuple(_edge(e) for e in edges),
         tuple(faces),
-        (*found.broken, *found.families[1], *troubles),
+        (*found.troubles, *found.families[1], *troubles),
     )
 
 
@@ -67,7 +67,7 @@ class _Survey:
     entries: Mapping[str, Entry]
 
     @cached_property
-    def loaded(self) -> dict[str, System | DefinitionError]:
+    def systems_or_errors(self) -> dict[str, System | DefinitionError]:
         found: dict[str, System | DefinitionError] = {}
         for name, entry in self.entries.items():
             try:
@@ -79,12 +79,12 @@ class _Survey:
     @cached_property
     def systems(self) -> dict[str, System]:
         """The systems that load."""
-        return {n: s for n, s in self.loaded.items() if isinstance(s, System)}
+        return {n: s for n, s in self.systems_or_errors.items() if isinstance(s, System)}
 
     @property
-    def broken(self) -> Iterator[Trouble]:
+    def troubles(self) -> Iterator[Trouble]:
         """Those that do not."""
-        for name, error in self.loaded.items():
+        for name, error in self.systems_or_errors.items():
             if isinstance(error, DefinitionError):
                 yield Trouble("system", name, name, self.entries[name].place, str(error))
 
@@ -109,7 +109,7 @@ class _Survey:
         return sorted(ends - {*self.systems})
 
     @cached_property
-    def sorted_out(self) -> tuple[tuple[_Declared, ...], tuple[_Declared, ...], list[Trouble]]:
+    def declared_checks(self) -> tuple[tuple[_Declared, ...], tuple[_Declared, ...], list[Trouble]]:
         """Relations, squares, and those of both that cannot be checked."""
         relations, squares, troubles = [], [], []
         for entry in self.with_relations():

@@ -39,7 +39,7 @@ def examine(unit: Unit, bench: Derivations) -> Result:
     try:
         findings, notes = work(unit, bench)
     except Exception as error:
-        findings = [_failed(unit.kind, unit.name, error)]
+        findings = [_failure_finding(unit.kind, unit.name, error)]
     result = Result(
         unit.kind, unit.name, unit.entry.place, tuple(findings), notes=notes,
         systems=tuple(e.name for e in unit.involved),
@@ -47,7 +47,7 @@ def examine(unit: Unit, bench: Derivations) -> Result:
     return replace(result, seconds=perf_counter() - start)
 
 
-def _failed(kind: str, name: str, error: Exception) -> Finding:
+def _failure_finding(kind: str, name: str, error: Exception) -> Finding:
     """What an error tells of a unit, or of a part of it."""
     if isinstance(error, EngineLimit):
         return Finding(kind, name, "undecided", str(error))
@@ -69,7 +69,7 @@ def _system(unit: Unit, bench: Derivations) -> Work:
         try:
             findings += [_claim(c, c.reason) for c in check(motions)]
         except Exception as error:  # what was found of the rest stands all the same
-            findings.append(_failed(kind, unit.name, error))
+            findings.append(_failure_finding(kind, unit.name, error))
     return findings, ()
 
 
@@ -79,7 +79,7 @@ def _relation(unit: Unit, bench: Derivations) -> Work:
     relation = unit.entry.load_relations()[0][unit.position]
     entries = {e.name: e for e in unit.involved}
     found = check_relation(relation, lambda name: bench.motions(entries[name]))
-    reasons = _admitted(unit)
+    reasons = _admitted_reasons(unit)
     own = _finding("relation", unit.name, found.verdict, reasons.get(unit.name, ""))
     carried = [_claim(c, reasons.get(c.name, ""), "carried ") for c in found.pulled]
     return [own, *carried], tuple(found.kinds)
@@ -96,12 +96,12 @@ def _square(unit: Unit, bench: Derivations) -> Work:
         {r.label: r for r in relations},
         lambda name: bench.motions(entries[name]),
     )
-    reason = _admitted(unit).get(unit.name, "")
+    reason = _admitted_reasons(unit).get(unit.name, "")
     notes = tuple(", then ".join(limits) for limits in found.limits if limits)
     return [_finding("square", unit.name, found.verdict, reason)], notes
 
 
-def _admitted(unit: Unit) -> dict[str, str]:
+def _admitted_reasons(unit: Unit) -> dict[str, str]:
     """What the systems of a unit, and the one beside it, list as undecided, with the reasons."""
     found: dict[str, str] = {}
     for entry in (*unit.involved, unit.entry):

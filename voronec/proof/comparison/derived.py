@@ -22,7 +22,7 @@ from voronec.equations.reduction import descend
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Derived", "is_general", "random_point", "read_derived"]
+__all__ = ["Derived", "is_general", "random_point", "read_derivation"]
 
 
 POINT_DIGITS = 90
@@ -103,7 +103,7 @@ class Derived:
         """Everything that is compared, of a system as it is derived now."""
         relations = [plain_text(r) for r in eqs.system.fibration.relations]
         groups, ideals = _groups(eqs), {"": relations}
-        reduced, rules = _reduced(eqs)
+        reduced, rules = _reduced_equations(eqs)
         return cls(
             eqs.system.name,
             _facts(eqs) | {"relations": relations},
@@ -114,7 +114,7 @@ class Derived:
             eqs,
         )
 
-    def stored(self) -> Derived:
+    def compact(self) -> Derived:
         """The compact form: without groups that are too long."""
         short = {k: g for k, g in self.groups.items() if sum(map(len, g.values())) <= LONGEST}
         return replace(self, groups=short)
@@ -133,7 +133,7 @@ class Derived:
 
     def text(self) -> str:
         """The compact form as JSON, the same for the same derivation."""
-        return json.dumps(self.stored().as_dict(), indent=1, ensure_ascii=False) + "\n"
+        return json.dumps(self.compact().as_dict(), indent=1, ensure_ascii=False) + "\n"
 
     @classmethod
     def from_dict(cls, data: Any, place: str) -> Derived:
@@ -164,7 +164,7 @@ def _positive(system: System) -> Iterator[str]:
                 yield plain_text((part.gts - part.lts).xreplace(own))
 
 
-def read_derived(path: str | Path) -> Derived:
+def read_derivation(path: str | Path) -> Derived:
     """The derivation that a file holds."""
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -237,7 +237,9 @@ def _curvature(eqs: VoronecEquations, parts: Any) -> dict[str, str]:
     return _nonzero(entries)
 
 
-def _reduced(eqs: VoronecEquations) -> tuple[dict[str, dict[str, str]], dict[str, list[str]]]:
+def _reduced_equations(
+    eqs: VoronecEquations,
+) -> tuple[dict[str, dict[str, str]], dict[str, list[str]]]:
     """The equations in the invariants, and the relations among these."""
     if not eqs.system.invariants:
         return {}, {}

@@ -83,7 +83,7 @@ class Comparison:
         return tuple(r for r in self.rows if r.status not in ("identical", "proved", "numeric"))
 
     @property
-    def rewritten(self) -> tuple[Row, ...]:
+    def rewritten_rows(self) -> tuple[Row, ...]:
         """What is written differently, and proved equal."""
         return tuple(r for r in self.rows if r.status == "proved")
 
@@ -112,7 +112,7 @@ def compare(first: Side, second: Side) -> Comparison:
 
     Either side is a system, its equations, or what was kept of an earlier derivation.
     """
-    first, second = _derived(first), _derived(second)
+    first, second = _derivation_of(first), _derivation_of(second)
     rows = [
         *_facts(first, second),
         *(row for group in _groups(first, second) for row in _entries(first, second, group)),
@@ -122,7 +122,7 @@ def compare(first: Side, second: Side) -> Comparison:
     return Comparison(first.name, second.name, tuple(rows), deviations, remark)
 
 
-def _derived(side: Side) -> Derived:
+def _derivation_of(side: Side) -> Derived:
     if isinstance(side, Derived):
         return side
     return Derived.of(side if isinstance(side, VoronecEquations) else derive(side))
@@ -130,7 +130,7 @@ def _derived(side: Side) -> Derived:
 
 def _facts(first: Derived, second: Derived) -> Iterator[Row]:
     for fact in FACTS:
-        ours, theirs = (_shown(d.facts[fact]) for d in (first, second))
+        ours, theirs = (_show(d.facts[fact]) for d in (first, second))
         status = "identical" if ours == theirs else "different"
         if "undecided" in (ours, theirs) and ours != theirs:
             status = "undecided"
@@ -146,7 +146,7 @@ def _dimension(d: Derived) -> int:
     return size - len(facts["relations"])
 
 
-def _shown(fact: Any) -> str:
+def _show(fact: Any) -> str:
     return ", ".join(map(str, fact)) if isinstance(fact, list) else str(fact)
 
 
@@ -214,7 +214,7 @@ def _acceleration(side: Derived, at: Any) -> dict[str, str] | None:
             return dict(stored)
     if side.equations is None:
         return None
-    point = {k: _stored(x) for k, x in at.items()}
+    point = {k: _stored_number(x) for k, x in at.items()}
     known = {plain_name(s) for s in side.equations.system.known_symbols() if is_symbolic_name(s)}
     if not {*at} <= known:
         return None
@@ -225,17 +225,17 @@ def _acceleration(side: Derived, at: Any) -> dict[str, str] | None:
     return {plain_name(q): str(a) for q, a in found.items()}
 
 
-def _stored(number: Any) -> sp.Expr:
+def _stored_number(number: Any) -> sp.Expr:
     return exact_number(str(number), "a number of a stored derivation")
 
 
 def _point(number: int, at: Any, stored: Any, found: Any, swapped: bool) -> Iterator[Row]:
-    size = 1 + max((abs(_stored(a)) for a in stored.values()), default=0)
+    size = 1 + max((abs(_stored_number(a)) for a in stored.values()), default=0)
     for name, value in stored.items():
         other = found.get(name)
         if other is None:
             continue
-        close = abs(_stored(value) - _stored(other)) <= AGREEMENT * size
+        close = abs(_stored_number(value) - _stored_number(other)) <= AGREEMENT * size
         status = "numeric" if close else "refuted"
         a, b = (other, value) if swapped else (value, other)
         how = "" if close else "at " + ", ".join(f"{k} = {x}" for k, x in at.items())

@@ -186,22 +186,22 @@ def _has_time(statemap: StateMap) -> bool:
     return decide_zero(rate - statemap.clock, statemap.hypotheses).proved
 
 
-def _pulled(statemap: StateMap, expr: sp.Expr) -> Any:
+def _pull_back(statemap: StateMap, expr: sp.Expr) -> Any:
     return statemap.pull_back(statemap.target.read(expr))
 
 
 def _images(statemap: StateMap, *functions: sp.Expr) -> Iterator[Any]:
-    yield from (_pulled(statemap, f) for f in functions)
+    yield from (_pull_back(statemap, f) for f in functions)
 
 
 def _rates(statemap: StateMap, function: sp.Expr) -> Iterator[Any]:
-    yield statemap.derivative(_pulled(statemap, function))
+    yield statemap.derivative(_pull_back(statemap, function))
 
 
 def _defects(statemap: StateMap, equation: Equation) -> Iterator[Any]:
     for function, rate in zip(equation.function, equation.rate, strict=True):
-        moved = statemap.derivative(_pulled(statemap, function))
-        yield moved - statemap.clock * _pulled(statemap, rate)
+        moved = statemap.derivative(_pull_back(statemap, function))
+        yield moved - statemap.clock * _pull_back(statemap, rate)
 
 
 def _is_measured(statemap: StateMap, measure: Measure) -> bool:
@@ -229,7 +229,7 @@ def _has_plain_clock(statemap: StateMap) -> bool:
 
 
 def _densities(statemap: StateMap, claim: Any) -> Iterator[Any]:
-    density = _pulled(statemap, right_of(claim).density) * volume_factor(statemap)
+    density = _pull_back(statemap, right_of(claim).density) * volume_factor(statemap)
     if statemap.clock.free_symbols & {*statemap.source.variables}:
         density = density / statemap.clock  # a clock that only the time drives keeps volumes
     yield density

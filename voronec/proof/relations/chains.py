@@ -17,13 +17,13 @@ from voronec.declaration.relation import Relation, Square
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit
-from voronec.proof.relations.decision import completed, decided_at_limit
-from voronec.proof.relations.families import Course, carried_back
+from voronec.proof.relations.decision import complete_velocities, decided_at_limit
+from voronec.proof.relations.families import Course, carry_back
 from voronec.proof.relations.functions import Functions, formal
 from voronec.proof.relations.orders import all_at_zero, at_zero
 from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.statemap import StateMap
-from voronec.proof.relations.substitution import substituted
+from voronec.proof.relations.substitution import substitute
 
 __all__ = ["CheckedSquare", "check_square"]
 
@@ -59,7 +59,7 @@ class _Chain:
     small: Any = None
     scaled: dict[Any, Any] = field(default_factory=dict)
 
-    def mapped(self, change: Callable[[Any], Any]) -> _Chain:
+    def map(self, change: Callable[[Any], Any]) -> _Chain:
         """The same with a change of every expression, as a limit of parameters."""
         return replace(
             self,
@@ -71,7 +71,7 @@ class _Chain:
     def within(self, small: Any, scaled: dict[Any, Any]) -> _Chain:
         """The limit where parameters of the start depend on a small one, which vanishes."""
         rules = moved_hypotheses(self.hypotheses, scaled)
-        found = self.mapped(lambda e: at_zero(e.xreplace(scaled), rules, small))
+        found = self.map(lambda e: at_zero(e.xreplace(scaled), rules, small))
         return replace(found, hypotheses=all_at_zero(rules, small))
 
 
@@ -112,22 +112,22 @@ def _agreement(first: _Chain, second: _Chain) -> Verdict:
         for x, image in ours.items():
             verdict = decide_equal(image, theirs[x], first.hypotheses)
             if not verdict.proved and not x.is_Symbol:
-                verdict = _where_taken(x, first, second) or verdict
+                verdict = _compare_functions(x, first, second) or verdict
             if not verdict.proved:
                 return Verdict(verdict.status, f"'{x}': {verdict.method}", verdict.witness)
     return decide_equal(first.clock, second.clock, first.hypotheses)
 
 
-def _where_taken(function: Any, first: _Chain, second: _Chain) -> Verdict | None:
+def _compare_functions(function: Any, first: _Chain, second: _Chain) -> Verdict | None:
     """Whether values of an unknown function that hold state agree where the end takes it."""
     values = [chain.parameters[function] for chain in (first, second)]
     known = {*function.args, *first.start.parameters}
     places = applications(first.end)[function.get_name()]
     if len(places) > 1 or all(v.free_symbols <= known for v in values):
         return None
-    images = [substituted(a, first.state) for a in places[0].args]
+    images = [substitute(a, first.state) for a in places[0].args]
     at = dict(zip(function.args, images, strict=True))
-    left, right = (substituted(v, at) for v in values)
+    left, right = (substitute(v, at) for v in values)
     return decide_equal(left, right, first.hypotheses)
 
 
@@ -138,24 +138,27 @@ def _chain(labels: Sequence[str], relations: Mapping[str, Relation], motions: Fi
     it was proved on invariants, that is read on coordinates, if it is proved there as well.
     """
     try:
-        return _composed(labels, [StateMap.of(relations[n], motions) for n in labels], motions)
+        return _compose(labels, [StateMap.of(relations[n], motions) for n in labels], motions)
     except _Gap as gap:
         maps = [StateMap.of(relations[n], motions, "coordinates") for n in labels]
         for found in maps:
-            if found.relation.state is None and not decided_at_limit(completed(found))[1].proved:
+            if (
+                found.relation.state is None
+                and not decided_at_limit(complete_velocities(found))[1].proved
+            ):
                 raise gap from None
-        return _composed(labels, maps, motions)
+        return _compose(labels, maps, motions)
 
 
 class _Gap(EngineLimit):
     """A chain that comes to invariants, and goes on from coordinates."""
 
 
-def _composed(labels: Sequence[str], maps: Sequence[StateMap], motions: Find) -> _Chain:
+def _compose(labels: Sequence[str], maps: Sequence[StateMap], motions: Find) -> _Chain:
     """Maps one after the other, levels fitted by descent where needed."""
     chain = _identity(maps[0].source)
     for label, found in zip(labels, maps, strict=True):
-        link = _link(completed(found))
+        link = _link(complete_velocities(found))
         if chain.end.system.name != link.start.system.name:
             raise DefinitionError(
                 f"the chain {', '.join(labels)} breaks: it comes to '{chain.end.system.name}', and "
@@ -186,7 +189,7 @@ def _link(statemap: StateMap) -> _Chain:
     small = se.Symbol(f"small {statemap.small}")
     named = {statemap.small: small}
     return replace(
-        found.mapped(lambda e: e.xreplace(named)),
+        found.map(lambda e: e.xreplace(named)),
         limits=(f"{statemap.relation.label}: {statemap.small} -> 0",),
         small=small,
         scaled={p: e.xreplace(named) for p, e in statemap.scaled.items()},
@@ -213,11 +216,11 @@ def _then(first: _Chain, second: _Chain) -> _Chain:
     Parameters in ``second`` are those before its own limit, which it has put in already.
     """
     small, family = second.small, first.family
-    moving = {} if small is None else _carried_back(first, second)
+    moving = {} if small is None else _limit_parameters(first, second)
     functions = Functions(first.parameters)
     moved = {x: e.xreplace(moving) for x, e in first.state.items()}
     mapping = {**moved, **functions.plain}
-    found = second.mapped(lambda e: functions.replaced(e, mapping))
+    found = second.map(lambda e: functions.replace(e, mapping))
     rules = moved_hypotheses(first.hypotheses, moving)
     found = replace(
         found,
@@ -232,7 +235,7 @@ def _then(first: _Chain, second: _Chain) -> _Chain:
     return found if small is None else found.within(small, {})
 
 
-def _carried_back(first: _Chain, second: _Chain) -> dict[Any, Any]:
+def _limit_parameters(first: _Chain, second: _Chain) -> dict[Any, Any]:
     """The parameters of the start of ``first`` for which those of its end follow a limit."""
     small = sp.Symbol(str(second.small))
     values = {str(p): sympify(e) for p, e in first.parameters.items() if p.is_Symbol}
@@ -243,7 +246,7 @@ def _carried_back(first: _Chain, second: _Chain) -> dict[Any, Any]:
         for c in split_hypotheses(first.hypotheses)[1]
         if {*map(str, c.free_symbols)} <= own.keys()
     )
-    family = carried_back(values, scaled, small, [sympify(c) for c in ranges])
+    family = carry_back(values, scaled, small, [sympify(c) for c in ranges])
     if family is None or not own.keys() >= family.keys():
         raise DefinitionError(
             f"the chain that comes to '{second.start.system.name}' fixes a parameter that the "

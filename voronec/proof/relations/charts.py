@@ -37,7 +37,7 @@ def check_charts(motions: Motions) -> Iterator[Claim]:
     for name in own.charts:
         begin = clock.perf_counter()
         try:
-            verdict = _decided(motions, name)
+            verdict = _decide(motions, name)
         except EngineLimit as limit:
             verdict = Verdict("undecided", str(limit))
         except DefinitionError as error:  # it makes no sense; the others stand all the same
@@ -52,7 +52,7 @@ def check_charts(motions: Motions) -> Iterator[Claim]:
         )
 
 
-def _decided(motions: Motions, name: str) -> Verdict:
+def _decide(motions: Motions, name: str) -> Verdict:
     chart, there = motions.system.charts[name], system_in(motions.system, name)
     inverse = _inverse(motions, chart)
     if not inverse.proved:

@@ -26,7 +26,13 @@ from voronec.proof.relations.orders import all_at_zero, at_zero, vanishes
 from voronec.proof.relations.statemap import StateMap
 from voronec.proof.walls import across_walls
 
-__all__ = ["CheckedRelation", "check_relation", "completed", "decided_at_limit", "residuals"]
+__all__ = [
+    "CheckedRelation",
+    "check_relation",
+    "complete_velocities",
+    "decided_at_limit",
+    "residuals",
+]
 
 
 def residuals(statemap: StateMap) -> Iterator[tuple[str, Any]]:
@@ -138,12 +144,12 @@ def check_relation(relation: Relation, motions: Callable[[str], Motions]) -> Che
     Raises ``DefinitionError`` where the relation maps too little or too much.
     """
     start = clock.perf_counter()
-    statemap = completed(StateMap.of(relation, motions))
+    statemap = complete_velocities(StateMap.of(relation, motions))
     stated, verdict = decided_at_limit(statemap)
     pulled = pulled_claims(stated) if not verdict.refuted else ()
     return CheckedRelation(
         relation=relation,
-        kinds=kinds_of(_stated(statemap, stated)),
+        kinds=kinds_of(_stated_map(statemap, stated)),
         levels=(statemap.source.level, statemap.target.level),
         verdict=verdict,
         pulled=tuple(pulled),
@@ -161,15 +167,15 @@ def decided_at_limit(statemap: StateMap) -> tuple[StateMap, Verdict]:
     if limit is not None and limit.order == 1:
         try:
             there = at_limit(statemap)
-            verdict = _decided(there)
+            verdict = _decide_map(there)
             if not verdict.undecided:
                 return there, verdict
         except EngineLimit:
             pass  # a pole that cancels, say: the residuals are expanded instead
-    return statemap, _decided(statemap)
+    return statemap, _decide_map(statemap)
 
 
-def _stated(statemap: StateMap, decided: StateMap) -> StateMap:
+def _stated_map(statemap: StateMap, decided: StateMap) -> StateMap:
     """The map that the relation is about: that of the limit, where there is one."""
     if decided.small is None:
         return decided
@@ -208,7 +214,7 @@ def at_limit(statemap: StateMap) -> StateMap:
     )
 
 
-def _decided(statemap: StateMap) -> Verdict:
+def _decide_map(statemap: StateMap) -> Verdict:
     """Whether DPhi f = nu g(Phi), with nu not zero and a target that is determined there."""
     for verdict in (*_grounds(statemap), *unsound_functions(statemap)):
         if not verdict.proved:
@@ -278,7 +284,7 @@ def _decide(statemap: StateMap, residual: Any) -> Verdict:
         return Verdict("undecided", str(error))
 
 
-def completed(statemap: StateMap) -> StateMap:
+def complete_velocities(statemap: StateMap) -> StateMap:
     """The map with the velocities that follow from the positions: v(q', q), q' = q-dot / nu."""
     target = statemap.target
     missing = [v for v in target.velocities if v not in statemap.state]

@@ -18,7 +18,7 @@ from voronec.algebra.verdicts import prove_equal
 from voronec.declaration.relation import Limit, Relation
 from voronec.proof.relations.parameters import by_name
 
-__all__ = ["Course", "carried_back"]
+__all__ = ["Course", "carry_back"]
 
 Values = Mapping[str, sp.Expr]
 
@@ -44,10 +44,10 @@ class Course:
             return Course({n: v.xreplace(here) for n, v in given.items()}, moved)
         small = sp.Symbol(f"small {limit.small}")
         named = {sp.Symbol(str(limit.small)): small}
-        scaled = {n: v.xreplace(named) for n, v in _scaled(limit).items()}
+        scaled = {n: v.xreplace(named) for n, v in _scaled_parameters(limit).items()}
         family: Values | None = scaled
         if self.values is not None:
-            family = carried_back(known, scaled, small)
+            family = carry_back(known, scaled, small)
         if family is None:
             return None
         moved |= {n: _at_zero(v, small) for n, v in family.items()}
@@ -69,7 +69,7 @@ class Course:
         return course
 
 
-def _scaled(limit: Limit) -> dict[str, sp.Expr]:
+def _scaled_parameters(limit: Limit) -> dict[str, sp.Expr]:
     return {n: _plain(sympify(v)) for n, v in by_name(limit.parameters).items()}
 
 
@@ -78,7 +78,7 @@ def _plain(expr: sp.Expr) -> sp.Expr:
     return expr.xreplace({s: sp.Symbol(str(s)) for s in expr.free_symbols})
 
 
-def carried_back(
+def carry_back(
     values: Values, scaled: Values, small: sp.Symbol, known: Sequence[Any] = ()
 ) -> Values | None:
     """Parameters of the start, as functions of the small one, for which those of the end follow a
@@ -95,10 +95,10 @@ def carried_back(
         if not _equal(values[name], _at_zero(target, small), known):
             wanted[name] = target
     first = [*(n for n in values if n in scaled), *(n for n in values if n not in scaled)]
-    return _moved([(values[n], wanted[n]) for n in first], {}, known)
+    return _solve_pairs([(values[n], wanted[n]) for n in first], {}, known)
 
 
-def _moved(
+def _solve_pairs(
     pairs: list[tuple[sp.Expr, sp.Expr]], found: dict[str, sp.Expr], known: Sequence[Any]
 ) -> Values | None:
     """Values of symbols that make all pairs equal."""
@@ -109,7 +109,7 @@ def _moved(
         unknown = sp.Dummy()
         for name in sorted({s.name for s in value.free_symbols} - {*found}):
             root = _root(value.xreplace({**moving, sp.Symbol(name): unknown}), wanted, unknown)
-            solution = None if root is None else _moved(pairs, {**found, name: root}, known)
+            solution = None if root is None else _solve_pairs(pairs, {**found, name: root}, known)
             if solution is not None:
                 return solution
         return None

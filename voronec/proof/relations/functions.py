@@ -10,7 +10,7 @@ from typing import Any
 import symengine as se
 
 from voronec.errors import DefinitionError
-from voronec.proof.relations.substitution import substituted
+from voronec.proof.relations.substitution import substitute
 
 __all__ = ["Functions", "formal", "unknown_functions"]
 
@@ -67,31 +67,31 @@ class Functions:
     def _names(self) -> dict[Any, Any]:
         return {}
 
-    def replaced(self, expr: Any, mapping: Mapping[Any, Any]) -> Any:
+    def replace(self, expr: Any, mapping: Mapping[Any, Any]) -> Any:
         """``expr`` with functions by their values, then symbols by ``mapping``, all at once.
 
         Raises ``EngineLimit`` where that makes a part infinite.
         """
         if self._open:
-            expr = self._filled(expr)
+            expr = self._fill(expr)
             mapping = {**mapping, **self._names}
-        return substituted(expr, mapping)
+        return substitute(expr, mapping)
 
-    def _filled(self, node: Any) -> Any:
+    def _fill(self, node: Any) -> Any:
         """An expression with the values of functions in their places."""
         if not any(f.get_name() in self._open for f in node.atoms(se.FunctionSymbol)):
             return node
         if isinstance(node, se.Derivative):
             inner, *variables = node.args
-            value = self._filled(inner)
+            value = self._fill(inner)
             for variable in variables:
                 value = value.diff(variable)
             return value
         if isinstance(node, se.Subs):
-            at = zip(node.variables, map(self._filled, node.point), strict=True)
-            return substituted(self._filled(node.expr), dict(at))
-        arguments = [self._filled(a) for a in node.args]
+            at = zip(node.variables, map(self._fill, node.point), strict=True)
+            return substitute(self._fill(node.expr), dict(at))
+        arguments = [self._fill(a) for a in node.args]
         if isinstance(node, se.FunctionSymbol) and node.get_name() in self._open:
             slots, value = self._open[node.get_name()]
-            return substituted(value, dict(zip(slots, arguments, strict=True)))
+            return substitute(value, dict(zip(slots, arguments, strict=True)))
         return node.func(*arguments)

@@ -11,7 +11,7 @@ from voronec.algebra.conditions import split_hypotheses
 from voronec.algebra.normal import quotient
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.errors import EngineLimit
-from voronec.proof.relations.substitution import Infinite, substituted
+from voronec.proof.relations.substitution import Infinite, substitute
 
 __all__ = ["all_at_zero", "at_zero", "vanishes"]
 
@@ -96,4 +96,4 @@ def _put(expr: Any, small: Any, relations: Sequence[Any]) -> Any:
         if not decide_zero(base, relations).refuted:
             raise Infinite(f"a denominator or a radicand vanishes with '{small}'")
 
-    return substituted(expr, {small: se.Integer(0)}, check)
+    return substitute(expr, {small: se.Integer(0)}, check)

@@ -75,7 +75,7 @@ class StateMap:
             parameters=read_parameters(relation, reader, target),
             clock=reader.read(relation.clock, "the clock"),
             small=reader.small,
-            scaled=reader.scaled,
+            scaled=reader.scaled_parameters,
         )
 
     @cached_property
@@ -88,7 +88,7 @@ class StateMap:
         Raises ``EngineLimit`` where it is infinite on the image.
         """
         mapping = {**self.state, **self._functions.plain}
-        return self._resolved(self._functions.replaced(expr, mapping))
+        return self._resolve(self._functions.replace(expr, mapping))
 
     def scale(self, expr: Any) -> Any:
         """A function of the source's state with its parameters as functions of the small one."""
@@ -96,7 +96,7 @@ class StateMap:
 
     def derivative(self, function: Any) -> Any:
         """d/dt along the motion of the source."""
-        return self._resolved(self.scale(self.source.derivative(function)))
+        return self._resolve(self.scale(self.source.derivative(function)))
 
     @cached_property
     def scaled_source(self) -> VectorField:
@@ -117,7 +117,7 @@ class StateMap:
         """What is known of the angles that the map gives by their tangents, where it does."""
         return Angles(self.relations) if holds_angles(self.state.values()) else None
 
-    def _resolved(self, expr: Any) -> Any:
+    def _resolve(self, expr: Any) -> Any:
         return expr if self._angles is None else self._angles.resolve(expr)
 
     @property
@@ -155,7 +155,7 @@ class _Reader:
         return None if limit is None else self.source.door.inward(limit.small)
 
     @cached_property
-    def scaled(self) -> dict[Any, Any]:
+    def scaled_parameters(self) -> dict[Any, Any]:
         limit = self.relation.limit
         if limit is None:
             return {}
@@ -185,7 +185,7 @@ class _Reader:
         inside = self.source.door.inward(expr)
         if formals:
             inside = inside.xreplace({se.Symbol(name): slot for name, slot in formals.items()})
-        return self.source.express(inside).xreplace(self.scaled)
+        return self.source.express(inside).xreplace(self.scaled_parameters)
 
 
 def _symbol(system: System, name: str) -> sp.Expr:

@@ -12,7 +12,7 @@ import symengine as se
 
 from voronec.errors import EngineLimit
 
-__all__ = ["Infinite", "substituted"]
+__all__ = ["Infinite", "substitute"]
 
 _STEPS = {"sign", "abs", "floor", "ceiling"}
 _INFINITE = {se.zoo, se.nan, se.oo, -se.oo}
@@ -22,7 +22,7 @@ class Infinite(EngineLimit):
     """A value is infinite, or was not proved to be finite."""
 
 
-def substituted(
+def substitute(
     expr: Any, mapping: Mapping[Any, Any], check: Callable[[Any], None] | None = None
 ) -> Any:
     """An expression with symbols replaced, all at once; ``Infinite`` where a part has no value.

@@ -69,7 +69,7 @@ class Gradings:
         best: tuple[int, list[int], Array] | None = None
         rank = int(flint.fmpz_mat(weights.tolist()).rank()) if weights.size else 0
         for chosen in combinations(range(len(parameters)), rank):
-            found = _solved(table, chosen)
+            found = _solve_scalings(table, chosen)
             if found is not None and (best is None or int(abs(found).sum()) < best[0]):
                 best = (int(abs(found).sum()), list(chosen), found)
         if best is None or not rank:
@@ -109,7 +109,7 @@ class Gradings:
         self._freeze()
         for q, rate in zip(field.positions, field.rates, strict=True):
             if fractions[rate].num != 0:
-                self._moving(q, self._homogeneous(fractions[rate]) - tau)
+                self._constrain_position(q, self._homogeneous(fractions[rate]) - tau)
         for i, (row, force) in enumerate(zip(field.mass, field.force, strict=True)):
             own = self._unit(self.generators + 1 + i)
             if fractions[force].num != 0:
@@ -119,7 +119,7 @@ class Gradings:
                     weight = self._homogeneous(fractions[entry]) + self._unit(self.ring.index(v))
                     self.rows.append(weight + tau - own)
 
-    def _moving(self, position: Any, weight: Array) -> None:
+    def _constrain_position(self, position: Any, weight: Array) -> None:
         """The weight of a position is that of its rate without tau, by symbol and by angle."""
         self.rows.append(weight - self._unit(self.ring.index(position)))
         if position in self.ring.pairs:
@@ -179,7 +179,7 @@ def _with_jets(exprs: Sequence[Any], field: VectorField) -> tuple[Ring, list[Any
     raise EngineLimit("the functions of an ansatz have slopes without end")
 
 
-def _solved(table: Array, chosen: Sequence[int]) -> Array | None:
+def _solve_scalings(table: Array, chosen: Sequence[int]) -> Array | None:
     """Combinations of scalings, the rows, that are 1 on one of the chosen columns and 0 on the
     others, where their weights are whole."""
     size, rank = len(table), len(chosen)

@@ -33,7 +33,7 @@ class KnownFunction:
         """Its values at the points."""
         if self.exponents is None or self.vector is None:
             return np.asarray(at.known[self.place])
-        return combined(at.monomials(self.exponents), self.vector, at.p)
+        return combine(at.monomials(self.exponents), self.vector, at.p)
 
     def gradient(self, at: Values) -> Array:
         """Its gradient, (variable, point)."""
@@ -65,7 +65,7 @@ class Kernel:
     new: tuple[Candidate, ...]
 
 
-def combined(values: Array, vector: Array, p: int) -> Array:
+def combine(values: Array, vector: Array, p: int) -> Array:
     """values . vector modulo p."""
     return np.asarray((values * vector % p).sum(axis=1) % p)
 

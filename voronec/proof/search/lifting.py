@@ -243,17 +243,17 @@ class Normalization:
                 moved[tuple(map(int, whole))] = c
             parts.append(moved)
         above, below = parts
-        above = {_raised(m, self.places, shift): c for m, c in above.items()}
+        above = {_raise_power(m, self.places, shift): c for m, c in above.items()}
         lowest = np.min([*above, *below], axis=0) if above or below else np.zeros(count)
         lift = [-int(min(e, 0)) for e in lowest]
         every = range(count)
         return Quotient(
-            {_raised(m, every, lift): c for m, c in above.items()},
-            {_raised(m, every, lift): c for m, c in below.items()},
+            {_raise_power(m, every, lift): c for m, c in above.items()},
+            {_raise_power(m, every, lift): c for m, c in below.items()},
         )
 
 
-def _raised(monomial: Monomial, places: Iterable[int], by: Iterable[Any]) -> Monomial:
+def _raise_power(monomial: Monomial, places: Iterable[int], by: Iterable[Any]) -> Monomial:
     found = list(monomial)
     for i, e in zip(places, by, strict=True):
         found[i] += int(e)
@@ -270,7 +270,7 @@ def coefficients(
     def sample(points: Array, p: int) -> Array:
         whole = np.ones((len(points), count), dtype=np.int64)
         whole[:, left] = points
-        return _sampled(candidate, probe, whole, p, rng)
+        return _sample_coefficients(candidate, probe, whole, p, rng)
 
     found = rational_functions(sample, len(left), rng, probe.primes)
     weights = candidate.exponents @ normalization.letters.T
@@ -279,7 +279,9 @@ def coefficients(
     return _polynomial(whole, probe.constants)
 
 
-def _sampled(candidate: Candidate, probe: Probe, points: Array, p: int, rng: Any) -> Array:
+def _sample_coefficients(
+    candidate: Candidate, probe: Probe, points: Array, p: int, rng: Any
+) -> Array:
     """The coefficients at given parameters, (coefficient, setting)."""
     columns: list[Array] = []
     for start in range(0, len(points), BATCH):
@@ -288,11 +290,11 @@ def _sampled(candidate: Candidate, probe: Probe, points: Array, p: int, rng: Any
             if values is None:
                 raise EngineLimit("an integral has no value at some parameters; give them values")
             rates = values.rates(candidate.exponents, values.monomials(candidate.exponents))
-            columns.append(_normalized(rates, candidate.free, p))
+            columns.append(_normalized_vector(rates, candidate.free, p))
     return np.array(columns, dtype=np.int64).T
 
 
-def _normalized(rates: Array, free: int, p: int) -> Array:
+def _normalized_vector(rates: Array, free: int, p: int) -> Array:
     """The only vector that ``rates`` takes to zero, 1 at the place ``free``."""
     others = [j for j in range(rates.shape[1]) if j != free]
     vectors, last = kernel(rates[:, [*others, free]], p)

@@ -56,7 +56,7 @@ class Variety:
         equations = [self.ring.fraction(r).num for r in relations]
         self.relations = [e for e in equations if e != 0]
         self._rules = {g: (q, self.ring.field.gens[g] ** q - r) for g, q, r in self.rules}
-        self.fixed = self._depending_on(parameters)
+        self.fixed = self._parameter_generators(parameters)
         self.parameters = sorted((self.fixed & self._present()) - set(self._rules))
         self._bound = self._triangular()
 
@@ -112,7 +112,7 @@ class Variety:
             polynomials += [f.num, *(factor for factor, _ in self.denominators(i))]
         return {g for poly in polynomials for m in sparse_terms(poly) for g, _ in m}
 
-    def _depending_on(self, parameters: Sequence[Any]) -> set[int]:
+    def _parameter_generators(self, parameters: Sequence[Any]) -> set[int]:
         """The generators that depend on nothing but parameters."""
         free = set(parameters)
         return {i for i, e in enumerate(self.ring.meaning) if e.free_symbols <= free}

@@ -24,7 +24,7 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 from voronec.proof.search.residues import Array
 
-__all__ = ["Ansatz", "Letter", "Question", "declared", "on_field"]
+__all__ = ["Ansatz", "Letter", "Question", "declared_integrals", "on_field"]
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Letter:
     kind: str
 
     @property
-    def named(self) -> bool:
+    def is_named(self) -> bool:
         """Whether the name is not the function itself."""
         return bool(self.symbol != self.meaning)
 
@@ -128,17 +128,19 @@ def _order(row: Array) -> tuple[int, ...]:
 Values = Mapping[Any, sp.Expr]
 
 
-def declared(system: System, values: Values, cases: Mapping[str, Values]) -> dict[str, sp.Expr]:
+def declared_integrals(
+    system: System, values: Values, cases: Mapping[str, Values]
+) -> dict[str, sp.Expr]:
     """The declared integrals: those of the system, and those of the cases, each given with its
     parameters, that hold at these values of parameters."""
     claims = dict(system.integrals)
     for name, parameters in cases.items():
-        if _implied(parameters, values):
+        if _is_implied(parameters, values):
             claims |= {f"{k} ({name})": v for k, v in system.cases[name].integrals.items()}
     return {k: c.right if isinstance(c, Corrected) else c for k, c in claims.items()}
 
 
-def _implied(case: Values, values: Values) -> bool:
+def _is_implied(case: Values, values: Values) -> bool:
     """Whether the values given to parameters are among those of a case."""
     at = dict(values)
     return bool(case) and all(
@@ -158,11 +160,11 @@ def on_field(motions: Motions, field: VectorField, claims: Mapping[str, sp.Expr]
             plain[name] = motions.at(field.level).read(expr)
         else:
             other[name] = motions.on_coordinates.read(expr)
-    found = plain | _descended(motions, other)
+    found = plain | _descend(motions, other)
     return {k: found[k] for k in claims if k in found and found[k].diff(field.time) == 0}
 
 
-def _descended(motions: Motions, functions: Mapping[str, Any]) -> dict[str, Any]:
+def _descend(motions: Motions, functions: Mapping[str, Any]) -> dict[str, Any]:
     """Functions of coordinates and velocities as functions of invariants and velocities, where
     elimination finds them as such."""
     if not functions:
@@ -222,7 +224,7 @@ class Question:
         values = _values(motions.system, at)
         new = {s for v in values.values() for s in v.free_symbols}
         _check_symbols(motions.system, plain, new)
-        field = _specialized(motions.deciding(plain), values)
+        field = _specialize(motions.deciding(plain), values)
         reader = _Reader(field, values)
         letters = [
             *reader.velocities(momenta),
@@ -232,7 +234,7 @@ class Question:
         ]
         ansatz = Ansatz(tuple(letters), degree, positions, power)
         cases = {k: _values(motions.system, c.parameters) for k, c in motions.system.cases.items()}
-        claims = {} if again else declared(motions.system, values, cases)
+        claims = {} if again else declared_integrals(motions.system, values, cases)
         inside = {field.door.inward(s): field.door.inward(v) for s, v in values.items()}
         given_known = on_field(motions, field, claims)
         known = {name: f.xreplace(inside) for name, f in given_known.items()}
@@ -374,7 +376,7 @@ def _values(system: System, at: Mapping[Any, Any]) -> dict[sp.Symbol, sp.Expr]:
     return found
 
 
-def _specialized(field: VectorField, values: Mapping[sp.Symbol, sp.Expr]) -> VectorField:
+def _specialize(field: VectorField, values: Mapping[sp.Symbol, sp.Expr]) -> VectorField:
     """The field at special values of parameters; symbols that are new become parameters."""
     if not values:
         return field

@@ -96,7 +96,7 @@ class IntegralSearch:
             return "The search was stopped; what it found stands, what it did not see is open."
         text = self._statement
         if self.assumed:
-            names = _listed([plain_text(e) for e in self.assumed]).replace("**", "^")
+            names = _list_names([plain_text(e) for e in self.assumed]).replace("**", "^")
             first = text[0].lower() + text[1:]
             text = f"Treating {names} as algebraically independent (not proved): {first}"
         return text
@@ -106,7 +106,7 @@ class IntegralSearch:
         """The same for what is taken as independent."""
         data = [*self.parameters, *self.unknown]
         where = f" at {_equations(self.at)}" if self.at else ""
-        generic = f", for generic {_listed(data)}" if data else ""
+        generic = f", for generic {_list_names(data)}" if data else ""
         if not self.exhausted:
             return (
                 f"Integrals that are {self.form}{where}{generic} make a space of dimension at "
@@ -160,7 +160,7 @@ class IntegralSearch:
         }
 
 
-def _listed(symbols: Sequence[Any]) -> str:
+def _list_names(symbols: Sequence[Any]) -> str:
     return ", ".join(map(str, symbols))
 
 

@@ -158,7 +158,7 @@ class _Run:
         for bound in range(ansatz.degree + 1):
             for rows, each in zip(self.classes, degrees, strict=True):
                 if bound in each:
-                    kernel = self._investigated(rows[each <= bound])
+                    kernel = self._investigate(rows[each <= bound])
                     if bound == each.max():
                         self.examined += len(rows)
                         self.functions += kernel.independent
@@ -166,7 +166,7 @@ class _Run:
                         self.explained += kernel.known
                     yield kernel
 
-    def _investigated(self, rows: Array) -> Kernel:
+    def _investigate(self, rows: Array) -> Kernel:
         ansatz = self.question.ansatz
         powers = products(self.known, ansatz.degree, ansatz.positions)
         needed = len(rows) + len(powers) + SURPLUS
@@ -188,7 +188,7 @@ class _Run:
                 vector=candidate.vector,
             )
             try:
-                self.found.append(self._lifted(candidate, self._independent(known)))
+                self.found.append(self._lift(candidate, self._independent(known)))
             except EngineLimit:
                 self.missing += 1
             self.known.append(known)
@@ -198,7 +198,7 @@ class _Run:
         after = [*before, new.gradient(self.values)]
         return rank_of(after, self.values) > rank_of(before, self.values)
 
-    def _lifted(self, candidate: Candidate, independent: bool) -> FoundIntegral:
+    def _lift(self, candidate: Candidate, independent: bool) -> FoundIntegral:
         letters, mechanics = self.question.ansatz.letters, self.question.field
         factors = coefficients(candidate, self.probe, self.normalization, self.rng)
         plain = [se.Symbol(f"letter {i}") for i in range(len(letters))]
@@ -224,7 +224,7 @@ class _Run:
             system=question.field.system.name,
             level=question.field.level,
             form=question.ansatz.words(),
-            letters={str(x.symbol): x.meaning for x in question.ansatz.letters if x.named},
+            letters={str(x.symbol): x.meaning for x in question.ansatz.letters if x.is_named},
             at=question.at,
             parameters=tuple(sorted(map(outward, constants), key=order.index)),
             known=tuple(self.names),
