@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import flint
@@ -30,19 +31,33 @@ def sample_point(
     solution of the relations (Krawczyk's test), and conditions among them hold there;
     ``EngineLimit`` where no such point is found.
     """
+    found = _sample(tuple(atoms), tuple(relations), seed, bits)
+    if isinstance(found, str):
+        raise EngineLimit(found)
+    return dict(found)
+
+
+@lru_cache(maxsize=4096)
+def _sample(
+    atoms: tuple[Any, ...], relations: tuple[Any, ...], seed: int, bits: int
+) -> dict[Any, Any] | str:
+    """The point, or why there is none: proofs ask for most of them several times."""
     source = random.Random(f"voronec {seed}")
     equations, conditions = split_hypotheses(relations)
     domain = domain_of(tuple(conditions))
     bound = [*atoms, *(a for a in Tape(equations).atoms if a not in atoms)]
-    for _ in range(DRAWS if conditions else 1):
-        point: dict[Any, Any] = {}
-        for atom in [*bound, *domain.linked_symbols(bound)]:
-            value = flint.fmpq(source.randint(120, 1400), 1009) * (1 if seed < 6 else 9)
-            point[atom] = -value if seed % 2 and source.random() < 0.5 else value
-        found = _lift(point, equations, domain, bits)
-        if found is not None:
-            return found
-    raise EngineLimit(_BEYOND)
+    try:
+        for _ in range(DRAWS if conditions else 1):
+            point: dict[Any, Any] = {}
+            for atom in [*bound, *domain.linked_symbols(bound)]:
+                value = flint.fmpq(source.randint(120, 1400), 1009) * (1 if seed < 6 else 9)
+                point[atom] = -value if seed % 2 and source.random() < 0.5 else value
+            found = _lift(point, equations, domain, bits)
+            if found is not None:
+                return found
+    except EngineLimit as error:
+        return str(error)
+    return _BEYOND
 
 
 def lift_point(point: dict[Any, Any], relations: Sequence[Any], bits: int) -> dict[Any, Any]:
@@ -85,20 +100,40 @@ def _onto_relations(point: dict[Any, Any], relations: Sequence[Any], bits: int) 
         return _with_values_of(functions, point, relations, bits)
     if not atoms:
         raise EngineLimit("the relations hold no variable, so no point can be found on them")
-    jacobian = [[r.diff(a) for a in atoms] for r in relations]
-    tape = Tape([*relations, *(entry for row in jacobian for entry in row)])
-    start = _nearby_solution(tape, atoms, len(relations), point)
-    rows, columns = _independent(tape, atoms, len(relations), start)
-    free = {a: flint.fmpq(round(v * 10**6), 10**6) for a, v in start.items()}
-    bound = [atoms[c] for c in columns]
-    square = Tape([relations[r] for r in rows] + [jacobian[r][c] for r in rows for c in columns])
+    found = _solution(tuple(relations), tuple(point[a] for a in atoms), bits)
+    if isinstance(found, str):
+        raise EngineLimit(found)
+    return {**point, **found}
+
+
+@lru_cache(maxsize=1024)
+def _solution(relations: tuple[Any, ...], near: tuple[Any, ...], bits: int) -> dict[Any, Any] | str:
+    """Balls around a solution near values of the atoms of relations, or why there is none."""
+    tape, jacobian = _slopes(relations)
+    atoms = tape.atoms
     try:
-        found = {**point, **free, **_enclose(square, free, bound, bits)}
+        start = _nearby_solution(tape, len(relations), dict(zip(atoms, near, strict=True)))
+        rows, columns = _independent(tape, len(relations), start)
+        free = {a: flint.fmpq(round(v * 10**6), 10**6) for a, v in start.items()}
+        square = Tape(
+            [relations[r] for r in rows] + [jacobian[r][c] for r in rows for c in columns]
+        )
+        found = free | _enclose(square, free, [atoms[c] for c in columns], bits)
+    except EngineLimit as error:
+        return str(error)
     except ZeroDivisionError:
-        raise EngineLimit("the relations between the coordinates are singular") from None
+        return "the relations between the coordinates are singular"
     if not all(v.contains(0) for v in tape.arb(found, bits)[: len(relations)]):
-        raise EngineLimit("no point was found on all the relations between the coordinates")
+        return "no point was found on all the relations between the coordinates"
     return found
+
+
+@lru_cache(maxsize=64)
+def _slopes(relations: tuple[Any, ...]) -> tuple[Tape, list[list[Any]]]:
+    """Relations with their derivatives by their atoms, and these as a matrix."""
+    atoms = Tape(relations).atoms
+    jacobian = [[r.diff(a) for a in atoms] for r in relations]
+    return Tape([*relations, *(entry for row in jacobian for entry in row)]), jacobian
 
 
 def _with_values_of(
@@ -126,12 +161,11 @@ def _values(tape: Tape, point: dict[Any, Any], n: int, bits: int) -> tuple[Any, 
     return flint.arb_mat(n, 1, values[:n]), flint.arb_mat(n, width, values[n:])
 
 
-def _nearby_solution(
-    tape: Tape, atoms: Sequence[Any], n: int, point: dict[Any, Any]
-) -> dict[Any, float]:
+def _nearby_solution(tape: Tape, n: int, point: dict[Any, Any]) -> dict[Any, float]:
     """Gauss-Newton steps of least norm in floating point."""
     import numpy as np
 
+    atoms = tape.atoms
     x = np.array([float(flint.arb(point[a])) for a in atoms])
     for _ in range(100):
         residual, matrix = _values(tape, dict(zip(atoms, map(float, x), strict=True)), n, 80)
@@ -146,14 +180,12 @@ def _nearby_solution(
     raise EngineLimit("no point was found on the relations between the coordinates")
 
 
-def _independent(
-    tape: Tape, atoms: Sequence[Any], n: int, start: dict[Any, float]
-) -> tuple[list[int], list[int]]:
+def _independent(tape: Tape, n: int, start: dict[Any, float]) -> tuple[list[int], list[int]]:
     """Rows and columns of a well-conditioned square block of the Jacobian."""
     import numpy as np
 
     matrix = np.array([float(v.mid()) for v in _values(tape, start, n, 80)[1].entries()])
-    matrix = matrix.reshape(n, len(atoms))
+    matrix = matrix.reshape(n, len(tape.atoms))
     rows: list[int] = []
     columns: list[int] = []
     scale = np.max(np.abs(matrix))
