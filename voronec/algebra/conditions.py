@@ -251,7 +251,10 @@ def _line(expr: Any, atom: Any) -> tuple[Any, Any] | None:
     """a and b of a*atom + b, rational numbers with a not zero."""
     bare = se.Symbol("bounded quantity")
     line = se.expand(expr.xreplace({atom: bare}))
-    slope, rest = line.diff(bare), line.xreplace({bare: se.Integer(0)})
+    slope = line.diff(bare)
+    if slope.free_symbols:  # no line, and maybe without a value at zero, as atan(1/x)
+        return None
+    rest = line.xreplace({bare: se.Integer(0)})
     if not all(isinstance(x, se.Rational) for x in (slope, rest)) or slope == 0:
         return None
     return as_rational(slope), as_rational(rest)
