@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
+import voronec as vo
 from voronec import DefinitionError, velocity
 from voronec.audit import Check, Convention, Display, Motion, Paper, Section, Study, audit_paper
 
@@ -285,6 +286,27 @@ def test_accelerations_that_nobody_gave_refute_nothing():
     assert one(r"E=const", study=study).verdict == "undecided"
     assert "Motion.of(eqs).solved(eqs)" in one(r"\dot w=-x", study=study).method
     assert one(r"\dot x=w", study=study).verdict == "proved"
+
+
+def test_what_has_no_rate_is_constant_only_where_it_is_a_parameter():
+    spring = vo.System(
+        name="spring",
+        fibration=vo.Fibration((x,)),
+        lagrangian=m * velocity(x) ** 2 / 2 - c * x**2 / 2,
+        parameters=(m, c),
+    )
+    eqs = vo.derive(spring)
+    names = {"x": x, "m": m, "c": c, "z": sp.Symbol("z"), "w": velocity(x)}
+    study = Study(names, motion=Motion.of(eqs).solved(eqs), context=eqs)
+    assert one("mw^2+cx^2=const", study=study).verdict == "proved"
+    stray = one("mw^2+cx^2+z=const", study=study)
+    assert stray.verdict == "undecided" and "the rate of 'z' is not known" in stray.method
+
+
+def test_accelerations_without_a_rate_do_not_stand_still():
+    free = replace(oscillator(), motion=Motion(rates={x: w, w: velocity(w)}))
+    jerk = one(r"\frac{d}{dt}\ddot x=0", study=free)
+    assert jerk.verdict == "undecided" and "is not known" in jerk.method
 
 
 def test_an_inequality_without_ranges_is_not_called_wrong():

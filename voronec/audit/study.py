@@ -15,7 +15,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.door import Door
-from voronec.algebra.symbols import time, velocity
+from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.audit.latex.nodes import Dot, Name, Node, Number, Product, Sum, Variation
 from voronec.audit.latex.reader import read_name
 from voronec.audit.latex.vocabulary import Vocabulary
@@ -54,11 +54,14 @@ class Motion:
     ``rates``: symbol -> its time derivative, which may hold acceleration symbols.
     ``constrained``: velocity symbol -> its value on the constraints.
     ``accelerations``: acceleration symbol -> its value along the motion, where that is known.
+    ``constants``: the symbols that do not change; None for all that have no rate, as long as they
+    are no rates themselves.
     """
 
     rates: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     constrained: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     accelerations: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+    constants: frozenset[sp.Expr] | None = None
 
     def __post_init__(self) -> None:
         known = set(self.rates.values())
@@ -70,11 +73,15 @@ class Motion:
 
     @classmethod
     def of(cls, eqs: Any, more: Mapping[sp.Expr, sp.Expr] | None = None) -> Motion:
-        """The motion that derived equations define; ``more`` adds rates of further symbols."""
+        """The motion that derived equations define; ``more`` adds rates of further symbols.
+
+        Its constants are the parameters of the system.
+        """
         rates = dict(zip(eqs.coordinates, eqs.rates, strict=True))
         constrained = {velocity(q): rate for q, rate in rates.items() if velocity(q) != rate}
         rates |= {v: velocity(v) for v in eqs.velocities}
-        return cls(rates | dict(more or {}), constrained)
+        constants = frozenset(p.symbol for p in eqs.system.parameters)
+        return cls(rates | dict(more or {}), constrained, constants=constants)
 
     def solved(self, eqs: Any) -> Motion:
         """The same with the accelerations that mass * vdot = force gives."""
@@ -91,12 +98,16 @@ class Motion:
         return self.restrict(value.xreplace(dict(self.accelerations)))
 
     def derivative(self, value: Any) -> Any:
-        """The total time derivative, on the constraints."""
+        """The total time derivative, on the constraints.
+
+        ``UnknownRate`` where it holds a symbol that neither has a rate nor is a constant.
+        """
         value = self.restrict(value)
         if not self.rates:
             raise UnknownRate("no rates are known; give Study(..., motion=Motion(rates=...))")
         if isinstance(value, sp.MatrixBase):
             return value.applyfunc(self.derivative)
+        self._require_rates(value)
         inside = self.door.inward(value)
         result = inside.diff(self.door.inward(time))
         for symbol, rate in self.rates.items():
@@ -104,6 +115,15 @@ class Motion:
             if slope != 0:
                 result += slope * self.door.inward(rate)
         return self.restrict(self.door.outward(result))
+
+    def _require_rates(self, value: sp.Expr) -> None:
+        rateless = value.free_symbols - self.rates.keys() - {time}
+        moving = set(self.rates.values()) if self.constants is None else rateless - self.constants
+        for symbol in sorted(rateless & moving, key=str):
+            raise UnknownRate(
+                f"the rate of '{plain_name(symbol)}' is not known, and it is no parameter; give "
+                "Motion.of(eqs, {symbol: rate}), or Motion(rates=..., constants=...)"
+            )
 
     @cached_property
     def door(self) -> Door:
