@@ -86,7 +86,11 @@ class Level:
 
         eqs = vo.derive(SYSTEM)
         motion = Motion.of(eqs).solved(eqs)
-        motion = Motion(*(_in_ratios(part) for part in _parts(motion)))
+        motion = Motion(
+            rates=_in_ratios(motion.rates),
+            constrained=_in_ratios(motion.constrained),
+            accelerations=_in_ratios(motion.accelerations),
+        )
         level = cls(motion, _in_ratios(eqs.system.integrals))
         for name, value in level.declared.items():
             if not vo.prove_equal(level.rate(value), 0).proved:
@@ -317,10 +321,6 @@ def _root(equation: Any, symbol: sp.Symbol) -> Any:
     """Where an expression that is linear in a symbol vanishes."""
     slope, rest = sp.Poly(equation, symbol).all_coeffs()
     return -rest / slope
-
-
-def _parts(motion: Motion) -> tuple[Mapping[Any, Any], ...]:
-    return motion.rates, motion.constrained, motion.accelerations
 
 
 def _in_ratios(values: Mapping[Any, Any]) -> dict[Any, Any]:
