@@ -67,6 +67,9 @@ SCREEN = 2000
 """How many letters of equations are written out row by row, however wide the rows are."""
 ALIGNED = 32
 """How long a left side may be for others to be aligned with it."""
+BRACKETS = 4
+"""How deep in brackets an equation may be broken."""
+STAYS = "\N{NO-BREAK SPACE}"
 WORDS_STAY: Any = {"break_long_words": False, "break_on_hyphens": False}
 
 
@@ -134,11 +137,18 @@ def _motion(eqs: VoronecEquations, width: int) -> list[str]:
     return equation_rows(pairs + [(f"force[{i + 1}]", caret_text(eqs.force[i])) for i in size])
 
 
-def _broken(row: str, width: int) -> Iterator[str]:
-    """An equation in lines that end before a sign."""
-    bound = re.sub(r" ([+-]) ", " \\1\N{NO-BREAK SPACE}", row)
-    lines = wrap(bound, width, subsequent_indent=" " * 6, **WORDS_STAY)
-    return (line.replace("\N{NO-BREAK SPACE}", " ") for line in lines)
+def _broken(row: str, width: int) -> list[str]:
+    """An equation in lines that end before a sign, one outside of brackets if that will do."""
+    for depth in range(BRACKETS):
+        bound, level = [], 0
+        for piece in re.split(r"([()]| [+-] )", row):
+            level += (piece == "(") - (piece == ")")
+            sign = len(piece) == 3 and piece[0] == " "
+            bound.append(f"{' ' if level <= depth else STAYS}{piece[1]}{STAYS}" if sign else piece)
+        lines = wrap("".join(bound), width, subsequent_indent=" " * 6, **WORDS_STAY)
+        if all(len(line) <= width for line in lines):
+            break
+    return [line.replace(STAYS, " ") for line in lines]
 
 
 def _terms(row: Any, rates: list[str]) -> Iterator[str]:
