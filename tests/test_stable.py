@@ -111,7 +111,7 @@ def test_a_root_less_a_positive_length_keeps_its_digits(force):
             )
         )  # fmt: skip
         program = Program.of(made.form, {"force": made.form.force[0]})
-        rates, extras = compiled(program, True)
+        rates, extras = compile_program(program, True)
         lost = 0
         for place in (1e-20, -1e-9, 0.3, 3.0):
             with mp.workdps(1500):
