@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from voronec import velocity
-from voronec.audit import Check, Display, Motion, Section, Study, Transcript
+from voronec.audit import Check, Display, Motion, Range, Section, Study, Transcript
 from voronec.audit.correction import Correction, correct
 from voronec.audit.correction.changes import Change, Spare, apply_pieces
 from voronec.audit.correction.edits import single_changes
@@ -81,6 +81,18 @@ def test_one_change(printed, mended):
     found = mend(printed)
     assert verify(read(found.latex, STUDY.vocabulary), Check(), STUDY).verdict.proved
     assert flat(found.latex) == flat(mended)
+
+
+def test_a_term_that_stands_twice_is_no_correction():
+    assert mend("3y+P=x+y+y") is None
+    assert mend("P^2=x^2+2xy+y^2+y^2").latex == "P^2=x^2+2xy+y^2"
+
+
+def test_a_number_on_both_sides_is_no_correction():
+    positive = sp.symbols("p q", positive=True)
+    at = Range("all", "x>y>0", {x: sum(positive), y: positive[1]}, positive)
+    study = replace(STUDY, ranges=(at,))
+    assert mend("x>2y>0", study=study).latex == "x>y>0"
 
 
 def test_what_is_added_and_taken_away_again_is_no_correction():

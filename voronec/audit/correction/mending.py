@@ -356,8 +356,9 @@ class Correction:
 class _Case:
     """A formula to be mended; ``new`` are the names that it defines, ``terms`` what it adds.
 
-    ``cancelled`` are those that it adds and takes away again; ``empty`` says that it sets something
-    equal to itself, ``legible`` that it can be read.
+    ``cancelled`` are those that it adds and takes away again, ``shared`` the numbers by which both
+    sides of a relation are multiplied; ``empty`` says that it sets something equal to itself,
+    ``legible`` that it can be read.
     """
 
     printed: str
@@ -366,6 +367,7 @@ class _Case:
     new: frozenset[str] = frozenset()
     terms: frozenset[Node] = frozenset()
     cancelled: frozenset[Node] = frozenset()
+    shared: frozenset[Node] = frozenset()
     empty: bool = False
     legible: bool = False
 
@@ -391,6 +393,10 @@ class _Case:
                 return None  # no more than the sign of a letter
             if len({ORDER[s] for s in chain.relations if s in ORDER}) > 1:
                 return None  # a chain rises or falls
+            if _repeated_terms(chain):
+                return None  # x + x is no print of 2x
+            if _shared_numbers(chain) - self.shared:
+                return None  # 2a > 2b is no print of a > b
             if (
                 not new_names(chain, self.study) <= self.new
                 or _cancelling_terms(chain) - self.cancelled
@@ -454,6 +460,21 @@ def _cancelling_terms(chain: Chain) -> frozenset[Node]:
     return frozenset(t for s in sums for sign, t in s.terms if (-sign, t) in s.terms)
 
 
+def _repeated_terms(chain: Chain) -> frozenset[Node]:
+    """What a sum adds twice."""
+    sums = [part for part in walk(chain) if isinstance(part, Sum)]
+    return frozenset(t for s in sums for sign, t in s.terms if s.terms.count((sign, t)) > 1)
+
+
+def _shared_numbers(chain: Chain) -> frozenset[Node]:
+    """Numbers by which both sides of a relation are multiplied."""
+    numbers = [
+        {f for f in part.factors if isinstance(f, Number)} if isinstance(part, Product) else set()
+        for part in chain.parts
+    ]
+    return frozenset(number for one, two in pairwise(numbers) for number in one & two)
+
+
 def _is_zero(term: Node, study: Study) -> bool:
     try:
         values = assignments(Chain((term,)), study)
@@ -467,8 +488,17 @@ def _case(printed: str, check: Check, study: Study) -> _Case:
         chain = read(printed, study.vocabulary)
     except VoronecError:
         return _Case(printed, check, study)
-    new, empty = frozenset(new_names(chain, study)), says_nothing(chain)
-    return _Case(printed, check, study, new, _terms(chain), _cancelling_terms(chain), empty, True)
+    return _Case(
+        printed,
+        check,
+        study,
+        new=frozenset(new_names(chain, study)),
+        terms=_terms(chain),
+        cancelled=_cancelling_terms(chain),
+        shared=_shared_numbers(chain),
+        empty=says_nothing(chain),
+        legible=True,
+    )
 
 
 def _order_changes(formula: Formula, study: Study, spare: Spare) -> list[Change]:
