@@ -201,7 +201,7 @@ function build(motion) {
     return { group, beside, traces, spot: beside[1] };
   });
   if (!home) {
-    home = { turn: 0.9, height: 0.45, far: (0.95 * box.radius) / Math.sin((eye.fov * Math.PI) / 360), middle: box.low.map((c, j) => (c + box.high[j]) / 2) };
+    home = { turn: 0.9, height: 0.45, far: ((DATA.shapes.some((shape) => shape.patches.some((p) => !p)) ? 0.95 : 0.75) * box.radius) / Math.sin((eye.fov * Math.PI) / 360), middle: box.low.map((c, j) => (c + box.high[j]) / 2) };
     const bounded = DATA.shapes.some((shape) => shape.role === "ground" && shape.patches.every(Boolean));
     if (12 * largest < box.radius && !bounded) {
       one("follow").checked = true;
@@ -280,7 +280,10 @@ function drawCursor() {
   pen.clearRect(0, 0, canvas.width, canvas.height);
   pen.drawImage(curves, 0, 0);
   pen.fillStyle = "#c2371c";
-  pen.fillRect((canvas.width * now.at) / Math.max(now.motion.whole - 1, 1), 0, Math.max(1, canvas.width / 900), canvas.height);
+  const row = canvas.height / now.motion.integrals.length, wide = Math.max(1, canvas.width / 900);
+  now.motion.integrals.forEach((_, i) => {
+    pen.fillRect((canvas.width * now.at) / Math.max(now.motion.whole - 1, 1), row * (i + 20 / ROW), wide, (row * (ROW - 24)) / ROW);
+  });
 }
 
 // --- the quartic of a motion by quadratures -----------------------------------------------------
