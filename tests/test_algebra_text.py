@@ -166,7 +166,7 @@ def test_the_package_holds_no_way_to_run_text():
         "equations/program/recurrences.py",
         "closed/arithmetic.py",
         "motion/steppers/kept_code.py",
-        "accuracy/bench/multiprecision.py",
+        "accuracy/bench/agreement.py",
         "accuracy/bench/peers/jitted.py",
     }
     found = set()

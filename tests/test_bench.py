@@ -16,7 +16,7 @@ import sympy as sp
 import voronec as vo
 from voronec.accuracy import bench
 from voronec.accuracy.bench import agreement
-from voronec.accuracy.bench import own_methods as own
+from voronec.accuracy.bench import runs as own
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome
 from voronec.accuracy.bench.level import level, lowest
 from voronec.accuracy.bench.peers import jitted, lambdified, physics
@@ -115,7 +115,7 @@ def test_the_two_routes_meet_on_different_equations(ball: bench.Question) -> Non
 
 def test_more_digits_are_better_digits(ball: bench.Question) -> None:
     pytest.importorskip("heyoka")
-    from voronec.accuracy.bench.multiprecision import precise_outputs
+    from voronec.accuracy.bench.agreement import precise_outputs
 
     at = level(ball, "invariants")
     rough, fine = (precise_outputs(at, ball.grid, digits)["omega1"] for digits in (25, 50))
@@ -160,7 +160,7 @@ def test_one_route_is_no_reference(spring: bench.Question, monkeypatch: pytest.M
 
 def test_fractions_that_heyoka_would_round_are_left_to_others() -> None:
     pytest.importorskip("heyoka")
-    from voronec.accuracy.bench.multiprecision import why_not
+    from voronec.accuracy.bench.agreement import why_not
 
     third = vo.System(
         name="third",

@@ -7,8 +7,15 @@ import sympy as sp
 from flint import arb, ctx
 
 import voronec as vo
-from voronec.closed.arithmetic import angle, ball, compile_expressions, exact, precise, root
-from voronec.closed.decide import vanishes
+from voronec.closed.arithmetic import (
+    angle,
+    ball,
+    compile_expressions,
+    exact,
+    precise,
+    root,
+    vanishes,
+)
 from voronec.closed.rotation_numbers import Turn, _fraction
 
 pytestmark = pytest.mark.slow

@@ -7,9 +7,8 @@ import sympy as sp
 from flint import acb_poly, arb, arb_poly, ctx
 
 import voronec as vo
-from voronec.closed.arithmetic import ball, compile_expressions, exact, precise
+from voronec.closed.arithmetic import ball, compile_expressions, exact, precise, vanishes
 from voronec.closed.classes.trace_classes import classify
-from voronec.closed.decide import vanishes
 from voronec.elliptic import Integral, Numbers, invert
 from voronec.elliptic.roots import isolations
 

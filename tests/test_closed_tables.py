@@ -7,7 +7,7 @@ from test_closed_form import ANGLES, CASES, NAMES, START, UPWARD, apart
 
 import voronec as vo
 from voronec.closed.grid import MANY
-from voronec.closed.space_coordinates import BLOCK
+from voronec.closed.upright_view import BLOCK
 from voronec.elliptic.panels import Panels
 
 R = sp.Rational

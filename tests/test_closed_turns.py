@@ -14,8 +14,7 @@ from flint import arb, ctx
 from test_closed_form import START, R
 
 import voronec as vo
-from voronec.closed.floor_sums import certain_floor_sum, first_doubt, floor_sum
-from voronec.closed.passages import tally
+from voronec.closed.passages import certain_floor_sum, first_doubt, floor_sum, tally
 from voronec.closed.winding import winding_of
 
 pytestmark = pytest.mark.slow

@@ -17,8 +17,7 @@ from voronec.accuracy.hard.closed import problem
 from voronec.accuracy.hard.conditioning import UNIT
 from voronec.accuracy.hard.multiprecision import reel
 from voronec.accuracy.hard.page import page
-from voronec.accuracy.hard.perturbed import perturbed, slopes
-from voronec.accuracy.hard.reference import Reference, _stored
+from voronec.accuracy.hard.reference import Reference, _stored, perturbed, slopes
 from voronec.accuracy.hard.run import trials
 from voronec.accuracy.hard.table import cells, tally
 from voronec.accuracy.hard.trial import TOLERANCES, attempt, judged

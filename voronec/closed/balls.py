@@ -10,8 +10,7 @@ from flint import acb, ctx
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import angle, ball, compile_expressions, precise, root
 from voronec.closed.clock import clock_of
-from voronec.closed.compiled_motion import Prepared
-from voronec.closed.expressions import reading_of
+from voronec.closed.compiled_motion import Prepared, reading_of
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.planar_rotation import rolled_in_balls, steady_rates
 from voronec.closed.ratio import ratios

@@ -16,12 +16,11 @@ from voronec.closed.arithmetic import ball, precise
 from voronec.closed.balls import resting_values
 from voronec.closed.bernstein import evaluate_form
 from voronec.closed.clock import clock_of, pieces, whole_turns_off
-from voronec.closed.expressions import reading_of, velocities_in_doubles
+from voronec.closed.compiled_motion import reading_of, velocities_in_doubles
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.planar_rotation import place_on_grid, steady_rates
 from voronec.closed.rounded_constants import rounded_constants
-from voronec.closed.space_coordinates import BLOCK, read_circles
-from voronec.closed.upright_view import UprightView, wrap_angle
+from voronec.closed.upright_view import BLOCK, UprightView, read_circles, wrap_angle
 from voronec.closed.winding import winding_of
 from voronec.declaration.reading import doubles
 from voronec.elliptic.panels import Panels
@@ -51,7 +50,7 @@ def _where_it_rests(
     own = form.attitude
     in_space = {plain_name(q) for q in own.coordinates} if own is not None else set()
     if own is not None and not own.upright and in_space & {*names}:
-        from voronec.closed.space_coordinates import read_frame
+        from voronec.closed.upright_view import read_frame
 
         start = np.array([float(e) for e in own.start(SHARP)[0]]).reshape(3, 3)
         found |= read_frame(form, _frames(start, own.spin(SHARP), grid), grid, names, whole)

@@ -14,9 +14,8 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.text import sympify
-from voronec.closed.arithmetic import Function, ball, compile_expressions, exact, precise
+from voronec.closed.arithmetic import Function, ball, compile_expressions, exact, precise, vanishes
 from voronec.closed.compiled_motion import Prepared
-from voronec.closed.decide import vanishes
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["InversionProblem", "squarefree"]
@@ -250,7 +249,7 @@ class InversionProblem:
 
     def source(self, bits: int) -> Any:
         """The problem at a number of bits, for ``voronec.elliptic.invert``."""
-        from voronec.elliptic.numbers import Integral, Numbers, Pole
+        from voronec.elliptic.constants import Integral, Numbers, Pole
 
         own = self.prepared
         if self.rests:  # nothing is integrated: all rates are constant

@@ -11,8 +11,7 @@ import sympy as sp
 
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.bernstein import Bernstein, bernstein, round_numbers
-from voronec.closed.compiled_motion import ascending_coefficients
-from voronec.closed.expressions import reading_of
+from voronec.closed.compiled_motion import ascending_coefficients, reading_of
 from voronec.closed.inverted_motion import InvertedMotion
 
 __all__ = ["RoundedConstants", "rounded_constants"]

@@ -2,6 +2,8 @@
 
 With E the moving frame in space and m the vector along it, K = E m is constant.  A rotation Q
 takes the third axis to K / |K|; E' = Q^T E moves so that its vector is upright, and E = Q E'.
+
+A frame is made of a longitude, a colatitude, and an angle about that axis.
 """
 
 from __future__ import annotations
@@ -15,13 +17,23 @@ import sympy as sp
 
 from voronec.algebra.precision import FIRST, PROOF
 from voronec.algebra.symbols import velocity
+from voronec.algebra.verdicts import prove_equal
 from voronec.closed.arithmetic import Function, ball, compile_expressions, precise
+from voronec.closed.compiled_motion import Prepared
 from voronec.closed.problem import InversionProblem
 from voronec.declaration.quadratures import Space
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Attitude", "product", "rotation_to", "times", "transpose", "turned_upright"]
-
+__all__ = [
+    "Attitude",
+    "Composition",
+    "composition",
+    "product",
+    "rotation_to",
+    "times",
+    "transpose",
+    "turned_upright",
+]
 
 ACROSS = sp.ImmutableMatrix([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
 """A position in which no coordinate of a contact is singular, for a vector that is zero."""
@@ -271,3 +283,63 @@ def _towards(a: Any, b: Any, c: Any) -> list[Any]:
     """The smallest rotation of the third axis to a unit vector that is not its opposite."""
     s = 1 / (1 + c)
     return [1 - a * a * s, -a * b * s, a, -a * b * s, 1 - b * b * s, b, -a, -b, c]
+
+
+@dataclass(frozen=True)
+class Composition:
+    """``frame = Rz(longitude) Ry(colatitude) Rz(sense third) F`` with F constant.
+
+    Attributes:
+        trace: which of the declared traces has this longitude and colatitude.
+        longitude: of one direction of the frame, in space.
+        colatitude: of the same.
+        third: the angle about that direction.
+        sense: 1 or -1, how it is counted.
+    """
+
+    trace: int
+    longitude: Any
+    colatitude: Any
+    third: Any
+    sense: int
+
+
+def composition(own: Prepared) -> Composition | None:
+    """How the coordinates in space of a motion turn its frame; proved.  None where they do not in
+    this way."""
+    return own.memo.once("composition", lambda: _composition(own))
+
+
+def _composition(own: Prepared) -> Composition | None:
+    space = own.motion.space
+    if space is None:
+        return None
+    for i, trace in enumerate(own.motion.traces):
+        rest = [q for q in space.coordinates if q not in (trace.longitude, trace.colatitude)]
+        if len(rest) != 1 or len(space.coordinates) != 3 or rest[0] not in own.motion.angles:
+            continue
+        for sense in (1, -1):
+            found = Composition(i, trace.longitude, trace.colatitude, rest[0], sense)
+            if _holds(space.frame, found):
+                return found
+    return None
+
+
+def _holds(frame: sp.Matrix, parts: Composition) -> bool:
+    """Whether F is free of the coordinates."""
+    names = (parts.longitude, parts.colatitude, parts.third)
+    v, c, b = own = sp.symbols("longitude colatitude third", cls=sp.Dummy)
+    turned = sp.Matrix(frame.xreplace(dict(zip(names, own, strict=True))))
+    rest = _about_third(-parts.sense * b) * _about_second(-c) * _about_third(-v) * turned
+    still = rest.xreplace(dict.fromkeys(own, sp.Integer(0)))
+    return all(prove_equal(e, f).proved for e, f in zip(rest, still, strict=True))
+
+
+def _about_third(angle: Any) -> sp.Matrix:
+    c, s = sp.cos(angle), sp.sin(angle)
+    return sp.Matrix([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+
+def _about_second(angle: Any) -> sp.Matrix:
+    c, s = sp.cos(angle), sp.sin(angle)
+    return sp.Matrix([[c, 0, s], [0, 1, 0], [-s, 0, c]])

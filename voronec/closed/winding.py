@@ -18,21 +18,21 @@ from flint import arb, ctx
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import precise
-from voronec.closed.composition import Composition, composition
-from voronec.closed.floor_sums import certain_floor_sum, first_doubt
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.passages import (
     DECIDED,
     Passage,
     Passages,
     Tally,
+    certain_floor_sum,
+    first_doubt,
     floor,
     moving_passages,
     resting_passages,
     tally,
 )
+from voronec.closed.space import Composition, composition, transpose
 from voronec.closed.space import times as rotated
-from voronec.closed.space import transpose
 from voronec.elliptic.roots import Unresolved
 from voronec.errors import EngineLimit
 

@@ -3,8 +3,7 @@
 Everything exact enough on demand: constants and enclosures as balls of any number of bits.
 """
 
-from voronec.elliptic.constants import Constants, Phase, Strain
-from voronec.elliptic.numbers import Integral, Numbers, Pole, Source
+from voronec.elliptic.constants import Constants, Integral, Numbers, Phase, Pole, Source, Strain
 from voronec.elliptic.roots import Ends, Root, ends_of
 from voronec.elliptic.solution import Enclosed, Solution, invert
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from flint import acb, arb, arb_poly
 
-from voronec.elliptic.numbers import Numbers
+from voronec.elliptic.constants import Numbers
 from voronec.elliptic.roots import Ends, Unresolved, coefficients
 from voronec.elliptic.sums import Sums
 

@@ -1,4 +1,4 @@
-"""A motion at many times, in doubles."""
+"""A motion at many times, in doubles, in stretches so short that all arrays stay in the cache."""
 
 from __future__ import annotations
 
@@ -9,15 +9,334 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from flint import ctx
 
-from voronec.elliptic.arguments import Arguments
-from voronec.elliptic.batch import TURN, Stretch
-from voronec.elliptic.doubles import Doubles, doubles_of
-from voronec.elliptic.reduction import Reduction
-from voronec.elliptic.workspace import PIECE, Rows, matrix
+from voronec.elliptic.arguments import PIECE, Arguments, Rows, matrix
+from voronec.elliptic.doubles import BITS, Course, Doubles, doubles_of
+from voronec.elliptic.reduction import Reduction, two_product
+from voronec.elliptic.theta_polynomials import Angle, horner
 from voronec.errors import DefinitionError
 
-__all__ = ["Sample", "sample_at"]
+__all__ = ["Sample", "Stretch", "sample_at"]
+
+FAR = 40.0
+"""Where sinh is a power of e to the last bit, and at most two terms of a sum count."""
+
+
+def angle_into(
+    angle: Angle, variable: np.ndarray, across: np.ndarray, out: np.ndarray, spare: np.ndarray
+) -> None:
+    """``atan(X N/D)``, without the sign of the angle and its drift."""
+    if len(angle.above) > 1:
+        horner(variable, angle.above, out)
+        out *= across
+        out /= horner(variable, angle.below, spare)
+    elif len(angle.below) > 1:
+        np.divide(across, horner(variable, angle.below, out), out=out)
+    else:
+        np.divide(across, angle.below[0], out=out)
+    if angle.below[0] == 0.0:
+        # The trace passes through the pole: the angle jumps by pi, and has its later value.
+        out[np.isnan(out)] = math.inf
+    np.arctan(out, out=out)
+
+
+def strain_part(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.ndarray:
+    """The periodic part that a strain adds to an integral, at z counted from its side."""
+    with np.errstate(all="ignore"):
+        return _strain_part(doubles, place, number, z)
+
+
+def _strain_part(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.ndarray:
+    constants, strain = doubles.constants, doubles.constants.strains[place]
+    log, zeta = complex(strain.logs[number]), complex(strain.zetas[number])
+    whole, angle = complex(strain.place), doubles.drawn[place]
+    value = np.zeros_like(z)
+    period = 2 * doubles.half
+    images = ((1, -whole.real), (-1, whole.real))
+    for sign, shift in images[:1] if constants.kind == "exponential" else images:
+        image = z + shift
+        count = np.rint(image / period) if math.isfinite(period) else np.zeros_like(z)
+        if math.isfinite(period):
+            image -= count * period
+        if angle is not None and log:
+            if log.real:
+                value += sign * log.real * _size(doubles, image, count, whole.imag)
+            value -= log.imag * _turn(doubles, angle, image)
+            if math.isfinite(period):
+                value -= log.imag * _gain(doubles, angle, whole.imag) / period * z
+        if zeta:
+            value += (zeta * _zeta(doubles, image - sign * 1j * whole.imag)).real
+            value += zeta.real * _wave(doubles) * count
+    if log.real and constants.kind == "hyperbolic" and not math.isfinite(period):
+        # |z - a| - |z + a|, which ``_size`` leaves out: it is bounded, and they are not
+        value -= 2 * log.real * np.clip(z, -abs(whole.real), abs(whole.real)) * np.sign(whole.real)
+    if strain.gains is not None and constants.half is not None:
+        with ctx.workprec(BITS):
+            drift = float((strain.gains[number] / (2 * constants.half * constants.scale)).mid())
+        value -= drift * z
+    return value
+
+
+def _turn(doubles: Doubles, angle: Angle, z: np.ndarray) -> np.ndarray:
+    """The periodic part of a phase."""
+    value, spare = np.empty_like(z), np.empty_like(z)
+    if doubles.constants.kind == "trigonometric":
+        sine, cosine = np.sin(z), np.cos(z)
+        angle_into(angle, sine * sine, sine * cosine, value, spare)
+        value *= angle.sign
+        for k, factor in enumerate(angle.ripple, 1):
+            value += factor * np.sin(2 * k * z)
+        return value
+    if doubles.constants.kind == "rational":
+        angle_into(angle, z, z, value, spare)
+    else:
+        angle_into(angle, np.sinh(np.clip(z, -350, 350)) ** 2, np.tanh(z), value, spare)
+    return angle.sign * value - angle.drift * z
+
+
+def _gain(doubles: Doubles, angle: Angle, alpha: float) -> float:
+    """What the phase grows by in one period."""
+    if doubles.constants.kind == "trigonometric":
+        return angle.sign * math.pi
+    return angle.sign * math.pi - _wave(doubles) * alpha
+
+
+def _wave(doubles: Doubles) -> int:
+    """m of ``s(z + period) = -C exp(m z) s(z)``."""
+    if doubles.constants.kind != "hyperbolic":
+        return 0
+    return 4 if doubles.constants.partner == "theta2" else 2
+
+
+def _size(doubles: Doubles, z: np.ndarray, count: np.ndarray, alpha: float) -> np.ndarray:
+    """``log abs(s(z + i alpha + count period))``; less ``abs(z)`` if that goes on for ever."""
+    if doubles.constants.kind in ("hyperbolic", "exponential"):
+        value = (
+            np.abs(z)
+            - math.log(2)
+            + np.log(np.abs(1 + _second_term_ratio(doubles, z + 1j * alpha)))
+        )
+        near = np.abs(z) < FAR
+        value[near] = np.log(np.abs(_sums(doubles, z[near] + 1j * alpha)[0]))
+        wave = _wave(doubles)
+        if wave and not math.isfinite(doubles.half):
+            value -= np.abs(z)
+        elif wave:
+            value += wave * (count * z + doubles.half * count**2)
+        return value
+    return np.log(np.abs(_sums(doubles, z + 1j * alpha)[0]))
+
+
+def _zeta(doubles: Doubles, z: np.ndarray) -> np.ndarray:
+    """``s'/s`` at complex z."""
+    if doubles.constants.kind in ("hyperbolic", "exponential"):
+        rising = _second_term_ratio(doubles, z)
+        value = np.sign(z.real) * (1 + 2 * rising / (1 + rising))
+        near = np.abs(z.real) < FAR
+        sums = _sums(doubles, z[near])
+        value[near] = sums[1] / sums[0]
+        return value
+    value, slope = _sums(doubles, z)
+    return slope / value
+
+
+def _second_term_ratio(doubles: Doubles, z: np.ndarray) -> np.ndarray:
+    """What the second term of s is of the first, far from z = 0 (of -z where z < 0)."""
+    if doubles.constants.partner != "theta2":
+        return np.zeros_like(z)
+    outwards = np.where(z.real < 0, -z, z)
+    return np.asarray(np.exp(2 * (outwards - doubles.half)))
+
+
+def _sums(doubles: Doubles, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """s and its derivative at complex z."""
+    kind = doubles.constants.kind
+    if kind == "rational":
+        return z, np.ones_like(z)
+    trigonometric = kind == "trigonometric"
+    sine, cosine = (np.sin, np.cos) if trigonometric else (np.sinh, np.cosh)
+    nome = float(doubles.constants.nome.mid())
+    growth = float(np.max(np.abs(z.imag if trigonometric else z.real), initial=0.0))
+    value, slope = np.zeros_like(z), np.zeros_like(z)
+    for n in range(12):
+        order, power = 2 * n + 1, (-1) ** n * nome ** (n * (n + 1) // 2)
+        if n and (power == 0.0 or math.log(abs(power)) + (order + 1) * growth < -FAR):
+            break
+        value += power * sine(order * z)
+        slope += power * order * cosine(order * z)
+    return value, slope
+
+
+TURN = 2 * math.pi
+Origin = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """The motion at a stretch of times; what several results need is computed once.
+
+    Attributes:
+        doubles: the motion.
+        arguments: of the sums at the times.
+        courses: of the integrals.
+        origins: of each integral: its value at t = 0 before it is taken off, in radians and turns.
+    """
+
+    doubles: Doubles
+    arguments: Arguments
+    courses: tuple[Course, ...]
+    origins: tuple[Origin, ...]
+
+    @property
+    def x(self) -> np.ndarray:
+        """The variable."""
+        return self.affine(self.doubles.base, self.doubles.other)
+
+    def affine(self, at_base: float, at_other: float) -> np.ndarray:
+        """An affine function of x from its values at the ends."""
+        near, far = self.arguments.weights
+        passing = self.arguments.passing
+        value = np.multiply(near, at_base, out=self.arguments.spare())
+        mark = passing.mark()
+        value += np.multiply(far, at_other, out=self.arguments.spare())
+        passing.free(mark)
+        return value
+
+    def colatitude(self, south: tuple[float, float], north: tuple[float, float]) -> np.ndarray:
+        """``2 atan sqrt((1 - l)/(1 + l))``, from ``1 - l`` and ``1 + l`` at both ends."""
+        angle = self.affine(*south)
+        mark = self.arguments.passing.mark()
+        angle /= self.affine(*north)
+        self.arguments.passing.free(mark)
+        np.sqrt(angle, out=angle)
+        np.arctan(angle, out=angle)
+        angle *= 2.0
+        return angle
+
+    @cached_property
+    def rate(self) -> np.ndarray:
+        """dx/dt."""
+        doubles = self.doubles
+        near, far = self.arguments.weights
+        kind = doubles.constants.kind
+        if kind == "rest":
+            return np.zeros_like(near)
+        if kind == "exponential":
+            return 2 * doubles.scale * doubles.span * near * far
+        square = doubles.gradient * near * far
+        for ratio in doubles.ratios:
+            share = near + ratio.real * far
+            square *= share**2 + (ratio.imag * far) ** 2 if ratio.imag else np.abs(share)
+        speed = np.copysign(np.sqrt(square), self.arguments.phase_reduction[1])
+        speed *= math.copysign(1.0, doubles.span) * (1 - 2 * self.arguments.odd)
+        return speed
+
+    def integral(self, number: int, start: float = 0.0) -> np.ndarray:
+        """An integral along the motion, ``start`` at t = 0 and continuous."""
+        course = self.courses[number]
+        count, rest = self.arguments.phase_reduction
+        periodic = self._periodic(number)
+        value = np.multiply(rest, course.slope, out=self.arguments.spare())
+        mark = self.arguments.passing.mark()
+        spare = self.arguments.spare()
+        if course.second:
+            value += np.multiply(count, course.second, out=spare)
+        _add(value, periodic, 1.0, spare)
+        value += start - self.origins[number][0]
+        # The only rounding of the size of the value is the last.
+        if course.first:
+            value += np.multiply(count, course.first, out=spare)
+        self.arguments.passing.free(mark)
+        return value
+
+    def modulo(self, number: int, start: float = 0.0) -> np.ndarray:
+        """The same as an angle in (-pi, pi]."""
+        periodic = self._periodic(number)
+        value = self.arguments.spare()
+        mark = self.arguments.passing.mark()
+        spare = self.arguments.spare()
+        self._turns(self.courses[number], value, spare)
+        _add(value, periodic, 1 / TURN, spare)
+        value += start / TURN - self.origins[number][1]
+        np.subtract(value, 0.5, out=spare)
+        value -= np.ceil(spare, out=spare)
+        value *= TURN
+        self.arguments.passing.free(mark)
+        return value
+
+    def _turns(self, course: Course, value: np.ndarray, spare: np.ndarray) -> None:
+        """The steady part of an integral in turns, less whole ones."""
+        count, rest = self.arguments.phase_reduction
+        high, low = course.spin
+        other = self.arguments.spare()
+        if course.exact:
+            first, second = self.arguments.reduction.tail(self.arguments.times, count)
+            product, error = two_product(first, high)
+            product -= np.rint(product)
+            np.add(product, error + first * low + second * high, out=value)
+        else:
+            np.multiply(rest, high, out=value)
+        for share in course.turns:
+            if share:
+                more = np.multiply(count, share, out=spare)
+                more -= np.rint(more, out=other)
+                value += more
+
+    def _periodic(self, number: int) -> list[tuple[float, np.ndarray]]:
+        """The periodic parts of an integral: factors and arrays."""
+        doubles = self.doubles
+        found = [(share, self._angles(place)) for place, share in doubles.shares[number]]
+        ripple = doubles.ripples[number]
+        if ripple.size:
+            powers = self.arguments.powers[: ripple.size]
+            found.append((1.0, np.matmul(ripple, powers, out=self.arguments.spare())))
+        for place in doubles.strains[number]:
+            z = self.arguments.z(doubles.constants.strains[place].side)
+            found.append((1.0, strain_part(doubles, place, number, z)))
+        p, q = doubles.swings[number]
+        if p or q:
+            found.append((1.0, (p + q * self.x) * self.rate))
+        return found
+
+    @cached_property
+    def _known(self) -> dict[int, np.ndarray]:
+        return {}
+
+    def _angles(self, place: int) -> np.ndarray:
+        """The periodic part of a phase, but for its ripple."""
+        if place in self._known:
+            return self._known[place]
+        angle = self.doubles.angles[place]
+        variable, across, z = self.arguments.own(angle.side)
+        value = self.arguments.new()
+        mark = self.arguments.passing.mark()
+        angle_into(angle, variable, across, value, self.arguments.spare())
+        self.arguments.passing.free(mark)
+        sign = angle.sign
+        if angle.side == 1 and self.doubles.constants.kind == "trigonometric":
+            sign = -sign  # X is that of the base
+        if sign < 0:
+            np.negative(value, out=value)
+        if angle.drift:
+            value -= angle.drift * z
+        self._known[place] = value
+        return value
+
+
+def _add(
+    value: np.ndarray, parts: list[tuple[float, np.ndarray]], unit: float, spare: np.ndarray
+) -> None:
+    """Add parts with their factors, in that unit."""
+    for share, part in parts:
+        factor = share * unit
+        if factor == 1.0:
+            value += part
+        elif factor == -1.0:
+            value -= part
+        else:
+            value += np.multiply(part, factor, out=spare)
+
 
 BLOCK = 8192
 """Times in a stretch."""

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from voronec.elliptic.batch import Stretch
+from voronec.elliptic.arguments import Rows, matrix
+from voronec.elliptic.many_times import Stretch
 from voronec.elliptic.reduction import Reduction
-from voronec.elliptic.workspace import Rows, matrix
 
 __all__ = ["Panels"]
 

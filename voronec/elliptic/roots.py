@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from flint import acb, acb_poly, arb, arb_poly, ctx
 
-from voronec.elliptic.numbers import Numbers, Source
+from voronec.elliptic.constants import Numbers, Source
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = [

@@ -11,9 +11,8 @@ from flint import acb, arb, ctx, fmpq
 
 from voronec.elliptic.assembly import assemble
 from voronec.elliptic.ball_evaluation import Moment, moment_of
-from voronec.elliptic.constants import Constants
+from voronec.elliptic.constants import Constants, Numbers, Source
 from voronec.elliptic.lattice import lattice_of, time_from
-from voronec.elliptic.numbers import Numbers, Source
 from voronec.elliptic.roots import Unresolved, ends_of, interval, resolve
 from voronec.errors import EngineLimit
 

@@ -10,15 +10,17 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
+import symengine as se
 import sympy as sp
 
 from voronec.algebra.columns import columns
+from voronec.algebra.normal import shortest
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.typeset import caret_text, latex_of, plain_text
 from voronec.declaration.system import System, require_system
@@ -26,13 +28,15 @@ from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
 from voronec.equations.derived_equations import DerivedEquations
 from voronec.equations.evaluation import check_added_mass, check_inertia
-from voronec.errors import DefinitionError
+from voronec.equations.vector_field import on_coordinates
+from voronec.errors import DefinitionError, EngineLimit
 
 if TYPE_CHECKING:
     from voronec.equations.control import Control
+    from voronec.equations.derivation import FirstOrderForm
+    from voronec.equations.derived_equations import DerivedEquations
     from voronec.equations.mechanics_form import MechanicsForm
     from voronec.equations.program import Program
-
 
 __all__ = [
     "VoronecEquations",
@@ -41,6 +45,7 @@ __all__ = [
     "equations_dict",
     "equations_latex",
     "equations_lines",
+    "solved_form",
 ]
 
 
@@ -289,7 +294,7 @@ class VoronecEquations(DerivedEquations):
         """What is printed: the straight-line program of ``form``, or of the same solved for the
         rates of the velocities, whichever takes fewer operations."""
         from voronec.equations.program import Program
-        from voronec.equations.solved_form import solved_form
+        from voronec.equations.voronec_equations import solved_form
 
         solved = solved_form(self)
         found = [Program.of(f) for f in (self.form, solved) if f is not None]
@@ -370,3 +375,24 @@ def _derive(system: System) -> VoronecEquations:
     check_added_mass(raw)
     check_inertia(raw)
     return VoronecEquations(system, definition, raw, exact)
+
+
+SHORT = 300
+"""Forms that cost more operations are not solved: what comes out is longer, nearly always."""
+
+
+def solved_form(equations: DerivedEquations) -> FirstOrderForm | None:
+    """vdot = mass^-1 force in the shortest form: what mass and force share is gone.
+
+    None where it is not tried, or beyond the budget.
+    """
+    if equations.is_large or not equations.in_normal_form or equations.operations > SHORT:
+        return None
+    form = equations.exact.form
+    try:
+        rates = shortest(on_coordinates(equations).accelerations, form.relations, form.velocities)
+    except EngineLimit:
+        return None
+    size = range(len(rates))
+    unit = tuple(tuple(se.Integer(int(i == j)) for j in size) for i in size)
+    return replace(form, mass=unit, force=tuple(rates))

@@ -4,6 +4,11 @@ The cases of this package have their references beside them in ``references.json
 digest of its declaration, so that nobody waits for them; others are computed on the spot.  A
 reference is computed twice: by two forms of the equations, or on one at two tolerances, in many
 digits; the larger difference of the two runs is kept as ``agreed``.
+
+Where heyoka is not installed, and as an independent check, condition numbers come of many digits
+and slightly different data.  Only errors of the data are seen so, not those made on the way: the
+condition numbers come out lower, and the judgement stricter.  Of a motion of period P one period is
+computed and the rest counted: x(n P + t) = x(t) and Phi(n P + t, 0) = Phi(t, 0) Phi(P, 0)^n.
 """
 
 from __future__ import annotations
@@ -20,17 +25,209 @@ import numpy as np
 
 from voronec.accuracy.hard.case import ARITHMETICS, HardCase
 from voronec.accuracy.hard.closed import PreciseProblem, problem
-from voronec.accuracy.hard.conditioning import condition_numbers, output_sizes
-from voronec.accuracy.hard.multiprecision import reel
-from voronec.accuracy.hard.periodic import folded, period
-from voronec.accuracy.hard.perturbed import perturbed
+from voronec.accuracy.hard.conditioning import condition_numbers, output_sizes, sizes, times
+from voronec.accuracy.hard.multiprecision import Passage, Reel, reel
 from voronec.declaration.catalogue import load
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, IntegrationError
-from voronec.motion import integrate
+from voronec.motion import Trajectory, integrate
 from voronec.motion.closed_form import closed_form
 
-__all__ = ["STORE", "Reference", "compute", "reference"]
+__all__ = ["STORE", "Reference", "compute", "perturbed", "reference", "slopes"]
+
+CLOSED = 1e-18
+"""How far the state may be from its start after one period."""
+ITERATIONS = 12
+LOOKS = 400
+"""Into how many parts a stretch of time is cut where the period is looked for."""
+
+
+def period(machine: Reel, names: tuple[str, ...], vanishing: str, stretch: float) -> Any:
+    """A period, when every state is back; one must be shorter than ``stretch``.
+
+    ``vanishing`` is the state that vanishes at the start; its zeros are refined by Newton's method.
+    Raises ``IntegrationError`` where there is none.
+    """
+    place = names.index(vanishing)
+    machine.rewind(machine.number(0.0), machine.begin)
+    before, last = machine.begin, 0.0
+    for t in np.linspace(0.0, stretch, LOOKS + 1)[1:]:
+        state, _, _ = machine.advance(machine.number(t))
+        if last > 0 and float(before[place]) * float(state[place]) <= 0:
+            zero, there = _zero(machine, place, machine.number(last), before)
+            apart = (abs(float(a - b)) for a, b in zip(there, machine.begin, strict=True))
+            if max(apart) < CLOSED:
+                return zero
+            machine.rewind(machine.number(t), state)
+        before, last = state, t
+    raise IntegrationError(f"no period was found up to t = {stretch:g}")
+
+
+def _zero(machine: Reel, place: int, t: Any, state: np.ndarray) -> tuple[Any, np.ndarray]:
+    """The next zero of a component after a time, and the state there."""
+    ahead = machine.number(1e-9)
+    for _ in range(ITERATIONS):
+        machine.rewind(t, state)
+        beyond, _, _ = machine.advance(t + ahead)
+        change = -state[place] * ahead / (beyond[place] - state[place])
+        if abs(float(change)) < 1e-29 * (1.0 + abs(float(t))):
+            break
+        machine.rewind(t, state)
+        t = t + change
+        state, _, _ = machine.advance(t)
+    return t, state
+
+
+@dataclass(frozen=True)
+class Folded:
+    """One period of a motion, and where in which period the wanted instants lie.
+
+    ``turns[j]`` whole periods lie before the j-th instant, and the rest of it is the time
+    ``places[j]`` of ``passage``, which ends with the period.
+    """
+
+    passage: Passage
+    turns: tuple[int, ...]
+    places: tuple[int, ...]
+
+    @property
+    def outputs(self) -> np.ndarray:
+        """The outputs at the wanted instants."""
+        return self.passage.outputs[list(self.places)]
+
+    def condition_numbers(self, problem: PreciseProblem) -> np.ndarray:
+        """kappa as in ``conditioning``, errors made after 0, 1, 2, 4, ... and all periods."""
+        passage, scale = self.passage, output_sizes(self.passage.outputs)
+        size = sizes(problem, passage.states)
+        constants = np.abs(np.array([float(x) for x in problem.values]))
+        since = _since_start(passage)
+        width = passage.states.shape[1]
+        result = np.empty(self.outputs.shape)
+        for j, (turns, place) in enumerate(zip(self.turns, self.places, strict=True)):
+            whole = times(since[place], _power(since[-1], turns))
+            slope = times(passage.gradients[place], whole[:width, width:])
+            slope = slope + passage.by_parameters[place]
+            made = np.zeros(len(scale))
+            for back in {0, *(2**i for i in range(turns.bit_length()) if 2**i <= turns), turns}:
+                reach = times(since[place], _power(since[-1], back))[:width, :width]
+                reach = times(passage.gradients[place], reach)
+                made = np.maximum(made, np.abs(reach.astype(float)) @ size)
+            data = np.abs(slope.astype(float)) @ constants
+            result[j] = 1.0 + (data + made) / scale
+        return result
+
+
+def folded(reel: Reel, length: Any, grid: np.ndarray) -> Folded:
+    """One period through all that is left of the wanted times when whole periods are taken off."""
+    turns = [int(float(t) // float(length)) for t in grid]
+    rest = [reel.number(float(t)) - n * length for t, n in zip(grid, turns, strict=True)]
+    stops: list[Any] = []  # numbers of heyoka have an order, but no hash
+    for t in sorted([reel.number(0.0), *rest, length]):
+        stops += [] if stops and stops[-1] == t else [t]
+    passage = reel.follow(np.array(stops, dtype=object))
+    return Folded(passage, tuple(turns), tuple(stops.index(t) for t in rest))
+
+
+def _since_start(passage: Passage) -> list[np.ndarray]:
+    """d (state, parameters) at every instant / d the same at the start."""
+    n, p = passage.states.shape[1], passage.drives.shape[2]
+    found = [np.eye(n + p, dtype=int).astype(object)]
+    for step, drive in zip(passage.steps, passage.drives, strict=True):
+        whole = np.eye(n + p, dtype=int).astype(object)
+        whole[:n, :n], whole[:n, n:] = step, drive
+        found.append(times(whole, found[-1]))
+    return found
+
+
+def _power(matrix: np.ndarray, exponent: int) -> np.ndarray:
+    """A power by repeated squaring, no digit lost to doubles."""
+    result = np.eye(len(matrix), dtype=int).astype(object)
+    while exponent:
+        if exponent & 1:
+            result = times(result, matrix)
+        matrix, exponent = times(matrix, matrix), exponent >> 1
+    return result
+
+
+CHANGE = 1e-12
+"""By what part of its size a datum is changed, either way: 25 digits leave 13 of the slope."""
+DIGITS = (1e-25, 1e-21)
+"""Tolerances of the run, and of the one that it is compared with."""
+
+
+def perturbed(
+    case: HardCase, equations: VoronecEquations
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], float]:
+    """Outputs, condition numbers, and how far two runs agree; raises ``EngineLimit`` for a case
+    whose reference lies on the invariants, or counts periods."""
+    if case.level != "coordinates" or case.period:
+        raise EngineLimit(
+            f"hard case '{case.name}' has no stored reference, and computing one takes heyoka, "
+            "which is not installed; 'pip install heyoka'"
+        )
+    first, second = (_perturbed_run(case, equations, tol=tol) for tol in DIGITS)
+    values = {n: np.asarray(first[n], dtype=float) for n in first.outputs}
+    size = {n: float(output_sizes(x[:, None])[0]) for n, x in values.items()}
+    apart = max(_apart(first[n], second[n], size[n]) for n in values)
+    asked = problem(case, equations)
+    condition = {n: np.ones_like(x) for n, x in values.items()}
+    for by, weight in _weights(asked, case, equations).items():
+        for n, slope in slopes(case, equations, by).items():
+            condition[n] += np.abs(slope) * weight / size[n]
+    return values, condition, apart
+
+
+def slopes(case: HardCase, equations: VoronecEquations, by: str) -> dict[str, np.ndarray]:
+    """d output / d datum at every instant; ``by`` names a coordinate, a velocity or a parameter."""
+    asked = problem(case, equations)
+    data = _data(asked)
+    step = CHANGE * max(1.0, abs(float(data[by])))
+    constants = {str(p) for p in asked.program.parameters}
+    ahead, behind = (
+        _perturbed_run(case, equations, parameters={by: x})
+        if by in constants
+        else _perturbed_run(case, equations, initial={by: x})
+        for x in (data[by] + step, data[by] - step)
+    )
+    return {n: np.asarray((ahead[n] - behind[n]) / (2 * step), dtype=float) for n in ahead.outputs}
+
+
+def _data(asked: PreciseProblem) -> dict[str, Any]:
+    """States at the start and parameters by name, as exact as SymPy holds them."""
+    import sympy as sp
+
+    names = [*map(str, asked.program.state), *map(str, asked.program.parameters)]
+    numbers = [*asked.start, *asked.values]
+    return {n: sp.Float(x, 40) for n, x in zip(names, numbers, strict=True)}
+
+
+def _weights(
+    asked: PreciseProblem, case: HardCase, equations: VoronecEquations
+) -> dict[str, float]:
+    """The sizes of what may be in error: states that the outputs need, and parameters."""
+    followed = integrate(equations, scene=case.scene, times=case.grid, outputs=asked.names)
+    states = np.column_stack([followed[name] for name in asked.names])
+    weights = dict(zip(asked.names, sizes(asked, states).tolist(), strict=True))
+    data = _data(asked)
+    return weights | {str(p): abs(float(data[str(p)])) for p in asked.program.parameters}
+
+
+def _perturbed_run(
+    case: HardCase,
+    equations: VoronecEquations,
+    tol: float = DIGITS[0],
+    initial: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+) -> Trajectory:
+    return integrate(
+        equations, scene=case.scene, times=case.grid, method="flint", tol=tol, initial=initial,
+        parameters=parameters,
+    )  # fmt: skip
+
+
+def _apart(first: np.ndarray, second: np.ndarray, size: float) -> float:
+    return float(max(abs(a - b) for a, b in zip(first, second, strict=True))) / size
+
 
 STORE = Path(__file__).with_name("references.json")
 TOLERANCES = {"quadruple": (1e-30, 1e-27), "extended": (3e-19, 1e-17)}

@@ -1,4 +1,7 @@
-"""One HTML page of a motion: it holds all that it needs, and asks no network for anything."""
+"""One HTML page of a motion: it holds all that it needs, and asks no network for anything.
+
+What it computes - rates, places of bodies and integrals - is one program in JavaScript.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ import hashlib
 import html
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.resources import files
@@ -15,22 +18,78 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import symengine as se
+import sympy as sp
 
 from voronec.algebra.symbols import names_in, plain_name
-from voronec.declaration.shapes import Shape
+from voronec.declaration.shapes import MESH, Shape
 from voronec.declaration.whole_files import draft
 from voronec.equations.program import Program, javascript_source
+from voronec.equations.program.straight import Block
 from voronec.equations.voronec_equations import derive
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.closed_form import closed_form
-from voronec.motion.viewer.page_program import mesh_source, page_program
+from voronec.motion.observables import watched
 from voronec.motion.vocabulary import Vocabulary
 
 if TYPE_CHECKING:
     from voronec.declaration.system import System
     from voronec.motion.pictures.motion_record import MotionRecord
+    from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["LARGEST", "Page", "PageView", "check_shapes", "view_of"]
+
+POSE = 15
+"""How many numbers place a shape: centre, attitude row by row, contact."""
+
+
+def page_program(vocabulary: Vocabulary, shapes: Sequence[Shape]) -> Program:
+    """The whole equations on coordinates and velocities; its extra quantities are ``POSE`` numbers
+    for each shape, then integrals, the sizes of their terms, and ``quartic_parts``."""
+    placed = {
+        f"shape {i} {k}": vocabulary.inward(e)
+        for i, shape in enumerate(shapes)
+        for k, e in enumerate((*shape.centre, *shape.attitude, *(shape.contact or (0, 0, 0))))
+    }
+    beside = watched(vocabulary, ())
+    names = [*beside.integrals.values(), *beside.sizes.values()]
+    kept = {name: beside.expressions[name] for name in names}
+    return Program.of(vocabulary.equations.form, placed | kept | quartic_parts(vocabulary))
+
+
+def quartic_parts(vocabulary: Vocabulary) -> dict[str, Any]:
+    """Of a motion by quadratures, (dx/dtau)^2 = f(x): x, and f at -1, -1/2, 0, 1/2, 1, which fix a
+    quartic, as functions of the state; nothing of other motions."""
+    motion = vocabulary.equations.system.motion
+    if motion is None:
+        return {}
+    known = dict(motion.constants)
+    places = [sp.Rational(k, 2) for k in range(-2, 3)]
+    values = [motion.quartic.xreplace({motion.x: place}).xreplace(known) for place in places]
+    parts = [motion.meaning, *values]
+    return {f"quartic {i}": vocabulary.inward(part) for i, part in enumerate(parts)}
+
+
+def mesh_source(shapes: Sequence[Shape], vocabulary: Vocabulary) -> str:
+    """JavaScript whose ``extras(t, (a, b), parameters)`` gives three numbers for each patch of each
+    shape, one after the other."""
+    parameters = tuple(se.Symbol(p.name) for p in vocabulary.equations.system.parameters)
+    points = [
+        vocabulary.equations.door.inward(e) for s in shapes for p in s.patches for e in p.position
+    ]
+    a, b = (se.Symbol(str(x)) for x in MESH)
+    names = tuple(f"point {i}" for i in range(len(points)))
+    program = Program(
+        time=vocabulary.equations.form.time,
+        coordinates=(a,),
+        velocities=(b,),
+        parameters=parameters,
+        derivative=Block((), (se.Integer(0), se.Integer(0))),
+        names=names,
+        extras=Block((), tuple(points)),
+    )
+    return javascript_source(program)
+
 
 LARGEST = 900_000
 """How many bytes a page may have."""
