@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import platform
 import sys
 from dataclasses import asdict
@@ -125,6 +126,7 @@ def write_page(page: Path, name: str, rows: list[Row]) -> None:
     known["machine"] = _machine()
     page.with_suffix(".json").write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
     shown = [Row(**row) for key in ROWS for row in known["rows"].get(key, [])]
+    shown.sort(key=lambda row: row.good)  # what is missed is named first
     text = PAGE.format(
         table=table(shown), reasons=reasons(shown), curve=known["curve"],
         accuracy=known["accuracy"], machine=known["machine"],
@@ -165,7 +167,12 @@ def _plain(rows: list[Row]) -> dict[str, Any]:
 
 def _machine() -> str:
     packages = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
-    return f"{platform.machine()}, Python {platform.python_version()}, {packages}"
+    load, cores = os.getloadavg()[0], os.cpu_count() or 1
+    busy = f"; the machine had other work, {load:.0f} processes on {cores} cores"
+    return (
+        f"{platform.machine()}, Python {platform.python_version()}, {packages}"
+        f"{busy if load > cores else ''}"
+    )
 
 
 if __name__ == "__main__":

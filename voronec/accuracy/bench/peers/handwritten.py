@@ -32,6 +32,7 @@ __all__ = [
     "Handwritten",
     "ball",
     "demchenko",
+    "right_side",
     "start_values",
 ]
 
@@ -227,7 +228,7 @@ def _by_scipy(program: Handwritten, start: np.ndarray, grid: np.ndarray) -> Rows
     """DOP853 on plain numbers: the same equations, common subexpressions shared."""
     from scipy.integrate import solve_ivp
 
-    right = _right_side(program)
+    right = right_side(program)
 
     def rows(tol: float) -> tuple[int, int, np.ndarray]:
         found = solve_ivp(
@@ -238,7 +239,7 @@ def _by_scipy(program: Handwritten, start: np.ndarray, grid: np.ndarray) -> Rows
     return rows
 
 
-def _right_side(program: Handwritten) -> Callable[[float, np.ndarray], list[float]]:
+def right_side(program: Handwritten) -> Callable[[float, np.ndarray], list[float]]:
     """The equations as a good hand gives them to scipy: ``lambdify`` to ``math`` with ``cse``."""
     import heyoka as hy
     import sympy as sp
