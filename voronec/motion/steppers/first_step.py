@@ -31,10 +31,15 @@ def opening(coefficients: np.ndarray, taken: float, tol: float) -> float:
     It goes by the latter half of them: the radius of convergence that each suggests, times
     tol^(1/order).
     """
-    return float(_allowed(coefficients[:, :, None], np.array([taken]), tol)[0])
+    sizes = np.abs(coefficients).max(axis=0).tolist()
+    scale, order = max(1.0, sizes[0]), len(sizes) - 1
+    later = ((k, sizes[k] / scale) for k in range(order // 2, order + 1))
+    radii = [size ** (-1.0 / k) for k, size in later if size > 0]
+    length = min(radii, default=np.inf) * tol ** (1.0 / order)
+    return float(length if abs(taken) > SPARSE * length else np.inf)
 
 
-def _allowed(coefficients: np.ndarray, taken: np.ndarray, tol: float) -> np.ndarray:
+def _openings(coefficients: np.ndarray, taken: np.ndarray, tol: float) -> np.ndarray:
     """The same of several steps (k,), with coefficients (n, order + 1, k)."""
     sizes = np.abs(coefficients).max(axis=0)
     sizes = sizes / np.fmax(1.0, sizes[0])
@@ -53,7 +58,7 @@ def openings(integrator: Any, spans: np.ndarray) -> np.ndarray:
     times, state = [part.copy() for part in integrator.dtime], integrator.state.copy()
     integrator.step(max_delta_t=spans.tolist(), write_tc=True)
     taken = np.array([length for _, length in integrator.step_res])
-    found = _allowed(integrator.tc, taken, integrator.tol)
+    found = _openings(integrator.tc, taken, integrator.tol)
     integrator.set_dtime(*times)
     integrator.state[:] = state
     return found

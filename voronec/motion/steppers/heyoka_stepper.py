@@ -80,12 +80,19 @@ class Winding:
         """Whether there is a state that may be kept small."""
         return bool(len(self.quadratures) or len(self.angles))
 
+    @cached_property
+    def has_units(self) -> bool:
+        """Whether there is a state that is kept in a unit of its own."""
+        return bool((self.units != 1).any())
+
     def reset(self) -> None:
         """Nothing is taken out."""
         self.high, self.low = np.zeros(self.width), np.zeros(self.width)
 
     def take(self, state: np.ndarray) -> None:
         """Take what has grown out of a state (n,), in place."""
+        if not self.needed:
+            return
         at = self.angles
         turns = np.rint(state[at] / TURN)
         state[at] = (state[at] - turns * COARSE) - turns * FINE
@@ -100,11 +107,12 @@ class Winding:
     def whole(self, states: np.ndarray) -> np.ndarray:
         """States (..., n) as they are, from those kept small."""
         result = np.array(states, dtype=float)
-        at = self.angles
-        result[..., at] = (result[..., at] + self.high[at] * FINE) + self.high[at] * COARSE
-        at = self.quadratures
-        result[..., at] = (result[..., at] + self.low[at]) + self.high[at]
-        return result * self.units
+        if self.needed:
+            at = self.angles
+            result[..., at] = (result[..., at] + self.high[at] * FINE) + self.high[at] * COARSE
+            at = self.quadratures
+            result[..., at] = (result[..., at] + self.low[at]) + self.high[at]
+        return result * self.units if self.has_units else result
 
     def now(self) -> Winding:
         """What is taken out at present, for states that are looked at later."""
@@ -142,9 +150,9 @@ COMPACT = 60.0
 IDLE = 16
 """So many integrators wait for another run; one of a large system takes some megabytes."""
 
-_idle: dict[Any, _Machine] = {}
+_idle: dict[Any, list[_Machine]] = {}
 """Integrators that nobody uses, by all that they are made of: a run takes one out, sets start and
-parameters, and brings it back.  To make one anew takes longer than most runs."""
+parameters, and brings it back, one of a kind.  To make one anew takes longer than most runs."""
 
 
 @dataclass(frozen=True)
@@ -154,18 +162,20 @@ class _Machine:
     integrator: Any
     log: Log
     winding: Winding
+    constants: Any
 
     @classmethod
     def of(cls, problem: Problem, winding: Winding, hy: Any) -> _Machine:
         """One for problems that differ in start and parameters."""
         log = Log(0.0, 0.0, len(problem.start), walls=problem.walls)
-        return cls(_integrator(problem, log, winding, hy), log, winding)
+        integrator = _integrator(problem, log, winding, hy)
+        return cls(integrator, log, winding, hoist(problem.program))
 
     def place(self, problem: Problem, grid: np.ndarray) -> None:
         """Go to the start of a problem, whatever went before."""
         ta, log = self.integrator, self.log
         ta.time, ta.state[:] = float(grid[0]), problem.start / self.winding.units
-        values = hoist(problem.program).values(list(map(float, problem.parameters)))
+        values = self.constants.values(list(map(float, problem.parameters)))
         ta.pars[:] = values[: len(ta.pars)]
         if ta.with_events:
             ta.reset_cooldowns()
@@ -183,9 +193,13 @@ def taylor(problem: Problem) -> Stepper:
     watched = events, problem.levels if events else None, problem.walls
     key = problem.program, winding.units.tobytes(), problem.tol, watched
 
+    # a program is hashed here, and not in runs
+    at_rest = _idle[key] = _idle.pop(key, [])
+    while len(_idle) > IDLE:
+        del _idle[next(iter(_idle))]
+
     def machine_at_rest() -> _Machine:
-        found = _idle.pop(key, None)
-        return _Machine.of(problem, winding, hy) if found is None else found
+        return at_rest.pop() if at_rest else _Machine.of(problem, winding, hy)
 
     own = [machine_at_rest()]
 
@@ -198,9 +212,7 @@ def taylor(problem: Problem) -> Stepper:
         try:
             return drive.run()
         finally:
-            _idle[key] = machine
-            while len(_idle) > IDLE:
-                _idle.pop(next(iter(_idle)), None)
+            at_rest[:] = [machine]
 
     return run
 
