@@ -49,6 +49,8 @@ ILL, SAME = 1e4, 1e-9
 """Nodes that magnify rates by more tell nothing; nodes that differ by less are the same."""
 BUDGET = 3000
 """Evaluations that integrating a window again may take."""
+TWICE = 24
+"""Evaluations of a step of DOP853, made from two starts."""
 NEARBY, FINE, LEFT = 1e-7, 1e-11, 1e3
 """How far from the first another start is, the tolerance from there, and how many tolerances the
 state may be off."""
@@ -116,18 +118,21 @@ def _inverse_bases(nodes: np.ndarray) -> np.ndarray:
 
 
 def again(
-    rates: Rates, t: np.ndarray, states: np.ndarray, tol: float, most: int = BUDGET
+    rates: Rates, t: np.ndarray, states: np.ndarray, tol: float, steps: float = 0.0
 ) -> np.ndarray | None:
     """The defect of the last state of a window, by variable, in units of what is allowed: the
     motion is integrated again from the first state by a Runge-Kutta method.
 
     Also from a start nearby, which tells how far what the tolerance leaves open grows.  None where
-    that cannot be done in so many evaluations.
+    that cannot be done within the budget of evaluations.  ``steps`` are those that the motion took
+    in the window by a method of order 8 or more: this one takes no fewer, unless it may be coarser.
     """
+    if TWICE * steps * min(1.0, (tol / FINE) ** (1 / 8)) > BUDGET:
+        return None
     from scipy.integrate import DOP853
 
     size = np.maximum(1.0, np.abs(states).max(initial=0.0))
-    left = [most]
+    left = [BUDGET]
 
     def single(time: float, state: np.ndarray) -> np.ndarray:
         left[0] -= 1
@@ -448,7 +453,7 @@ class JudgeOfMany:
     ) -> dict[int, Breach]:
         """What went wrong with which motion: states (m, k, n) at ``t`` (k,), parameters (m, p);
         each took so many steps."""
-        found = self._disobedient(t, states, values)
+        found = self._disobedient(t, states, values, steps)
         for i, breach in self.lost(np.broadcast_to(t, states.shape[:2]), states, values, steps):
             if i not in found or breach.row < found[i].row:
                 found[i] = breach
@@ -495,7 +500,7 @@ class JudgeOfMany:
         return self._proofs[name]
 
     def _disobedient(
-        self, t: np.ndarray, states: np.ndarray, values: np.ndarray
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
     ) -> dict[int, Breach]:
         """Motions whose states do not obey the equations, in a few windows of each; to the windows
         they are one long motion, and the parameters variables at rest."""
@@ -523,7 +528,8 @@ class JudgeOfMany:
             if i in found or looks[i] < 0:
                 continue
             one = _rates_of_one(self.program, values[i])
-            off = again(one, times[rows], joined[rows, :n], self.tol)
+            part = float(np.ptp(times[rows]) / np.ptp(t))
+            off = again(one, times[rows], joined[rows, :n], self.tol, steps * part)
             if off is not None and off.max() > 1:
                 found[i] = Breach(DISOBEDIENT, int(rows[0] % size))
         return found
