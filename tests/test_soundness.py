@@ -13,6 +13,7 @@ import sympy as sp
 import voronec as vo
 from voronec.equations.program import Block, Program, compile_program, hoist
 from voronec.motion import motion_pool as many_motions
+from voronec.motion import soundness
 from voronec.motion.fallback import first_success
 from voronec.motion.steppers import choice
 from voronec.motion.steppers import heyoka_stepper as taylor
@@ -89,15 +90,10 @@ def test_ctrl_c_between_distant_instants_keeps_where_the_run_stood(
 
 
 def test_ctrl_c_in_the_set_up_of_an_ensemble_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    begin, calls = many_motions.require_inertia, []
+    def stop(*_args: Any) -> Any:
+        raise KeyboardInterrupt
 
-    def stop(*args: Any) -> Any:
-        calls.append(args)
-        if len(calls) == 3:
-            raise KeyboardInterrupt
-        return begin(*args)
-
-    monkeypatch.setattr(many_motions, "require_inertia", stop)
+    monkeypatch.setattr(many_motions, "starts_in_arrays", stop)
     found = vo.ensemble(OSCILLATOR, {"x": [1.0, 2.0, 3.0, 4.0]}, times=[0, 1])
     assert found.interrupted and not found.finished.any() and not found.errors
     assert found["x"].shape == (4, 2) and np.isnan(found["x"]).all()
@@ -257,3 +253,17 @@ def test_a_section_keeps_the_points_before_an_integral_is_lost(
     cut = vo.section(system, x, method="scipy", **wanted)
     assert "'energy' drifts" in str(cut.errors[0]) and cut.ends == ("failed",)
     assert 0 < len(cut) < 8 and cut.t[-1] < 21 and np.abs(cut["xdot"] - 1).max() < 1e-9
+
+
+def test_what_the_budget_cannot_reach_is_not_integrated_again() -> None:
+    asked = []
+
+    def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        asked.append(t)
+        return np.stack([states[:, 1], -states[:, 0]], axis=-1)
+
+    t = np.linspace(0, 8, soundness.WIDTH)
+    states = np.stack([np.cos(t), -np.sin(t)], axis=-1)
+    assert soundness.again(rates, t, states, 1e-10, steps=1e4) is None and not asked
+    off = soundness.again(rates, t, states, 1e-10, steps=30)
+    assert off is not None and off.max() < 1 and asked

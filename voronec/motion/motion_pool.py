@@ -173,10 +173,14 @@ def many(
     table = _table(constants, below.parameters, len(starts))
     rates_of_many = partial(_rates_of_many, functions[0], table, time)
     full = starts_in_arrays(vocabulary, initial, starts, constants, rates_of_many)
-    for i, given in enumerate(starts):
+    full[[*wrong]] = np.nan
+    zero = np.zeros(len(starts), dtype=bool)
+    for parameter in equations.system.parameters:
+        zero |= constants.get(parameter.name, np.ones(1)) == 0
+    for i in map(int, np.flatnonzero(zero | np.isnan(full).any(axis=1))):
         if i in wrong:
-            full[i] = np.nan
             continue
+        given = starts[i]
         own = {name: float(x[i]) for name, x in constants.items()}
         try:
             if np.isnan(full[i]).any():

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import symengine as se
@@ -139,9 +139,13 @@ class SmallestModels:
     def _next_name(self) -> str:
         return f"model {len(self._findings)}"
 
+    @cached_property
     def general(self) -> Model:
         """The model that holds for all starts."""
-        return _cheapest([_cut_down(self._motions, level, None) for level in self._levels])
+        levels = (_cut_down(self._motions, level, None) for level in self._levels)
+        found = self.packs.once("general", lambda: _cheapest([*levels]))
+        self.packs.keep()
+        return found
 
     def of_start(self, start: Mapping[Any, float]) -> Finding:
         """The model of a start; starts of which nothing else is known than of another have its."""
@@ -185,7 +189,7 @@ def smallest_model(
     same products, and sines besides.  Outputs that are ``followed`` are not read off as angles.
     """
     models = SmallestModels.of(motions, wanted, integrals, thorough, followed)
-    return models.general() if start is None else models.of_start(start).model
+    return models.general if start is None else models.of_start(start).model
 
 
 def _cheapest(models: Sequence[Model]) -> Model:
