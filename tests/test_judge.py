@@ -226,3 +226,29 @@ def test_inputs_have_rates(text: str, status: str) -> None:
         inputs=(u,),
     )
     assert vo.judge(system, text).verdict.status == status
+
+
+@pytest.mark.parametrize(
+    ("text", "proved"),
+    [
+        (r"-d m_2 \dot v + (J + d^2 m_2) \dot w = 0", True),
+        (r"d m_2 \frac{dv}{dt} = (J + d^2 m_2) dw/dt", True),
+        (r"d \dot w = 0", False),
+        (r"\dot w d = 0", False),
+    ],
+)
+def test_a_parameter_may_be_called_d(text: str, proved: bool) -> None:
+    """It is a factor before what follows, not the sign of a differential."""
+    x, y, phi, v, w, d, J, m1, m2, k = sp.symbols("x y phi v w d J m1 m2 k")
+    dx, dy, dphi = map(vo.velocity, (x, y, phi))
+    cos, sin = sp.cos(phi), sp.sin(phi)
+    beside = (dx - d * dphi * cos) ** 2 + (dy - d * dphi * sin) ** 2
+    skate = vo.System(
+        name="skate-with-a-bar",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+        lagrangian=(m1 * (dx**2 + dy**2) + J * dphi**2 + m2 * beside) / 2 + k * x,
+        constraints=(dx * sin - dy * cos,),
+        frame=vo.Frame.quasi({v: dx * cos + dy * sin, w: dphi}),
+        parameters=(d, J, m1, m2, k),
+    )
+    assert vo.judge(skate, text).verdict.proved is proved

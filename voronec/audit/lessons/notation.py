@@ -63,6 +63,7 @@ def words_of(text: str, spelled: Mapping[str, str]) -> list[Token]:
     changes = (_primes, _stars, _third, _applied_to_time, _quotients, _rates, _sizes, _functions)
     for change in changes + ((_exponents,) if plain else ()):
         words = change(words)
+    words = _own_d(words) if "d" in spelled else words
     _refuse_ambiguous(source, words)
     return words
 
@@ -117,6 +118,26 @@ def _quotients(words: list[Token]) -> list[Token]:
     for position, word in enumerate(words):
         bare = word.text in ("d", "\\partial") and position and words[position - 1].text == "\\frac"
         found += [_sign(word, "{"), word, _sign(word, "}")] if bare else [word]
+    return found
+
+
+def _own_d(words: list[Token]) -> list[Token]:
+    r"""A ``d`` that the system has is a factor, except in ``\frac{d...}{dt}`` and ``dv/dt``."""
+    rates: set[int] = set()
+    for position, word in enumerate(words):
+        if word.text == "\\frac" and words[position + 1 : position + 2]:
+            below = _closing(words, position + 1) + 2
+            if [w.text for w in words[below - 1 : below + 1]] == ["{", "d"]:
+                rates |= {position + 2, below}
+        if word.text == "d" and words[position + 1 : position + 2]:
+            slash = _atom(words, position + 1)
+            if [w.text for w in words[slash : slash + 3]] == ["/", "d", "t"]:
+                rates |= {position, slash + 1}
+    found: list[Token] = []
+    for position, word in enumerate(words):
+        own = word.text == "d" and position not in rates
+        further = words[position + 1].kind if own and position + 1 < len(words) else "sign"
+        found += [word, _sign(word, "\\cdot")] if further in ("letter", "command") else [word]
     return found
 
 
