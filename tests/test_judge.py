@@ -144,7 +144,7 @@ def test_a_state_where_it_fails() -> None:
         (r"\delta x\sin\phi = \delta y\cos\phi", "variations are not read"),
         (r"m\ddot x = \lambda\sin\phi", "without multipliers"),
         ("I1 v = 2", "'I1' is no symbol"),
-        ("v' = enrgy", "'enrgy' is no symbol of system 'sleigh'; did you mean 'energy'?"),
+        ("v' = enrgy", "'enrgy' is no symbol of system 'sleigh'; did you mean 'energy'"),
         ("v_x' = 0", "'v_x' is no symbol"),
         ("|v = v", "this bar has no partner"),
         ("v*-w = v - w", "a factor is missing"),

@@ -195,7 +195,7 @@ class Language:
         node = next(names, None)
         at = 0 if node is None else node.at[0]
         known = [*self._unaccented]
-        word = r"[A-Za-z]+\d+" if "\\" in text else r"[A-Za-z]+\d*"  # I1 is not I
+        word = r"[A-Za-z]+\d+(?!\w)" if "\\" in text else r"[A-Za-z]+\d*(?!\w)"  # I1 is not I
         whole = re.match(word, text[at:])
         bare = whole[0] if whole is not None else name.lstrip("\\")
         alike = _ALIKE.get(name.split("_")[0], "")
