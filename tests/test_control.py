@@ -183,6 +183,40 @@ def test_flat_outputs() -> None:
         form.flat([names["x"]])
 
 
+def test_what_is_not_accessible_is_not_controllable() -> None:
+    """x'' = u, y'' = x x': y' - x^2/2 stays."""
+    dx, dy = vo.velocity(x), vo.velocity(y)
+    system = vo.System(
+        name="hidden-integral", fibration=vo.Fibration((x, y), ()), inputs=(push,),
+        lagrangian=(dx**2 + dy**2) / 2, forces={x: push, y: x * dx},
+    )  # fmt: skip
+    control = vo.derive(system).control
+    assert control.accessibility.verdict.refuted
+    found = control.controllability()
+    assert found.refuted and "3 dimensions of 4 on the whole domain" in found.method
+
+
+def test_controllability_where_inputs_hold_the_system() -> None:
+    """A pendulum at any angle that a torque holds; a torque on one that a force holds aside."""
+    angle = sp.Symbol("angle")
+    swing = vo.velocity(angle) ** 2 / 2 + sp.cos(angle)
+    held = vo.System(
+        name="held", fibration=vo.Fibration(angle), lagrangian=swing, forces={angle: turn},
+        inputs=(turn,),
+    )  # fmt: skip
+    control = vo.derive(held).control
+    at = {angle: sp.atan(sp.Rational(3, 4))}
+    assert control.controllability({**at, turn: sp.Rational(3, 5)}).proved
+    with pytest.raises(DefinitionError, match="no equilibrium with these inputs"):
+        control.controllability(at)
+    dx, dy = vo.velocity(x), vo.velocity(y)
+    aside = vo.System(
+        name="aside", fibration=vo.Fibration((x, y), ()), lagrangian=(dx**2 + dy**2) / 2,
+        forces={x: push - 1, y: dx**2 * push}, inputs=(push,),
+    )  # fmt: skip
+    assert vo.derive(aside).control.controllability({push: 1}).refuted  # y'' is not negative
+
+
 def test_bad_input_is_refused_in_one_line() -> None:
     def cart(force: Any, **changes: Any) -> vo.System:
         return vo.System(

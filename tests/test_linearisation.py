@@ -216,6 +216,22 @@ def test_refusals_are_one_line() -> None:
         vo.linearise(pendulum(), {"L": 0})
 
 
+def test_a_point_off_a_relation_is_refused() -> None:
+    x, y, length = sp.symbols("x y L")
+    dx, dy = vo.velocity(x), vo.velocity(y)
+    rod = vo.System(
+        name="rod", fibration=vo.Fibration((x,), (y,), relations=(x**2 + y**2 - length**2,)),
+        lagrangian=(dx**2 + dy**2) / 2 - y, parameters=(length,),
+    )  # fmt: skip
+    eqs = vo.derive(rod)
+    with pytest.raises(vo.DefinitionError, match="whose left side is -3 there"):
+        vo.linearise(eqs, {"x": 0, "y": -1, "L": 2})
+    half = sp.sqrt(2)
+    assert vo.linearise(eqs, {"x": half, "y": -half, "L": 2, "xdot": 0}).state == (x, dx)
+    with pytest.raises(vo.DefinitionError, match=r"'y\*\*\(-1\)' has no value there"):
+        vo.linearise(eqs, {"x": length, "y": 0})
+
+
 @pytest.mark.parametrize(
     ("force", "smooth", "corner"),
     [

@@ -26,6 +26,7 @@ from voronec.equations.program import (
     javascript_source,
     mpmath_source,
     python_source,
+    shorten_program,
 )
 from voronec.errors import EngineLimit
 
@@ -62,7 +63,7 @@ def forms() -> dict[str, FirstOrderForm]:
 
 def systems() -> dict[str, Program]:
     names = "snakeboard", "falling-disc", "rattleback", "robot-with-two-trailers"
-    programs = {name: Program.of(vo.derive(vo.load(name)).form) for name in names}
+    programs = {name: shorten_program(Program.of(vo.derive(vo.load(name)).form)) for name in names}
     return programs | {"driven": Program.of(vo.derive(driven()).form)}
 
 
@@ -82,6 +83,21 @@ def driven() -> vo.System:
         parameters=(m, inertia, reach),
         inputs=(push, turn),
     )  # fmt: skip
+
+
+def test_inputs_that_nothing_holds_are_arguments() -> None:
+    used, idle = sp.symbols("used idle")
+    cart = vo.System(
+        name="cart", fibration=vo.Fibration(sp.Symbol("x")), forces={sp.Symbol("x"): used},
+        lagrangian=vo.velocity(sp.Symbol("x")) ** 2 / 2, inputs=(idle, used),
+    )  # fmt: skip
+    eqs = vo.derive(cart)
+    space: dict[str, Any] = {}
+    exec(eqs.python(jacobian=True), space)
+    assert space["rhs"](0, [1, 2], [], [5, 3]) == [2, 3]
+    assert space["jacobian"](0, [1, 2], [], [5, 3])[1] == [0, 0, 0, 1]
+    assert "inputs[0]: idle" in eqs.c() and '"inputs": ["idle", "used"]' in eqs.javascript()
+    assert sp.Matrix([[0, 0], [0, 1]]) == vo.linearise(eqs).B
 
 
 def sized(program: Program) -> list[list[float]]:

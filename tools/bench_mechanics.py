@@ -2,9 +2,10 @@
 
 Both sides begin with the objects that a user has (``mechanics_models.py``), SymPy's cache empty:
 SymPy's with ``KanesMethod(...)`` and ``kanes_equations``, or ``form_lagranges_equations``; ours
-with ``from_mechanics`` and what a program is made of.  Times are CPU times of one run, so that only
-their ratio counts.  Operations are those of SymPy's ``rhs()`` after its ``cse``, and of the program
-that we print, for the same variables.
+with ``from_mechanics`` and what a program is made of.  Times are CPU times of one run, the median
+of three, so that only their ratio counts.  Operations are those of SymPy's ``rhs()`` after its
+``cse``, and of the program that we print, for the same variables: sums, products, quotients, roots
+and functions, both counted by one function.
 """
 
 from __future__ import annotations
@@ -14,24 +15,31 @@ import statistics
 import time
 from typing import Any
 
-from bench_measure import operations
+import sympy as sp
 from mechanics_models import MODELS
 from sympy.core.cache import clear_cache
+from sympy.core.function import AppliedUndef
 from sympy.physics import mechanics as me
 
 import voronec as vo
+from voronec.equations.program import operation_count
 from voronec.equations.program.straight import prune
 
 ENDLESS = ("whipple_bicycle",)
 """Models whose ``rhs()`` SymPy's ``cse`` is not through with after four minutes: a share of 0."""
 
 
-def timed(work: Any) -> tuple[float, Any]:
-    """CPU time of one run, and what came out."""
-    clear_cache()
-    start = time.process_time()
-    done = work()
-    return time.process_time() - start, done
+def timed(work: Any, make: Any) -> tuple[float, Any]:
+    """CPU time of one run on a model that was made before, the median of three, and what came
+    out."""
+    times = []
+    for _ in range(3):
+        model = make()
+        clear_cache()
+        start = time.process_time()
+        done = work(model)
+        times.append(time.process_time() - start)
+    return statistics.median(times), done
 
 
 def remade(method: Any) -> Any:
@@ -73,7 +81,15 @@ def program(eqs: vo.VoronecEquations, method: Any) -> int:
     found, known = eqs.program, {str(x.func) for x in method.q}
     wanted = [str(x) in known or x in found.velocities for x in found.state]
     results = [e for e, kept in zip(found.derivative.results, wanted, strict=True) if kept]
-    return prune(found.derivative.assignments, results).operations
+    block = prune(found.derivative.assignments, results)
+    return operation_count(block.expressions)
+
+
+def cse_operations(method: Any) -> int:
+    """Operations of SymPy's right-hand side after its ``cse``; its state are letters."""
+    letters = {x: sp.Symbol(str(x.func)) for x in sp.Matrix(method.rhs()).atoms(AppliedUndef)}
+    replacements, reduced = sp.cse(method.rhs().xreplace(letters))
+    return operation_count([*(e for _, e in replacements), *(e for m in reduced for e in m)])
 
 
 def main() -> int:
@@ -86,12 +102,10 @@ def main() -> int:
     faster, shorter = [], []
     print(f"{'model':36} {'SymPy s':>8} {'ours s':>8} {'times':>6}   {'cse':>6} {'ours':>6} share")
     for name in chosen:
-        slow, (*_, method) = timed(lambda make=MODELS[name]: theirs(make()))
-        making, _ = timed(MODELS[name])
-        quick, eqs = timed(lambda make=MODELS[name]: ours(make()))
-        slow, quick = slow - making, quick - making
+        slow, (*_, method) = timed(theirs, MODELS[name])
+        quick, eqs = timed(ours, MODELS[name])
         count = program(eqs, method)
-        there = 0 if name in ENDLESS else operations(method.rhs())
+        there = 0 if name in ENDLESS else cse_operations(method)
         faster.append(slow / quick)
         shorter.append(count / there if there else 0.0)
         print(

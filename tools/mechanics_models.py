@@ -271,6 +271,35 @@ def rattleback() -> Any:
     return kane(ground, q, u, kd, [body], [(centre, -m * g * yaw.z)])
 
 
+def body_with_a_quaternion() -> Any:
+    """A free body, its attitude a quaternion, its place and velocity along its own axes: SymPy's
+    test of kinematic equations that are not solved for the rates."""
+    turned, place = ds("lambda_0:4", real=True), ds("B_x:z")
+    u, w = ds("U V W"), ds("P Q R")
+    push, torque = ds("T_x:z"), ds("M_x:z")
+    m, moments = sp.symbols("m"), sp.symbols("J_x:z")
+    t = sp.Symbol("t")
+    ground = me.ReferenceFrame("N")
+    own = ground.orientnew("B", "Quaternion", turned)
+    origin = me.Point("O")
+    origin.set_vel(ground, 0)
+    centre = origin.locatenew("C", sum((x * e for x, e in zip(place, own, strict=True)), 0 * own.x))
+    omega, moved = own.ang_vel_in(ground), centre.vel(ground)
+    own.set_ang_vel(ground, sum((x * e for x, e in zip(w, own, strict=True)), 0 * own.x))
+    kd = [me.dot(own.ang_vel_in(ground) - omega, axis) for axis in own]
+    centre.set_vel(ground, sum((x * e for x, e in zip(u, own, strict=True)), 0 * own.x))
+    kd += [me.dot(centre.vel(ground) - moved, axis) for axis in own]
+    kd += [sum(x * x.diff(t) for x in turned)]
+    body = me.RigidBody("body", centre, own, m, (me.inertia(own, *moments), centre))
+    loads = [(centre, sum((x * e for x, e in zip(push, own, strict=True)), 0 * own.x))]
+    loads += [(own, sum((x * e for x, e in zip(torque, own, strict=True)), 0 * own.x))]
+    return kane(
+        ground, [*turned[1:], *place], [*u, *w], kd, [body], loads, q_dependent=turned[:1],
+        configuration_constraints=[sum(x**2 for x in turned) - 1], velocity_constraints=[],
+        u_dependent=[], u_auxiliary=[],
+    )  # fmt: skip
+
+
 def n_pendulum_on_a_cart(n: int = 2) -> Any:
     """A cart that is pushed, with a chain of rods (PyDy's model)."""
     q, u, push = ds(f"q0:{n + 1}"), ds(f"u0:{n + 1}"), ds("F")
@@ -395,6 +424,7 @@ MODELS: dict[str, Callable[[], Any]] = {
         three_wheeled_carriage,
         chaos_pendulum,
         rattleback,
+        body_with_a_quaternion,
         n_pendulum_on_a_cart,
         skate,
         whipple_bicycle,

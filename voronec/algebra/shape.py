@@ -199,7 +199,7 @@ def expression(ring: Ring, f: Fraction, group: Sequence[Any] = ()) -> Any:
     collected = []
     for key, piece in pieces.items():
         monomial = [ring.meaning[i] ** int(e) for i, e in zip(indices, key, strict=True) if e]
-        part = ring.field.cancel(Fraction(piece, f.den))
+        part = ring.field.absorb(ring.field.cancel(Fraction(piece, f.den)))
         collected.append(se.Mul(_quotient(ring, part), *monomial))
     apart = se.Add(*collected)  # reads better, so it may cost a little more
     if len(f.num) > TRIAL_LIMIT:

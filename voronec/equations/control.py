@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -157,28 +157,40 @@ class Control:
             return Verdict("undecided", f"{words} at a generic point ({limit})")
         if solved.contradictory:
             return Verdict("undecided", f"{words} at a generic point, in numbers")
-        return Verdict("refuted", f"{words} everywhere: they are closed, in normal form")
+        return Verdict("refuted", f"{words} on the whole domain: they are closed, in normal form")
 
     def controllability(self, point: Mapping[Any, Any] | None = None) -> Verdict:
         """Small-time local controllability at an equilibrium, proved by Sussmann's condition.
 
-        ``point`` gives coordinates, velocities and parameters by symbol or name: zero, and the
-        defaults of the parameters, where nothing is said.  It is ``refuted`` where the system has
-        one input and [g, [f, g]] obstructs, or where brackets are closed; ``undecided`` names what
-        is lacking.  ``DefinitionError`` where the point is no equilibrium; ``EngineLimit`` where
-        values there are not rational.
+        ``point`` gives coordinates, velocities, parameters and inputs by symbol or name: zero, and
+        the defaults of the parameters, where nothing is said.  With inputs w that hold it there, f
+        is f + sum_i g_i w_i and the others are small changes of them.  It is ``refuted`` where the
+        system has one input and [g, [f, g]] obstructs, or where brackets are closed, so that states
+        stay on surfaces; ``undecided`` names what is lacking.  ``DefinitionError`` where the point
+        is no equilibrium; ``EngineLimit`` where values there are not rational.
         """
         self._require_still()
-        at = self._point(point or {})
-        self._require_equilibrium(at)
-        for degree in DEGREES:
-            found = _Brackets(self, at, degree).verdict
-            if found is not None:
-                return found
-        if self.accessibility.verdict.refuted:
-            return self.accessibility.verdict
+        at, held = self._point(point or {})
+        control = self._with_inputs(held)
+        control._require_equilibrium(at)
         words = f"brackets up to degree {DEGREES[-1]} do not span all dimensions at the point"
-        return Verdict("undecided", words)
+        found: Verdict | None = None
+        for degree in DEGREES:
+            found = _Brackets(control, at, degree).verdict
+            if found is not None:
+                break
+        if (found is None or found.undecided) and self.accessibility.verdict.refuted:
+            return self.accessibility.verdict
+        return Verdict("undecided", words) if found is None else found
+
+    def _with_inputs(self, values: Sequence[Any]) -> Control:
+        """The same with inputs that are counted from these values."""
+        if all(w == 0 for w in values):
+            return self
+        drift = list(self.inner_drift)
+        for w, g in zip(values, self.inner_fields, strict=True):
+            drift = [f + w * e for f, e in zip(drift, g, strict=True)]
+        return replace(self, inner_drift=tuple(drift))
 
     def flat(self, outputs: Sequence[Any]) -> Verdict:
         """Whether state and inputs are functions of ``outputs`` and finitely many of their rates,
@@ -247,12 +259,15 @@ class Control:
                 "coordinate to ask what is controllable"
             )
 
-    def _point(self, point: Mapping[Any, Any]) -> dict[Any, Any]:
-        """Exact numbers for all symbols inside the door."""
+    def _point(self, point: Mapping[Any, Any]) -> tuple[dict[Any, Any], list[Any]]:
+        """Exact numbers for all symbols inside the door, and for the inputs."""
         field = self.system_field
         system = field.system
         values: dict[Any, Any] = dict.fromkeys(field.variables, sp.Integer(0))
         names = {plain_name(q): s for q, s in zip(self.state, field.variables, strict=True)}
+        pushes = {plain_name(u): se.Symbol(f"input {i}") for i, u in enumerate(self.inputs)}
+        values |= dict.fromkeys(pushes.values(), sp.Integer(0))
+        names |= pushes
         for parameter, inner in zip(system.parameters, field.parameters, strict=True):
             names[parameter.name] = inner
             if parameter.value is not None:
@@ -271,8 +286,10 @@ class Control:
                 f"the point gives no value to '{missing[0]}' of system '{system.name}'; add it"
             )
         exact = {s: sympify(x) for s, x in values.items()}
-        return {s: se.sympify(sp.nsimplify(x, rational=True) if x.is_Float else x)
-                for s, x in exact.items()}  # fmt: skip
+        found = {s: se.sympify(sp.nsimplify(x, rational=True) if x.is_Float else x)
+                 for s, x in exact.items()}  # fmt: skip
+        held = [found.pop(s) for s in pushes.values()]
+        return found, held
 
     def _require_equilibrium(self, at: Mapping[Any, Any]) -> None:
         for s, rate in zip(self.state, self.inner_drift, strict=True):
@@ -284,8 +301,8 @@ class Control:
                 )
             if not value.equals(0):
                 raise DefinitionError(
-                    f"{place}: the point is no equilibrium without inputs, d{plain_name(s)}/dt = "
-                    f"{value} there; give one where it rests"
+                    f"{place}: the point is no equilibrium with these inputs, "
+                    f"d{plain_name(s)}/dt = {value} there; give one where it rests"
                 )
 
 

@@ -30,6 +30,7 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
+from voronec.algebra.typeset import plain_text
 from voronec.declaration.reading import expression, quote
 from voronec.equations.derivation import Derivation
 from voronec.equations.derived_equations import DerivedEquations
@@ -80,7 +81,8 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
     value = expr.func(*values)
     root = isinstance(expr, se.Pow) and values[0] == 0 and values[1].is_Number and values[1] < 1
     if root and any(known[s][1] for s in expr.args[0].free_symbols if s in known):
-        raise EngineLimit(f"'{expr}' has a corner there")
+        words = "has no value" if values[1] < 0 else "has a corner"
+        raise EngineLimit(f"'{expr}' {words} there")
     moving = [i for i, (_, slopes) in enumerate(parts) if slopes]
     if not moving:
         return value, {}
@@ -226,7 +228,7 @@ def linearise(equations: DerivedEquations, at: Mapping[Any, Any] | None = None) 
     that the state is minimal.
 
     Raises ``DefinitionError`` where a name is unknown, where the equations are not defined at the
-    point, or their mass matrix is singular there.
+    point, where it is off a relation, or the mass matrix is singular there.
     """
     inside, read = _point(equations, at or {})
     for derivation in (equations.raw, equations.best):
@@ -266,12 +268,13 @@ def _about(
     # pi/10 is put in at the end: its sine is no root of rational numbers, that of a symbol is easy
     late = {p: point[p] for p in own.parameters if p in point and not _is_rational(point[p])}
     point = {x: value for x, value in point.items() if x not in late}
-    inputs = [u for u in jets(equations.system).values() if _holds(form, u)]
+    inputs = [u for u in jets(equations.system).values() if u in own.inputs or _holds(form, u)]
     variables = [*own.coordinates, *own.velocities, *inputs]
     mass = [e for row in form.mass for e in row]
     rows = expand([*form.rates, *form.force, *mass, *own.relations], variables, point)
     k, n, width = len(own.coordinates), len(own.velocities), len(variables)
     table = [rows[k + n + i * n : k + n + (i + 1) * n] for i in range(n)]
+    _require_related(equations, [value.xreplace(late) for value, _ in rows[k + n + n * n :]])
     kept, spread = _independent(rows[k + n + n * n :], k)
     vdot, slopes = _accelerations(table, rows[k : k + n], width)
     chained = [_chain_slopes(_row(rows[i], width), spread, k) for i in kept]
@@ -290,6 +293,19 @@ def _about(
         B=sp.ImmutableMatrix(full[:, size:]),
         rates=sp.ImmutableMatrix(size, 1, out[len(out) - size :]),
     )
+
+
+def _require_related(equations: DerivedEquations, values: Sequence[Any]) -> None:
+    """Raise where a relation between the coordinates is not met at the point."""
+    system = equations.system
+    for relation, inner in zip(system.fibration.relations, values, strict=False):
+        value = equations.door.outward(inner)
+        if value.is_number and value.equals(0) is False:
+            raise DefinitionError(
+                f"system '{system.name}': the point does not lie on the relation "
+                f"{plain_text(relation)} = 0, whose left side is {plain_text(value)} there; give "
+                "coordinates that meet it"
+            )
 
 
 def _chain_slopes(slopes: Sequence[Any], spread: Sequence[Sequence[Any]], k: int) -> list[Any]:

@@ -293,12 +293,11 @@ class VoronecEquations(DerivedEquations):
     def program(self) -> Program:
         """What is printed: the straight-line program of ``form``, or of the same solved for the
         rates of the velocities, whichever takes fewer operations."""
-        from voronec.equations.program import Program
-        from voronec.equations.voronec_equations import solved_form
+        from voronec.equations.program import Program, operation_count, shorten_program
 
         solved = solved_form(self)
-        found = [Program.of(f) for f in (self.form, solved) if f is not None]
-        return min(found, key=lambda p: p.operations)
+        found = [shorten_program(Program.of(f)) for f in (self.form, solved) if f is not None]
+        return min(found, key=lambda p: operation_count(p.derivative.expressions))
 
     def python(self, jacobian: bool = False) -> str:
         """Python source of the first-order right-hand side, on numpy; with its ``jacobian`` by

@@ -285,6 +285,7 @@ def _with_meaning(
         invariants={n: on(e) for n, e in original.invariants.items()},
         inputs=(),
         charts={},
+        bodies=(),
         motion=None,
         **without_claims() | {"integrals": kept},
     )

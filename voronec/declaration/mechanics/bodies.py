@@ -10,12 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import combinations
 from typing import Any
 
 import symengine as se
 
+from voronec.algebra.elimination import solve_linear
 from voronec.algebra.verdicts import all_vanish
+from voronec.declaration.mechanics.speeds import generic_columns, generic_rows
 from voronec.declaration.mechanics.vectors import ZERO, Components, dot, in_one_line
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -28,7 +31,8 @@ class Places:
 
     ``name`` makes the symbol of a new coordinate's velocity out of a body and an axis; ``meaning``
     says what independent speeds are in terms of the rates of coordinates; ``rates`` are pairs of
-    such symbols with the velocities that the model gives.
+    such symbols with the velocities that the model gives.  ``relations`` vanish on every motion, as
+    that of a quaternion of length 1: only what holds along them counts.
     """
 
     coordinates: Sequence[Any]
@@ -36,6 +40,7 @@ class Places:
     time: Any
     name: Callable[[str, int], Any]
     meaning: Mapping[Any, Any]
+    relations: Sequence[Any] = ()
     rates: list[tuple[Any, Any]] = field(default_factory=list)
     _axes: dict[int, list[tuple[Any, Any]]] = field(default_factory=dict)
 
@@ -53,11 +58,47 @@ class Places:
         return symbol
 
     def _is_exact(self, rate: Any) -> bool:
-        form = self.form(rate)
+        form, along = self.form(rate), self._along
         pairs = combinations(range(len(form)), 2)
-        along = [*self.coordinates, self.time]
-        curls = [form[j].diff(along[i]) - form[i].diff(along[j]) for i, j in pairs]
-        return vanish(curls)
+        return self._vanishes(
+            {(i, j): [form[j].diff(along[i]) - form[i].diff(along[j])] for i, j in pairs}
+        )
+
+    @property
+    def _along(self) -> list[Any]:
+        return [*self.coordinates, self.time]
+
+    def _vanishes(self, table: Mapping[tuple[int, int], Sequence[Any]]) -> bool:
+        """Whether two-forms with these entries vanish on what moves along the relations."""
+        if vanish([e for entries in table.values() for e in entries]):
+            return True
+        if not self.relations:
+            return False
+        basis, count = self._tangents, len(next(iter(table.values())))
+        along = [
+            se.Add(*[(a[i] * b[j] - a[j] * b[i]) * entries[k] for (i, j), entries in table.items()])
+            for a, b in combinations(basis, 2)
+            for k in range(count)
+        ]
+        return bool(basis) and vanish(along, self.relations)
+
+    @cached_property
+    def _tangents(self) -> list[list[Any]]:
+        """Rates of coordinates and time that keep the relations, as many as are free."""
+        slopes = [[r.diff(q) for q in self._along] for r in self.relations]
+        bound = generic_columns(slopes, self.relations)
+        free = [j for j in range(len(self._along)) if j not in bound]
+        rows = [slopes[r] for r in generic_rows(slopes, self.relations)]
+        left, right = ([[c * row[j] for j in js] for row in rows]
+                       for c, js in ((1, bound), (-1, free)))  # fmt: skip
+        solved = solve_linear(left, right, self.relations).values
+        basis = []
+        for k, j in enumerate(free):
+            tangent = [se.Integer(int(i == j)) for i in range(len(self._along))]
+            for i, row in zip(bound, solved, strict=True):
+                tangent[i] = row[k]
+            basis.append(tangent)
+        return basis
 
     def form(self, rate: Any) -> list[Any]:
         """The coefficients of the rates of the coordinates, and the rest."""
@@ -68,22 +109,22 @@ class Places:
     def turns_something(self, omega: Sequence[Any]) -> bool:
         """Whether an angular velocity, along axes at rest, is that of an orientation which the
         coordinates determine: d_i w_j - d_j w_i = w_i x w_j."""
-        forms = [self.form(w) for w in omega]
-        along = [*self.coordinates, self.time]
-        defects = []
+        forms, along = [self.form(w) for w in omega], self._along
+        table: dict[tuple[int, int], list[Any]] = {}
         for i, j in combinations(range(len(along)), 2):
             a, b = ([f[k] for f in forms] for k in (i, j))
+            table[i, j] = []
             for axis in range(3):
                 y, z = (axis + 1) % 3, (axis + 2) % 3
                 curl = b[axis].diff(along[i]) - a[axis].diff(along[j])
-                defects.append(curl - (a[y] * b[z] - a[z] * b[y]))
-        return vanish(defects)
+                table[i, j].append(curl - (a[y] * b[z] - a[z] * b[y]))
+        return self._vanishes(table)
 
 
-def vanish(exprs: Sequence[Any]) -> bool:
-    """Whether it is proved that all expressions vanish."""
+def vanish(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> bool:
+    """Whether it is proved that all expressions vanish, where the relations do."""
     try:  # most vanish when they are multiplied out, which is quicker than a proof
-        return all_vanish([e for e in map(se.expand, exprs) if e != 0])
+        return all_vanish([e for e in map(se.expand, exprs) if e != 0], relations)
     except EngineLimit:
         return False
 
@@ -133,8 +174,8 @@ def free_body(body: Any, frame: Any, read: Components, places: Places) -> FreeBo
     if not places.turns_something(read.of(turn, frame)):
         raise DefinitionError(
             f"from_mechanics: the angular velocity of '{body.name}' is that of no orientation "
-            "which the coordinates determine; add coordinates for its orientation, with their "
-            "kinematic equations"
+            "which the coordinates determine; add coordinates for its orientation with their "
+            "kinematic equations, and what binds them, as of a quaternion"
         )
     own = inertia.args[0][1].args[0][1]
     turning = in_one_line(lambda: own.ang_vel_in(frame), what)

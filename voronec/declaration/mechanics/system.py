@@ -95,6 +95,7 @@ class _Reading:
             door.inward(time),
             place,
             free,
+            door.inward_all(model.configuration),
         )
         return cls(model, door, coordinates, speeds, Components(door, meaning | quiet), places)
 
@@ -162,7 +163,7 @@ class _Reading:
                 held[i][kind] = [a + b for a, b in zip(held[i][kind], load, strict=True)]
         own = [
             Body(
-                self.door.outward(body.mass),
+                self.door.outward(body.mass if any(v != 0 for v in body.velocity) else ZERO),
                 outward(body.velocity),
                 [list(outward(row)) for row in body.inertia],
                 outward(body.omega),

@@ -18,8 +18,10 @@ from voronec.equations.program.python import (
     python_source,
     scalar_source,
 )
+from voronec.equations.program.sharing import shorten_program
 from voronec.equations.program.straight import Block, Program
 from voronec.equations.program.taylor import taylor_extras, taylor_system
+from voronec.equations.program.weight import operation_count
 
 __all__ = [
     "Block",
@@ -33,8 +35,10 @@ __all__ = [
     "jacobian",
     "javascript_source",
     "mpmath_source",
+    "operation_count",
     "python_source",
     "scalar_source",
+    "shorten_program",
     "solve_mass",
     "taylor_extras",
     "taylor_system",

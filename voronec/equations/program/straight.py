@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Block",
+    "Choice",
     "Program",
+    "factor_exponents",
     "fresh_names",
     "nest_sums",
     "prune",
@@ -38,27 +40,31 @@ __all__ = [
 ]
 
 
-def nest_sums(expr: Any, constants: Iterable[Any]) -> Any:
+Choice = Callable[..., Any]
+"""``min`` or ``max``: which of several factors that are as frequent stands before a bracket."""
+
+
+def nest_sums(expr: Any, constants: Iterable[Any], choice: Choice = min) -> Any:
     """An expression whose sums take the factor that most of their terms share before a bracket,
-    and so on inside; ``constants`` are no such factors."""
-    return _nest(se.sympify(expr), set(constants), {})
+    and so on inside; ``constants`` are no such factors, ``choice`` is made by name."""
+    return _nest(se.sympify(expr), set(constants), choice, {})
 
 
-def _nest(expr: Any, still: set[Any], memo: dict[Any, Any]) -> Any:
+def _nest(expr: Any, still: set[Any], choice: Choice, memo: dict[Any, Any]) -> Any:
     if not expr.args or expr.is_Number:
         return expr
     done = memo.get(expr)
     if done is None:
         if isinstance(expr, se.Add):
-            terms = [_factors(_nest(t, still, memo)) for t in expr.args]
-            done = _bracket(terms, still)
+            terms = [factor_exponents(_nest(t, still, choice, memo)) for t in expr.args]
+            done = _bracket(terms, still, choice)
         else:
-            done = expr.func(*[_nest(a, still, memo) for a in expr.args])
+            done = expr.func(*[_nest(a, still, choice, memo) for a in expr.args])
         memo[expr] = done
     return done
 
 
-def _factors(term: Any) -> dict[Any, int]:
+def factor_exponents(term: Any) -> dict[Any, int]:
     """A term as {factor: exponent}; numbers and odd powers are factors of their own."""
     found: dict[Any, int] = {}
     for factor in term.args if isinstance(term, se.Mul) else [term]:
@@ -73,7 +79,7 @@ def _product(factors: Mapping[Any, int]) -> Any:
     return se.Mul(*[se.Pow(base, e) for base, e in factors.items()])
 
 
-def _bracket(terms: list[dict[Any, int]], still: set[Any]) -> Any:
+def _bracket(terms: list[dict[Any, int]], still: set[Any], choice: Choice) -> Any:
     """The sum of terms, factors that are shared before brackets, the most frequent first."""
     counts: Counter[Any] = Counter()
     for term in terms:
@@ -84,7 +90,7 @@ def _bracket(terms: list[dict[Any, int]], still: set[Any]) -> Any:
     frequent = max(counts.values(), default=0)
     if frequent < 2 or len(terms) < 2:
         return se.Add(*map(_product, terms))
-    (base, sign) = min((k for k, n in counts.items() if n == frequent), key=str)
+    (base, sign) = choice((k for k, n in counts.items() if n == frequent), key=str)
     inside, outside = [], []
     for term in terms:
         exponent = term.get(base, 0)
@@ -95,11 +101,11 @@ def _bracket(terms: list[dict[Any, int]], still: set[Any]) -> Any:
             inside.append(rest)
         else:
             outside.append(term)
-    bracket = _bracket(inside, still)
+    bracket = _bracket(inside, still, choice)
     factor = base if sign > 0 else 1 / base
     if not outside:
         return factor * bracket
-    return se.Add(factor * bracket, _bracket(outside, still))
+    return se.Add(factor * bracket, _bracket(outside, still, choice))
 
 
 NESTED = 1_000
@@ -251,7 +257,7 @@ def _replace_functions(
         name = function.get_name()
         rates = [d for d in found if isinstance(d, se.Derivative) and d.args[0] == function]
         for node in (function, *sorted(rates, key=lambda d: len(d.args))):
-            if node in found:
+            if node in found or node == function:  # declared inputs are arguments, used or not
                 symbols[node] = se.Symbol(name + "dot" * (len(node.args) - 1))
 
     def on(exprs: Iterable[Any]) -> tuple[Any, ...]:

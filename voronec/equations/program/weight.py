@@ -15,7 +15,7 @@ import symengine as se
 
 from voronec.algebra.numeric_functions import formula
 
-__all__ = ["evaluation_weight", "taylor_weight"]
+__all__ = ["evaluation_weight", "operation_count", "taylor_weight"]
 
 SQUARE, QUOTIENT, ROOT, POWER = 0.5, 1.1, 1.2, 1.5
 """A square: half of the products in its convolution occur twice.  The others, and the functions
@@ -144,3 +144,37 @@ def _power(expr: Any, moving_exponent: bool) -> float:
         return FUNCTIONS["exp"] + (1 + FUNCTIONS["log"] if expr.args[0] != se.E else 0)
     special = {se.Integer(2): SQUARE, se.Rational(1, 2): ROOT}
     return special.get(exponent, POWER)
+
+
+def operation_count(expressions: Iterable[Any]) -> int:
+    """How many additions, products, quotients and functions expressions take as they are written:
+    what is subtracted costs no more than what is added, and x^n as many products as squaring
+    needs."""
+    return sum(_operation_count(se.sympify(e)) for e in expressions)
+
+
+def _operation_count(expr: Any) -> int:
+    if not expr.args or expr.is_Number:
+        return 0
+    if isinstance(expr, se.Add):
+        signs = [_is_negative(a) for a in expr.args]
+        inner = sum(_operation_count(-a if n else a) for a, n in zip(expr.args, signs, strict=True))
+        return len(signs) - 1 + inner + all(signs)
+    if isinstance(expr, se.Mul):
+        total = sum(_operation_count(1 / a if _is_below(a) else a) for a in expr.args)
+        return total + len(expr.args) - 1 + all(_is_below(a) for a in expr.args)
+    if isinstance(expr, se.Pow):
+        base, exponent = expr.args
+        if isinstance(exponent, se.Integer):
+            size = abs(int(exponent))
+            steps = size.bit_length() + size.bit_count() - 2
+            return _operation_count(base) + steps + int(exponent < 0)
+        below = exponent.is_Number and exponent < 0
+        return _operation_count(base) + _operation_count(exponent) + 1 + int(below)
+    return 1 + sum(map(_operation_count, expr.args))
+
+
+def _is_negative(term: Any) -> bool:
+    """Whether a term is subtracted."""
+    first = term.args[0] if isinstance(term, se.Mul) else term
+    return bool(first.is_Number and first < 0)

@@ -1,0 +1,247 @@
+"""Fewer operations for a straight-line program: brackets, and parts that products and sums share.
+
+Sums take common factors before brackets.  Then, as long as there is one, the pair of factors that
+stands in most products, or the pair of terms that stands in most sums but for a factor, becomes an
+assignment of its own [KuipersUedaVermaseren2015].  Every step is an identity.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import combinations, product
+from typing import Any
+
+import symengine as se
+
+from voronec.algebra.stages import needed_stages, primitive
+from voronec.equations.program.factoring import bracket_sums, spread_products
+from voronec.equations.program.parts import arguments_of
+from voronec.equations.program.straight import Block, Choice, Program, fresh_names, nest_sums
+from voronec.equations.program.weight import operation_count
+
+__all__ = ["shorten_program"]
+
+LONG = 1000
+"""Programs of more operations stay as they are: pairs are counted anew after every step."""
+MANY = 400
+"""The brackets of longer programs stay as they are."""
+ONE = se.Integer(1)
+
+
+def shorten_program(program: Program) -> Program:
+    """The program, or an equal one whose rates take fewer operations."""
+    block = program.derivative
+    if block.operations > LONG:
+        return program
+    known = [program.time, *arguments_of(program)]
+    found = [block]
+    for begin, change in product((block, _without_monomials(block)), _changes(block)):
+        changed = [(name, change(se.sympify(e))) for name, e in begin.assignments]
+        results = [change(se.sympify(e)) for e in begin.results]
+        found.append(_Sharing(changed, results, known).block(fresh_names(known)))
+    shortest = min(found, key=lambda b: operation_count(b.expressions))
+    return replace(program, derivative=shortest)
+
+
+def _changes(block: Block) -> Iterator[Callable[[Any], Any]]:
+    """What is tried with every right side; the shortest program counts."""
+    yield se.sympify
+    for choice in (min, max) if block.operations <= MANY else ():
+        nest, bracket = (partial(f, choice=choice) for f in (_nested, bracket_sums))
+        yield from (nest, bracket, partial(_in_turn, (spread_products, nest)))
+        yield partial(_in_turn, (spread_products, nest, bracket))
+
+
+def _nested(expr: Any, choice: Choice) -> Any:
+    return nest_sums(expr, (), choice)
+
+
+def _in_turn(changes: Iterable[Callable[[Any], Any]], expr: Any) -> Any:
+    for change in changes:
+        expr = change(expr)
+    return expr
+
+
+def _without_monomials(block: Block) -> Block:
+    """The block with products and powers of symbols spelled out: sums of them may have factors."""
+    meaning: dict[Any, Any] = {}
+    kept = []
+    for name, expr in block.assignments:
+        spelled = expr.xreplace(meaning)
+        if not spelled.atoms(se.Add, se.Function):
+            meaning[name] = spelled
+        else:
+            kept.append((name, spelled))
+    return Block(tuple(kept), tuple(se.sympify(e).xreplace(meaning) for e in block.results))
+
+
+class _Sharing:
+    """Expressions as products {factor: exponent} and sums {term: number}, by names of their own.
+
+    What is named is a product without a number, a sum of such, a root, or another function.
+    """
+
+    def __init__(
+        self, assignments: Sequence[tuple[Any, Any]], results: Iterable[Any], known: Sequence[Any]
+    ) -> None:
+        self.products: dict[Any, dict[Any, int]] = {}
+        self.sums: dict[Any, dict[Any, Any]] = {}
+        self.others: dict[Any, Any] = {}
+        self._names: dict[Any, Any] = {}
+        self._fresh = fresh_names([*known, *(name for name, _ in assignments)])
+        self._read_before: dict[Any, tuple[Any, Any]] = {}
+        for name, expr in assignments:
+            self._read_before[name] = self._read(expr)
+        self.results = [self._read(e) for e in results]
+        self._share_factors()
+        self._share_terms()
+        self._share_factors()
+
+    def _named(self, table: dict[Any, Any], key: Any, value: Any) -> Any:
+        """The name of something, the same for the same."""
+        if key not in self._names:
+            self._names[key] = next(self._fresh)
+            table[self._names[key]] = value
+        return self._names[key]
+
+    def _product(self, powers: Mapping[Any, int]) -> Any:
+        left = {s: e for s, e in powers.items() if e}
+        if not left:
+            return ONE
+        if len(left) == 1 and next(iter(left.values())) == 1:
+            return next(iter(left))
+        return self._named(self.products, frozenset(left.items()), left)
+
+    def _read(self, expr: Any) -> tuple[Any, Any]:
+        """An expression as a number times a name; the name is 1 for numbers."""
+        if expr not in self._read_before:
+            self._read_before[expr] = self._split(expr)
+        return self._read_before[expr]
+
+    def _split(self, expr: Any) -> tuple[Any, Any]:
+        if expr.is_Number:
+            return expr, ONE
+        if isinstance(expr, se.Symbol) or not expr.args:
+            return ONE, expr
+        if isinstance(expr, se.Add):
+            number, total = primitive(expr)
+            terms: dict[Any, Any] = {}
+            for term in total.args:
+                c, name = self._read(term)
+                terms[name] = terms.get(name, 0) + c
+            return number, self._named(self.sums, total, terms)
+        if isinstance(expr, se.Mul):
+            number, powers = ONE, Counter[Any]()
+            for factor in expr.args:
+                base, exponent = _power(factor)
+                c, name = self._read(base)
+                number *= c**exponent
+                powers[name] += exponent
+            del powers[ONE]
+            return number, self._product(powers)
+        base, exponent = _power(expr)
+        if exponent != 1:
+            c, name = self._read(base)
+            return c**exponent, self._product({name: exponent})
+        args = [c * name for c, name in map(self._read, expr.args)]
+        return ONE, self._named(self.others, expr, (expr.func, args))
+
+    def _share_factors(self) -> None:
+        """Name pairs of factors that several products hold, most first."""
+        while True:
+            counts = Counter(p for powers in self.products.values() for p in _pairs(powers))
+            most = max(counts.values(), default=0)
+            if most < 2:
+                return
+            first, second, sign = min((p for p, n in counts.items() if n == most), key=str)
+            inner = {first: 2} if first == second else {first: 1, second: sign}
+            name = self._product(inner)
+            for held, powers in [*self.products.items()]:
+                if held != name and (first, second, sign) in _pairs(powers):
+                    self.products[held] = _with_pair(powers, inner, name)
+
+    def _share_terms(self) -> None:
+        """Name pairs of terms that several sums hold but for a factor, most first."""
+        while True:
+            counts = Counter(p for terms in self.sums.values() for p in _term_pairs(terms))
+            most = max(counts.values(), default=0)
+            if most < 2:
+                return
+            first, second, ratio = min((p for p, n in counts.items() if n == most), key=str)
+            inner = {first: ONE, second: ratio}
+            name = next((s for s, terms in self.sums.items() if terms == inner), None)
+            if name is None:
+                name = self._named(self.sums, first + ratio * second, inner)
+            for held, terms in [*self.sums.items()]:
+                if held != name and (first, second, ratio) in _term_pairs(terms):
+                    rest = {s: c for s, c in terms.items() if s not in inner}
+                    self.sums[held] = rest | {name: terms[first]}
+
+    def block(self, fresh: Iterator[Any]) -> Block:
+        """What was read, every name assigned that is used more than once."""
+        definitions = {name: self._definition(name) for name in self._names.values()}
+        order = needed_stages(definitions, [s for _, s in self.results])
+        uses = Counter(s for name in order for s in definitions[name].free_symbols)
+        uses.update(s for _, s in self.results)
+        numbered = [(c, s) for name in order for s, c in self.sums.get(name, {}).items()]
+        # symengine would multiply 2*(a + b) out
+        kept = {s for c, s in (*numbered, *self.results) if c != 1 and s in self.sums}
+        meaning: dict[Any, Any] = {}
+        assignments: list[tuple[Any, Any]] = []
+        for name in order:
+            expr = meaning[name] = definitions[name].xreplace(meaning)
+            if expr.args and (uses[name] > 1 or name in kept):
+                meaning[name] = next(fresh)
+                assignments.append((meaning[name], expr))
+        return Block(tuple(assignments), tuple(c * meaning.get(s, s) for c, s in self.results))
+
+    def _definition(self, name: Any) -> Any:
+        if name in self.products:
+            return se.Mul(*[s**e for s, e in self.products[name].items()])
+        if name in self.sums:
+            return se.Add(*[c * s for s, c in self.sums[name].items()])
+        function, args = self.others[name]
+        return function(*args)
+
+
+def _power(factor: Any) -> tuple[Any, int]:
+    """Base and exponent of a factor, the root for halves."""
+    if isinstance(factor, se.Pow):
+        base, exponent = factor.args
+        if isinstance(exponent, se.Integer):
+            return base, int(exponent)
+        twice = 2 * exponent
+        if isinstance(twice, se.Integer) and twice != 1:
+            return se.sqrt(base), int(twice)
+    return factor, 1
+
+
+def _pairs(powers: Mapping[Any, int]) -> set[tuple[Any, Any, int]]:
+    """Pairs of factors: a*b and 1/(a*b) with 1, a/b with -1; squares as a, a, 1."""
+    items = sorted(powers.items(), key=str)
+    found = {(a, a, 1) for a, e in items if abs(e) > 1}
+    for (a, e), (b, f) in combinations(items, 2):
+        if e * f > 0:
+            found.add((a, b, 1))
+        else:  # a quotient is never turned over: the other has poles elsewhere
+            found.add((a, b, -1) if e > 0 else (b, a, -1))
+    return found
+
+
+def _with_pair(powers: Mapping[Any, int], inner: Mapping[Any, int], name: Any) -> dict[Any, int]:
+    """A product with a name for a pair of its factors, as often as it holds the pair."""
+    often = min(abs(powers[s]) // abs(e) for s, e in inner.items())
+    first = next(iter(inner))
+    times = often if powers[first] > 0 else -often
+    left = {s: e - times * inner.get(s, 0) for s, e in powers.items()}
+    left[name] = left.get(name, 0) + times
+    return {s: e for s, e in left.items() if e}
+
+
+def _term_pairs(terms: Mapping[Any, Any]) -> set[tuple[Any, Any, Any]]:
+    """Pairs of terms, with the ratio of their numbers."""
+    items = sorted(terms.items(), key=str)
+    return {(a, b, d / c) for (a, c), (b, d) in combinations(items, 2)}
