@@ -12,7 +12,13 @@ import sympy as sp
 from tool_modules import tool
 
 import voronec as vo
-from voronec.equations.program import Block, Program, compiled, operation_count, shorten_program
+from voronec.equations.program import (
+    Block,
+    Program,
+    compile_program,
+    operation_count,
+    shorten_program,
+)
 
 bench = tool("bench_mechanics")
 a, b, c, x, y = se.symbols("a b c x y")
@@ -44,7 +50,7 @@ def test_shorter_programs_compute_the_same(name: str) -> None:
     given = (*long.state, *long.parameters)
     numbers = [dice.uniform(0.5, 1.5) for _ in given]
     state, parameters = numbers[: len(long.state)], numbers[len(long.state) :]
-    found = [compiled(p, scalar=True)[0](0.0, state, parameters) for p in (long, short)]
+    found = [compile_program(p, scalar=True)[0](0.0, state, parameters) for p in (long, short)]
     assert found[0] == pytest.approx(found[1], rel=1e-13, abs=1e-13)
 
 
