@@ -63,7 +63,10 @@ def execute(arguments: Namespace) -> int:
         files += _animate(trajectory, Path(arguments.animate))
     _report(trajectory, scene, files, arguments.json)
     if _unsound(trajectory):
-        warn("an integral drifts far beyond the tolerance: not constant, or the motion is wrong")
+        warn(
+            "an integral drifts far beyond the tolerance: it is not constant, or the motion is "
+            "wrong; 'voronec check' proves or refutes it"
+        )
         return 1
     return 130 if trajectory.interrupted else 0
 

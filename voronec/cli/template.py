@@ -30,6 +30,7 @@ def execute(arguments: Namespace) -> int:
         print_json({"system": name, "file": str(path), "mechanism": mechanism.title})
     else:
         print(
-            f"wrote {path}, {mechanism.title}; now try: voronec derive {path}; voronec run {path}"
+            f"wrote {path}, {mechanism.title}; now try: voronec derive {path}; voronec run {path}; "
+            f"voronec view {path}"
         )
     return 0
