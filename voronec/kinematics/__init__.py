@@ -1,50 +1,55 @@
 """Kinematics for definitions: rotations, surfaces, rolling contact, bodies.
 
 SymPy expressions in and out; nothing here knows about equations of motion.
+Names load on first use.
 """
 
-from voronec.kinematics.balanced import BalancedBall, BallMotion, SymmetricBallMotion
-from voronec.kinematics.balls import RollingBall, contact_momentum
-from voronec.kinematics.bodies import (
-    axial_rotor,
-    kinetic_energy,
-    point_velocity,
-    uniform_field_energy,
-)
-from voronec.kinematics.bodies_in_rn import BodyInRn
-from voronec.kinematics.carried import CarriedContact
-from voronec.kinematics.convex import ConvexBody
-from voronec.kinematics.ellipsoids import RollingEllipsoid
-from voronec.kinematics.forms import SurfaceForms
-from voronec.kinematics.groups import (
-    BodyVelocity,
-    product_form,
-    product_moments,
-    skew,
-    skew_entries,
-    wedge_square,
-)
-from voronec.kinematics.meanings import (
-    contact_meanings,
-    euler_meanings,
-    moving_meanings,
-    vector_meanings,
-)
-from voronec.kinematics.polar import cartesian_chart
-from voronec.kinematics.poles import turned_poles
-from voronec.kinematics.revolution import BodyOfRevolution
-from voronec.kinematics.rolling import RollingContact
-from voronec.kinematics.rotations import Rotation
-from voronec.kinematics.rubber import RubberMotion
-from voronec.kinematics.sketches import (
-    ball_sketch,
-    disc_sketch,
-    particle_sketch,
-    pinned_sketch,
-    rolling_sketch,
-    sleigh_sketch,
-)
-from voronec.kinematics.surfaces import Surface
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from voronec.kinematics.balanced import BalancedBall, BallMotion, SymmetricBallMotion
+    from voronec.kinematics.balls import RollingBall, contact_momentum
+    from voronec.kinematics.bodies import (
+        axial_rotor,
+        kinetic_energy,
+        point_velocity,
+        uniform_field_energy,
+    )
+    from voronec.kinematics.bodies_in_rn import BodyInRn
+    from voronec.kinematics.carried import CarriedContact
+    from voronec.kinematics.convex import ConvexBody
+    from voronec.kinematics.ellipsoids import RollingEllipsoid
+    from voronec.kinematics.forms import SurfaceForms
+    from voronec.kinematics.groups import (
+        BodyVelocity,
+        product_form,
+        product_moments,
+        skew,
+        skew_entries,
+        wedge_square,
+    )
+    from voronec.kinematics.meanings import (
+        contact_meanings,
+        euler_meanings,
+        moving_meanings,
+        vector_meanings,
+    )
+    from voronec.kinematics.polar import cartesian_chart
+    from voronec.kinematics.poles import turned_poles
+    from voronec.kinematics.revolution import BodyOfRevolution
+    from voronec.kinematics.rolling import RollingContact
+    from voronec.kinematics.rotations import Rotation
+    from voronec.kinematics.rubber import RubberMotion
+    from voronec.kinematics.sketches import (
+        ball_sketch,
+        disc_sketch,
+        particle_sketch,
+        pinned_sketch,
+        rolling_sketch,
+        sleigh_sketch,
+    )
+    from voronec.kinematics.surfaces import Surface
 
 __all__ = [
     "BalancedBall",
@@ -85,3 +90,62 @@ __all__ = [
     "vector_meanings",
     "wedge_square",
 ]
+
+_HOME = {
+    "balanced": (
+        "BalancedBall",
+        "BallMotion",
+        "SymmetricBallMotion",
+    ),
+    "balls": (
+        "RollingBall",
+        "contact_momentum",
+    ),
+    "bodies": (
+        "axial_rotor",
+        "kinetic_energy",
+        "point_velocity",
+        "uniform_field_energy",
+    ),
+    "bodies_in_rn": ("BodyInRn",),
+    "carried": ("CarriedContact",),
+    "convex": ("ConvexBody",),
+    "ellipsoids": ("RollingEllipsoid",),
+    "forms": ("SurfaceForms",),
+    "groups": (
+        "BodyVelocity",
+        "product_form",
+        "product_moments",
+        "skew",
+        "skew_entries",
+        "wedge_square",
+    ),
+    "meanings": (
+        "contact_meanings",
+        "euler_meanings",
+        "moving_meanings",
+        "vector_meanings",
+    ),
+    "polar": ("cartesian_chart",),
+    "poles": ("turned_poles",),
+    "revolution": ("BodyOfRevolution",),
+    "rolling": ("RollingContact",),
+    "rotations": ("Rotation",),
+    "rubber": ("RubberMotion",),
+    "sketches": (
+        "ball_sketch",
+        "disc_sketch",
+        "particle_sketch",
+        "pinned_sketch",
+        "rolling_sketch",
+        "sleigh_sketch",
+    ),
+    "surfaces": ("Surface",),
+}
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in _HOME.items():
+        if name in names:
+            return getattr(import_module(f"voronec.kinematics.{module}"), name)
+    raise AttributeError(f"module 'voronec.kinematics' has no attribute '{name}'")
