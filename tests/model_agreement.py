@@ -92,7 +92,7 @@ def read(
     equations: vo.VoronecEquations, outputs: Sequence[Any], full: vo.Trajectory
 ) -> dict[str, np.ndarray]:
     """Outputs from the states of a full motion."""
-    wanted = Vocabulary.of(equations).wanted(outputs).expressions
+    wanted = Vocabulary.of(equations).read_outputs(outputs).expressions
     program = Program.of(equations.form, wanted)
     values = {**full.parameters}
     series = compile_program(program)[1](

@@ -511,7 +511,7 @@ def test_set_up_is_measured_in_fresh_processes(tmp_path: Path) -> None:
 def test_a_program_has_the_outputs_and_integrals_of_its_level(ball: bench.Question) -> None:
     at = level(ball, "invariants")
     assert isinstance(at.program, Program) and at.name == "invariants"
-    values, drift = at.observed(np.array([0.0, 1.0]), np.array([at.state, 2 * at.state]))
+    values, drift = at.outputs_and_drift(np.array([0.0, 1.0]), np.array([at.state, 2 * at.state]))
     assert values["omega2"].tolist() == [2.0, 4.0]
     assert set(drift) == {"energy", "momentum squared", "vertical momentum"}
     assert drift["energy"] > 1

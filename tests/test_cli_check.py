@@ -17,7 +17,7 @@ from command_line import Call, refused
 from plugins import register
 from signals import hears_ctrl_c
 
-from voronec.cli.check import chained
+from voronec.cli.check import shorten_square
 from voronec.proof import verdict_store as sources
 from voronec.proof.check import Inventory, check_catalogue
 from voronec.proof.check.record import Finding, Report, Result
@@ -215,8 +215,8 @@ def test_what_makes_a_check_fail(status: str, admitted: str, fails: bool) -> Non
 
 
 def test_chains_are_told_shortly() -> None:
-    assert chained("a -> b, b -> c = a -> d, d -> c") == "a -> b -> c = a -> d -> c"
-    assert chained("a -> b, upright = a -> d") == "a -> b, upright = a -> d"
+    assert shorten_square("a -> b, b -> c = a -> d, d -> c") == "a -> b -> c = a -> d -> c"
+    assert shorten_square("a -> b, upright = a -> d") == "a -> b, upright = a -> d"
 
 
 # -- processes, and what is kept ---------------------------------------------------------------

@@ -11,7 +11,7 @@ import pytest
 from command_line import Call, refused
 
 from voronec import Limit, Relation
-from voronec.motion.pictures.layered_layout import layered
+from voronec.motion.pictures.layered_layout import layered_layout
 from voronec.proof.check import Inventory, graph
 from voronec.proof.diagram_picture import diagram_figure
 
@@ -83,7 +83,7 @@ def web() -> networkx.MultiDiGraph:
 
 
 def test_layers_lead_forward_and_nothing_overlaps() -> None:
-    found = layered(web())
+    found = layered_layout(web())
     assert found.alone == ("z",) and {*found.places} == {*"abcdef"}
     column = {n: p[0] for n, p in found.places.items()}
     assert all(column[a] < column[b] for a, b in ("ab", "bc", "cd", "ad", "ec", "fd"))
@@ -96,7 +96,7 @@ def test_layers_lead_forward_and_nothing_overlaps() -> None:
 def test_a_crowded_layer_keeps_its_distances() -> None:
     crowded = networkx.MultiDiGraph((f"a{i}", f"b{j}") for i in range(7) for j in range(i, 5))
     crowded.add_edges_from((f"b{j}", "c") for j in range(5))
-    found = layered(crowded)
+    found = layered_layout(crowded)
     for layer in (0.0, 1.0):
         heights = sorted(p[1] for p in found.places.values() if p[0] == layer)
         assert len(heights) >= 5

@@ -12,7 +12,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.equations.program import Program
-from voronec.motion.observables import followed, watched
+from voronec.motion.observables import evaluate_watch, watch_of
 from voronec.motion.reactions import Multipliers
 from voronec.motion.vocabulary import Vocabulary
 
@@ -105,14 +105,14 @@ def test_twice_the_constraint_has_half_the_multiplier_and_forces_count() -> None
 def test_reactions_keep_the_precision_of_the_states() -> None:
     equations = vo.derive(sleigh())
     vocabulary = Vocabulary.of(equations)
-    watch = watched(vocabulary, ("reaction 1", x * phi))
+    watch = watch_of(vocabulary, ("reaction 1", x * phi))
     program = Program.of(equations.form, watch.expressions)
     with mp.workdps(60):
         third = mp.mpf(1) / 3
         values = {"m": third, "J": mp.mpf(3), "a": third / 7}
         state = {"x": 1 / third, "phi": mp.pi / 5, "y": mp.mpf(1), "v": third, "w": 2 * third}
         states = np.array([[state[str(s)] for s in program.state]] * 2, dtype=object)
-        series = followed(
+        series = evaluate_watch(
             watch, program, np.zeros(2), states, [values[str(p)] for p in program.parameters]
         )
         point = {k: sp.Float(number, 60) for k, number in {**state, **values}.items()}
@@ -146,7 +146,7 @@ def test_a_reaction_is_nan_where_a_constraint_vanishes() -> None:
     }  # fmt: skip
     # y'' = z'' = -3/2, so that the edge carries half of the weight 3: x lambda = 3/2
     slopes = {"xdot": 0 * positions, "zdot": -1.5 + 0 * positions}
-    found = multipliers.solved(series, [slopes[str(u)] for u in multipliers.velocities])
+    found = multipliers.solve(series, [slopes[str(u)] for u in multipliers.velocities])
     assert found[:, 0] == pytest.approx([0.75, np.nan, -3.0], nan_ok=True)
 
 
@@ -171,19 +171,19 @@ def test_a_quantity_of_the_system_comes_before_a_group_of_its_name() -> None:
     system = dataclasses.replace(
         sleigh(), invariants={"configuration": sp.sin(phi)}, drawing={"energy": ("x", "y")}
     )
-    wanted = Vocabulary.of(vo.derive(system)).wanted(("configuration", "energy", v))
+    wanted = Vocabulary.of(vo.derive(system)).read_outputs(("configuration", "energy", v))
     assert wanted.names == ("configuration", "energy", "v") and not wanted.reactions
     assert wanted.given["configuration"] == sp.Symbol("configuration")
     assert str(wanted.expressions["configuration"]) == "sin(phi)"
 
 
 def test_wanted_keeps_order_and_says_what_each_is() -> None:
-    wanted = Vocabulary.of(vo.derive(sleigh())).wanted((phi, "reaction 1", x * v, "phi"))
+    wanted = Vocabulary.of(vo.derive(sleigh())).read_outputs((phi, "reaction 1", x * v, "phi"))
     assert wanted.names == ("phi", "reaction 1", "v*x")
     assert dict(wanted.reactions) == {"reaction 1": 0}
     assert set(wanted.expressions) == {"phi", "v*x"} == set(wanted.given)
     assert wanted.given["v*x"] == x * v
-    everything = Vocabulary.of(vo.derive(sleigh())).wanted(())
+    everything = Vocabulary.of(vo.derive(sleigh())).read_outputs(())
     assert everything.names == ("x", "phi", "y", "v", "w")
 
 
@@ -205,13 +205,13 @@ def test_unknown_outputs_are_answered_with_the_nearest(output: Any, message: str
 
 def test_only_the_integrals_asked_for_are_followed() -> None:
     vocabulary = Vocabulary.of(vo.derive(sleigh()))
-    assert set(watched(vocabulary, ()).integrals) == {"energy", "spin"}
-    watch = watched(vocabulary, (x,), {"spin"})
+    assert set(watch_of(vocabulary, ()).integrals) == {"energy", "spin"}
+    watch = watch_of(vocabulary, (x,), {"spin"})
     assert set(watch.integrals) == set(watch.sizes) == {"spin"}
     assert len(watch.expressions) == 3
-    assert not watched(vocabulary, (x,), ()).integrals
+    assert not watch_of(vocabulary, (x,), ()).integrals
     with pytest.raises(vo.DefinitionError, match="no integral 'energi'; did you mean 'energy'"):
-        watched(vocabulary, (), {"energi"})
+        watch_of(vocabulary, (), {"energi"})
 
 
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])

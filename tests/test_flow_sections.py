@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.motion.sections import starts_alike, suggested
+from voronec.motion.sections import starts_alike, suggest_surface
 
 pytestmark = pytest.mark.slow
 
@@ -212,11 +212,11 @@ def test_without_integrals_no_level_is_known(falling):
 
 
 def test_a_surface_is_suggested_where_something_oscillates(oscillator):
-    surface = suggested(oscillator)
+    surface = suggest_surface(oscillator)
     assert (surface.plane, surface.value, surface.outputs) == ("x", 0.0, ("xdot",))
     resting = vo.Scene(initial={}, times=(0.0, 10.0))
     with pytest.raises(vo.DefinitionError, match="nothing oscillates"):
-        suggested(oscillator, resting)
+        suggest_surface(oscillator, resting)
 
 
 def test_the_reduced_ball_and_its_coordinates_have_one_section():

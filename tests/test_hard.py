@@ -17,10 +17,10 @@ from voronec.accuracy.hard.closed import problem
 from voronec.accuracy.hard.conditioning import UNIT
 from voronec.accuracy.hard.multiprecision import reel
 from voronec.accuracy.hard.page import page
-from voronec.accuracy.hard.reference import Reference, _stored, perturbed, slopes
+from voronec.accuracy.hard.reference import Reference, _stored_references, perturb, slopes
 from voronec.accuracy.hard.run import trials
 from voronec.accuracy.hard.table import cells, tally
-from voronec.accuracy.hard.trial import TOLERANCES, attempt, judged
+from voronec.accuracy.hard.trial import TOLERANCES, attempt, judge
 
 pytestmark = pytest.mark.slow
 
@@ -61,7 +61,7 @@ def test_names_are_unique_and_the_quick_ones_exist() -> None:
 
 
 def test_every_case_has_the_reference_of_its_own_declaration() -> None:
-    kept = _stored()
+    kept = _stored_references()
     assert {*kept} == {case.name for case in CASES if case.level}
     for case in CASES:
         if case.level:
@@ -152,7 +152,7 @@ def test_changed_data_confirm_the_variational_equations() -> None:
     pytest.importorskip("heyoka")
     own = vo.derive(particle(x - w * x**3))
     case = on_the_line(2.0, 4)
-    values, condition, apart = perturbed(case, own)
+    values, condition, apart = perturb(case, own)
     exact = compute(case, own)
     assert values["x"] == pytest.approx(exact.values["x"], abs=1e-16) and apart < 1e-18
     machine = reel(problem(case, own), "quadruple", 1e-30)
@@ -204,7 +204,7 @@ def test_an_error_is_judged_by_the_condition(
     error: float, condition: float, drift: float, verdict: str
 ) -> None:
     case = on_the_line(1.0, 2)
-    trial = judged(case, "auto", trajectory(error, drift), known(condition))
+    trial = judge(case, "auto", trajectory(error, drift), known(condition))
     assert trial.verdict == verdict
     assert trial.good == (verdict in ("met", "kept"))
     if np.isfinite(error):
@@ -214,9 +214,9 @@ def test_an_error_is_judged_by_the_condition(
 def test_an_output_that_is_zero_is_compared_absolutely() -> None:
     zero = Reference(np.array([0.0, 1.0]), {"x": np.array([0.0, 1e-40])}, {"x": np.ones(2)}, 0, "")
     case = on_the_line(1.0, 2)
-    assert judged(case, "auto", _Found({"x": np.array([0.0, 1e-16])}, 0.0), zero).verdict == "met"
+    assert judge(case, "auto", _Found({"x": np.array([0.0, 1e-16])}, 0.0), zero).verdict == "met"
     found = _Found({"x": np.array([0.0, 1e-9])}, 0.0)
-    assert judged(case, "auto", found, zero).verdict == "missed"
+    assert judge(case, "auto", found, zero).verdict == "missed"
 
 
 def test_only_cases_past_the_horizon_have_no_digit_left() -> None:
@@ -234,7 +234,7 @@ def test_a_motion_where_none_starts_is_wrong_and_a_refusal_right(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     case = on_the_line(1.0, 2, level="")
-    assert judged(case, "auto", trajectory(0.0), None).verdict == "missed"
+    assert judge(case, "auto", trajectory(0.0), None).verdict == "missed"
     monkeypatch.setattr("voronec.accuracy.hard.trial.integrate", refuse)
     trial = attempt(case, vo.derive(particle(x)), "auto", None)
     assert trial.verdict == "refused" and trial.good and "no motion starts" in trial.reason

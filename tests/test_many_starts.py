@@ -10,7 +10,7 @@ import pytest
 import voronec as vo
 from voronec.equations.program import compile_program
 from voronec.motion import many_starts, motion_pool
-from voronec.motion.initial_state import named, parameter_values, start_of
+from voronec.motion.initial_state import name_values, parameter_values, start_of
 from voronec.motion.request import quantity
 from voronec.motion.state_probe import quiet, rates_along
 from voronec.motion.vocabulary import Vocabulary
@@ -34,7 +34,7 @@ def one_by_one(vocabulary, scene, starts):
     values = [own.get(str(p), np.nan) for p in program.parameters]
     rates = partial(rates_along, quiet(compile_program(program)[0], values), 0.0)
     return [
-        start_of(vocabulary, scene, named(vocabulary, s, "initial value"), own, rates).state
+        start_of(vocabulary, scene, name_values(vocabulary, s, "initial value"), own, rates).state
         for s in starts
     ]
 
@@ -43,7 +43,7 @@ def one_by_one(vocabulary, scene, starts):
 def test_arrays_and_one_by_one_agree(name, starts, monkeypatch):
     equations = vo.derive(vo.load(name))
     vocabulary = Vocabulary.of(equations)
-    scene = named(vocabulary, equations.system.scenes["default"].initial, "initial value")
+    scene = name_values(vocabulary, equations.system.scenes["default"].initial, "initial value")
     rows = [{k: float(x[i]) for k, x in starts.items()} for i in range(COUNT)]
     expected, asked = one_by_one(vocabulary, scene, rows), []
     monkeypatch.setattr(motion_pool, "start_of", lambda *a: asked.append(a) or start_of(*a))

@@ -86,7 +86,9 @@ def test_the_contact_moves_over_the_body_and_that_counts():
 def test_an_ellipsoid_of_three_axes_has_not_the_measure_of_one_of_revolution(name):
     system = vo.load(name)
     rolling = module(name).rolling
-    density = rolling.density * (rolling.body.widened(R1) if name.endswith("sphere") else 1)
+    density = rolling.density * (
+        rolling.body.curvature_product(R1) if name.endswith("sphere") else 1
+    )
     claim = Measure(density, (*gamma, height, *omega))
     assert verdict_on(system, measure=claim).refuted
 

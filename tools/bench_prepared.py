@@ -15,7 +15,7 @@ from voronec.accuracy.bench import BenchMotion, Reference, ask, at_error, differ
 from voronec.accuracy.bench.peers.handwritten import BY_HAND, start_values
 from voronec.accuracy.bench.runs import contenders
 from voronec.equations.program import Program, hoist, taylor_system
-from voronec.motion.numeric_model import modelled
+from voronec.motion.numeric_model import make_model
 from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["ROWS"]
@@ -69,7 +69,7 @@ def smallest(question: BenchMotion) -> Prepared:
     form = question.equations.raw.form
     start = np.array([question.initial[str(s)] for s in (*form.coordinates, *form.velocities)])
     wanted = [question.expressions[n] for n in question.outputs]
-    made = modelled(
+    made = make_model(
         Vocabulary.of(question.equations), wanted, {}, start, question.parameters, 0.0, False
     )
     return Prepared.of(made.program, *made.place(start, question.parameters, 0.0))

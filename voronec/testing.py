@@ -127,15 +127,15 @@ def routes_agree_at_random_points(name: str) -> None:
 
     A system with unknown functions has no accelerations in numbers.
     """
-    if is_general(_derived(name).system):
+    if is_general(_equations_of(name).system):
         return
     for seed in range(SEEDS):
-        _routes_agree(_derived(name), random_point(_derived(name).system, seed))
+        _routes_agree(_equations_of(name), random_point(_equations_of(name).system, seed))
 
 
 def routes_agree_where_scenes_start(name: str) -> None:
     """The same at the initial data of every scene, where these are given in numbers."""
-    eqs = _derived(name)
+    eqs = _equations_of(name)
     for scene in eqs.system.scenes.values():
         point = _start(eqs.system, scene)
         if point is not None:
@@ -144,7 +144,7 @@ def routes_agree_where_scenes_start(name: str) -> None:
 
 def scenes_run(name: str) -> None:
     """Every scene starts on the constraints and runs to its end; integrals stay what they are."""
-    eqs = _derived(name)
+    eqs = _equations_of(name)
     for title, scene in eqs.system.scenes.items():
         begin, end = map(float, scene.times)
         times = [begin, (begin + end) / 2, end]
@@ -171,7 +171,7 @@ def _entry(name: str) -> Entry:
 
 
 @cache
-def _derived(name: str) -> VoronecEquations:
+def _equations_of(name: str) -> VoronecEquations:
     return derive(_entry(name).load())
 
 

@@ -26,7 +26,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _print_any_letter()
     try:
         try:
-            return _executed(arguments)
+            return _execute(arguments)
         finally:
             sys.stdout.flush()
     except DefinitionError as error:
@@ -49,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(_own_fault(error), 1)
 
 
-def _executed(arguments: Sequence[str] | None) -> int:
+def _execute(arguments: Sequence[str] | None) -> int:
     parser = command_parser()
     chosen = parser.parse_args(arguments)
     if chosen.module is None:

@@ -66,10 +66,10 @@ def _rows(results: Sequence[Result]) -> Iterator[list[str]]:
     """A line for each result, and one for each claim of it; of what is carried, the number."""
     for result in results:
         took = "known" if result.reused else f"{result.seconds:.2f} s"
-        own, carried = _parted(result)
+        own, carried = _split_findings(result)
         notes = list(result.notes)
-        notes += [f"carries {_counted(len(carried), 'claim')}"] if carried else []
-        name = chained(result.name) if result.kind == "square" else result.name
+        notes += [f"carries {_count_words(len(carried), 'claim')}"] if carried else []
+        name = shorten_square(result.name) if result.kind == "square" else result.name
         yield [result.status, took, name + (f"  ({'; '.join(notes)})" if notes else "")]
         for finding in (*own, *(f for f in carried if f.status != "proved")):
             remark = _remark(finding)
@@ -77,12 +77,12 @@ def _rows(results: Sequence[Result]) -> Iterator[list[str]]:
             yield [finding.status, "", told]
 
 
-def chained(label: str) -> str:
+def shorten_square(label: str) -> str:
     """A square in fewer words: the chain ``a -> b, b -> c`` as ``a -> b -> c``."""
     return re.sub(r"(?<= -> )([^,=>]+), (?=\1 -> )", "", label)
 
 
-def _parted(result: Result) -> tuple[list[Finding], list[Finding]]:
+def _split_findings(result: Result) -> tuple[list[Finding], list[Finding]]:
     """The claims of a system, or whatever is told apart; and what a relation carries."""
     carried = [f for f in result.findings if f.kind.startswith("carried ")]
     own = [f for f in result.findings if f not in carried]
@@ -94,23 +94,25 @@ def _parted(result: Result) -> tuple[list[Finding], list[Finding]]:
 def _remark(finding: Finding) -> str:
     if finding.admitted and not finding.stale:
         return f"admitted: {finding.admitted}"
-    return finding.remark if finding.status == "proved" else _shortened(finding.how)
+    return finding.remark if finding.status == "proved" else _shorten(finding.how)
 
 
-def _shortened(text: str, most: int = 60) -> str:
+def _shorten(text: str, most: int = 60) -> str:
     text = " ".join(text.split())
     return text if len(text) <= most else text[: most - 3].rstrip() + "..."
 
 
 def _summary(report: Report) -> str:
     """One line: how much was checked, and what came out."""
-    parts = [_counted(len(report.of_kind(kind)), kind) for kind in ("system", "relation", "square")]
-    parts.insert(1, _counted(sum(len(r.findings) for r in report.of_kind("system")), "claim"))
+    parts = [
+        _count_words(len(report.of_kind(kind)), kind) for kind in ("system", "relation", "square")
+    ]
+    parts.insert(1, _count_words(sum(len(r.findings) for r in report.of_kind("system")), "claim"))
     failing = sum(1 for _ in report.failures)
-    end = _counted(failing, "failure") if failing else "nothing failed"
+    end = _count_words(failing, "failure") if failing else "nothing failed"
     end += ", stopped before the end" if report.stopped else ""
     return f"{', '.join(parts)}: {end}; {report.seconds:.1f} s"
 
 
-def _counted(number: int, word: str) -> str:
+def _count_words(number: int, word: str) -> str:
     return f"{number} {word}{'s' * (number != 1)}"

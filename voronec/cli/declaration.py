@@ -25,11 +25,11 @@ __all__ = ["declaration", "execute"]
 
 def _claims(system: System) -> list[dict[str, str]]:
     """Every claim: kind, name and statement; where corrected, what is printed and its source."""
-    claims = [*_held(system, "")]
+    claims = [*_shared_claims(system, "")]
     for name, case in system.cases.items():
         values = ", ".join(f"{plain(k)} = {plain(v)}" for k, v in case.parameters.items())
         claims.append(_claim("case", name, ": ".join(filter(None, (values, case.note)))))
-        claims += _held(case, f"{name}: ")
+        claims += _shared_claims(case, f"{name}: ")
     if system.motion is not None:
         claims += _by_quadratures(system.motion)
     claims += [_claim("undecided", name, why) for name, why in system.undecided.items()]
@@ -41,7 +41,7 @@ def _claim(kind: str, name: str, statement: str) -> dict[str, str]:
     return {"kind": kind, "name": name, "statement": statement}
 
 
-def _held(holder: Any, case: str) -> Iterator[dict[str, str]]:
+def _shared_claims(holder: Any, case: str) -> Iterator[dict[str, str]]:
     """The claims that a system and a case have in common."""
     from voronec.declaration.claims import declared_claims
 
@@ -127,7 +127,7 @@ def _list(things: Iterable[Any]) -> str:
 def execute(arguments: Namespace) -> int:
     """Print the declaration."""
     if arguments.out is not None:
-        return _drawn(arguments.system, Path(arguments.out), arguments.json)
+        return _draw_sketch(arguments.system, Path(arguments.out), arguments.json)
     data, _ = declaration(arguments.system)
     if arguments.json:
         print_json(data)
@@ -136,7 +136,7 @@ def execute(arguments: Namespace) -> int:
     return 0
 
 
-def _drawn(subject: str, path: Path, as_json: bool) -> int:
+def _draw_sketch(subject: str, path: Path, as_json: bool) -> int:
     """Write the sketch of a system."""
     from voronec.declaration.whole_files import replace_file
     from voronec.motion.pictures.run_pictures import save

@@ -184,7 +184,7 @@ def _write(system: System, found: Sequence[Found], target: Path) -> list[Path]:
     from voronec.closed.pictures.sphere_picture import traces_figure
     from voronec.motion.pictures.run_pictures import save
 
-    own = [(f, _drawn(system, f)) for f in found]
+    own = [(f, _draw_motion(system, f)) for f in found]
     if target.suffix in SUFFIXES:
         with delivery(target.parent) as workshop:
             shown = [_of_class(f, traces) for f, traces in own]
@@ -204,7 +204,7 @@ def _write(system: System, found: Sequence[Found], target: Path) -> list[Path]:
     return [target / name for name in names]
 
 
-def _drawn(system: System, found: Found) -> tuple[Any, ...]:
+def _draw_motion(system: System, found: Found) -> tuple[Any, ...]:
     """A motion on every sphere."""
     from voronec.closed.classes.trace_polynomials import title
     from voronec.closed.pictures.sphere_picture import motion_traces

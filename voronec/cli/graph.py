@@ -94,13 +94,13 @@ def _dot(data: dict[str, Any]) -> str:
     """The diagram in the language of graphviz."""
     # graphviz knows no dash-dotted lines: a change of time is bold instead
     styles = {"limit": "dashed", "change of time": "bold", "change of coordinates": "dotted"}
-    lines = [f"  {_quoted(node)};" for node in data["nodes"]]
+    lines = [f"  {_quote(node)};" for node in data["nodes"]]
     for edge in data["edges"]:
         style = styles.get(edge["line"], "solid")
-        ends = f"{_quoted(edge['source'])} -> {_quoted(edge['target'])}"
-        lines.append(f"  {ends} [label={_quoted(edge['label'])}, style={style}];")
+        ends = f"{_quote(edge['source'])} -> {_quote(edge['target'])}"
+        lines.append(f"  {ends} [label={_quote(edge['label'])}, style={style}];")
     return "\n".join(["digraph voronec {", "  rankdir=LR;", "  node [shape=box];", *lines, "}", ""])
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'

@@ -26,7 +26,7 @@ def execute(arguments: Namespace) -> int:
     Stopped by Ctrl-C, what is done is reported all the same.
     """
     folder = wanted_folder(arguments.out) if arguments.out else None
-    cases = _chosen(arguments)
+    cases = _choose_cases(arguments)
     if arguments.list:
         return _list(cases, arguments.json)
     methods = _methods(arguments.method)
@@ -40,7 +40,7 @@ def execute(arguments: Namespace) -> int:
     return 0 if all(f.good for f in findings) else 1
 
 
-def _chosen(arguments: Namespace) -> tuple[HardCase, ...]:
+def _choose_cases(arguments: Namespace) -> tuple[HardCase, ...]:
     from voronec.accuracy.hard import QUICK, every_case, named_cases
 
     known, warnings = every_case()

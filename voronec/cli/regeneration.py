@@ -56,7 +56,7 @@ def execute(arguments: Namespace) -> int:
     if arguments.json:
         print_json(audit.as_list())
     else:
-        print(_found(audit, arguments), end="")
+        print(_errata_text(audit, arguments), end="")
         print(_next(arguments, folder, files))
     if failure is not None:
         raise failure
@@ -79,7 +79,7 @@ class _Sections:
         print(f"  {title}: {told or 'nothing to prove'}", flush=True)
 
 
-def _found(audit: Audit, arguments: Namespace) -> str:
+def _errata_text(audit: Audit, arguments: Namespace) -> str:
     """The errors on one screen, or, of a single label or where details are wanted, all."""
     from voronec.audit.page.report import audit_summary, audit_table
 
@@ -132,11 +132,11 @@ def _figures(name: str, workshop: Path) -> list[Any]:
     progress(f"{name}: integrating the scene 'default'")
     path = workshop / "trace.svg"
     save(drawing(integrate(system, scene="default")), path)
-    path.write_text(rounded(path.read_text("utf-8")), "utf-8")
+    path.write_text(round_paths(path.read_text("utf-8")), "utf-8")
     return [Figure(path, system.scenes["default"].caption)]
 
 
-def rounded(svg: str) -> str:
+def round_paths(svg: str) -> str:
     """A picture with its paths to a hundredth of a point: finer ones show nowhere, and are a third
     of the page that carries them."""
     path = re.compile(r'(?<=\sd=")[^"]*')

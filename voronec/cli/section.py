@@ -62,7 +62,7 @@ def execute(arguments: Namespace) -> int:
             parameters = {**parameters, **driven.constants}
         given: dict[str, Any] = {"scene": scene, "initial": initial, "parameters": parameters}
         if driven.changing is None:
-            plane, value, outputs = _completed(equations, plane, outputs, given)
+            plane, value, outputs = _complete_request(equations, plane, outputs, given)
         elif plane is None:
             raise DefinitionError("--plane: with a table for an input name one, EXPR=VALUE")
         else:
@@ -110,16 +110,16 @@ def _quantity(text: str, place: str) -> Any:
     return bare if named else formula(bare, place)
 
 
-def _completed(
+def _complete_request(
     equations: VoronecEquations, plane: tuple[Any, float] | None, outputs: list[Any], given: Any
 ) -> tuple[Any, float, list[Any]]:
     """Plane and outputs, what nobody named suggested by a short motion."""
-    from voronec.motion.sections import suggested
+    from voronec.motion.sections import suggest_surface
 
     if plane is not None and outputs:
         return *plane, outputs
     named = None if plane is None else str(plane[0])
-    surface = suggested(equations, plane=named, **given)
+    surface = suggest_surface(equations, plane=named, **given)
     if plane is None:
         plane = (surface.plane, surface.value)
     return *plane, outputs or list(surface.outputs)

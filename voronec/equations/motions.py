@@ -94,7 +94,7 @@ class Motions:
         moving = {*names} - {*self.system.velocities}
         return any(sympify(e).has(*moving) for e in exprs)
 
-    def deciding(self, exprs: Sequence[sp.Expr]) -> VectorField:
+    def field_for(self, exprs: Sequence[sp.Expr]) -> VectorField:
         """The field on which a claim about these functions is decided: the reduced one, where they
         hold no coordinate and the system descends to its invariants."""
         low = not self.system.invariants or self.holds_coordinate(exprs)

@@ -136,13 +136,13 @@ def _motion(eqs: VoronecEquations, width: int) -> list[str]:
     if all(len(row) < width for row in rows):
         return rows
     if sum(map(len, rows)) <= SCREEN:
-        return [line for row in rows for line in _broken(row, width)]
+        return [line for row in rows for line in _break_lines(row, width)]
     mass = [(i, j, eqs.mass[i, j]) for i in size for j in size if i <= j and eqs.mass[i, j] != 0]
     pairs = [(f"mass[{i + 1}, {j + 1}]", caret_text(e)) for i, j, e in mass]
     return equation_rows(pairs + [(f"force[{i + 1}]", caret_text(eqs.force[i])) for i in size])
 
 
-def _broken(row: str, width: int) -> list[str]:
+def _break_lines(row: str, width: int) -> list[str]:
     """An equation in lines that end before a sign, one outside of brackets if that will do."""
     for depth in range(BRACKETS):
         bound, level = [], 0

@@ -63,7 +63,7 @@ def cartesian_chart(
     there, back, twin = _maps(r, phi, frame)
     changes: dict[str, Any] = {"lagrangian": moved.regular(lagrangian, "the Lagrangian")}
     if constraints:
-        changes["constraints"] = moved.solved([expression(c, "a constraint") for c in constraints])
+        changes["constraints"] = moved.solve([expression(c, "a constraint") for c in constraints])
     if frame is not None:
         changes["frame"] = moved.frame(frame)
     length = expression(unit, "unit")
@@ -102,7 +102,7 @@ class _Moved:
         axis = {self.r: sp.Integer(0), self.phi: sp.Integer(0)}
         return bool(sp.fraction(sp.together(expr))[1].xreplace(axis) != 0)
 
-    def solved(self, constraints: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
+    def solve(self, constraints: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
         """The constraints solved for velocities for which the solution is regular on the axis."""
         rows = sp.Matrix([self._of(c) for c in constraints])
         for chosen in self._pivots(rows):

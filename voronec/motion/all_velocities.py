@@ -63,7 +63,7 @@ class WideStart:
         own = {plain_name(v): 0.0 for v in system.velocities}
         earlier = {**{k: x for k, x in own.items() if k not in later}, **earlier}
         found = _Conditions.at(ground, q)
-        w = found.solved(later, earlier)
+        w = found.solve(later, earlier)
         wide = np.concatenate([q, w])
         all_given = {**old, **later}
         held = tuple(k for k in all_given if k not in names and found.holds(k, all_given[k], w))
@@ -110,7 +110,7 @@ class WideStart:
             q = [given.get(name, mpmath.mpf(0)) for name in names]
             w = [mpmath.mpf(float(x)) for x in self.wide[len(names) :]]
             found = _Conditions.at(ground, np.array(q, dtype=object), constants)
-            return np.array([*q, *found.refined(w, self.targets, given)], dtype=object), constants
+            return np.array([*q, *found.refine(w, self.targets, given)], dtype=object), constants
 
 
 @dataclass(frozen=True)
@@ -156,11 +156,11 @@ class _Conditions:
         found[self.dots.index(name)] = 1.0
         return found
 
-    def solved(self, given: Mapping[str, float], otherwise: Mapping[str, float]) -> np.ndarray:
+    def solve(self, given: Mapping[str, float], otherwise: Mapping[str, float]) -> np.ndarray:
         """The w that meet the constraints and what is given, and, as far as these leave it open,
         the rest."""
-        left, right = self._posed(self.conditions, given)
-        further, wanted = self._posed(self.conditions[:0], otherwise)
+        left, right = self._pose(self.conditions, given)
+        further, wanted = self._pose(self.conditions[:0], otherwise)
         ways = open_beyond(np.vstack([left, further]), self.blind)
         if np.abs(ways).max(initial=0.0) > POLE:
             free = self.dots[int(np.argmax(np.abs(ways).max(axis=1)))]
@@ -175,9 +175,7 @@ class _Conditions:
         rest = np.linalg.pinv(further @ free_ways, DETERMINED) @ (wanted - further @ found)
         return np.asarray(found + free_ways @ rest)
 
-    def _posed(
-        self, first: np.ndarray, given: Mapping[str, float]
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def _pose(self, first: np.ndarray, given: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
         """Rows of unit length and right sides: left w = right."""
         rows = np.vstack([first, *(self.row(k)[None, :] for k in given)]).astype(float)
         right = np.concatenate([np.zeros(len(first)), [*given.values()]]) - rows[:, -1]
@@ -194,7 +192,7 @@ class _Conditions:
         """Whether w has the velocity given."""
         return self.residual(name, value, w) <= CONSISTENT * (1.0 + np.abs(w).max(initial=0.0))
 
-    def refined(self, w: list[Any], names: tuple[str, ...], given: Mapping[str, Any]) -> list[Any]:
+    def refine(self, w: list[Any], names: tuple[str, ...], given: Mapping[str, Any]) -> list[Any]:
         """w moved until the conditions hold to the last digit."""
         rows = np.vstack([self.conditions, *(self.row(k)[None, :] for k in names)])
         wanted = [mpmath.mpf(0)] * len(self.conditions)

@@ -9,7 +9,7 @@ import numpy as np
 from voronec.motion.steppers.run import Run
 from voronec.motion.trajectory import Trajectory
 
-__all__ = ["Untold", "require_told"]
+__all__ = ["Untold", "require_branches"]
 
 PER_STEP = 4
 """So many points of the grid in a step, on the average, tell the branches of angles apart; nowhere
@@ -22,7 +22,7 @@ class Untold(Exception):
     """Branches of angles could not be told: these are to be integrated."""
 
 
-def require_told(trajectory: Trajectory, names: Iterable[str], run: Run) -> None:
+def require_branches(trajectory: Trajectory, names: Iterable[str], run: Run) -> None:
     """Raise ``Untold`` where the integrator's own steps do not tell branches apart.
 
     Within a step a motion is nearly a polynomial: what turns by more than half a turn between two
@@ -31,13 +31,13 @@ def require_told(trajectory: Trajectory, names: Iterable[str], run: Run) -> None
     angles = [trajectory[name].astype(float) for name in names]
     if not angles or run.steps == 0:
         return
-    if len(trajectory) < PER_STEP * run.steps or not resolved(trajectory.t, run.ends):
+    if len(trajectory) < PER_STEP * run.steps or not is_resolved(trajectory.t, run.ends):
         raise Untold
     if any(np.abs(np.diff(angle)).max(initial=0.0) > SWING for angle in angles):
         raise Untold
 
 
-def resolved(grid: np.ndarray, ends: Iterable[float]) -> bool:
+def is_resolved(grid: np.ndarray, ends: Iterable[float]) -> bool:
     """Whether no two neighbours on a grid are farther apart than the shortest step between them."""
     marks = np.abs(np.array([grid[0], *ends], dtype=float) - float(grid[0]))
     times = np.abs(grid.astype(float) - float(grid[0]))

@@ -19,7 +19,7 @@ from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.motion.events import Event
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Problem, Run, Stepper, choose, guarded
+from voronec.motion.steppers import Problem, Run, Stepper, choose, cut_at_singularity
 from voronec.motion.steppers.units import natural_units
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class KeptChart:
                 found |= {part: None for part in angle.args if not _is_root(part)}
         return tuple(found)
 
-    def moved(self, function: Any) -> Any:
+    def pull_back(self, function: Any) -> Any:
         """A function of the system's state as one of the state in the chart."""
         door, system = self.equations.door, self.equations.system
         dots = {door.inward(q): door.inward(velocity(q)) for q in system.coordinates}
@@ -136,12 +136,12 @@ def kept_charts(equations: VoronecEquations, form: FirstOrderForm) -> tuple[Kept
 def _equations_in(equations: VoronecEquations, name: str) -> VoronecEquations:
     """The equations in a chart, derived once."""
 
-    def derived() -> VoronecEquations:
+    def derive_chart() -> VoronecEquations:
         near = equations.system.charts[name].near
         scenes = {"default": Scene(initial=near)} if near else {}
         return derive(replace(system_in(equations.system, name), scenes=scenes))
 
-    return equations.memo.once(("chart", name), derived)
+    return equations.memo.once(("chart", name), derive_chart)
 
 
 def own_singular(charts: tuple[KeptChart, ...]) -> Any:
@@ -216,7 +216,7 @@ class Place:
     def run(self, state: np.ndarray, times: np.ndarray) -> Run:
         """The motion from a state on."""
         self.problem.start[:] = state
-        return guarded(self.stepper(times), self.problem)
+        return cut_at_singularity(self.stepper(times), self.problem)
 
 
 @dataclass(frozen=True)
@@ -275,7 +275,7 @@ class Atlas:
         bodies are at poles; each is 1 where its largest entry is, and the others are 0 there."""
         _, sizes, rows = np.linalg.svd(self._slopes(name, time, state))
         count = max(1, int((sizes < BLIND * sizes.max()).sum()))
-        return np.where(self.angles, np.round(_reduced(rows[-count:]), 6), 0)
+        return np.where(self.angles, np.round(_reduce_rows(rows[-count:]), 6), 0)
 
     def idle(self, name: str, time: Any, state: np.ndarray) -> list[str]:
         """The variables, but angles, whose values at a singularity of the own coordinates say
@@ -343,9 +343,9 @@ class Atlas:
 
     def _other(self, name: str) -> Place:
         chart, given = next(c for c in self.charts if c.name == name), self.problem
-        levels = {event: chart.moved(e) for event, e in self.functions.items()}
+        levels = {event: chart.pull_back(e) for event, e in self.functions.items()}
         levels[LEAVE] = _beyond(chart.singular, NEAR)
-        levels[RETURN] = _beyond(chart.moved(own_singular(self.charts)), CLEAR)
+        levels[RETURN] = _beyond(chart.pull_back(own_singular(self.charts)), CLEAR)
         sides = {f"{SIDE}{i}": e for i, e in enumerate(chart.sides)}
         program = Program.of(chart.form)
         ends = (self._end(LEAVE, -1), self._end(RETURN, 1))
@@ -420,7 +420,7 @@ def _as_they_are(_: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return rows
 
 
-def _reduced(rows: np.ndarray) -> np.ndarray:
+def _reduce_rows(rows: np.ndarray) -> np.ndarray:
     """A basis (k, n) of the same space, by elimination with the largest entries as pivots."""
     rows = rows.copy()
     for i in range(len(rows)):

@@ -15,7 +15,14 @@ import numpy as np
 from voronec.equations.program import Hoisted, Program, hoist, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.methods import METHODS, method_names
-from voronec.motion.one_by_one import Look, StepSizes, Stopped, broken_off, is_lasting, ready
+from voronec.motion.one_by_one import (
+    Look,
+    StepSizes,
+    Stopped,
+    break_error,
+    compile_method,
+    is_lasting,
+)
 from voronec.motion.steppers.first_step import openings, overlong_lanes
 from voronec.motion.steppers.run import COLLAPSE, INFINITE
 from voronec.motion.steppers.units import units_of_many
@@ -27,7 +34,7 @@ __all__ = [
     "StepSizes",
     "Stopped",
     "along",
-    "chosen",
+    "choose_lanes",
     "require_method",
 ]
 
@@ -164,7 +171,9 @@ def along(
         rows[left] = block[: len(left)]
         steps += taken
         if not broken:
-            doubt = [lanes.steps.collapsed(k) or lanes.steps.overlong[k] for k in range(len(left))]
+            doubt = [
+                lanes.steps.has_collapsed(k) or lanes.steps.overlong[k] for k in range(len(left))
+            ]
             collapsed = [int(i) for i, bad in zip(left, doubt, strict=True) if bad]
             return rows, errors, steps, collapsed
         errors |= {int(pick[lane]): error for lane, error in broken.items() if lane < len(left)}
@@ -199,7 +208,7 @@ def _pieces(
         outcomes = {r[0] for r in ta.propagate_res}
         if hy.taylor_outcome.err_nf_state in outcomes or not np.isfinite(ta.state).all():
             block[:, at : end + 1] = new
-            return _broken(ta, block, grid), steps
+            return _broken_lanes(ta, block, grid), steps
         if hy.taylor_outcome.step_limit in outcomes:
             ta.set_time(float(grid[at]))
             ta.state[:] = block[:, at].T / lanes.units
@@ -219,7 +228,7 @@ def _pieces(
     return {}, steps
 
 
-def _broken(ta: Any, block: np.ndarray, grid: np.ndarray) -> dict[int, IntegrationError]:
+def _broken_lanes(ta: Any, block: np.ndarray, grid: np.ndarray) -> dict[int, IntegrationError]:
     """The lanes whose state is no longer finite; the last good one is the last on the grid."""
     found = {}
     for lane in range(len(block)):
@@ -227,7 +236,7 @@ def _broken(ta: Any, block: np.ndarray, grid: np.ndarray) -> dict[int, Integrati
             good = np.isfinite(block[lane]).all(axis=1)
             last = int(np.argmin(good)) - 1 if not good.all() else len(grid) - 1
             block[lane, last + 1 :] = np.nan
-            found[lane] = broken_off(INFINITE, float(grid[last]), block[lane, last].copy())
+            found[lane] = break_error(INFINITE, float(grid[last]), block[lane, last].copy())
     return found
 
 
@@ -248,13 +257,13 @@ def _one_interval(
         steps += sum(r[3] for r in ta.propagate_res)
         if not np.isfinite(ta.state).all():
             bad = [i for i in range(lanes.width) if not np.isfinite(ta.state[:, i]).all()]
-            return {i: broken_off(INFINITE, before[i], lanes.states[i]) for i in bad}, steps
+            return {i: break_error(INFINITE, before[i], lanes.states[i]) for i in bad}, steps
         if all(r[0] == hy.taylor_outcome.time_limit for r in ta.propagate_res):
             return {}, steps
         moved = np.abs(ta.time - before) > 1e-13 * np.ptp(ends)
         stuck = [i for i in range(lanes.width) if ta.time[i] != ends[-1] and not moved[i]]
         if stuck:
-            return {i: broken_off(COLLAPSE, ta.time[i], lanes.states[i]) for i in stuck}, steps
+            return {i: break_error(COLLAPSE, ta.time[i], lanes.states[i]) for i in stuck}, steps
 
 
 def require_method(method: str) -> None:
@@ -266,7 +275,7 @@ def require_method(method: str) -> None:
         )
 
 
-def chosen(
+def choose_lanes(
     method: str,
     program: Program,
     tol: float,
@@ -282,7 +291,7 @@ def chosen(
     if not 0 < tol < 1:
         raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
     if method in ("scipy", "numba"):
-        return None, ready(method, program), "asked for"
+        return None, compile_method(method, program), "asked for"
     try:
         lanes = lanes_of(program, tol, states, values)
     except ImportError:
@@ -292,7 +301,7 @@ def chosen(
             ) from None
         lasting = is_lasting(program, tol, states, values, grid)
         used = "numba" if METHODS["numba"].is_there and lasting else "scipy"
-        return None, ready(used, program), "auto: heyoka is not installed"
+        return None, compile_method(used, program), "auto: heyoka is not installed"
     except EngineLimit as limit:
         if method == "heyoka":
             raise

@@ -10,7 +10,7 @@ import numpy as np
 
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.motion.atlas import HOME, LEAVE, RETURN, SIDE, Atlas, Home, Place, kept_charts
-from voronec.motion.steppers import Halt, Problem, Run, Stepper, choose, guarded
+from voronec.motion.steppers import Halt, Problem, Run, Stepper, choose, cut_at_singularity
 from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import DISTANT, part_at
 
@@ -47,7 +47,7 @@ def through_charts(
     charts = () if is_exact(method, problem.tol) else kept_charts(equations, form)
     if not charts:
         stepper, chosen = choose(method, problem, grid)
-        return lambda times: guarded(stepper(times), problem), chosen
+        return lambda times: cut_at_singularity(stepper(times), problem), chosen
     atlas = Atlas(method, problem, grid, form, charts, functions)
     own = atlas.place(HOME)
     return lambda times: _Journey(atlas, times).run(), dict(own.chosen)
@@ -65,7 +65,7 @@ class _Stretch:
     angles: np.ndarray
     inside: Callable[[np.ndarray], np.ndarray] | None
 
-    def branched(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+    def on_branches(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
         """States at times of this part with angles next to those known before them."""
         order = 1.0 if self.times[-1] >= self.times[0] else -1.0
         before = np.searchsorted(order * self.times, order * times, side="right") - 1
@@ -152,7 +152,7 @@ class _Journey:
             home = self.on_this_side(place, times[0], rows[0])
             rows = self.beside_pole(place, times, home(times, rows))
             rows[0] = self.last
-            rows = followed(rows, self.last, angles)
+            rows = follow_angles(rows, self.last, angles)
             self.look(times, rows)
         inside = part.inside
         sampled = None if inside is None else lambda t: home(t, inside(t))
@@ -169,7 +169,7 @@ class _Journey:
         self.idle = (0.0 if count else self.idle) + share * part.steps
         for event in self.atlas.problem.events:
             t, states = part.crossings[event.name]
-            found = stretch.branched(t, home(t, states))
+            found = stretch.on_branches(t, home(t, states))
             self.crossings.setdefault(event.name, []).append((t, found))
         if self.atlas.problem.dense:
             self.stretches.append(stretch)
@@ -276,11 +276,11 @@ class _Journey:
         for i in np.unique(which):
             part, here = self.stretches[i], which == i
             if part.inside is not None:
-                found[here] = part.branched(times[here], part.inside(times[here]))
+                found[here] = part.on_branches(times[here], part.inside(times[here]))
         return found
 
 
-def followed(rows: np.ndarray, before: np.ndarray, angles: np.ndarray) -> np.ndarray:
+def follow_angles(rows: np.ndarray, before: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """Rows (k, n), each angle on the branch nearest to the row above; ``before`` is the first."""
     steps = np.diff(np.vstack([before, rows]), axis=0)
     return np.where(angles, rows - np.cumsum(_turns(steps), axis=0), rows)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from voronec.equations.voronec_equations import VoronecEquations
     from voronec.motion.motion_start import Outset
 
-__all__ = ["closed_form", "closed_from"]
+__all__ = ["closed_form", "closed_form_of_start"]
 
 
 @accepts(parameters=VALUES, initial=VALUES)
@@ -46,30 +46,30 @@ def closed_form(
     chosen = scene_of(own, scene, initial is None)
     told = _plainly(own, chosen, parameters, initial)
     if told is not None:
-        return _formed(own, *told)
+        return _form(own, *told)
     from voronec.equations.voronec_equations import derive
     from voronec.motion.motion_start import Outset
 
     equations = system if isinstance(system, VoronecEquations) else derive(own)
     vocabulary = Vocabulary.of(equations)
     given = StartData.of(vocabulary, chosen, parameters, initial)
-    return closed_from(vocabulary, given, Outset.of(vocabulary, given, 0.0, False))
+    return closed_form_of_start(vocabulary, given, Outset.of(vocabulary, given, 0.0, False))
 
 
-def closed_from(vocabulary: Vocabulary, given: StartData, outset: Outset) -> ClosedForm:
+def closed_form_of_start(vocabulary: Vocabulary, given: StartData, outset: Outset) -> ClosedForm:
     """The same from what ``integrate`` has read."""
     system = vocabulary.equations.system
     motion_of(system)
     names = {plain_name(q) for q in (*system.coordinates, *system.velocities)}
     initial = {**given.scene_initial, **given.initial}
     if {*initial} <= names and not outset.notes:
-        return _formed(system, given.parameters, initial)
+        return _form(system, given.parameters, initial)
     values: dict[Any, Any] = {
         p.symbol: given.parameters.get(p.name, p.value) for p in system.parameters
     }
     state = (*system.coordinates, *system.velocities)
     values |= {s: _digits(outset, i) for i, s in enumerate(state)}
-    return _checked(InversionProblem(prepare(system, values), values))
+    return _check(InversionProblem(prepare(system, values), values))
 
 
 def _digits(outset: Outset, i: int) -> Any:
@@ -114,8 +114,8 @@ def _name(key: Any) -> str:
         return ""
 
 
-def _formed(system: System, given: Mapping[str, Any], initial: Mapping[str, Any]) -> ClosedForm:
-    _require_allowed(system, given)
+def _form(system: System, given: Mapping[str, Any], initial: Mapping[str, Any]) -> ClosedForm:
+    _require_ranges(system, given)
     values: dict[Any, Any] = {}
     for parameter in system.parameters:
         value = given.get(parameter.name, parameter.value)
@@ -138,15 +138,15 @@ def _formed(system: System, given: Mapping[str, Any], initial: Mapping[str, Any]
                 f"system '{system.name}': initial value '{plain_name(q)}' = {value} is not finite"
             )
         values[q] = value
-    return _checked(InversionProblem(prepare(system, values), values))
+    return _check(InversionProblem(prepare(system, values), values))
 
 
-def _checked(problem: InversionProblem) -> ClosedForm:
+def _check(problem: InversionProblem) -> ClosedForm:
     problem.check()
     return ClosedForm(problem)
 
 
-def _require_allowed(system: System, given: Mapping[str, Any]) -> None:
+def _require_ranges(system: System, given: Mapping[str, Any]) -> None:
     """Parameters within their ranges, and such as a body can have."""
     key = tuple(sorted((n, type(x).__name__, x) for n, x in given.items() if _plain(x)))
     whole = len(key) == len(given)

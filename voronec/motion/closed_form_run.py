@@ -17,14 +17,14 @@ from voronec.closed import ClosedForm
 from voronec.closed.winding import NoWholeTurns, passed_poles, turnless_message
 from voronec.equations.program import Program
 from voronec.errors import DefinitionError
-from voronec.motion.closed_form import closed_from
+from voronec.motion.closed_form import closed_form_of_start
 from voronec.motion.motion_start import Outset
 from voronec.motion.numeric_model import whole
-from voronec.motion.observables import Watch, watched
+from voronec.motion.observables import Watch, watch_of
 from voronec.motion.request import StartData
 from voronec.motion.state_probe import quantities
 from voronec.motion.tolerances import EXACT
-from voronec.motion.trajectory import Cost, Trajectory, observed
+from voronec.motion.trajectory import Cost, Trajectory, make_trajectory
 from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["evaluated_motion"]
@@ -56,8 +56,8 @@ def evaluated_motion(
     if not 0 < tol < 1:
         raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
     equations = vocabulary.equations
-    form = closed_from(vocabulary, given, outset)
-    watch = watched(vocabulary, asked)
+    form = closed_form_of_start(vocabulary, given, outset)
+    watch = watch_of(vocabulary, asked)
     program = (
         whole(vocabulary, asked, {}).program
         if watch.multipliers is not None
@@ -76,11 +76,13 @@ def evaluated_motion(
     )  # fmt: skip
     if not len(t):
         raise KeyboardInterrupt
-    trajectory = sight.seen(t, states, cost, len(t) < len(grid))
+    trajectory = sight.observe(t, states, cost, len(t) < len(grid))
     return replace(
         trajectory,
         notes=(*outset.notes, *notes),
-        within=(lambda times: sight.seen(*sight.states(times, None)[:2], cost)) if dense else None,
+        within=(lambda times: sight.observe(*sight.states(times, None)[:2], cost))
+        if dense
+        else None,
     )
 
 
@@ -148,7 +150,7 @@ class _Sight:
         with mpmath.workprec(self.bits):
             return [_number(found[name]) for name in self.names]
 
-    def seen(
+    def observe(
         self, t: np.ndarray, states: np.ndarray, cost: Cost, interrupted: bool = False
     ) -> Trajectory:
         """Everything watched at some states."""
@@ -156,7 +158,7 @@ class _Sight:
         if states.dtype == object:
             constants = self.outset.exactly.constants(self.bits)
         with mpmath.workprec(self.bits):
-            return observed(
+            return make_trajectory(
                 self.vocabulary, self.watch, self.program, t, states, constants, cost, interrupted
             )
 

@@ -28,7 +28,7 @@ __all__ = [
     "Field",
     "around",
     "bases",
-    "crossed",
+    "crossing_divisors",
     "divisors",
     "usual_size",
     "without_factors",
@@ -109,7 +109,7 @@ def around(start: np.ndarray) -> np.ndarray:
     return found
 
 
-def crossed(
+def crossing_divisors(
     functions: Sequence[Any], places: np.ndarray, values: Field, soundness: Field, onto: Field
 ) -> list[Divisor]:
     """Those functions that change their sign at a place where the coordinates are good.

@@ -19,7 +19,7 @@ from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
-from voronec.motion.batches import Lanes, along, chosen, require_method
+from voronec.motion.batches import Lanes, along, choose_lanes, require_method
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.motion_pool import Many, at_each, drifts, many
 from voronec.motion.one_by_one import Stopped, along_one
@@ -172,7 +172,7 @@ def ensemble(
         motions = many(equations, chosen_scene, single, columns, wanted, begin)
         apart, lanes, carrier, reason = _carriers(driven, motions, method, tol, grid)
     except KeyboardInterrupt:
-        return _nothing_done(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
+        return _empty_ensemble(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
     ready = perf_counter()
     finest = tol if lanes else max(tol, FINEST)
     filled = _Filled.empty(motions, tuple(wanted), grid, apart, finest, carrier)
@@ -206,10 +206,10 @@ def _carriers(
         return apart, None, apart.method, apart.reason
     if not motions.sound:
         return None, None, "scipy", "each start alone"
-    return None, *chosen(method, motions.program, tol, *motions.going, grid)
+    return None, *choose_lanes(method, motions.program, tol, *motions.moving_lanes, grid)
 
 
-def _nothing_done(
+def _empty_ensemble(
     system: System, outputs: tuple[str, ...], grid: np.ndarray, count: int, tol: float, spent: float
 ) -> Ensemble:
     """What there is when the set-up is stopped by hand."""
@@ -237,7 +237,7 @@ class _Alone:
     tol: float
     progress: Callable[[float], Any] | None
 
-    def moved(self, motions: Many, grid: np.ndarray, i: int) -> Trajectory:
+    def motion_of(self, motions: Many, grid: np.ndarray, i: int) -> Trajectory:
         """The motion of start i."""
         from voronec.motion.integration import integrate
 
@@ -337,7 +337,7 @@ class _Filled:
                 if i in self.errors and i not in motions.wrong and not motions.may_go_on:
                     continue
                 try:
-                    run = alone.moved(motions, self.grid, i)
+                    run = alone.motion_of(motions, self.grid, i)
                 except VoronecError as error:
                     if changing and isinstance(error, DefinitionError) and i not in motions.wrong:
                         raise  # what is asked for makes no sense, whatever the start
@@ -425,7 +425,7 @@ def _run(filled: _Filled, lanes: Lanes | None, tol: float, jobs: int, progress: 
             workers.put(own)
 
     try:
-        for done in _worked(work, blocks, jobs):
+        for done in _do_work(work, blocks, jobs):
             if progress is not None:
                 progress(done)
     except KeyboardInterrupt:
@@ -434,7 +434,7 @@ def _run(filled: _Filled, lanes: Lanes | None, tol: float, jobs: int, progress: 
     return False
 
 
-def _worked(work: Callable[[Any], None], blocks: list[Any], jobs: int) -> Iterator[float]:
+def _do_work(work: Callable[[Any], None], blocks: list[Any], jobs: int) -> Iterator[float]:
     """Do the work, in threads where there are several jobs; yields the finished fraction."""
     if jobs == 1:
         for k, block in enumerate(blocks):
@@ -483,10 +483,10 @@ def _block(
     except Stopped:
         return
     finally:
-        _judged(filled, over, taken, lanes is None)
+        _fill_judgements(filled, over, taken, lanes is None)
 
 
-def _judged(
+def _fill_judgements(
     filled: _Filled,
     over: list[tuple[np.ndarray, np.ndarray, dict[int, IntegrationError]]],
     steps: int,

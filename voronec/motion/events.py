@@ -13,7 +13,7 @@ from voronec.algebra.arguments import COUNT, FLAG, SEVERAL, TEXT, require
 from voronec.errors import DefinitionError, quote
 from voronec.motion.vocabulary import Vocabulary, held_name
 
-__all__ = ["Crossings", "Event", "spelled"]
+__all__ = ["Crossings", "Event", "name_events"]
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Crossings:
         return len(self.t)
 
 
-def spelled(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Event, ...], dict[str, Any]]:
+def name_events(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Event, ...], dict[str, Any]]:
     """Events with their names filled in, and their functions in the user's symbols by name."""
     single = isinstance(events, str | sp.Basic | Event)
     if not SEVERAL.holds(events) and not isinstance(events, Event):
@@ -74,7 +74,7 @@ def spelled(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Event, ...], dic
     named, inside = [], {}
     for item in given:
         event = item if isinstance(item, Event) else Event(item)
-        own, function = vocabulary.asked(event.function)
+        own, function = vocabulary.read_condition(event.function)
         name = event.name or own
         if name in inside:
             raise DefinitionError(

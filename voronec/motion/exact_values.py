@@ -74,7 +74,7 @@ class Exactly:
             for i, name in enumerate(names):
                 start[i] = {**old, **new}.get(name, mpmath.mpf(0))
             conditions = {k: x for k, x in {**old, **new}.items() if k not in names}
-            return self._moved(start, len(names), conditions, values, {*new}), values
+            return self._meet_conditions(start, len(names), conditions, values, {*new}), values
 
     def _numbers(
         self, given: Mapping[str, Any], constants: Mapping[str, Any], bits: int
@@ -82,7 +82,7 @@ class Exactly:
         known = {self.vocabulary.symbols[name]: x for name, x in constants.items()}
         return {name: exact_number(value, known, bits) for name, value in given.items()}
 
-    def _moved(
+    def _meet_conditions(
         self,
         start: np.ndarray,
         n: int,
@@ -97,7 +97,7 @@ class Exactly:
         rates, _ = compiled_digits(self.program)
         asked = not {*conditions} <= {*own}  # at poles of angles their rates are infinite
 
-        def reached(state: np.ndarray) -> list[Any]:
+        def residuals(state: np.ndarray) -> list[Any]:
             try:
                 slopes = rates(self.time, list(state), values)[:n] if asked else ()
             except ZeroDivisionError:
@@ -110,7 +110,7 @@ class Exactly:
             return [found[name] for name in conditions]
 
         wanted = list(conditions.values())
-        first = reached(start)
+        first = residuals(start)
         scale = 1 + max(map(abs, wanted), default=0)
         held = [
             name in strict or abs(a - b) < HOLDS * scale
@@ -118,9 +118,9 @@ class Exactly:
         ]
         if not any(held):
             return start
-        inverse = np.linalg.pinv(_slopes(reached, start, n)[held])
+        inverse = np.linalg.pinv(_slopes(residuals, start, n)[held])
         for _ in range(ROUNDS):
-            gap = np.array([b - a for a, b in zip(reached(start), wanted, strict=True)])[held]
+            gap = np.array([b - a for a, b in zip(residuals(start), wanted, strict=True)])[held]
             if max(map(abs, gap)) <= scale * mpmath.eps * 8:
                 break
             start = start.copy()

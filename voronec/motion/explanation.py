@@ -54,7 +54,7 @@ def explain(
     vocabulary = Vocabulary.of(equations, driven.meaning)
     usual = initial is None and "default" in equations.system.scenes
     chosen = scene_of(equations.system, scene, usual)
-    wanted = _wanted(vocabulary, outputs_of(chosen, outputs))
+    wanted = _output_expressions(vocabulary, outputs_of(chosen, outputs))
     start = None
     if chosen is not None or initial is not None:
         start = _start(
@@ -72,9 +72,9 @@ def explain(
     return smallest_model(Motions.of(equations), wanted, integrals, start, thorough=True)
 
 
-def _wanted(vocabulary: Vocabulary, outputs: Sequence[Any]) -> dict[str, sp.Expr]:
+def _output_expressions(vocabulary: Vocabulary, outputs: Sequence[Any]) -> dict[str, sp.Expr]:
     """Outputs in the user's symbols; a reaction is what its multiplier is computed from."""
-    spelled = vocabulary.wanted(outputs)
+    spelled = vocabulary.read_outputs(outputs)
     found = dict(spelled.given)
     if spelled.reactions:
         equations = vocabulary.equations

@@ -18,7 +18,7 @@ from voronec.declaration.reading import fixed_mapping, quote, texts_read
 from voronec.declaration.system import require_possible
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
-from voronec.motion.velocity_conditions import CONSISTENT, Rates, changes, met
+from voronec.motion.velocity_conditions import CONSISTENT, Rates, changes, meet_conditions
 from voronec.motion.vocabulary import Vocabulary, number
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ __all__ = [
     "Relations",
     "Start",
     "coordinates_of",
-    "named",
+    "name_values",
     "numbers_of",
     "parameter_values",
     "start_of",
@@ -81,12 +81,12 @@ class Relations:
         at p.  Where that stands still, q - p is normal to the relations.
         """
         for damping in DAMPINGS:
-            found = self._iterated(q, damping)
+            found = self._iterate(q, damping)
             if found is not None and np.abs(self.residuals(found)).max() < accuracy:
                 return found
         return None
 
-    def _iterated(self, q: np.ndarray, damping: float) -> np.ndarray | None:
+    def _iterate(self, q: np.ndarray, damping: float) -> np.ndarray | None:
         p = q
         for _ in range(STEPS):
             off, slopes = self.evaluate(p)
@@ -109,7 +109,7 @@ def _residuals_and_slopes(form: FirstOrderForm) -> tuple[tuple[Any, ...], Callab
     return program.parameters, compile_program(program)[1]
 
 
-def named(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[str, Any]:
+def name_values(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[str, Any]:
     """Values by plain name; ``role`` is ``parameter`` or ``initial value``."""
     system = vocabulary.equations.system
     if role == "parameter":
@@ -193,7 +193,7 @@ def start_of(
     v = np.zeros(len(system.velocities))
     for values in (old, new):
         conditions = {k: x for k, x in values.items() if k not in coordinates}
-        v, moved = met(vocabulary, q, v, conditions, rates, project)
+        v, moved = meet_conditions(vocabulary, q, v, conditions, rates, project)
         notes += moved
     return Start(np.concatenate([q, v]), tuple(notes))
 

@@ -80,7 +80,7 @@ def drive(
     original = system.system if isinstance(system, VoronecEquations) else system
     if not original.inputs and not inputs:
         return Drive(original, system if isinstance(system, VoronecEquations) else derive(system))
-    values = _named(original, {**getattr(scene, "inputs", {}), **(inputs or {})})
+    values = _name_inputs(original, {**getattr(scene, "inputs", {}), **(inputs or {})})
     found = [_stand_in(original, u, values, unknown) for u in original.inputs]
     signals = tuple(each.signal for each in found if each.signal is not None)
     if signals and steady:
@@ -94,7 +94,7 @@ def drive(
     symbols = [s for each in found for s in each.symbols]
     shapes = tuple(each.shape for each in found)
     changing = Signals(signals) if signals and not unknown else None
-    driven = _driven(original, meaning, symbols, shapes, bool(signals))
+    driven = _replace_inputs(original, meaning, symbols, shapes, bool(signals))
     return Drive(original, derive(driven), meaning, constants, changing)
 
 
@@ -133,7 +133,7 @@ def _stand_in(system: System, u: sp.Expr, values: Mapping[str, Any], unknown: bo
     return _StandIn((name, read), _rates(u, _jet_of_expression(system, u, read)))
 
 
-def _named(system: System, given: Mapping[Any, Any]) -> dict[str, Any]:
+def _name_inputs(system: System, given: Mapping[Any, Any]) -> dict[str, Any]:
     """Values by the names of inputs, and of their rates."""
     known = [plain_name(u) + "dot" * k for u in system.inputs for k in range(3)]
     found: dict[str, Any] = {}
@@ -167,7 +167,7 @@ def _read(system: System, u: sp.Expr, values: Mapping[str, Any]) -> sp.Expr | Si
         return expression(value, place)
     if not all(map(callable, rates)) or (f"{name}dotdot" in values and len(rates) < 2):
         raise DefinitionError(f"{place}: its rates are functions of t too, none left out")
-    return Signal.called(name, (value, *rates))
+    return Signal.of_functions(name, (value, *rates))
 
 
 def _jet_of_expression(system: System, u: sp.Expr, value: sp.Expr) -> list[sp.Expr]:
@@ -243,7 +243,7 @@ def _require_rates(system: System, u: sp.Expr, signal: Signal) -> None:
         )
 
 
-def _driven(
+def _replace_inputs(
     original: System,
     meaning: Mapping[sp.Expr, sp.Expr],
     symbols: Sequence[sp.Symbol],

@@ -26,30 +26,30 @@ from voronec.equations.program.digits import precision
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.all_velocities import WideStart
-from voronec.motion.angle_branches import Untold, require_told
+from voronec.motion.angle_branches import Untold, require_branches
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import Divisor
-from voronec.motion.events import Crossings, Event, spelled
+from voronec.motion.events import Crossings, Event, name_events
 from voronec.motion.fallback import Way, first_success, other_method
 from voronec.motion.inputs import drive
 from voronec.motion.methods import CLOSED
 from voronec.motion.mode_stepper import Switched, through_walls
 from voronec.motion.motion_start import Outset
-from voronec.motion.numeric_model import Modelled, modelled, whole
-from voronec.motion.observables import Watch, followed
+from voronec.motion.numeric_model import Modelled, make_model, whole
+from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.poles import LAST, NearPole, PoleGuard
 from voronec.motion.request import StartData, grid_of, outputs_of, scene_of
 from voronec.motion.singular_directions import charted_directions
 from voronec.motion.soundness import Breach, Judge
 from voronec.motion.split_models import NEAR, SplitGround
-from voronec.motion.split_stepper import NearDivisor, SplitRun, guarding, unguarded
+from voronec.motion.split_stepper import NearDivisor, SplitRun, guard_events, without_guards
 from voronec.motion.state_probe import Probe, quantities
 from voronec.motion.steppers import Problem, Run, Stepper
 from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.signals import Signals, in_kind
 from voronec.motion.tolerances import EXACT
-from voronec.motion.trajectory import Cost, Trajectory, observed
+from voronec.motion.trajectory import Cost, Trajectory, make_trajectory
 from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["integrate"]
@@ -151,7 +151,7 @@ def integrate(
     given = replace(
         given, parameters={**given.parameters, **driven.parameters(float(grid[0]), float(grid[-1]))}
     )
-    happenings, functions = spelled(vocabulary, events)
+    happenings, functions = name_events(vocabulary, events)
     outset = Outset.of(vocabulary, given, float(grid[0]), project, driven.changing)
     if method == CLOSED and happenings:
         raise DefinitionError(
@@ -201,7 +201,7 @@ class _Request:
     def in_any_split(self, way: Way) -> Way:
         """A way that goes on in other splits of the velocities where a divisor is near zero."""
 
-        def tried(error: IntegrationError | None) -> Trajectory | None:
+        def attempt(error: IntegrationError | None) -> Trajectory | None:
             try:
                 if not self.outset.framed:
                     raise NearDivisor(self.vocabulary)
@@ -209,7 +209,7 @@ class _Request:
             except NearDivisor as near:
                 return replace(self, vocabulary=near.vocabulary).through_splits()
 
-        return tried
+        return attempt
 
     def through_splits(self) -> Trajectory:
         """On the coordinates, in one split of the velocities after another."""
@@ -271,13 +271,13 @@ class _Request:
             return None
         there = replace(self, vocabulary=Vocabulary.of(charted))
         made = whole(there.vocabulary, self.outputs, self.functions)
-        return replace(there._moved(made, self.method), system=own.system)
+        return replace(there._integrate(made, self.method), system=own.system)
 
     def _past_poles(self, _: IntegrationError | None, near: Any = LAST) -> Trajectory:
         """In the own coordinates after all, where nothing better is to be had: on invariants more
         digits are lost."""
         made = whole(self.vocabulary, self.outputs, self.functions)
-        return self._moved(made, self.method, near=near)
+        return self._integrate(made, self.method, near=near)
 
     def otherwise(self, error: IntegrationError | None) -> Trajectory | None:
         """By another method, where the choice is ours."""
@@ -291,16 +291,16 @@ class _Request:
         reduced = self.method == "auto" and self.smallest.model is not None
         if not (charts or reduced):
             return None
-        return self._moved(whole(self.vocabulary, self.outputs, self.functions), self.method)
+        return self._integrate(whole(self.vocabulary, self.outputs, self.functions), self.method)
 
     @cached_property
     def smallest(self) -> Modelled:
         """The smallest model."""
-        return self._modelled(self.followed)
+        return self._make_model(self.followed)
 
-    def _modelled(self, followed: bool) -> Modelled:
+    def _make_model(self, followed: bool) -> Modelled:
         outset = self.outset
-        return modelled(
+        return make_model(
             self.vocabulary, self.outputs, self.functions, outset.state, outset.steady,
             float(self.grid[0]), followed,
         )  # fmt: skip
@@ -311,14 +311,14 @@ class _Request:
         parts = (grid[: len(grid) // 50 + 2], grid) if made.watch.branches else (grid,)
         try:
             for part in parts:
-                trajectory = self._moved(made, method, part, near)
+                trajectory = self._integrate(made, method, part, near)
                 if trajectory.interrupted:
                     break
             return trajectory
         except Untold:
-            return self._moved(self._modelled(True), method, near=near)
+            return self._integrate(self._make_model(True), method, near=near)
 
-    def _moved(
+    def _integrate(
         self,
         made: Modelled,
         method: str,
@@ -357,7 +357,7 @@ class _Job:
         probe = made.probe(equations.system.name, values, time, outset.changing)
         guard = self._guard()
         problem = self._problem(state, values, probe)
-        switched = self._switched(method, problem, guard)
+        switched = self._switching_stepper(method, problem, guard)
         if switched is None and made.is_rough and equations.system.charts:
             guard = None
         if guard is not None:
@@ -365,7 +365,7 @@ class _Job:
         if switched is not None and switched.corner is not None:
             corner = switched.corner
             probe = replace(probe, form=corner.form, program=corner.program, values=switched.values)
-        watched = self._watched(state, values) if switched is None else ()
+        watched = self._watch_divisors(state, values) if switched is None else ()
         if switched is not None or not (made.model is None and equations.system.charts):
             probe.check(state)
         if switched is not None:
@@ -373,8 +373,8 @@ class _Job:
         else:
             stepper, chosen = self._smooth(method, problem, guard, watched)
         ready, busy = perf_counter(), process_time()
-        run = unguarded(stepper(self.grid), watched, self.vocabulary)
-        run = run if guard is None else guard.passed(run)
+        run = without_guards(stepper(self.grid), watched, self.vocabulary)
+        run = run if guard is None else guard.without_poles(run)
         self._require_reactions(run)
         cost = Cost(
             **chosen, setup=ready - began + run.prepared,
@@ -385,8 +385,8 @@ class _Job:
         told = outset.notes + run.notes
         trajectory = replace(sight.trajectory(run), notes=told)
         if run.halt is None and not run.interrupted:
-            require_told(trajectory, made.watch.branches, run)
-        breach, notes = self.judged(trajectory, run, values, switched is None)
+            require_branches(trajectory, made.watch.branches, run)
+        breach, notes = self.judge(trajectory, run, values, switched is None)
         if breach is not None:
             run = run.until(breach.row, breach.what)
             trajectory = replace(sight.trajectory(run), notes=told)
@@ -403,12 +403,14 @@ class _Job:
             marked=bool(made.watch.branches),
         )  # fmt: skip
 
-    def _switched(self, method: str, problem: Problem, guard: PoleGuard | None) -> Switched | None:
+    def _switching_stepper(
+        self, method: str, problem: Problem, guard: PoleGuard | None
+    ) -> Switched | None:
         """The integrator of a problem that is not smooth, poles watched; None where it is."""
         made = self.made
-        watched = problem if guard is None else guard.watching(problem, self.grid)
+        watched = problem if guard is None else guard.watch(problem, self.grid)
         functions = {**made.event_functions, **({} if guard is None else guard.levels)}
-        return through_walls(method, watched, self.grid, made.moving, functions)
+        return through_walls(method, watched, self.grid, made.moving_form, functions)
 
     def _require_reactions(self, run: Run) -> None:
         """Refuse reactions of a motion that was held on a wall."""
@@ -429,7 +431,7 @@ class _Job:
             self.vocabulary, made.watch, made.program, constants, cost, bits, outset.changing
         )
 
-    def judged(
+    def judge(
         self, trajectory: Trajectory, run: Run, values: Sequence[Any], smooth: bool
     ) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong with a run that came to its end, if anything did, and notes.
@@ -448,7 +450,7 @@ class _Job:
             run.steps, followed, watch.relations, made.relations, self.outset.changing,
         )  # fmt: skip
         t, states = run.t.astype(float), run.states.astype(float)
-        breach, notes = judge.breach(t, states) if smooth else judge.kept(t, states)
+        breach, notes = judge.breach(t, states) if smooth else judge.check_conserved(t, states)
         form = equations.raw.form
         own = [str(x) for x in (*form.coordinates, *form.velocities)]
         if smooth and breach is None and {*own} <= {*trajectory.series, *trajectory.names}:
@@ -461,9 +463,9 @@ class _Job:
     ) -> tuple[Stepper, dict[str, Any]]:
         """The integrator of a problem that is smooth, and what ``Cost`` says of it."""
         made, equations = self.made, self.vocabulary.equations
-        problem = problem if guard is None else guard.watching(problem, self.grid)
+        problem = problem if guard is None else guard.watch(problem, self.grid)
         poles = {} if guard is None else guard.levels
-        events, functions = guarding(watched)
+        events, functions = guard_events(watched)
         if watched:
             levels = {**made.event_functions, **poles, **functions}
             problem = replace(
@@ -475,14 +477,14 @@ class _Job:
         functions = {**made.event_functions, **poles, **functions}
         return through_charts(method, problem, self.grid, equations, functions, made.form)
 
-    def _watched(self, state: np.ndarray, values: Sequence[Any]) -> tuple[Divisor, ...]:
+    def _watch_divisors(self, state: np.ndarray, values: Sequence[Any]) -> tuple[Divisor, ...]:
         """The divisors to watch; ``NearDivisor`` where one is near zero at the start."""
         made, outset = self.made, self.outset
         if outset.changing is not None:
             return ()
         form = made.form if made.model is None else made.model.form
         ground = SplitGround(self.vocabulary.equations, outset.constants, float(self.grid[0]))
-        found = ground.watched(form, made.below, outset.state)
+        found = ground.watch_divisors(form, made.below, outset.state)
         if ground.smallest(form, found, state, values) < NEAR:
             raise NearDivisor(self.vocabulary)
         return tuple(found)
@@ -535,7 +537,7 @@ class _Sight:
 
     def trajectory(self, run: Run) -> Trajectory:
         """The motion of a run, its events, and, of a dense run, what lies between."""
-        seen = self.seen(run.t, run.states, run.interrupted)
+        seen = self.observe(run.t, run.states, run.interrupted)
         crossings = {name: self.crossings(*rows) for name, rows in run.crossings.items()}
         inside = run.inside
         return replace(
@@ -543,13 +545,13 @@ class _Sight:
             events=MappingProxyType(crossings),
             stopped=run.stopped,
             halted=run.halt.reason if run.halt is not None else "",
-            within=None if inside is None else lambda times: self.seen(times, inside(times)),
+            within=None if inside is None else lambda times: self.observe(times, inside(times)),
         )
 
-    def seen(self, t: np.ndarray, states: np.ndarray, interrupted: bool = False) -> Trajectory:
+    def observe(self, t: np.ndarray, states: np.ndarray, interrupted: bool = False) -> Trajectory:
         """Everything watched at some states."""
         with mpmath.workprec(self.bits):
-            return observed(
+            return make_trajectory(
                 self.vocabulary, self.watch, self.program, t, states, self.at(t), self.cost,
                 interrupted,
             )  # fmt: skip
@@ -561,7 +563,7 @@ class _Sight:
         series = dict.fromkeys(self.watch.outputs, t)
         if len(t):
             with mpmath.workprec(self.bits):
-                series = followed(self.watch, self.program, t, states, values)
+                series = evaluate_watch(self.watch, self.program, t, states, values)
         shown = {name: series[name] for name in self.watch.outputs}
         names = tuple(map(str, self.program.state))
         for array in (t, states, *shown.values()):

@@ -14,7 +14,7 @@ import numpy as np
 
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.errors import DefinitionError
-from voronec.motion.initial_state import named, numbers_of
+from voronec.motion.initial_state import name_values, numbers_of
 from voronec.motion.velocity_conditions import CONSISTENT, independent
 from voronec.motion.vocabulary import Vocabulary
 
@@ -42,7 +42,7 @@ def starts_in_arrays(
         return left
     still = {name: float(x[0]) for name, x in parameters.items() if (x == x[0]).all()}
     try:
-        known = list(named(vocabulary, starts[0], "initial value"))
+        known = list(name_values(vocabulary, starts[0], "initial value"))
         columns = dict(zip(known, _columns(starts), strict=True))
         before = numbers_of(vocabulary, scene, still)
     except (DefinitionError, ValueError, TypeError, OverflowError):
@@ -55,7 +55,7 @@ def starts_in_arrays(
     for part in (old, columns):
         conditions = {name: x for name, x in part.items() if name not in names}
         if conditions and good.any():
-            v = _met(vocabulary, q, v, conditions, rates, good)
+            v = _meet_conditions(vocabulary, q, v, conditions, rates, good)
     left[good] = np.hstack([q, v])[good]
     return left
 
@@ -71,7 +71,7 @@ def _columns(starts: Sequence[Mapping[Any, Any]]) -> list[np.ndarray]:
     return [np.array(row, dtype=float) for row in rows]
 
 
-def _met(
+def _meet_conditions(
     vocabulary: Vocabulary,
     q: np.ndarray,
     v: np.ndarray,
@@ -82,7 +82,7 @@ def _met(
     """Velocities (s, m) that meet conditions, as ``met`` finds them; starts for which it would do
     something else than for the first, or refuse them, are no longer ``good``."""
     own = [plain_name(x) for x in vocabulary.equations.system.velocities]
-    order, rows, right = _posed(vocabulary, q, conditions, rates)
+    order, rows, right = _pose_conditions(vocabulary, q, conditions, rates)
     good &= np.isfinite(rows).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
     if not good.any():
         return v
@@ -122,7 +122,7 @@ def _as_independent(rows: np.ndarray, chosen: list[int]) -> np.ndarray:
     return same
 
 
-def _posed(
+def _pose_conditions(
     vocabulary: Vocabulary,
     q: np.ndarray,
     conditions: Mapping[str, np.ndarray],

@@ -70,7 +70,7 @@ def _dop853(problem: Problem) -> Stepper:
     return dop853(problem)
 
 
-def _compiled(problem: Problem) -> Stepper:
+def _compiled_stepper(problem: Problem) -> Stepper:
     from voronec.motion.steppers.numba_stepper import compiled_dop853
 
     return compiled_dop853(problem)
@@ -92,7 +92,9 @@ METHODS: dict[str, Method] = {
     # below EXACT a tolerance would only raise the order of heyoka's series, beyond all bounds
     "heyoka": Method(_taylor, EXACT, symbolic=True, many=True, library="heyoka", other="scipy"),
     "scipy": Method(_dop853, FINEST, many=True, other="heyoka"),
-    "numba": Method(_compiled, FINEST, symbolic=True, many=True, library="numba", other="heyoka"),
+    "numba": Method(
+        _compiled_stepper, FINEST, symbolic=True, many=True, library="numba", other="heyoka"
+    ),
     "lsoda": Method(_lsoda, FINEST, best=1e-13),
     "flint": Method(_digits, best=1e-25, symbolic=True, exact=True),
     CLOSED: Method(None, best=EXACT),

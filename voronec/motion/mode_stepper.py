@@ -57,10 +57,12 @@ class Switched:
         """The way from the start of a problem."""
         problem, grid = roads.problem, roads.grid
         with mpmath.workprec(roads.working):
-            first = roads.settled(grid[0], roads.start, {}, ())
+            first = roads.next_mode(grid[0], roads.start, {}, ())
         if isinstance(first, str):
             words = {"method": roads.method, "reason": "nothing moves", "tolerance": problem.tol}
-            return cls(lambda times: _refused(problem, times, first), words, None, (), roads)
+            return cls(
+                lambda times: _run_without_steps(problem, times, first), words, None, (), roads
+            )
         values = [float(x) for x in roads.values(first.corner.program, first.sides, grid[0])]
 
         def run(times: np.ndarray) -> Run:
@@ -113,7 +115,7 @@ def _through_walls(
     if not program.is_rough and (levels is None or not levels.is_rough_beside):
         return None
     exact = is_exact(method, problem.tol)
-    modes = Modes.of(form, functions, _saturated(problem.tol, exact))
+    modes = Modes.of(form, functions, _saturation(problem.tol, exact))
     if modes is None:
         return None
     if modes.cusps and (exact or method == "heyoka"):
@@ -128,7 +130,7 @@ def _through_walls(
     return Switched.of(roads)
 
 
-def _saturated(tol: float, exact: bool) -> Any:
+def _saturation(tol: float, exact: bool) -> Any:
     """Where tanh w counts as flat.
 
     Beyond, exp(-2 w) is to be less than the tolerance; within, the coefficients of a series of
@@ -139,7 +141,7 @@ def _saturated(tol: float, exact: bool) -> Any:
     return reach if exact else min(reach, SATURATED)
 
 
-def _refused(problem: Problem, times: np.ndarray, reason: str) -> Run:
+def _run_without_steps(problem: Problem, times: np.ndarray, reason: str) -> Run:
     """The run that ends where it starts."""
     nothing = {e.name: (np.empty(0), np.empty((0, len(problem.start)))) for e in problem.events}
     halt = Halt(reason, times[0], problem.start)
@@ -186,9 +188,9 @@ class _Passage:
     def run(self) -> Run:
         """Stretch after stretch, up to the end of the grid."""
         with mpmath.workprec(self.roads.working):
-            return self.passed()
+            return self.pass_through()
 
-    def passed(self) -> Run:
+    def pass_through(self) -> Run:
         """The same, in numbers that are long enough."""
         try:
             while self.done < len(self.grid):
@@ -199,7 +201,7 @@ class _Passage:
                     return self.result(stopped=part.stopped)
                 if not part.stopped:
                     break
-                end = self.switched(self.mode.watch[part.stopped])
+                end = self.switch(self.mode.watch[part.stopped])
                 if end is not None:
                     return end
         except KeyboardInterrupt:
@@ -253,7 +255,7 @@ class _Passage:
                     )  # fmt: skip
         return part
 
-    def switched(self, hit: tuple[Surface, ...]) -> Run | None:
+    def switch(self, hit: tuple[Surface, ...]) -> Run | None:
         """Change the mode where one ended; the run, where that ends it."""
         roads, before = self.roads, self.mode
         if not hit:
@@ -269,7 +271,7 @@ class _Passage:
             if moved <= CRAWL * float(np.ptp(self.grid)):
                 return self.result(Halt(ZENO, self.time, self.number(self.state)))
         sides = {w: s for w, s in before.sides.items() if w not in {x.wall for x in hit}}
-        found = roads.settled(self.time, self.state, sides, hit)
+        found = roads.next_mode(self.time, self.state, sides, hit)
         if isinstance(found, str):
             return self.result(Halt(found, self.time, self.number(self.state)))
         self.mode = found

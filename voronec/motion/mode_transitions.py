@@ -24,9 +24,9 @@ from voronec.equations.program.walls import Wall
 from voronec.errors import DefinitionError
 from voronec.motion.atlas import Progress
 from voronec.motion.events import Event
-from voronec.motion.modes import Corner, Modes, Surface, held
+from voronec.motion.modes import Corner, Modes, Surface, motion_along_surfaces
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Problem, Run, Stepper, choose, guarded
+from voronec.motion.steppers import Problem, Run, Stepper, choose, cut_at_singularity
 
 __all__ = ["DOUBLE", "GUARD", "PAST", "Crossroads", "Mode"]
 
@@ -78,9 +78,9 @@ class Mode:
         if self.stepper is not None:
             self.problem.start[:] = state
             self.problem.parameters[:] = values  # type: ignore[index]
-            return guarded(self.stepper(times), self.problem)
+            return cut_at_singularity(self.stepper(times), self.problem)
         problem = replace(self.problem, start=state, parameters=list(values))
-        return guarded(choose(self.chosen["method"], problem, times)[0](times), problem)
+        return cut_at_singularity(choose(self.chosen["method"], problem, times)[0](times), problem)
 
 
 @dataclass
@@ -117,7 +117,7 @@ class Crossroads:
 
     # -- which way ------------------------------------------------------------------------
 
-    def settled(
+    def next_mode(
         self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[Surface]
     ) -> Mode | str:
         """The mode in which the motion goes on, or the reason why it does not.
@@ -141,7 +141,7 @@ class Crossroads:
             if all(
                 s in (0, side)
                 for s, side in zip(
-                    self._moved(corner.program, time, state, values, met), above, strict=True
+                    self._sides_ahead(corner.program, time, state, values, met), above, strict=True
                 )
             )
         ]
@@ -156,7 +156,7 @@ class Crossroads:
                 mode = self._along(time, state, met, along, corners)
                 if mode is not None:
                     return mode
-        rest = self._resting(time, state, met, corners)
+        rest = self._mode_of_rest(time, state, met, corners)
         return STUCK.format(names) if rest is None else rest
 
     def _corners(
@@ -173,7 +173,7 @@ class Crossroads:
                 corners[above] = corner, values
                 for wall in corner.walls:
                     if wall not in given and wall not in {s.wall for s in more}:
-                        more += self._touching(wall, time, state, values)
+                        more += self._touched_surfaces(wall, time, state, values)
             if not more or len(met) > MOST:
                 return met, corners
             met += more
@@ -196,41 +196,41 @@ class Crossroads:
         return corner, {wall: values[wall] for wall in corner.walls}
 
     def _value(self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]) -> int:
-        g = self._measured(wall, time, state, values)[0]
+        g = self._measure(wall, time, state, values)[0]
         if wall.whole:
             return int(mpmath.floor(g))
         return 1 if g >= 0 else -1
 
-    def _touching(
+    def _touched_surfaces(
         self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
     ) -> list[Surface]:
         """The surface of a wall on which a state lies, to rounding."""
-        g, *slopes = self._measured(wall, time, state, values)
+        g, *slopes = self._measure(wall, time, state, values)
         level = int(mpmath.nint(g)) if wall.whole else 0
         size = sum(abs(a * b) for a, b in zip(slopes, [time, *state], strict=True))
         if abs(g - level) > size * mpmath.mpf(2) ** (NEAR - self.bits):
             return []
         return [Surface(wall, level)]
 
-    def _measured(
+    def _measure(
         self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
     ) -> list[Any]:
-        return self.modes.gauge(wall)(time, state, self._named(values, time))
+        return self.modes.gauge(wall)(time, state, self._name_parameters(values, time))
 
-    def _named(self, values: Mapping[Wall, int], time: Any) -> dict[str, Any]:
+    def _name_parameters(self, values: Mapping[Wall, int], time: Any) -> dict[str, Any]:
         """Parameters by name at a time, floors among them."""
         floors = {str(self.modes.floor(w)): mpmath.mpf(n) for w, n in values.items() if w.whole}
         if self.problem.changing is None:
             return self.known | floors
-        called = self.problem.changing.called_at(float(time))
+        called = self.problem.changing.values_at(float(time))
         return self.known | floors | {name: mpmath.mpf(x) for name, x in called.items()}
 
     def values(self, program: Program, sides: Mapping[Wall, int], time: Any) -> list[Any]:
         """The parameters of a mode's program at a time."""
-        named = self._named(sides, time)
+        named = self._name_parameters(sides, time)
         return [named[str(p)] for p in program.parameters]
 
-    def _moved(
+    def _sides_ahead(
         self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int],
         surfaces: Sequence[Surface],
     ) -> list[int]:  # fmt: skip
@@ -240,7 +240,7 @@ class Crossroads:
         followed with twice as many digits.
         """
         try:
-            later, there = self._followed(program, time, state, sides, self.order)
+            later, there = self._follow(program, time, state, sides, self.order)
         except UNDEFINED:
             return [0] * len(surfaces)
         found = []
@@ -248,13 +248,13 @@ class Crossroads:
             if surface.wall not in sides:
                 found.append(0)
                 continue
-            a = self._measured(surface.wall, time, state, sides)[0]
-            b = self._measured(surface.wall, later, there, sides)[0]
+            a = self._measure(surface.wall, time, state, sides)[0]
+            b = self._measure(surface.wall, later, there, sides)[0]
             tiny = mpmath.mpf(2) ** (-2 * self.bits - GUARD // 2) * max(abs(a), abs(surface.level))
             found.append(0 if abs(b - a) <= tiny else 1 if b > a else -1)
         return found
 
-    def _followed(
+    def _follow(
         self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int], way: int
     ) -> tuple[Any, np.ndarray]:
         """Time and state a moment later (``way`` 1) or before."""
@@ -273,13 +273,13 @@ class Crossroads:
         """Time and state a moment after (1) or before (-1) along the run, in a mode."""
         if way == 0:
             return mpmath.mpf(time), state
-        return self._followed(mode.program, time, state, mode.sides, way * self.order)
+        return self._follow(mode.program, time, state, mode.sides, way * self.order)
 
     def on_surfaces(
         self, time: Any, state: np.ndarray, surfaces: Sequence[Surface], sides: Mapping[Wall, int]
     ) -> np.ndarray:
         """The state moved onto surfaces that it has reached, to rounding: the nearest there."""
-        measured = [self._measured(s.wall, time, state, sides) for s in surfaces]
+        measured = [self._measure(s.wall, time, state, sides) for s in surfaces]
         pairs = [(g - s.level, row) for s, (g, _, *row) in zip(surfaces, measured, strict=True)]
         pairs = [(g, row) for g, row in pairs if any(row)]
         if not pairs:
@@ -318,12 +318,12 @@ class Crossroads:
                 or not self._affine(time, state, mode, weights, other, corners, met)
             ):
                 continue
-            moved = self._moved(mode.program, time, state, mode.sides, free)
+            moved = self._sides_ahead(mode.program, time, state, mode.sides, free)
             if all(s in (0, side) for s, side in zip(moved, rest, strict=True)):
                 return mode
         return None
 
-    def _resting(
+    def _mode_of_rest(
         self, time: Any, state: np.ndarray, met: Sequence[Surface],
         corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
     ) -> Mode | None:  # fmt: skip
@@ -356,7 +356,7 @@ class Crossroads:
     ) -> bool:
         """Whether a wall is touched, not crossed, from a side while the other side leads to it, in
         the sense of time: then the motion may have come along it."""
-        g, *slopes = self._measured(surface.wall, time, state, sides)
+        g, *slopes = self._measure(surface.wall, time, state, sides)
         size = sum(abs(a * b) for a, b in zip(slopes, [time, *state], strict=True))
         side = 1 if sides[surface.wall] == surface.value(1) else -1
         own, scale = self._rate(time, state, surface, sides)
@@ -374,7 +374,7 @@ class Crossroads:
         found = compiled_digits(corner.program)[0](
             time, list(state), self.values(corner.program, values, time)
         )
-        _, slope, *slopes = self._measured(surface.wall, time, state, sides)
+        _, slope, *slopes = self._measure(surface.wall, time, state, sides)
         terms = [slope, *(a * b for a, b in zip(slopes, found, strict=True))]
         speeds = [
             abs(a) * max(abs(b), abs(x)) for a, b, x in zip(slopes, found, state, strict=True)
@@ -444,13 +444,13 @@ class Crossroads:
         key = (corners, along, tuple(sides[s.wall] for s in floors))
         found = self.known_modes.get(key)
         if found is None:
-            found = self._made(corners, sides, along)
+            found = self._make_mode(corners, sides, along)
             if found is None:
                 return None
             self.known_modes[key] = found
-        return replace(found, sides=sides, watch=self._watched(corners[0], sides, along))
+        return replace(found, sides=sides, watch=self._watched_surfaces(corners[0], sides, along))
 
-    def _watched(
+    def _watched_surfaces(
         self, corner: Corner, sides: Mapping[Wall, int], along: tuple[Surface, ...]
     ) -> dict[str, tuple[Surface, ...]]:
         watch: dict[str, tuple[Surface, ...]] = {}
@@ -496,7 +496,7 @@ class Crossroads:
         small = float(RIM ** (1 / power) * abs(size))
         return measure - se.Rational(*small.as_integer_ratio())
 
-    def _made(
+    def _make_mode(
         self, corners: tuple[Corner, ...], sides: Mapping[Wall, int], along: tuple[Surface, ...]
     ) -> Mode | None:
         corner, given = corners[0], self.problem
@@ -504,8 +504,10 @@ class Crossroads:
         program, turns = corner.program, {}
         if along:
             below = [None, *along]
-            numbered = [self._numbered(c, s, along) for c, s in zip(corners, below, strict=True)]
-            found = held(numbered, along)
+            numbered = [
+                self._number_corner(c, s, along) for c, s in zip(corners, below, strict=True)
+            ]
+            found = motion_along_surfaces(numbered, along)
             if found is None:
                 return None
             program, weighing = found
@@ -514,12 +516,14 @@ class Crossroads:
             levels = replace(program, names=(*functions, *kinds), extras=block)
         elif self.order < 0:
             turns = {
-                f"turn at {n}": s[0] for n, s in self._watched(corner, sides, along).items() if s
+                f"turn at {n}": s[0]
+                for n, s in self._watched_surfaces(corner, sides, along).items()
+                if s
             }
             levels = _with_turns(quantities(corner.form, functions), program, turns, functions)
         else:
             levels = quantities(corner.form, functions)
-        ends = [*self._watched(corner, sides, along)]
+        ends = [*self._watched_surfaces(corner, sides, along)]
         events = [Event(name, name, -self.order, stop=True) for name in ends]
         events += [Event(name, name, -self.order) for name in turns]
         watching = levels if not along else _of_events(levels, [*given.events], ends)
@@ -541,7 +545,9 @@ class Crossroads:
         lasting = stepper if chosen["method"] == "heyoka" else None
         return Mode(corner, program, levels, sides, along, {}, turns, problem, chosen, lasting)
 
-    def _numbered(self, corner: Corner, below: Surface | None, along: Sequence[Surface]) -> Corner:
+    def _number_corner(
+        self, corner: Corner, below: Surface | None, along: Sequence[Surface]
+    ) -> Corner:
         """A corner with numbers for the floors along which the motion is held."""
         floors = {
             self.modes.floor(s.wall): se.Integer(s.value(-1 if s == below else 1))

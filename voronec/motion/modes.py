@@ -31,7 +31,7 @@ from voronec.equations.program.walls import (
 from voronec.errors import EngineLimit
 from voronec.motion.state_probe import quantities
 
-__all__ = ["Corner", "Modes", "Surface", "held"]
+__all__ = ["Corner", "Modes", "Surface", "motion_along_surfaces"]
 
 
 @dataclass(frozen=True)
@@ -158,10 +158,10 @@ class Modes:
             program = quantities(form, wanted)
             extras = compiled_digits(program)[1]
 
-            def measured(time: Any, state: Any, values: Mapping[str, Any]) -> list[Any]:
+            def measure(time: Any, state: Any, values: Mapping[str, Any]) -> list[Any]:
                 return list(extras(time, list(state), [values[str(p)] for p in program.parameters]))
 
-            self._gauges[wall] = measured
+            self._gauges[wall] = measure
         return self._gauges[wall]
 
     @cached_property
@@ -218,14 +218,16 @@ def _is_positive(base: Any, positive: frozenset[Any]) -> bool:
     return prove_inequality(door.outward(base), ">", 0, positive=above).proved
 
 
-def held(corners: Sequence[Corner], surfaces: Sequence[Surface]) -> tuple[Program, Block] | None:
+def motion_along_surfaces(
+    corners: Sequence[Corner], surfaces: Sequence[Surface]
+) -> tuple[Program, Block] | None:
     """The motion along surfaces, and the block that computes their weights a, and how far the push
     of each leads back to its own; None where the sides do not differ in where they lead.
 
     The first corner lies above all surfaces, the others below one each.
     """
     lines: list[tuple[Any, Any]] = []
-    fields = [_relabelled(c.program.derivative, k, lines) for k, c in enumerate(corners)]
+    fields = [_relabel(c.program.derivative, k, lines) for k, c in enumerate(corners)]
     program, above = corners[0].program, fields[0]
     halves = [[(a - b) / 2 for a, b in zip(above, other, strict=True)] for other in fields[1:]]
 
@@ -244,7 +246,7 @@ def held(corners: Sequence[Corner], surfaces: Sequence[Surface]) -> tuple[Progra
         -se.Add(s.function.diff(program.time), *[g * f for g, f in zip(row, above, strict=True)])
         for s, row in zip(surfaces, slopes, strict=True)
     ]
-    shares = _eliminated(pushes, wanted, name)
+    shares = _eliminate(pushes, wanted, name)
     if shares is None:
         return None
     rates = [
@@ -280,7 +282,7 @@ def _hold(rates: list[Any], slopes: list[list[Any]], wanted: list[Any]) -> None:
         rates[pivot] = row[-1] - se.Add(*rest)
 
 
-def _relabelled(block: Block, k: int, lines: list[tuple[Any, Any]]) -> list[Any]:
+def _relabel(block: Block, k: int, lines: list[tuple[Any, Any]]) -> list[Any]:
     """The results of a block whose lines are added under names of their own."""
     names: dict[Any, Any] = {}
     for old, expr in block.assignments:
@@ -289,7 +291,7 @@ def _relabelled(block: Block, k: int, lines: list[tuple[Any, Any]]) -> list[Any]
     return [se.sympify(r).xreplace(names) for r in block.results]
 
 
-def _eliminated(
+def _eliminate(
     matrix: list[list[Any]], right: list[Any], name: Callable[[Any], Any]
 ) -> list[Any] | None:
     """The solution of few linear equations, pivot after pivot; None where one is zero."""

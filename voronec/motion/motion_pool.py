@@ -18,7 +18,7 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.divisors import Divisor
 from voronec.motion.inertia import require_inertia
-from voronec.motion.initial_state import named, parameter_values, start_of
+from voronec.motion.initial_state import name_values, parameter_values, start_of
 from voronec.motion.many_starts import starts_in_arrays
 from voronec.motion.model import smallest_model
 from voronec.motion.split_models import NEAR, SplitGround
@@ -114,7 +114,7 @@ class Many:
         constants = {name: float(x[i]) for name, x in self.parameters.items()}
         places = SplitGround(equations, constants, self.time)
         program = quantities(equations.raw.form, below)
-        return tuple(places.watched(ground.form, program, self.full[i]))
+        return tuple(places.watch_divisors(ground.form, program, self.full[i]))
 
     def passes_divisor(self, t: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Of motions (m, k, n) with parameters (m, p), which came near a zero of a divisor (m,), as
@@ -147,7 +147,7 @@ class Many:
         return [i for i in range(len(self)) if i not in self.wrong]
 
     @property
-    def going(self) -> tuple[np.ndarray, np.ndarray]:
+    def moving_lanes(self) -> tuple[np.ndarray, np.ndarray]:
         """States and parameters of these."""
         return self.states[self.sound], self.values[self.sound]
 
@@ -169,7 +169,7 @@ def many(
     functions = compile_program(below)
     needed = {str(s) for p in (program, below) for b in (p.derivative, p.extras) for s in b.symbols}
     constants, wrong = _constants(vocabulary, scene, parameters, len(starts), needed)
-    initial = named(vocabulary, scene.initial if scene else {}, "initial value")
+    initial = name_values(vocabulary, scene.initial if scene else {}, "initial value")
     table = _table(constants, below.parameters, len(starts))
     rates_of_many = partial(_rates_of_many, functions[0], table, time)
     full = starts_in_arrays(vocabulary, initial, starts, constants, rates_of_many)
@@ -185,17 +185,17 @@ def many(
         try:
             if np.isnan(full[i]).any():
                 rates = partial(rates_along, quiet(functions[0], table[i].tolist()), time)
-                data = named(vocabulary, given, "initial value")
+                data = name_values(vocabulary, given, "initial value")
                 full[i] = start_of(vocabulary, initial, data, own, rates, time).state
             require_inertia(equations, own, full[i], time)
         except VoronecError as error:
             wrong[i] = error
-    states, frozen = _placed(below, functions[1], full, constants, time)
+    states, frozen = _place_on_ground(below, functions[1], full, constants, time)
     values = _table({**constants, **frozen}, program.parameters, len(starts))
     rhs, extras = compile_program(program)
     if not program.derivative.is_rough(program.parameters):
         # a case that does not hold may have no value, and yet the motion has
-        _check_defined(vocabulary, rhs, states, values, time, wrong)
+        _mark_undefined(vocabulary, rhs, states, values, time, wrong)
     return Many(vocabulary, basis, program, extras, states, full, values, constants, time, wrong)
 
 
@@ -228,8 +228,8 @@ def _constants(
     needed: set[str],
 ) -> tuple[dict[str, np.ndarray], dict[int, VoronecError]]:
     """Values of the parameters, (s,) each; and the starts whose value is out of range."""
-    given = named(vocabulary, scene.parameters if scene else {}, "parameter")
-    given |= named(vocabulary, parameters, "parameter")
+    given = name_values(vocabulary, scene.parameters if scene else {}, "parameter")
+    given |= name_values(vocabulary, parameters, "parameter")
     series = {k: np.asarray(x) for k, x in given.items() if _is_array(x)}
     first = given | {k: x[0].item() for k, x in series.items()}
     wrong: dict[int, VoronecError] = {}
@@ -258,7 +258,7 @@ def _is_array(x: Any) -> bool:
     return isinstance(x, list | tuple | np.ndarray) and np.ndim(x) > 0
 
 
-def _placed(
+def _place_on_ground(
     below: Program, extras: Any, full: np.ndarray, constants: Mapping[str, np.ndarray], time: float
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """The states and the frozen quantities on the ground."""
@@ -271,7 +271,7 @@ def _placed(
     return np.stack(columns, axis=-1), frozen
 
 
-def _check_defined(
+def _mark_undefined(
     vocabulary: Vocabulary,
     rhs: Any,
     states: np.ndarray,

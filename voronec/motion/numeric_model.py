@@ -16,12 +16,12 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.digits import compiled_digits
 from voronec.motion.model import Model, SmallestModels
-from voronec.motion.observables import Branch, Watch, watched
+from voronec.motion.observables import Branch, Watch, watch_of
 from voronec.motion.state_probe import Probe, quantities
 from voronec.motion.steppers.signals import Signals
 from voronec.motion.vocabulary import Vocabulary, Wanted
 
-__all__ = ["Modelled", "modelled", "numbers_at", "whole"]
+__all__ = ["Modelled", "make_model", "numbers_at", "whole"]
 
 _written: WeakKeyDictionary[Model, dict[Any, Modelled]] = WeakKeyDictionary()
 """What was written for a model, by outputs and events, as long as that lives."""
@@ -57,7 +57,7 @@ class Modelled:
         return tuple(r for r in self.model.cut.relations if r.free_symbols <= known)
 
     @property
-    def moving(self) -> Any:
+    def moving_form(self) -> Any:
         """The form that the program is made of."""
         return self.form if self.model is None else self.model.form
 
@@ -99,7 +99,7 @@ class Modelled:
         return Probe(name, self.form, self.program, values, time, changing)
 
 
-def modelled(
+def make_model(
     vocabulary: Vocabulary,
     outputs: Sequence[Any],
     functions: Mapping[str, Any],
@@ -114,7 +114,7 @@ def modelled(
     coordinates; ``followed`` keeps angles among the states.  Reactions need accelerations, and so
     the coordinates.
     """
-    wanted = vocabulary.wanted(outputs)
+    wanted = vocabulary.read_outputs(outputs)
     if wanted.reactions:
         return whole(vocabulary, outputs, functions)
     equations, raw = vocabulary.equations, vocabulary.equations.raw.form
@@ -205,7 +205,7 @@ def _besides(vocabulary: Vocabulary, model: Model) -> dict[str, Any]:
 def whole(vocabulary: Vocabulary, outputs: Sequence[Any], functions: Mapping[str, Any]) -> Modelled:
     """The equations as they are, on coordinates and velocities."""
     form = vocabulary.equations.form
-    watch = watched(vocabulary, outputs)
+    watch = watch_of(vocabulary, outputs)
     inside = {name: vocabulary.inward(e) for name, e in functions.items()}
     states = (*form.coordinates, *form.velocities)
     return Modelled(

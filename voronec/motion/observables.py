@@ -15,7 +15,7 @@ from voronec.equations.program.digits import compiled_digits, precision
 from voronec.motion.reactions import Multipliers
 from voronec.motion.vocabulary import Vocabulary, Wanted
 
-__all__ = ["Branch", "Watch", "evaluated", "followed", "watched"]
+__all__ = ["Branch", "Watch", "evaluate_extras", "evaluate_watch", "watch_of"]
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class Watch:
         )
 
 
-def watched(
+def watch_of(
     vocabulary: Vocabulary, outputs: Sequence[Any], integrals: Iterable[str] | None = None
 ) -> Watch:
     """Outputs, declared integrals with the size of their terms, every relation.
@@ -101,7 +101,7 @@ def watched(
     ``integrals`` names those to follow; without it, all.
     """
     system = vocabulary.equations.system
-    wanted = vocabulary.wanted(outputs)
+    wanted = vocabulary.read_outputs(outputs)
     chosen = system.integrals if integrals is None else tuple(integrals)
     names = [vocabulary.name(name, system.integrals, "integral") for name in chosen]
     return Watch.of(
@@ -125,7 +125,7 @@ def _size(expr: Any, done: dict[Any, Any] | None = None) -> Any:
     return known[expr]
 
 
-def evaluated(
+def evaluate_extras(
     program: Program, t: np.ndarray, states: np.ndarray, values: Sequence[float]
 ) -> dict[str, np.ndarray]:
     """The program's extra quantities at states (k, n), each an array of shape (k,).
@@ -150,18 +150,18 @@ def _along(
     return [np.broadcast_to(np.asarray(r, dtype=float), t.shape).copy() for r in results]
 
 
-def followed(
+def evaluate_watch(
     watch: Watch, program: Program, t: np.ndarray, states: np.ndarray, values: Sequence[float]
 ) -> dict[str, np.ndarray]:
     """Everything watched at states (k, n), reactions too, by the names of ``Watch``."""
-    series = evaluated(program, t, states, values)
+    series = evaluate_extras(program, t, states, values)
     if len(t):
         series |= {name: branch.along(series) for name, branch in watch.branches.items()}
     if watch.multipliers is None:
         return series
     slopes = dict(zip(map(str, program.state), _along(program, 0, t, states, values), strict=True))
     with mpmath.workprec(precision(states)):
-        multipliers = watch.multipliers.solved(
+        multipliers = watch.multipliers.solve(
             {name: series.pop(name) for name in watch.multipliers.entries},
             [slopes[str(v)] for v in watch.multipliers.velocities],
         )

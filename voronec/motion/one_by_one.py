@@ -23,10 +23,10 @@ __all__ = [
     "StepSizes",
     "Stopped",
     "along_one",
-    "broken_off",
+    "break_error",
+    "compile_method",
     "is_lasting",
     "note_step",
-    "ready",
     "strides",
 ]
 
@@ -68,13 +68,13 @@ class StepSizes:
         self.shortest[which] = min(self.shortest[which], shortest)
         self.longest[which] = max(self.longest[which], longest)
 
-    def collapsed(self, which: int, share: float = COLLAPSED) -> bool:
+    def has_collapsed(self, which: int, share: float = COLLAPSED) -> bool:
         """Whether the steps of a motion became so short that it must have passed a place where its
         equations are singular, or nearly: a pole of coordinates, a zero of a divisor."""
         return bool(self.shortest[which] < share * self.longest[which])
 
 
-def ready(method: str, program: Program) -> str:
+def compile_method(method: str, program: Program) -> str:
     """The method, after numba has compiled what it needs; ``DefinitionError`` without it."""
     if method == "numba":
         from voronec.motion.steppers.numba_stepper import compiled_loop
@@ -98,7 +98,7 @@ def is_lasting(
     return (steps or 0) * len(states) * STAGES * (program.operations + 1) > COMPILED
 
 
-def broken_off(reason: str, time: float, state: np.ndarray) -> IntegrationError:
+def break_error(reason: str, time: float, state: np.ndarray) -> IntegrationError:
     """The error of a motion that cannot go on, with the last that was good."""
     return IntegrationError(f"{reason} after t = {time:.12g}", float(time), state)
 
@@ -153,9 +153,9 @@ def strides(
         with np.errstate(all="ignore"):
             solver.step()
         if solver.status == "failed":
-            raise broken_off(COLLAPSE, reached, good)
+            raise break_error(COLLAPSE, reached, good)
         if not np.isfinite(solver.y).all():
-            raise broken_off(INFINITE, reached, good)
+            raise break_error(INFINITE, reached, good)
         yield solver
 
 
@@ -180,7 +180,7 @@ def _stretches(
         try:
             stretch = loop.advance()
         except Halted as halted:
-            raise broken_off(str(halted), time, good) from None
+            raise break_error(str(halted), time, good) from None
         assert isinstance(stretch, Stretch)
         yield stretch
         time, good = stretch.end, stretch.state
@@ -196,7 +196,7 @@ def along_one(
     rows[0], steps, sizes = state, 0, StepSizes.of(1)
     if len(grid) == 1:
         return rows, None, 0, False
-    fill = _fill_compiled if method == "numba" else _fill
+    fill = _fill_by_numba if method == "numba" else _fill
     try:
         for taken in fill(program, state, values, grid, tol, rows, sizes):
             steps += taken
@@ -204,7 +204,7 @@ def along_one(
                 raise Stopped
     except IntegrationError as error:
         return rows, error, steps, False
-    return rows, None, steps, sizes.collapsed(0)
+    return rows, None, steps, sizes.has_collapsed(0)
 
 
 def _fill(
@@ -222,7 +222,7 @@ def _fill(
         yield 1
 
 
-def _fill_compiled(
+def _fill_by_numba(
     program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray, tol: float,
     rows: np.ndarray, sizes: StepSizes,
 ) -> Iterator[int]:  # fmt: skip

@@ -89,7 +89,7 @@ class PoleGuard:
             f"system '{self.name}': {BEYOND}, at the initial point; start elsewhere", time, state
         )
 
-    def watching(self, problem: Problem, grid: np.ndarray) -> Problem:
+    def watch(self, problem: Problem, grid: np.ndarray) -> Problem:
         """The problem, with the poles among its events."""
         order = 1 if grid[-1] >= grid[0] else -1
         return replace(
@@ -99,7 +99,7 @@ class PoleGuard:
             coarse=problem.coarse | self.levels.keys(),
         )
 
-    def passed(self, run: Run) -> Run:
+    def without_poles(self, run: Run) -> Run:
         """The run as if nobody had watched; raises ``NearPole`` where it has come near one, and
         charts are still to be tried."""
         names = {*self.levels}

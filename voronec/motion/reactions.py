@@ -82,7 +82,7 @@ class Multipliers:
             fixed={i: e for i, e in held.items() if not e.free_symbols},
         )
 
-    def solved(self, series: Mapping[str, Any], accelerations: Sequence[Any]) -> np.ndarray:
+    def solve(self, series: Mapping[str, Any], accelerations: Sequence[Any]) -> np.ndarray:
         """lambda_k of constraint k, shape (instants, constraints).
 
         ``series`` holds the values of ``entries`` by name, ``accelerations`` those of v', each of

@@ -17,7 +17,7 @@ from voronec.declaration.reading import doubles, quote, several
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, did_you_mean
-from voronec.motion.initial_state import named
+from voronec.motion.initial_state import name_values
 from voronec.motion.vocabulary import Vocabulary, label, number
 
 __all__ = ["StartData", "Values", "grid_of", "outputs_of", "quantity", "scene_of", "spread_starts"]
@@ -48,11 +48,11 @@ class StartData:
         """Scene and arguments put together; ``DefinitionError`` for names nobody knows."""
         return cls(
             parameters={
-                **named(vocabulary, scene.parameters if scene else {}, "parameter"),
-                **named(vocabulary, parameters or {}, "parameter"),
+                **name_values(vocabulary, scene.parameters if scene else {}, "parameter"),
+                **name_values(vocabulary, parameters or {}, "parameter"),
             },
-            scene_initial=named(vocabulary, scene.initial if scene else {}, "initial value"),
-            initial=named(vocabulary, initial or {}, "initial value"),
+            scene_initial=name_values(vocabulary, scene.initial if scene else {}, "initial value"),
+            initial=name_values(vocabulary, initial or {}, "initial value"),
         )
 
 

@@ -62,7 +62,7 @@ class Paths:
         """Lengths of the steps (s, lanes)."""
         return np.diff(self.times, axis=0)
 
-    def sampled(self, needed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def sample(self, needed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Times (m, lanes) and states (n, lanes, m), m = SAMPLES s + 1; only needed entries."""
         steps, size, order, lanes = self.series.shape
         h = self.lengths
@@ -115,7 +115,7 @@ def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) 
 
     ``needed`` are the entries of the state that the quantity holds.
     """
-    times, states = paths.sampled(needed)
+    times, states = paths.sample(needed)
     lanes = times.shape[1]
     which = np.arange(lanes)
     values = np.stack([quantity(times[:, i], states[:, i].T, which[i]) for i in range(lanes)], 1)
@@ -127,7 +127,7 @@ def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) 
     a, b = values[:-1], values[1:]
     with np.errstate(all="ignore"):  # a lane that idles takes steps of no length
         rates = np.abs(b - a) / np.diff(times, axis=0)
-    change = _crossed(a, b, direction)
+    change = _crossings(a, b, direction)
     row, lane = np.nonzero(change)
     step, left = row // SAMPLES, (row % SAMPLES) / SAMPLES
     h = paths.lengths[step, lane]
@@ -151,7 +151,7 @@ def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) 
     )
 
 
-def _crossed(a: np.ndarray, b: np.ndarray, direction: int) -> np.ndarray:
+def _crossings(a: np.ndarray, b: np.ndarray, direction: int) -> np.ndarray:
     """Where a quantity passes zero from a to b; a zero at b counts, one at a does not."""
     up, down = (a < 0) & (b >= 0), (a > 0) & (b <= 0)
     return np.asarray(up | down if direction == 0 else (up if direction > 0 else down))
@@ -340,7 +340,7 @@ class Passages:
         self.parts[i] = [(t[:count], states[:count], speed[:count])]
         self.count[i] = count
 
-    def seen(self, i: int, time: float, steps: int, found: Sequence[float]) -> None:
+    def note_range(self, i: int, time: float, steps: int, found: Sequence[float]) -> None:
         """How far start i came; the range of the quantity on the way and its largest rate."""
         low, high, fastest = found
         self.reached[i] = time
@@ -369,7 +369,7 @@ class Passages:
             return "stopped by hand"
         return f"no more crossings up to t = {self.reached[i]:.6g}"
 
-    def joined(self, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def join(self, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Start, t, states, speed of all crossings."""
         start = np.repeat(np.arange(len(self.count)), self.count)
         parts = [part for i in range(len(self.count)) for part in self.parts[i]]
@@ -441,12 +441,12 @@ def _stretch(
     passages.steps[0] += sum(n for n, i in zip(taken, holds, strict=True) if i is not None)
     busy = [k for k, i in enumerate(holds) if i is not None]
     broken = [k for k in busy if not np.isfinite(ta.state[:, k]).all()]
-    stuck = [k for k in busy if taken[k] == limit and _stuck(ta.time[k], before[k], origin[k])]
-    passed = [k for k in busy if lanes.steps.collapsed(k, SINGULAR)]
+    stuck = [k for k in busy if taken[k] == limit and _is_stuck(ta.time[k], before[k], origin[k])]
+    passed = [k for k in busy if lanes.steps.has_collapsed(k, SINGULAR)]
     if output is not None:
         series = output.tcs * lanes.units[:, None] if lanes.scaled else output.tcs
         trusted = [
-            _trusted(output.times[:, k]) if k in passed else np.inf for k in range(len(holds))
+            _trusted_until(output.times[:, k]) if k in passed else np.inf for k in range(len(holds))
         ]
         _collect(motions, watch, passages, Paths(output.times, series), holds, origin, trusted)
     for k in busy:
@@ -455,10 +455,10 @@ def _stretch(
         elif k in broken or k in stuck:
             _fail(motions, passages, holds[k], lanes, k, INFINITE if k in broken else COLLAPSE)
         elif output is None and (i := holds[k]) is not None:
-            passages.seen(i, ta.time[k], max(taken[k], 1), (np.nan,) * 3)
+            passages.note_range(i, ta.time[k], max(taken[k], 1), (np.nan,) * 3)
 
 
-def _stuck(now: float, before: float, origin: float) -> bool:
+def _is_stuck(now: float, before: float, origin: float) -> bool:
     return bool(now - before <= 1e-13 * max(abs(now - origin), 1e-3))
 
 
@@ -491,14 +491,14 @@ def _collect(
         if i is not None:
             _keep(passages, found, k, i, origin[k] + first[k], trusted[k])
             seen = (found.low[k], found.high[k], found.fastest[k])
-            passages.seen(i, paths.times[-1, k], len(paths.lengths), seen)
+            passages.note_range(i, paths.times[-1, k], len(paths.lengths), seen)
 
 
 def _width(motions: Many) -> int:
     return motions.values.shape[1]
 
 
-def _trusted(times: np.ndarray) -> float:
+def _trusted_until(times: np.ndarray) -> float:
     """The time at which a motion, by the ends of its steps, comes to a singular place."""
     lengths = np.abs(np.diff(times))
     short = lengths < SINGULAR * np.maximum.accumulate(lengths)
@@ -569,7 +569,7 @@ def _follow(
         for step in run:
             passages.steps[0] += 1
             note_step(sizes, step)
-            if sizes.collapsed(0, SINGULAR):
+            if sizes.has_collapsed(0, SINGULAR):
                 raise IntegrationError(f"{PASSED} after t = {step.t_old:.12g}", step.t_old, step.y)
             now = float(plane(np.array([step.t]), step.y[None], lane)[0])
             if after is None:
@@ -581,7 +581,7 @@ def _follow(
             if near or last * now <= 0:
                 found = zeros(_as_polynomial(step), plane, everything, passages.direction)
                 _keep(passages, found, 0, i, after)
-            passages.seen(i, step.t, 1, (min(last, now), max(last, now), rate))
+            passages.note_range(i, step.t, 1, (min(last, now), max(last, now), rate))
             last = now
             if passages.over(i):
                 return

@@ -19,7 +19,7 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
-from voronec.motion.batches import chosen
+from voronec.motion.batches import choose_lanes
 from voronec.motion.driven_sections import DrivenPassages, driven_passages
 from voronec.motion.ensembles import ensemble
 from voronec.motion.inputs import drive
@@ -32,7 +32,7 @@ from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.trajectory import Cost
 from voronec.motion.vocabulary import Vocabulary, held_name, number
 
-__all__ = ["Section", "Surface", "section", "starts_alike", "suggested"]
+__all__ = ["Section", "Surface", "section", "starts_alike", "suggest_surface"]
 
 
 EQUAL = 1e-12
@@ -74,7 +74,7 @@ def starts_alike(
     for _ in range(TRIES * count):
         if len(states) == count:
             break
-        led = _led_back(integrals, _aside(base, width, random), target)
+        led = _lead_back(integrals, _aside(base, width, random), target)
         if led is not None:
             states.append(led)
     if len(states) < count:
@@ -111,7 +111,7 @@ def _aside(base: np.ndarray, width: int, random: np.random.Generator) -> np.ndar
     return guess
 
 
-def _led_back(integrals: Integrals, guess: np.ndarray, target: np.ndarray) -> np.ndarray | None:
+def _lead_back(integrals: Integrals, guess: np.ndarray, target: np.ndarray) -> np.ndarray | None:
     """The nearest state with these integrals, by Newton steps of least length; None where they
     fail."""
     x, size = guess, 1.0 + np.abs(target)
@@ -149,7 +149,7 @@ class Surface:
     outputs: tuple[str, ...]
 
 
-def suggested(
+def suggest_surface(
     equations: VoronecEquations,
     scene: Any = None,
     initial: Mapping[Any, Any] | None = None,
@@ -178,7 +178,7 @@ def suggested(
     if plane is not None:
         return Surface(plane, 0.0, _others(series, plane, positions, velocities))
     for name in names:
-        value = _passed(series[name])
+        value = _passed_value(series[name])
         if value is not None:
             return Surface(name, value, _others(series, name, positions, velocities))
     raise DefinitionError(
@@ -187,7 +187,7 @@ def suggested(
     )
 
 
-def _passed(x: np.ndarray) -> float | None:
+def _passed_value(x: np.ndarray) -> float | None:
     """A value that x passes upwards again and again: zero, or the middle of its range."""
     if len(x) < 2 or _still(x):
         return None
@@ -340,7 +340,7 @@ def section(
             progress, scene=chosen_scene, inputs=inputs, method=method, tol=tol,
         )  # fmt: skip
         names = tuple(quantity(vocabulary, key)[0] for key in keys)
-        return _of_driven(declared, found, names, surface, on_plane, direction)
+        return _driven_section(declared, found, names, surface, on_plane, direction)
     parameters = given
     wanted = dict(quantity(vocabulary, key) for key in keys)
     single, columns = _starts(equations, chosen_scene, starts, initial, parameters)
@@ -352,7 +352,7 @@ def section(
     watch = _watch(motions, f"plane {surface}", on_plane)
     apart = Apart.of(motions, method, tol, np.array([0.0, 1.0]))
     lanes, used, reason = (
-        chosen(method, motions.program, tol, *motions.going)
+        choose_lanes(method, motions.program, tol, *motions.moving_lanes)
         if apart is None
         else (None, apart.method, apart.reason)
     )
@@ -449,7 +449,7 @@ def _cut_unsound(motions: Many, passages: Passages, cost: Cost) -> None:
             continue
         t = np.concatenate([[motions.time], *(part[0] for part in passages.parts[i])])
         states = np.vstack([motions.states[i], *(part[1] for part in passages.parts[i])])
-        found = judge.lost(t[None], states[None], motions.values[i][None], steps)
+        found = judge.losses(t[None], states[None], motions.values[i][None], steps)
         breach = min((b for _, b in found), key=lambda b: b.row, default=None)
         if breach is not None:
             name, time = own.system.name, float(t[breach.row])
@@ -471,7 +471,7 @@ def _section(
     direction: int,
     cost: Cost,
 ) -> Section:
-    start, t, states, speed = passages.joined(motions.states.shape[1])
+    start, t, states, speed = passages.join(motions.states.shape[1])
     names, values = motions.program.names, motions.values[start]
     found = at_each(motions.extras, names, t, states, values)
     points = np.stack([found[name] for name in outputs], axis=-1)
@@ -499,7 +499,7 @@ def _section(
     )
 
 
-def _of_driven(
+def _driven_section(
     system: System, found: DrivenPassages, outputs: tuple[str, ...], surface: str, value: float,
     direction: int,
 ) -> Section:  # fmt: skip

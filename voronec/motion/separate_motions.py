@@ -53,7 +53,7 @@ class Apart:
         """None where the right side is smooth, or no motion goes."""
         if not motions.sound:
             return None
-        switched = _switched(motions, motions.sound[0], method, tol, grid)
+        switched = _switching_stepper(motions, motions.sound[0], method, tol, grid)
         if switched is None:
             return None
         require_method(method)
@@ -102,7 +102,9 @@ class Apart:
             )
             rates = np.abs(np.diff(seen)) / np.diff(run.t) if len(run.t) > 1 else np.zeros(1)
             passages.steps[0] += run.steps
-            passages.seen(i, float(run.t[-1]), run.steps, (seen.min(), seen.max(), rates.max()))
+            passages.note_range(
+                i, float(run.t[-1]), run.steps, (seen.min(), seen.max(), rates.max())
+            )
             error = _error(run)
             if error is not None:
                 passages.errors[i] = error
@@ -125,7 +127,7 @@ class Apart:
             exact = se.Rational(*float(value).as_integer_ratio())
             functions = {PLANE: self.motions.ground.quantities[name] - exact}
             event = Event(PLANE, PLANE, direction)
-            made = _switched(
+            made = _switching_stepper(
                 self.motions, i, self.method, self.tol, grid, (event,), functions, state
             )
             if made is None:
@@ -147,7 +149,7 @@ class Apart:
         return np.asarray((ends[0] - ends[1]) / (2 * h))
 
 
-def _switched(
+def _switching_stepper(
     motions: Many, i: int, method: str, tol: float, grid: np.ndarray,
     events: tuple[Event, ...] = (), functions: dict[str, Any] | None = None,
     state: np.ndarray | None = None,

@@ -31,7 +31,7 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
 from voronec.motion.divisors import usual_size
 from voronec.motion.model.special import is_many_valued
-from voronec.motion.observables import evaluated
+from voronec.motion.observables import evaluate_extras
 from voronec.motion.steppers.signals import Signals, values_along
 
 __all__ = ["WIDTH", "Breach", "Judge", "JudgeOfMany", "Rates", "Windows", "again"]
@@ -218,14 +218,16 @@ class Judge:
 
     def breach(self, t: np.ndarray, states: np.ndarray) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong first, if anything did, and what is to be said of mere claims."""
-        found, notes = self._lost(t, states)
+        found, notes = self._losses(t, states)
         rates = program_rates(self.program, self.at)
         found += disobedient(t, states, rates, self.tol, MOST)
         return min(found, key=lambda b: b.row, default=None), notes
 
-    def kept(self, t: np.ndarray, states: np.ndarray) -> tuple[Breach | None, tuple[str, ...]]:
+    def check_conserved(
+        self, t: np.ndarray, states: np.ndarray
+    ) -> tuple[Breach | None, tuple[str, ...]]:
         """The same of integrals and relations alone."""
-        found, notes = self._lost(t, states)
+        found, notes = self._losses(t, states)
         return min(found, key=lambda b: b.row, default=None), notes
 
     def at(self, t: np.ndarray) -> list[Any]:
@@ -244,18 +246,18 @@ class Judge:
         found = disobedient(t, states, rates, self.tol, FEW)
         return min(found, key=lambda b: b.row, default=None)
 
-    def _lost(self, t: np.ndarray, states: np.ndarray) -> tuple[list[Breach], tuple[str, ...]]:
+    def _losses(self, t: np.ndarray, states: np.ndarray) -> tuple[list[Breach], tuple[str, ...]]:
         rows = np.unique(np.linspace(0, len(t) - 1, ROWS).astype(int))
         relations = {name: (key, "") for name, key in self.relations.items()}
         relations |= {f"{e} = 0": (f"vanishing {e}", "") for e in self.vanishing}
         conserved = Conserved({**self.integrals, **relations}, self._extras())
         breaches, notes = [], []
-        lost = conserved.lost(t[rows], states[rows], self.tol, self.steps)
+        lost = conserved.losses(t[rows], states[rows], self.tol, self.steps)
         for name, (i, change, allowed) in lost.items():
             amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
             if name in relations:
                 breaches.append(Breach(f"the relation {name} is lost {amount}", int(rows[i - 1])))
-            elif self.changing is None and proved(
+            elif self.changing is None and is_proved(
                 self.equations, self.equations.system.integrals[name]
             ):  # proofs take parameters for constants
                 breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
@@ -273,7 +275,7 @@ class Judge:
 
         def extras(t: np.ndarray, states: np.ndarray) -> Mapping[str, np.ndarray]:
             given = self.at(t)
-            found = evaluated(program, t, states, given)
+            found = evaluate_extras(program, t, states, given)
             if further is not None:
                 wide = [np.broadcast_to(x, t.shape) for x in given]
                 columns = further(np.column_stack([t, states, *wide])).reshape(len(t), -1).T
@@ -310,7 +312,7 @@ class Conserved:
     names: Mapping[str, tuple[str, str]]
     extras: Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]
 
-    def lost(
+    def losses(
         self, t: np.ndarray, states: np.ndarray, tol: float, steps: int
     ) -> dict[str, tuple[int, float, float]]:
         """Of those that did not stay: the row where that is seen first, the change and what is
@@ -361,12 +363,12 @@ def _function(inputs: tuple[Any, ...], exprs: tuple[Any, ...]) -> Any:
     return se.Lambdify(list(inputs), list(exprs))
 
 
-def proved(equations: VoronecEquations, integral: Any) -> bool:
+def is_proved(equations: VoronecEquations, integral: Any) -> bool:
     """Whether a claimed integral is proved to be one, and no motion can change over to another of
     its branches; where that exceeds the budget, it is not."""
     function = right_of(integral)
     try:
-        field = Motions.of(equations).deciding([function])
+        field = Motions.of(equations).field_for([function])
         read = field.read_with_momenta(function)
         rate = field.derivative(read)
         return not is_many_valued(read) and bool(all_vanish([rate], field.relations))
@@ -454,12 +456,12 @@ class JudgeOfMany:
         """What went wrong with which motion: states (m, k, n) at ``t`` (k,), parameters (m, p);
         each took so many steps."""
         found = self._disobedient(t, states, values, steps)
-        for i, breach in self.lost(np.broadcast_to(t, states.shape[:2]), states, values, steps):
+        for i, breach in self.losses(np.broadcast_to(t, states.shape[:2]), states, values, steps):
             if i not in found or breach.row < found[i].row:
                 found[i] = breach
         return found
 
-    def lost(
+    def losses(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
     ) -> Iterator[tuple[int, Breach]]:
         """The motions that lost an integral, with times (m, k) of their own."""
@@ -470,11 +472,11 @@ class JudgeOfMany:
             allowed = LOOSE * max(self.tol, UNIT) * FREE * size
             for i in np.flatnonzero((change > allowed).any(axis=1)):
                 whole = np.isfinite(states[i]).all(axis=1)
-                breach = self._judged(name, key, t[i][whole], states[i][whole], values[i], steps)
+                breach = self._judge(name, key, t[i][whole], states[i][whole], values[i], steps)
                 if breach is not None:
                     yield int(i), breach
 
-    def _judged(
+    def _judge(
         self,
         name: str,
         key: str,
@@ -486,7 +488,7 @@ class JudgeOfMany:
         def extras(times: np.ndarray, rows: np.ndarray) -> Mapping[str, np.ndarray]:
             return _at(self.program, times, rows, np.broadcast_to(values, (len(rows), len(values))))
 
-        lost = Conserved({name: (key, key)}, extras).lost(t, states, self.tol, int(steps))
+        lost = Conserved({name: (key, key)}, extras).losses(t, states, self.tol, int(steps))
         if name not in lost or not self._is_proved(name):
             return None
         row, change, allowed = lost[name]
@@ -496,7 +498,7 @@ class JudgeOfMany:
     def _is_proved(self, name: str) -> bool:
         if name not in self._proofs:
             own = self.equations
-            self._proofs[name] = proved(own, own.system.integrals[name])
+            self._proofs[name] = is_proved(own, own.system.integrals[name])
         return self._proofs[name]
 
     def _disobedient(

@@ -39,7 +39,7 @@ from voronec.motion.divisors import (
     Divisor,
     around,
     bases,
-    crossed,
+    crossing_divisors,
     divisors,
     usual_size,
     without_factors,
@@ -185,11 +185,11 @@ def split_system(system: System, chosen: Sequence[int]) -> System:
     if system.fibration.relations:
         taken = {plain_name(s) for s in system.known_symbols()}
         dots = {_fresh(f"d{plain_name(q)}", taken): velocity(q) for q in own}
-        return bare(system, title, **_spelled(system, frame), frame=Frame.quasi(dots))
+        return bare(system, title, **_spell_out(system, frame), frame=Frame.quasi(dots))
     return bare(
         system,
         title,
-        **_spelled(system, frame),
+        **_spell_out(system, frame),
         frame=None,
         fibration=Fibration(tuple(own), rest),
         charts={name: _split_chart(system, chart) for name, chart in system.charts.items()},
@@ -202,7 +202,7 @@ def _fresh(name: str, taken: set[str]) -> sp.Symbol:
     return sp.Symbol(name)
 
 
-def _spelled(
+def _spell_out(
     system: System, frame: Frame | None, changes: Mapping[str, Any] | None = None
 ) -> dict[str, Any]:
     """Lagrangian, constraints and forces, with changes, without the quasi-velocities of a frame."""
@@ -234,7 +234,7 @@ def _split_chart(system: System, chart: Chart) -> Chart:
         state=own(chart.state),
         back=own(chart.back),
         twins=tuple(map(own, chart.twins)),
-        changes=_spelled(system, frame, changes),
+        changes=_spell_out(system, frame, changes),
     )
 
 
@@ -345,7 +345,9 @@ class SplitGround:
                 found[k] = np.abs(np.linalg.det(metric_of(at, conditions)))
         return found
 
-    def watched(self, form: FirstOrderForm, below: Program, start: np.ndarray) -> list[Divisor]:
+    def watch_divisors(
+        self, form: FirstOrderForm, below: Program, start: np.ndarray
+    ) -> list[Divisor]:
         """What a form divides by and what vanishes though the motion goes on.
 
         ``below`` gives the form's states, called ``start x``, and what it takes for constant,
@@ -357,7 +359,7 @@ class SplitGround:
         left = (without_factors(f, self._poles) for f in divisors(form) if f not in self._others)
         found = [f for f in dict.fromkeys(left) if f not in self._others and not f.is_Number]
         fresh = [f for f in found if (f, key) not in kept]
-        risky = self._crossed(fresh, form, below, start) if fresh else []
+        risky = self._crossing_divisors(fresh, form, below, start) if fresh else []
         kept |= {(f, key): None for f in fresh} | {(d.function, key): d for d in risky}
         return [d for f in found if (d := kept[f, key]) is not None]
 
@@ -376,7 +378,7 @@ class SplitGround:
             found |= dict.fromkeys(inside.args if isinstance(inside, se.Mul) else (inside,))
         return tuple(found)
 
-    def _crossed(
+    def _crossing_divisors(
         self, found: list[Any], form: FirstOrderForm, below: Program, start: np.ndarray
     ) -> list[Divisor]:
         program = quantities(form, {str(i): f for i, f in enumerate(found)})
@@ -393,7 +395,7 @@ class SplitGround:
         places = around(start)
         moved = self._on_relations(places)
         places = moved if moved.shape[1] else places
-        return crossed(found, places, values, self.soundness, self._on_relations)
+        return crossing_divisors(found, places, values, self.soundness, self._on_relations)
 
     def _on_relations(self, places: np.ndarray) -> np.ndarray:
         """States (n, k) moved onto the relations between redundant coordinates, those for which
@@ -456,10 +458,10 @@ class SplitModel:
         if tuple(form.velocities) == own:  # those of coordinates need not exist, at poles
             quasi = {}
 
-        def moved(expr: Any) -> Any:
+        def substitute(expr: Any) -> Any:
             return se.sympify(expr).xreplace(meaning).xreplace(quasi)
 
-        expressions = {name: moved(e) for name, e in watch.expressions.items()}
+        expressions = {name: substitute(e) for name, e in watch.expressions.items()}
         multipliers = watch.multipliers
         if multipliers is not None:
             expressions = {n: e for n, e in expressions.items() if n not in multipliers.entries}
@@ -468,16 +470,16 @@ class SplitModel:
         inside = (*home.definition.coordinates, *home.definition.velocities)
         names = (*home.system.coordinates, *home.system.velocities)
         for x, symbol in zip(names, inside, strict=True):
-            expressions[f"home {plain_name(x)}"] = moved(symbol)
+            expressions[f"home {plain_name(x)}"] = substitute(symbol)
         model = cls(
             ground,
             equations,
             form,
             replace(watch, expressions=expressions, multipliers=multipliers),
-            {name: moved(e) for name, e in functions.items()},
+            {name: substitute(e) for name, e in functions.items()},
         )
         state = model.narrow(ground.time, wide)
-        found = replace(ground, home=equations).watched(form, model._own, state)
+        found = replace(ground, home=equations).watch_divisors(form, model._own, state)
         return replace(model, guards=tuple(found))
 
     @cached_property
@@ -494,33 +496,33 @@ class SplitModel:
         return (*self.form.coordinates, *self.form.velocities)
 
     @cached_property
-    def _widening(self) -> Program:
+    def _wide_program(self) -> Program:
         d = self.ground.home.definition
         return quantities(self.form, {str(x): x for x in (*d.coordinates, *d.dots)})
 
     @cached_property
-    def _narrowing(self) -> Program:
+    def _narrow_program(self) -> Program:
         form = self.form
         velocities = dict(zip(form.velocities, self.equations.raw.form.definitions, strict=True))
         entries = {str(q): q for q in form.coordinates} | {str(v): e for v, e in velocities.items()}
         return quantities(self.ground.wide, entries)
 
-    def widened(self, time: Any, state: Any, constants: Any = None) -> np.ndarray:
+    def widen(self, time: Any, state: Any, constants: Any = None) -> np.ndarray:
         """The wide state of a state of the split, of numbers of the same kind."""
-        return self._mapped(self._widening, time, state, constants)
+        return self._map(self._wide_program, time, state, constants)
 
     def narrow(self, time: Any, wide: Any, constants: Any = None) -> np.ndarray:
         """The state of the split at a wide state."""
-        return self._mapped(self._narrowing, time, wide, constants)
+        return self._map(self._narrow_program, time, wide, constants)
 
-    def _mapped(self, program: Program, time: Any, state: Any, constants: Any) -> np.ndarray:
+    def _map(self, program: Program, time: Any, state: Any, constants: Any) -> np.ndarray:
         digits = np.asarray(state).dtype == object
         found = numbers(program, time, list(state), self.ground.values(program, constants))
         if digits:
             return np.array([mpmath.mpf(x) for x in found], dtype=object)
         return np.array(found, dtype=float)
 
-    def lowered(self, time: float, wide: np.ndarray, factor: float) -> SplitModel:
+    def lower_guards(self, time: float, wide: np.ndarray, factor: float) -> SplitModel:
         """The same with the guards that are small at a wide state lowered by a factor, or, for
         zero, left out."""
         state, values = self.narrow(time, wide.astype(float)), self.ground.values(self.program)

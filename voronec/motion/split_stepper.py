@@ -24,17 +24,17 @@ from voronec.motion.all_velocities import WideStart
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import Divisor
 from voronec.motion.events import Crossings, Event
-from voronec.motion.observables import Watch, followed
+from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.soundness import Judge
 from voronec.motion.split_models import CLEAR, NEAR, SplitGround, SplitModel, candidates
 from voronec.motion.state_probe import Probe, quantities
 from voronec.motion.steppers import Halt, Problem, Run
 from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import part_at
-from voronec.motion.trajectory import Cost, Trajectory, assembled
+from voronec.motion.trajectory import Cost, Trajectory, assemble_trajectory
 from voronec.motion.vocabulary import Vocabulary
 
-__all__ = ["NearDivisor", "SplitRun", "guarding", "unguarded"]
+__all__ = ["NearDivisor", "SplitRun", "guard_events", "without_guards"]
 
 DEPENDENT = "the constraints become dependent"
 LEAST = 1e-6
@@ -49,7 +49,7 @@ SHORT = 1e-6
 """A way shorter than this part of the whole is not gone back on: no split leads past its end."""
 
 
-def guarding(guards: Sequence[Divisor]) -> tuple[tuple[Event, ...], dict[str, Any]]:
+def guard_events(guards: Sequence[Divisor]) -> tuple[tuple[Event, ...], dict[str, Any]]:
     """Events that end a run where a divisor comes near zero, and their functions by name."""
     names = [f"divisor {i}" for i in range(len(guards))]
     functions = {
@@ -68,9 +68,9 @@ class NearDivisor(Exception):
         self.vocabulary = vocabulary
 
 
-def unguarded(run: Run, guards: Sequence[Divisor], vocabulary: Vocabulary) -> Run:
+def without_guards(run: Run, guards: Sequence[Divisor], vocabulary: Vocabulary) -> Run:
     """A run as if nobody had watched; raises ``NearDivisor`` where a divisor came near zero."""
-    names = {event.name for event in guarding(guards)[0]}
+    names = {event.name for event in guard_events(guards)[0]}
     if run.stopped in names:
         raise NearDivisor(vocabulary)
     return run.without(names)
@@ -120,8 +120,8 @@ class SplitRun:
         time, wide, done = self.grid[0], self.start.wide, 1
         split = self.best_split(time, wide, None)
         while True:
-            part = self.judged(split, self.stretch(split, time, wide, self.grid[done:]))
-            back = None if part.halt is None else self.turned_back(split, part, wide, done)
+            part = self.judge(split, self.stretch(split, time, wide, self.grid[done:]))
+            back = None if part.halt is None else self.turn_back(split, part, wide, done)
             if back is not None:
                 part, wide, best = back
                 done += self.take(split, part, done)
@@ -135,7 +135,7 @@ class SplitRun:
                 (part.t[-1], part.states[-1]) if part.halt is None
                 else (part.halt.time, part.halt.state)
             )  # fmt: skip
-            wide = self.widened(split, time, state)
+            wide = self.widen(split, time, state)
             best = self.best_split(time, wide, split)
             if part.halt is not None and best is split:
                 raise self.failure(split, part.halt, busy)
@@ -176,8 +176,8 @@ class SplitRun:
         if best is None or (last is None and not sizes[best] > 0):
             raise IntegrationError(
                 f"system '{self.ground.home.system.name}': no velocities determine the motion at "
-                f"the initial point ({self._shown(plain)}): the constraints are dependent or the "
-                "coordinates singular; start elsewhere",
+                f"the initial point ({self._show_state(plain)}): the constraints are dependent or "
+                "the coordinates singular; start elsewhere",
                 time,
                 plain,
             )
@@ -185,7 +185,7 @@ class SplitRun:
             return last
         return best
 
-    def turned_back(
+    def turn_back(
         self, split: SplitModel, part: Run, wide: np.ndarray, done: int
     ) -> tuple[Run, np.ndarray, SplitModel] | None:
         """A stretch that broke down anew, up to shortly before, with the wide state there and the
@@ -200,7 +200,7 @@ class SplitRun:
         again = self.stretch(split, time, wide, np.append(ahead, end))
         if again.halt is not None or again.stopped or again.interrupted:
             return None
-        wide = self.widened(split, end, again.states[-1])
+        wide = self.widen(split, end, again.states[-1])
         best = self.best_split(end, wide, split, leaves=True)
         return None if best is split else (again, wide, best)
 
@@ -216,22 +216,22 @@ class SplitRun:
         if not strength > LEAST:
             raise self.failure(split, Halt(DEPENDENT, time, state), busy)
         self.splits.remove(split)
-        self.splits.append(split.lowered(float(time), wide, NEAR if strength < NEAR else 0.0))
+        self.splits.append(split.lower_guards(float(time), wide, NEAR if strength < NEAR else 0.0))
         return self.splits[-1]
 
-    def _shown(self, wide: np.ndarray) -> str:
+    def _show_state(self, wide: np.ndarray) -> str:
         pairs = zip(self.ground.home.definition.coordinates, wide, strict=False)
         return ", ".join(f"{name} = {float(x):.6g}" for name, x in pairs)
 
     def _guards(self, split: SplitModel) -> tuple[str, ...]:
-        return tuple(event.name for event in guarding(split.guards)[0])
+        return tuple(event.name for event in guard_events(split.guards)[0])
 
     # -- stretches --------------------------------------------------------------------------
 
     def stretch(self, split: SplitModel, time: Any, wide: np.ndarray, ahead: np.ndarray) -> Run:
         """Go on in a split until a divisor is small, or the grid ends."""
         began = perf_counter()
-        guards, levels = guarding(split.guards)
+        guards, levels = guard_events(split.guards)
         functions = {**split.functions, **levels}
         state = split.narrow(float(time), wide.astype(float))
         values = self.ground.values(split.program)
@@ -254,7 +254,7 @@ class SplitRun:
         self.prepared += perf_counter() - began
         return stepper(times)
 
-    def judged(self, split: SplitModel, part: Run) -> Run:
+    def judge(self, split: SplitModel, part: Run) -> Run:
         """A stretch up to where it went wrong, if it did; what is to be said is noted."""
         watch = split.watch
         followed = {name: (key, watch.sizes[name]) for name, key in watch.integrals.items()}
@@ -281,10 +281,10 @@ class SplitRun:
         """Whether the run is in high precision."""
         return is_exact(self.method, self.tol)
 
-    def widened(self, split: SplitModel, time: Any, state: np.ndarray) -> np.ndarray:
+    def widen(self, split: SplitModel, time: Any, state: np.ndarray) -> np.ndarray:
         """The wide state of a state of a split."""
         with mpmath.workprec(self.bits):
-            return split.widened(time, state, self._constants(state))
+            return split.widen(time, state, self._constants(state))
 
     def _constants(self, states: np.ndarray) -> Mapping[str, Any]:
         if states.dtype != object:
@@ -323,7 +323,7 @@ class SplitRun:
             evaluations=sum(r.evaluations for r in runs),
             switches=changes + sum(r.switches for r in runs),
         )  # fmt: skip
-        seen = self._assembled([(s.split, s.times, s.rows) for s in self.stretches], cost)
+        seen = self._assemble([(s.split, s.times, s.rows) for s in self.stretches], cost)
         own = {e.name for e in self.events}
         return replace(
             seen,
@@ -354,7 +354,7 @@ class SplitRun:
             if len(times):
                 values = self.ground.values(split.program, self._constants(rows))
                 with mpmath.workprec(self.bits):
-                    found.append(followed(split.watch, split.program, times, rows, values))
+                    found.append(evaluate_watch(split.watch, split.program, times, rows, values))
         names = found[0] if found else {}
         return {
             name: np.concatenate([np.asarray(s[name]) for s in found])
@@ -362,7 +362,7 @@ class SplitRun:
             if all(name in s for s in found)
         }
 
-    def _assembled(
+    def _assemble(
         self, parts: list[tuple[SplitModel, np.ndarray, np.ndarray]], cost: Cost,
         order: np.ndarray | None = None,
     ) -> Trajectory:  # fmt: skip
@@ -372,7 +372,7 @@ class SplitRun:
         names, constants = self._names, self._constants(parts[0][2])
         states = np.stack([series[f"home {n}"] for n in names], axis=-1)
         with mpmath.workprec(self.bits):
-            return assembled(
+            return assemble_trajectory(
                 self.vocabulary, self.watch, times, names, states, series, constants, cost
             )
 
@@ -402,4 +402,4 @@ class SplitRun:
             assert stretch.run.inside is not None
             parts.append((stretch.split, times[here], stretch.run.inside(times[here])))
             positions.append(here)
-        return self._assembled(parts, cost, np.argsort(np.concatenate(positions)))
+        return self._assemble(parts, cost, np.argsort(np.concatenate(positions)))

@@ -141,7 +141,7 @@ class Probe:
         cause = "; the mass matrix is singular there" if singular else ""
         return IntegrationError(
             f"system '{self.name}': {halt.reason} after t = {float(halt.time):.12g} "
-            f"({self._shown(state)}){cause}; end the run before that, or use another chart",
+            f"({self._show_state(state)}){cause}; end the run before that, or use another chart",
             halt.time,
             halt.state,
             trajectory,
@@ -195,13 +195,13 @@ class Probe:
 
     def _nowhere(self, what: str, start: np.ndarray) -> IntegrationError:
         return IntegrationError(
-            f"system '{self.name}': {what} at the initial point ({self._shown(start)}); start "
+            f"system '{self.name}': {what} at the initial point ({self._show_state(start)}); start "
             "elsewhere or use another chart",
             self.time,
             start,
         )
 
-    def _shown(self, state: np.ndarray) -> str:
+    def _show_state(self, state: np.ndarray) -> str:
         pairs = zip(self.program.state, state, strict=True)
         return ", ".join(f"{name} = {value:.6g}" for name, value in pairs)
 

@@ -22,13 +22,13 @@ from voronec.declaration.whole_files import draft
 from voronec.equations.program import Program
 from voronec.errors import DefinitionError
 from voronec.motion.events import Crossings
-from voronec.motion.observables import Watch, evaluated, followed
+from voronec.motion.observables import Watch, evaluate_extras, evaluate_watch
 from voronec.motion.vocabulary import Vocabulary, held_name
 
 if TYPE_CHECKING:
     from voronec.motion.viewer.page import PageView
 
-__all__ = ["Cost", "Trajectory", "assembled", "observed"]
+__all__ = ["Cost", "Trajectory", "assemble_trajectory", "make_trajectory"]
 
 CANCELLED = 1e-6
 """An integral less than this part of its terms counts as starting at zero."""
@@ -234,7 +234,7 @@ class Trajectory:
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(["t", *self.outputs])
-            writer.writerows(zip(*map(_written, columns), strict=True))
+            writer.writerows(zip(*map(_write_column, columns), strict=True))
 
     def _write_npz(self, path: Path) -> None:
         arrays: dict[str, Any] = {"t": self.t, "state": self.state, "names": np.array(self.names)}
@@ -243,7 +243,7 @@ class Trajectory:
         np.savez(path, **{name: _plain(array) for name, array in arrays.items()})
 
 
-def _written(column: np.ndarray) -> list[Any]:
+def _write_column(column: np.ndarray) -> list[Any]:
     """Numbers with all their digits: doubles as they are, mpmath's as text."""
     if column.dtype != object:
         return list(column.tolist())
@@ -254,13 +254,13 @@ def _written(column: np.ndarray) -> list[Any]:
 def _plain(array: Any) -> Any:
     """An array that is stored without pickling: mpmath's numbers as text."""
     if isinstance(array, mpmath.mpf):
-        return np.array(_written(np.array([array], dtype=object))[0])
+        return np.array(_write_column(np.array([array], dtype=object))[0])
     if isinstance(array, np.ndarray) and array.dtype == object:
-        return np.array(_written(array.ravel())).reshape(array.shape)
+        return np.array(_write_column(array.ravel())).reshape(array.shape)
     return array
 
 
-def observed(
+def make_trajectory(
     vocabulary: Vocabulary,
     watch: Watch,
     program: Program,
@@ -272,15 +272,15 @@ def observed(
 ) -> Trajectory:
     """The trajectory of states on a grid."""
     values = [constants.get(str(p), np.nan) for p in program.parameters]
-    series = followed(watch, program, t, states, values)
+    series = evaluate_watch(watch, program, t, states, values)
     names = tuple(map(str, program.state))
-    return assembled(
+    return assemble_trajectory(
         vocabulary, watch, t, names, states, series, constants, cost, interrupted,
         lambda: _largest(watch, program, t, states, values),
     )  # fmt: skip
 
 
-def assembled(
+def assemble_trajectory(
     vocabulary: Vocabulary,
     watch: Watch,
     t: np.ndarray,
@@ -347,6 +347,6 @@ def _largest(
     of states of size 1; 1 where that is no number."""
     largest = np.abs(states.astype(float)).max(axis=0, initial=ROUNDING)[None, :]
     plain = [float(x) if np.ndim(x) == 0 else x for x in values]
-    found = evaluated(program, t[:1].astype(float), largest, plain)
+    found = evaluate_extras(program, t[:1].astype(float), largest, plain)
     sizes = {name: float(found[key][0]) for name, key in watch.sizes.items()}
     return {name: x if np.isfinite(x) and x > 0 else 1.0 for name, x in sizes.items()}

@@ -10,7 +10,7 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.errors import DefinitionError
 from voronec.motion.vocabulary import Vocabulary
 
-__all__ = ["CONSISTENT", "NoFrame", "Rates", "changes", "independent", "met"]
+__all__ = ["CONSISTENT", "NoFrame", "Rates", "changes", "independent", "meet_conditions"]
 
 CONSISTENT = 1e-9
 """How far initial data may lie off the constraints, relative to their size."""
@@ -27,7 +27,7 @@ Rates = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Coordinates (n,) and velocities (m, k) to the velocities of all coordinates (n, k)."""
 
 
-def met(
+def meet_conditions(
     vocabulary: Vocabulary,
     q: np.ndarray,
     v: np.ndarray,
@@ -40,7 +40,7 @@ def met(
     if not conditions:
         return v, []
     own = [plain_name(x) for x in vocabulary.equations.system.velocities]
-    order, rows, right = _posed(vocabulary, q, conditions, rates)
+    order, rows, right = _pose_conditions(vocabulary, q, conditions, rates)
     chosen = independent(rows)
     involved = np.abs(rows).max(axis=0) > CONSISTENT * np.abs(rows).max(initial=0.0)
     if len(chosen) > involved.sum():  # beside rates that are as good as infinite
@@ -71,7 +71,7 @@ def met(
     ]
 
 
-def _posed(
+def _pose_conditions(
     vocabulary: Vocabulary, q: np.ndarray, conditions: Mapping[str, float], rates: Rates
 ) -> tuple[list[str], np.ndarray, np.ndarray]:
     """The conditions in order: their names, and rows @ v = right."""

@@ -144,7 +144,7 @@ class Vocabulary:
         traces = {title: tuple(names) for title, names in own.items() if isinstance(title, str)}
         return {CONFIGURATION: system.coordinates, **traces}
 
-    def wanted(self, outputs: Iterable[Any]) -> Wanted:
+    def read_outputs(self, outputs: Iterable[Any]) -> Wanted:
         """Outputs spelled out; where there are none, all coordinates and velocities.
 
         Each is a name, a symbol or an expression; ``reaction k``, ``configuration``, or the title
@@ -162,7 +162,7 @@ class Vocabulary:
                 chosen[name] = reactions[name]
                 spelled[name] = None
             else:
-                spelled |= map(self.asked, groups.get(name, (key,)))
+                spelled |= map(self.read_condition, groups.get(name, (key,)))
         given = {name: e for name, e in spelled.items() if e is not None}
         inside = {name: self.inward(e) for name, e in given.items()}
         return Wanted(tuple(spelled), given, inside, chosen)
@@ -183,10 +183,10 @@ class Vocabulary:
 
         ``key`` is a name, a symbol, or an expression in them.
         """
-        name, expr = self.asked(key)
+        name, expr = self.read_condition(key)
         return name, self.inward(expr)
 
-    def asked(self, key: Any) -> tuple[str, sp.Expr]:
+    def read_condition(self, key: Any) -> tuple[str, sp.Expr]:
         """The same with the expression in the user's symbols, those of invariants among them."""
         system, known = self.equations.system, self.known
         if isinstance(key, str):

@@ -34,7 +34,7 @@ def decide_poisson(motions: Motions, claim: Poisson) -> Decision:
     others = (*claim.bracket.values(), claim.hamiltonian, claim.clock)
     names = {*claim.variables} - own
     used = [s for e in others for s in e.free_symbols if s not in names]
-    field = motions.deciding([*functions, *own, *used])
+    field = motions.field_for([*functions, *own, *used])
     structure = _Structure(field, claim)
     if structure.inverse is None:
         words = f"the {len(claim.variables)} variables do not determine the state"

@@ -46,7 +46,7 @@ __all__ = ["Claim", "check_claims", "decide_equation", "decide_integrable", "dec
 
 def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
     """dF/dt = 0 along the motion."""
-    field = motions.deciding([function])
+    field = motions.field_for([function])
     named = field.read_with_momenta(function)
     inner = _innermost(named, frozenset(field.parameters))
     found = all_zero([("", field.derivative(inner))], field.hypotheses)
@@ -58,7 +58,7 @@ def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
 
 def decide_equation(motions: Motions, equation: Equation) -> Decision:
     """dF/dt = G along the motion, entry by entry; the first entry that fails is named."""
-    field = motions.deciding([*expressions_of(equation)])
+    field = motions.field_for([*expressions_of(equation)])
     functions = [field.read_with_momenta(f) for f in equation.function]
     found = field.derivatives(functions)
     claimed = [field.read(g) for g in equation.rate]

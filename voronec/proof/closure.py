@@ -24,7 +24,7 @@ __all__ = ["decide_essential", "foreign_rate"]
 
 def decide_essential(motions: Motions, variables: Sequence[Any]) -> Decision:
     """Whether the rates of some state variables depend on these, parameters and the time alone."""
-    field = motions.deciding([*variables])
+    field = motions.field_for([*variables])
     own = [field.door.inward(x) for x in variables]
     strangers = [x for x, y in zip(variables, own, strict=True) if y not in field.variables]
     if strangers:

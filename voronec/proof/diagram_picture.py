@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from voronec.closed.pictures.style import INK, MARK, PALE, SOFT, STYLE
-from voronec.motion.pictures.layered_layout import Layout, layered
+from voronec.motion.pictures.layered_layout import Layout, layered_layout
 
 __all__ = ["LINES", "diagram_figure"]
 
@@ -38,7 +38,7 @@ def diagram_figure(graph: Any, status: Known = None) -> Any:
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    layout = layered(graph)
+    layout = layered_layout(graph)
     width, low, high = _extent(layout)
     with rc_context(STYLE | FONTS):
         figure = Figure(figsize=(width, high - low))

@@ -184,19 +184,19 @@ def _in_closed_form(question: BenchMotion, needed: float) -> Reference | None:
     try:
         name, run = _routes(crossed, DIGITS[0])[0]
         said = f"the closed form, enclosed to {DIGITS[0] + 5} digits"
-        found = agreed(crossed, [(said, _enclosed(crossed)), (name, run())], needed)
+        found = agreed(crossed, [(said, _ball_solution(crossed)), (name, run())], needed)
         if found is None or len(found.t) < len(crossed.grid):
             return None
         if crossed is question:
             return found
-        values = {n: np.asarray(x, dtype=float) for n, x in _enclosed(question).items()}
+        values = {n: np.asarray(x, dtype=float) for n, x in _ball_solution(question).items()}
     except (DefinitionError, EngineLimit, IntegrationError):
         return None
     note = f"the two agree up to t = {last:g}; later there is the closed form alone, enclosed"
     return replace(found, t=question.grid, values=values, note=note)
 
 
-def _enclosed(question: BenchMotion) -> Mapping[str, np.ndarray]:
+def _ball_solution(question: BenchMotion) -> Mapping[str, np.ndarray]:
     trajectory = integrate(
         question.equations, question.bare, times=question.grid, method="closed-form",
         outputs=[question.expressions[n] for n in question.outputs],

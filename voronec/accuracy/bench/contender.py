@@ -12,7 +12,7 @@ import numpy as np
 from voronec.accuracy.bench.question import BenchMotion
 from voronec.errors import VoronecError
 
-__all__ = ["Contender", "NotHere", "Outcome", "timed", "without"]
+__all__ = ["Contender", "NotHere", "Outcome", "time_fastest", "without"]
 
 ENOUGH = 0.25
 """Seconds of CPU over which a run is repeated; the best of the repetitions counts."""
@@ -59,7 +59,7 @@ class Contender:
     knob: str = "tolerance"
 
 
-def timed(run: Callable[[], Any]) -> tuple[Any, float]:
+def time_fastest(run: Callable[[], Any]) -> tuple[Any, float]:
     """The result of the last repetition of a run, and the CPU time of the fastest."""
     best, spent, count, result = np.inf, 0.0, 0, None
     while count == 0 or (spent < ENOUGH and count < MOST):
@@ -75,7 +75,7 @@ def without(package: str) -> NotHere:
     return NotHere(f"not installed: {package}")
 
 
-def missing(outputs: Sequence[str], offered: Sequence[str]) -> None:
+def require_outputs(outputs: Sequence[str], offered: Sequence[str]) -> None:
     """Raise ``NotHere`` for outputs that a method does not compute."""
     absent = [name for name in outputs if name not in offered]
     if absent:

@@ -53,7 +53,7 @@ class BenchLevel:
         """The start as doubles (n,)."""
         return np.array([float(x) for x in self.start])
 
-    def observed(
+    def outputs_and_drift(
         self, t: np.ndarray, states: np.ndarray
     ) -> tuple[dict[str, np.ndarray], dict[str, float]]:
         """Outputs, each of shape (k,), and the drift of each integral, at states (k, n)."""

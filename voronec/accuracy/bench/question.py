@@ -103,7 +103,7 @@ def ask(
     if instants < 2:
         raise DefinitionError(f"{instants} instants: give 2 or more")
     wanted = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
-    wanted = wanted or _closed(equations) or own.outputs
+    wanted = wanted or _invariant_state(equations) or own.outputs
     bare = replace(own, outputs=(), inputs={})
     first = integrate(
         equations, bare, times=[start], parameters=parameters, initial=initial, method="scipy"
@@ -141,7 +141,7 @@ def _scene(system: System, scene: str | None) -> str:
     return scene
 
 
-def _closed(equations: VoronecEquations) -> tuple[Any, ...]:
+def _invariant_state(equations: VoronecEquations) -> tuple[Any, ...]:
     """Invariants and velocities, where the equations close on them."""
     system = equations.system
     if not system.invariants:
@@ -177,12 +177,12 @@ def _angles(system: System, expressions: Mapping[str, sp.Expr]) -> frozenset[str
     held += [sympify(e) for e in system.forces.values()]
     found = set()
     for name, expr in expressions.items():
-        if expr in system.coordinates and _only_turned(expr, held):
+        if expr in system.coordinates and _is_only_angle(expr, held):
             found.add(name)
     return frozenset(found)
 
 
-def _only_turned(coordinate: Any, exprs: Sequence[sp.Expr]) -> bool:
+def _is_only_angle(coordinate: Any, exprs: Sequence[sp.Expr]) -> bool:
     seen = False
     for expr in exprs:
         inside = set()

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from voronec.accuracy.bench.agreement import NEEDED, Reference, difference, reference
-from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, timed
+from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest
 from voronec.accuracy.bench.peers import PEERS
 from voronec.accuracy.bench.question import BenchMotion
 from voronec.accuracy.bench.record import Bench, Measured, Point
@@ -26,7 +26,7 @@ from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_m
 from voronec.motion import Trajectory, integrate
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.closed_form import closed_form
-from voronec.motion.numeric_model import modelled
+from voronec.motion.numeric_model import make_model
 from voronec.motion.steppers import Problem, Stepper
 from voronec.motion.steppers.choice import CLOSED
 from voronec.motion.vocabulary import Vocabulary
@@ -65,19 +65,19 @@ def _prepare(question: BenchMotion, method: str, full: bool) -> Run:
         trajectory = once(question.grid, tol)
         seconds = float(trajectory.cost.cpu)
         if method == CLOSED:
-            seconds = _evaluated(question)
+            seconds = _evaluation_time(question)
         elif method != "flint" and not trajectory.interrupted:
             if tol not in made:
                 made[tol] = _again(question, asked, trajectory)
             stepper = made[tol]
             if stepper is not None:
-                seconds = timed(lambda: stepper(question.grid))[1]
+                seconds = time_fastest(lambda: stepper(question.grid))[1]
         return _outcome(question, trajectory, seconds)
 
     return run
 
 
-def _evaluated(question: BenchMotion) -> float:
+def _evaluation_time(question: BenchMotion) -> float:
     """CPU time of evaluating the coordinates and velocities that the outputs hold."""
     system = question.system
     form = closed_form(question.equations, question.bare)
@@ -85,7 +85,7 @@ def _evaluated(question: BenchMotion) -> float:
     held = {s for e in question.expressions.values() for s in e.xreplace(meaning).free_symbols}
     names = [plain_name(q) for q in (*system.coordinates, *system.velocities) if q in held]
     elapsed = question.grid - question.grid[0]
-    return timed(lambda: form.at(elapsed, names))[1]
+    return time_fastest(lambda: form.at(elapsed, names))[1]
 
 
 def _again(question: BenchMotion, asked: Sequence[Any], seen: Trajectory) -> Stepper | None:
@@ -96,7 +96,7 @@ def _again(question: BenchMotion, asked: Sequence[Any], seen: Trajectory) -> Ste
     start = np.array([question.initial[str(s)] for s in (*form.coordinates, *form.velocities)])
     vocabulary = Vocabulary.of(question.equations)
     for followed in (False, True):
-        made = modelled(vocabulary, asked, {}, start, question.parameters, time, followed)
+        made = make_model(vocabulary, asked, {}, start, question.parameters, time, followed)
         state, values = made.place(start, question.parameters, time)
         probe = made.probe(question.system.name, values, time)
         problem = Problem(made.program, state, values, cost.tolerance, suspect=probe.suspect(state))
@@ -193,7 +193,7 @@ def measure(
         points: list[Point] = []
         try:
             tell(contender.name)
-            found.append(_measured(contender, seen, exact, tolerances, budget, points, tell))
+            found.append(_measure(contender, seen, exact, tolerances, budget, points, tell))
         except KeyboardInterrupt:
             interrupted = True
             if points:
@@ -204,7 +204,7 @@ def measure(
     return Bench(question, exact, tuple(found), _machine(), ready, interrupted)
 
 
-def _measured(
+def _measure(
     contender: Contender,
     question: BenchMotion,
     exact: Reference,

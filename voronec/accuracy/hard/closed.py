@@ -66,7 +66,7 @@ def problem(case: HardCase, equations: VoronecEquations, raw: bool = False) -> P
     values = tuple(constants.get(str(p), mpmath.mpf(0)) for p in program.parameters)
     if missing and {*missing} & {str(s) for s in program.derivative.symbols}:
         raise DefinitionError(f"hard case '{case.name}': no value for {', '.join(missing)}")
-    return PreciseProblem(program, _closed(program), _angles(program), start, values)
+    return PreciseProblem(program, _dependencies(program), _angles(program), start, values)
 
 
 def _on_invariants(
@@ -129,7 +129,7 @@ def _number(value: Any) -> Any:
         return mpmath.mpf(sp.Float(sympify(value).evalf(DIGITS), DIGITS)._mpf_)
 
 
-def _closed(program: Program) -> tuple[int, ...]:
+def _dependencies(program: Program) -> tuple[int, ...]:
     """The states on which the outputs depend, through however many others."""
     place = {s: i for i, s in enumerate(program.state)}
     rows = _dependence(program.derivative, place)
@@ -157,12 +157,12 @@ def _angles(program: Program) -> frozenset[int]:
         reach: dict[Any, set[int]] = {q: {i} for q, i in place.items()}
         for name, expr in block.assignments:
             reach[name] = set().union(*(reach.get(s, set()) for s in expr.free_symbols))
-        for symbol in _turned(block.expressions):
+        for symbol in _angle_symbols(block.expressions):
             found |= reach.get(symbol, set())
     return frozenset(found)
 
 
-def _turned(exprs: Iterable[Any]) -> set[Any]:
+def _angle_symbols(exprs: Iterable[Any]) -> set[Any]:
     """The symbols in arguments of trigonometric functions."""
     found: set[Any] = set()
     seen: set[Any] = set()

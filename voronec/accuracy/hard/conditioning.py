@@ -53,7 +53,7 @@ def condition_numbers(problem: PreciseProblem, passage: Passage) -> np.ndarray:
             drift = times(passage.steps[j - 1], drift) + passage.drives[j - 1]
         slopes = times(passage.gradients[j], drift) + passage.by_parameters[j]
         data = np.abs(slopes.astype(float)) @ constants
-        result[j] = 1.0 + (data + _made(passage, j, size)) / scale
+        result[j] = 1.0 + (data + _error_growth(passage, j, size)) / scale
     return result
 
 
@@ -63,7 +63,7 @@ def output_sizes(outputs: np.ndarray) -> np.ndarray:
     return np.where(largest > NOTHING, largest, 1.0)
 
 
-def _made(passage: Passage, j: int, size: np.ndarray) -> np.ndarray:
+def _error_growth(passage: Passage, j: int, size: np.ndarray) -> np.ndarray:
     """What an error made at the worst instant up to the j-th does to the outputs there."""
     reach = passage.gradients[j]
     worst = np.abs(reach.astype(float)) @ size

@@ -104,13 +104,15 @@ def reel(problem: PreciseProblem, arithmetic: str, tol: float, varied: bool = Tr
     )
     return Reel(
         lambda x: _in(kind, x),
-        *_moving(integrator, kind, len(kept), acting if varied else None, len(values)),
-        _looking(hy, kind, problem, variables, values),
+        *_integrator_functions(
+            integrator, kind, len(kept), acting if varied else None, len(values)
+        ),
+        _output_function(hy, kind, problem, variables, values),
         begin,
     )
 
 
-def _moving(
+def _integrator_functions(
     integrator: Any, kind: Any, size: int, acting: list[int] | None, count: int
 ) -> tuple[Callable[..., None], Callable[..., Any], Callable[[], None]]:
     """``rewind``, ``advance`` and ``forget`` of an integrator; ``acting`` are the parameters by
@@ -169,7 +171,7 @@ def _indices(hy: Any, expr: Any) -> list[int]:
     return [int(str(p).removeprefix("p")) for p in hy.get_params(expr)]
 
 
-def _looking(
+def _output_function(
     hy: Any, kind: Any, problem: PreciseProblem, variables: list[Any], values: np.ndarray
 ) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Outputs, their slopes by the kept states, and by the parameters, at a state."""

@@ -33,7 +33,7 @@ from voronec.errors import EngineLimit, IntegrationError
 from voronec.motion import Trajectory, integrate
 from voronec.motion.closed_form import closed_form
 
-__all__ = ["STORE", "Reference", "compute", "perturbed", "reference", "slopes"]
+__all__ = ["STORE", "Reference", "compute", "perturb", "reference", "slopes"]
 
 CLOSED = 1e-18
 """How far the state may be from its start after one period."""
@@ -117,7 +117,7 @@ class Folded:
         return result
 
 
-def folded(reel: Reel, length: Any, grid: np.ndarray) -> Folded:
+def fold(reel: Reel, length: Any, grid: np.ndarray) -> Folded:
     """One period through all that is left of the wanted times when whole periods are taken off."""
     turns = [int(float(t) // float(length)) for t in grid]
     rest = [reel.number(float(t)) - n * length for t, n in zip(grid, turns, strict=True)]
@@ -155,7 +155,7 @@ DIGITS = (1e-25, 1e-21)
 """Tolerances of the run, and of the one that it is compared with."""
 
 
-def perturbed(
+def perturb(
     case: HardCase, equations: VoronecEquations
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], float]:
     """Outputs, condition numbers, and how far two runs agree; raises ``EngineLimit`` for a case
@@ -285,14 +285,14 @@ def reference(case: HardCase, equations: VoronecEquations | None = None) -> Refe
 
     Raises ``EngineLimit`` where it must be computed and heyoka is not installed.
     """
-    stored = _stored().get(case.name)
+    stored = _stored_references().get(case.name)
     if stored is not None and stored["digest"] == case.digest:
         return Reference.from_dict(stored)
     return compute(case, equations)
 
 
 @cache
-def _stored() -> dict[str, Any]:
+def _stored_references() -> dict[str, Any]:
     found: dict[str, Any] = json.loads(STORE.read_text("utf-8")) if STORE.exists() else {}
     return found
 
@@ -305,7 +305,7 @@ def compute(case: HardCase, equations: VoronecEquations | None = None) -> Refere
         outputs, condition = _run(case, asked)
         again, how = _again(case, own, asked)
     except ImportError:
-        values, slopes, agreed = perturbed(case, own)
+        values, slopes, agreed = perturb(case, own)
         how = "25 digits on coordinates; against 21 digits, data changed in place of variations"
         return Reference(case.grid, values, slopes, agreed, how)
     apart = np.abs((outputs - again).astype(float)) / output_sizes(outputs)
@@ -328,7 +328,7 @@ def _run(case: HardCase, asked: PreciseProblem) -> tuple[np.ndarray, np.ndarray]
         return passage.outputs, condition_numbers(asked, passage)
     single = reel(asked, case.arithmetic, tol, varied=False)
     length = period(single, asked.names, case.period, float(case.scene.times[1]) / 100)
-    whole = folded(machine, length, case.grid)
+    whole = fold(machine, length, case.grid)
     return whole.outputs, whole.condition_numbers(asked)
 
 
@@ -338,7 +338,7 @@ def _again(case: HardCase, own: VoronecEquations, asked: PreciseProblem) -> tupl
         tol = TOLERANCES[case.arithmetic][1]
         single = reel(asked, case.arithmetic, tol, varied=False)
         length = period(single, asked.names, case.period, float(case.scene.times[1]) / 100)
-        return folded(single, length, case.grid).outputs, "one period at two tolerances"
+        return fold(single, length, case.grid).outputs, "one period at two tolerances"
     if case.period:
         whole = reel(asked, "extended", TOLERANCES["extended"][0], varied=False)
         return whole.follow(case.grid).outputs, "one period against the whole span"

@@ -40,20 +40,20 @@ def _seconds(x: float) -> str:
 
 def head(cases: Sequence[HardCase]) -> str:
     """The line above the table."""
-    return _aligned(_width(cases), "case", HEADINGS)
+    return _align(_width(cases), "case", HEADINGS)
 
 
 def lines(finding: CaseResult, cases: Sequence[HardCase]) -> list[str]:
     """The rows of one case, aligned with those of the others."""
     width = _width(cases)
-    return [_aligned(width, finding.case.name, cells(t)) for t in finding.trials]
+    return [_align(width, finding.case.name, cells(t)) for t in finding.trials]
 
 
 def _width(cases: Sequence[HardCase]) -> int:
     return max((len(c.name) for c in cases), default=0)
 
 
-def _aligned(width: int, name: str, row: Sequence[str]) -> str:
+def _align(width: int, name: str, row: Sequence[str]) -> str:
     inner = (w.ljust(n) for w, n in zip(row, WIDTHS, strict=False))
     return "  ".join([name.ljust(width), *inner, row[-1]])
 

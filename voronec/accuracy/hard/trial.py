@@ -99,10 +99,10 @@ def attempt(
         )  # fmt: skip
     if trajectory.interrupted:
         raise KeyboardInterrupt
-    return judged(case, method, trajectory, reference)
+    return judge(case, method, trajectory, reference)
 
 
-def judged(
+def judge(
     case: HardCase, method: str, trajectory: Trajectory, reference: Reference | None
 ) -> Trial:
     """What to make of a trajectory."""

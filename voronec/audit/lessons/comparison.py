@@ -67,7 +67,7 @@ class Comparison:
         system = problem.equations.system
         lines = [f"{system.name}: {system.title}" if system.title else system.name, ""]
         lines += ["asked", f"  The equations of motion for {', '.join(map(str, problem.v))}."]
-        lines += equation_rows(_given(problem))
+        lines += equation_rows(_statement_lines(problem))
         for number, method in enumerate(self.methods, 1):
             lines += ["", f"{number}. {method.name}"]
             for step in method.steps:
@@ -88,7 +88,7 @@ class Comparison:
         return {
             "system": problem.equations.system.name,
             "velocities": [str(v) for v in problem.v],
-            "given": dict(_given(problem)),
+            "given": dict(_statement_lines(problem)),
             "methods": [
                 {
                     "name": method.name,
@@ -118,7 +118,7 @@ class Comparison:
         return "\n".join(self.lines())
 
 
-def _given(problem: Statement) -> list[tuple[str, str]]:
+def _statement_lines(problem: Statement) -> list[tuple[str, str]]:
     """Lagrangian, forces, constraints, velocities."""
     rows = [("L", problem.text(problem.lagrangian))]
     rows += [

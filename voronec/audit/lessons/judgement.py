@@ -63,9 +63,15 @@ class Judgement:
     def lines(self) -> list[str]:
         """What is asked, what is done, what comes out."""
         title = f": {self.system.title}" if self.system.title else ""
-        return [f"{self.system.name}{title}", "", *self._asked(), *self._done(), *self._result()]
+        return [
+            f"{self.system.name}{title}",
+            "",
+            *self._question_lines(),
+            *self._answer_lines(),
+            *self._result(),
+        ]
 
-    def _asked(self) -> list[str]:
+    def _question_lines(self) -> list[str]:
         said = " = ".join("const" if e == CONSTANT else caret_text(e) for e in self.read)
         question = "stay constant" if CONSTANT in self.read else "hold"
         return [
@@ -76,7 +82,7 @@ class Judgement:
             f"  Does it {question} along every motion of the system?",
         ]
 
-    def _done(self) -> list[str]:
+    def _answer_lines(self) -> list[str]:
         steps = ["done", "  The velocities are replaced by what the constraints leave free."]
         if self.ground == "integral":
             steps.append("  The expression is differentiated along the motion.")
@@ -145,12 +151,12 @@ def judge(system: System | VoronecEquations, text: str) -> Judgement:
     if not isinstance(text, str):
         raise DefinitionError(f"the equation is a {type(text).__name__}, not a text")
     sides = Language.of(equations).sides(text)
-    verdict, ground = _decided(Motions.of(equations), sides)
+    verdict, ground = _decide_chain(Motions.of(equations), sides)
     used = _accelerations(equations, sides) if ground != "constraints" else {}
     return Judgement(equations.system, text, tuple(sides), verdict, ground, used)
 
 
-def _decided(motions: Motions, sides: list[Any]) -> tuple[Verdict, str]:
+def _decide_chain(motions: Motions, sides: list[Any]) -> tuple[Verdict, str]:
     """The verdict on all links of a chain: the first that fails, else one in doubt."""
     found = [*_links(motions, sides)]
     for status in ("refuted", "undecided"):

@@ -102,7 +102,7 @@ class _Work:
         ]
         dots = dict(zip(own.coordinate_velocities, self.rates, strict=True))
         self.pushed = [self._along(i, [f.xreplace(dots) for f in own.forces]) for i in self.size]
-        self.turned = [self._turned(i) for i in self.size]
+        self.turned = [self._bracket_term(i) for i in self.size]
 
     def _along(self, index: int, components: Sequence[Any]) -> Any:
         return sum(
@@ -110,7 +110,7 @@ class _Work:
             start=self.inward(0),
         )
 
-    def _turned(self, i: int) -> Any:
+    def _bracket_term(self, i: int) -> Any:
         """(c_ij^k dLc/dv^k + B_ij^A p_A) v^j, with v^0 = 1."""
         brackets, total = self.eqs.brackets, self.inward(0)
         for j in (*self.size, len(self.names)):
@@ -144,19 +144,19 @@ class _Work:
 
     def parts(self) -> Iterator[Part]:
         """The steps in their order."""
-        yield self._given()
+        yield self._statement_part()
         yield self._velocities()
         yield self._fields()
         yield self._brackets()
         if self.eqs.has_coordinate_frame:
             yield self._curvature()
         yield self._kind()
-        yield self._reduced()
+        yield self._reduction_part()
         yield from self._terms()
         yield self._sum()
-        yield self._solved()
+        yield self._solution_part()
 
-    def _given(self) -> Part:
+    def _statement_part(self) -> Part:
         system = self.eqs.system
         rows = [Row("L", "L", system.lagrangian)]
         rows += [
@@ -202,7 +202,7 @@ class _Work:
         rows = []
         for i, name in enumerate((*self.names, "0")):
             field = self.fields[i] if i in self.size else self.drift
-            if i in self.size or any(e != 0 for e in field) or self.own.time in self._held():
+            if i in self.size or any(e != 0 for e in field) or self.own.time in self._symbols():
                 entries = map(self.outward, shortest(field, self.own.relations))
                 terms = [*zip(entries, self.eqs.coordinates, strict=True)]
                 if i not in self.size:
@@ -219,7 +219,7 @@ class _Work:
             tuple(rows),
         )
 
-    def _held(self) -> set[Any]:
+    def _symbols(self) -> set[Any]:
         return set().union(*(r.free_symbols for r in self.rates))
 
     def _brackets(self) -> Part:
@@ -297,7 +297,7 @@ class _Work:
             f"({growth}) of {self.eqs.distribution.dimension}.",
         )
 
-    def _reduced(self) -> Part:
+    def _reduction_part(self) -> Part:
         rows = [Row("Lc", "L_c", self.eqs.theta)]
         pairs = zip(self.own.split[1], self.eqs.momenta, strict=True)
         rows += [Row(f"p[{name}]", f"p_{{{_tex(name)}}}", p) for name, p in pairs]
@@ -352,7 +352,7 @@ class _Work:
             rows,
         )
 
-    def _solved(self) -> Part:
+    def _solution_part(self) -> Part:
         rows = []
         for i in self.size:
             terms = [self.eqs.mass[i, j] * velocity(v) for j, v in enumerate(self.eqs.velocities)]

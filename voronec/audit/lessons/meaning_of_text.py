@@ -73,7 +73,7 @@ class Language:
     @cached_property
     def study(self) -> Study:
         """The dictionary, in LaTeX."""
-        names = {_latex(name): value for name, value in self._unaccented.items()}
+        names = {_latex(name): value for name, value in self._plain_names.items()}
         for shape, other in _SHAPES.items():
             for latex in [x for x in names if x.startswith(shape)]:
                 names.setdefault(other + latex.removeprefix(shape), names[latex])
@@ -109,7 +109,7 @@ class Language:
         return replace(motion, rates=rates)
 
     @property
-    def _unaccented(self) -> dict[str, Any]:
+    def _plain_names(self) -> dict[str, Any]:
         """Names but those of velocities of coordinates, which are written with dots."""
         dotted = {plain_name(q) + "dot" for q in self.equations.coordinates}
         return {name: value for name, value in self.symbols.items() if name not in dotted}
@@ -123,7 +123,7 @@ class Language:
         dots = {velocity(q) for q in self.equations.coordinates}
         free = [v for v in self.equations.velocities if v not in dots]
         moving = [plain_name(x) for x in (*self.equations.coordinates, *free)]
-        words = words_of(text, spelling_of([*self._unaccented], moving, _latex))
+        words = words_of(text, spelling_of([*self._plain_names], moving, _latex))
         if not words:
             raise DefinitionError("the equation is empty; write one such as \\dot v = a w^2")
         vocabulary = replace(self.study.vocabulary, by_hand=True)
@@ -149,18 +149,18 @@ class Language:
             if isinstance(node, Variation):
                 what = "variations are not read; write what holds along the motion"
                 raise complain(text, node.at[0], what)
-            if isinstance(node, Derivative) and self._found(node.variable) not in (time, None):
+            if isinstance(node, Derivative) and self._value_of(node.variable) not in (time, None):
                 what = "a derivative with d is by t; write \\partial, or a quotient such as dy/dx"
                 raise complain(text, node.at[0], what)
             if not isinstance(node, Partial) or node.body is None:
                 continue
-            held = getattr(self._found(node.body), "free_symbols", None)
-            by = {self._found(v) for v in node.variables}
+            held = getattr(self._value_of(node.body), "free_symbols", None)
+            by = {self._value_of(v) for v in node.variables}
             if held is not None and not by <= held and (by | held) & quasi:
                 what = "no velocities of a frame stand in this; take those of the coordinates"
                 raise complain(text, node.at[0], what)
 
-    def _found(self, node: Node) -> Any:
+    def _value_of(self, node: Node) -> Any:
         """The value of a part; None where it has none, which is told elsewhere."""
         try:
             return evaluate(node, self.study)
@@ -174,8 +174,8 @@ class Language:
             raise self._unknown(unknown.name, text, tree) from None
         except Misprint:
             for node in walk(part):
-                if isinstance(node, Name) and node.sub and self._found(node) is None:
-                    raise self._unknown(_named(node), text, tree) from None
+                if isinstance(node, Name) and node.sub and self._value_of(node) is None:
+                    raise self._unknown(_name_of(node), text, tree) from None
             raise
         except DefinitionError:
             raise
@@ -191,10 +191,10 @@ class Language:
 
     def _unknown(self, name: str, text: str, tree: Chain) -> DefinitionError:
         """Where a symbol stands that the system does not have, and the nearest that it has."""
-        names = (n for n in walk(tree) if isinstance(n, (Name, Dot)) and _named(n) == name)
+        names = (n for n in walk(tree) if isinstance(n, (Name, Dot)) and _name_of(n) == name)
         node = next(names, None)
         at = 0 if node is None else node.at[0]
-        known = [*self._unaccented]
+        known = [*self._plain_names]
         word = r"[A-Za-z]+\d+(?!\w)" if "\\" in text else r"[A-Za-z]+\d*(?!\w)"  # I1 is not I
         whole = re.match(word, text[at:])
         bare = whole[0] if whole is not None else name.lstrip("\\")
@@ -214,7 +214,7 @@ def _latex(name: str) -> str:
     return symbol_latex(name)
 
 
-def _named(node: Node) -> str:
+def _name_of(node: Node) -> str:
     try:
         return key_of(node)
     except DefinitionError:

@@ -66,7 +66,7 @@ def dalembert(problem: Statement) -> Method:
     rows = [list(row) for row in problem.constraint_rows]
     pushed = [f - g for f, g in zip(active, rest, strict=True)]
     columns = [[pushed[a], *(row[a] for row in rows)] for a in range(len(problem.q))]
-    solved = _matrix(problem, _solved(problem, mass, columns))
+    solved = _matrix(problem, _solve_mass(problem, mass, columns))
     free, swung = [row[0] for row in solved], [row[1:] for row in solved]
     lambdas = _reactions(problem, free, swung)
     found = [
@@ -92,7 +92,7 @@ def dalembert(problem: Statement) -> Method:
             ),
             Step(
                 "The accelerations must keep the constraints; that determines the reactions:",
-                _named("lambda", [e.xreplace(problem.rates) for e in lambdas]),
+                _name_rows("lambda", [e.xreplace(problem.rates) for e in lambdas]),
             ),
             Step("With these, the accelerations are", _pairs(problem.vd, rates)),
         ),
@@ -154,7 +154,7 @@ def _multipliers(lambdas: Vector) -> tuple[Step, ...]:
     return (
         Step(
             "The equations of the fibre coordinates give the multipliers:",
-            _named("lambda", lambdas),
+            _name_rows("lambda", lambdas),
         ),
         Step("Put into the others, and along the velocities in use:"),
     )
@@ -352,11 +352,11 @@ def by_methods(system: System | VoronecEquations) -> Comparison:
             f"too large to be written out ({error}); 'voronec derive {name}' has the equations, "
             "and vo.multiplier_acceleration those with multipliers, to be compared in numbers"
         ) from None
-    equalities = tuple(_compared(problem, a, b) for a, b in pairwise(found))
+    equalities = tuple(_compare_sides(problem, a, b) for a, b in pairwise(found))
     return Comparison(problem, found, equalities, process_time() - begun)
 
 
-def _compared(problem: Statement, left: Method, right: Method) -> Equality:
+def _compare_sides(problem: Statement, left: Method, right: Method) -> Equality:
     begun = process_time()
     if left.solved:
         places = dict(zip(problem.vd, left.solved, strict=True))
@@ -476,7 +476,7 @@ def _matrix(problem: Statement, rows: Sequence[Sequence[Any]]) -> list[Vector]:
     return [flat[k * width : (k + 1) * width] for k in range(len(rows))]
 
 
-def _solved(problem: Statement, mass: list[Vector], columns: list[Vector]) -> list[Vector]:
+def _solve_mass(problem: Statement, mass: list[Vector], columns: list[Vector]) -> list[Vector]:
     found = solve_linear(mass, columns)
     if found.free:
         name = problem.equations.system.name
@@ -487,7 +487,7 @@ def _solved(problem: Statement, mass: list[Vector], columns: list[Vector]) -> li
     return found.values
 
 
-def _named(name: str, values: Sequence[Any]) -> Rows:
+def _name_rows(name: str, values: Sequence[Any]) -> Rows:
     return tuple((f"{name}{k + 1}", value) for k, value in enumerate(values))
 
 

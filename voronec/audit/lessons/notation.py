@@ -55,7 +55,9 @@ def words_of(text: str, spelled: Mapping[str, str]) -> list[Token]:
     words = tokenize(source, start, end)
     plain = "\\" not in source.replace("\\cdot", "").replace("\\times", "")
     words = [_letter(w) for w in words]
-    words = _spelled(source, words, _SPELLED | dict(spelled) if plain else _long(spelled), plain)
+    words = _spell_words(
+        source, words, _SPELLED | dict(spelled) if plain else _long(spelled), plain
+    )
     words = [_common(w) for w in words]
     bars = [w for w in words if w.text == "|"]
     if len(bars) % 2:
@@ -203,7 +205,7 @@ def _long(spelled: Mapping[str, str]) -> dict[str, str]:
     return {name: latex for name, latex in spelled.items() if len(name) > 1 and name.isalpha()}
 
 
-def _spelled(
+def _spell_words(
     source: str, words: Sequence[Token], spelled: Mapping[str, str], plain: bool
 ) -> list[Token]:
     """Runs of letters, and in plain text digits, as the names that they are made of."""

@@ -204,21 +204,21 @@ def _with_imports(parts: Sequence[str], flavour: _Flavour) -> str:
     dialect, body = flavour.dialect, "\n\n".join(parts)
     words = {*dialect.words.values(), "mpf", *_HELPING, *_COLUMNS} - _QUOTIENTS.keys()
     words -= {word for word, _ in SLOPES.values()}
-    used = sorted(words & _called(body))
+    used = sorted(words & _called_names(body))
     used += ["pi"] if re.search(r"\bpi\b", body) else []
     used = [w for w in used if (flavour.library, w) != ("math", "sign")]
     imports = f"from {flavour.library} import {', '.join(used)}\n\n\n" if used else "\n"
     return imports + body
 
 
-def _called(body: str) -> set[str]:
+def _called_names(body: str) -> set[str]:
     """The names that a source calls."""
     return {*re.findall(r"\w+(?=\()", body)}
 
 
 def _helpers(body: str, library: str) -> list[str]:
     """The functions sin(x)/x and the like that are called."""
-    rows, called = [], _called(body)
+    rows, called = [], _called_names(body)
     for word, above in _QUOTIENTS.items():
         if word in called:
             function = _NUMPY[above] if library == "numpy" and above == "atan" else above

@@ -20,21 +20,21 @@ def with_positive_denominators(expr: Any, relations: Sequence[Any]) -> Any:
     """An expression with denominators that equal a sum of squares, where ``relations`` vanish,
     written as that sum."""
     expanded = [r for r in map(se.expand, relations) if _constant(r) != 0]
-    return _rewritten(expr, expanded, {}) if expanded else expr
+    return _rewrite(expr, expanded, {}) if expanded else expr
 
 
-def _rewritten(expr: Any, relations: Sequence[Any], done: dict[Any, Any]) -> Any:
+def _rewrite(expr: Any, relations: Sequence[Any], done: dict[Any, Any]) -> Any:
     if not expr.args:
         return expr
     if expr not in done:
-        found = expr.func(*[_rewritten(a, relations, done) for a in expr.args])
+        found = expr.func(*[_rewrite(a, relations, done) for a in expr.args])
         if isinstance(found, se.Mul | se.Pow):
-            found = _divided(found, relations)
+            found = _divide(found, relations)
         done[expr] = found
     return done[expr]
 
 
-def _divided(product: Any, relations: Sequence[Any]) -> Any:
+def _divide(product: Any, relations: Sequence[Any]) -> Any:
     """A product, with single factors and pairs of its denominator replaced."""
     factors = product.args if isinstance(product, se.Mul) else (product,)
     below = {

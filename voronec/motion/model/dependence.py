@@ -12,7 +12,7 @@ from typing import Any
 
 from voronec.motion.model.level import Level
 
-__all__ = ["blocks", "closure", "cyclic", "dependence", "holds", "needed_variables", "restricted"]
+__all__ = ["blocks", "closure", "cyclic", "dependence", "holds", "needed_variables", "restrict"]
 
 Sources = Mapping[Any, tuple[Any, ...]]
 """The variables that the rate of each variable holds."""
@@ -86,7 +86,7 @@ def closure(sources: Mapping[Any, Sequence[Any]], roots: Iterable[Any]) -> set[A
     return found
 
 
-def restricted(level: Level, kept: Iterable[Any]) -> Level:
+def restrict(level: Level, kept: Iterable[Any]) -> Level:
     """The level with some of its variables; the rest must not occur in what is kept."""
     held = set(kept)
     at = [i for i, q in enumerate(level.positions) if q in held]

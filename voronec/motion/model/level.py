@@ -29,7 +29,14 @@ from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit, VoronecError
 from voronec.motion.model.denominators import with_positive_denominators
 
-__all__ = ["Angle", "Level", "coordinates_level", "defined", "invariants_level", "recovered_angles"]
+__all__ = [
+    "Angle",
+    "Level",
+    "coordinates_level",
+    "invariants_level",
+    "is_finite",
+    "recovered_angles",
+]
 
 
 @dataclass(frozen=True)
@@ -47,7 +54,7 @@ class Angle:
     meaning: tuple[Any, Any]
     roots: tuple[bool, bool]
 
-    def mapped(self, on: Callable[[Any], Any]) -> Angle:
+    def map(self, on: Callable[[Any], Any]) -> Angle:
         """The angle with its expressions replaced."""
         return replace(self, cosine=on(self.cosine), sine=on(self.sine))
 
@@ -180,7 +187,7 @@ class Level:
             positive=self.positive,
         )
 
-    def substituted(self, values: Mapping[Any, Any]) -> Level:
+    def substitute(self, values: Mapping[Any, Any]) -> Level:
         """The level with symbols replaced; integrals that then have no meaning are left out."""
         given = dict(values)
 
@@ -194,14 +201,14 @@ class Level:
             force=tuple(map(on, self.force)),
             relations=tuple(map(on, self.relations)),
             outputs={name: on(e) for name, e in self.outputs.items()},
-            integrals={name: e for name, x in self.integrals.items() if defined(e := on(x))},
-            angles={name: a.mapped(on) for name, a in self.angles.items()},
+            integrals={name: e for name, x in self.integrals.items() if is_finite(e := on(x))},
+            angles={name: a.map(on) for name, a in self.angles.items()},
             stages=tuple((name, on(e)) for name, e in self.stages),
             inertia=self.inertia and tuple(tuple(map(on, row)) for row in self.inertia),
         )
 
 
-def defined(expr: Any) -> bool:
+def is_finite(expr: Any) -> bool:
     """Whether an expression holds no infinity, such as a division by zero leaves."""
     return not any(expr == bad or expr.has(bad) for bad in INFINITE)
 
@@ -284,7 +291,7 @@ def invariants_level(
         spelled = {n: motions.on_coordinates.read(e) for n, e in wanted.items() if n not in plain}
         free = {n: e for n, e in spelled.items() if n not in followed}
         sides = recovered_angles(motions, free)
-        others, kept, rates = _expressed(motions, spelled, sides)
+        others, kept, rates = _express_outputs(motions, spelled, sides)
     except EngineLimit:
         return None
     d = motions.equations.definition
@@ -325,7 +332,7 @@ def _claims(
     return found | {name: e for name, e in named if e is not None}
 
 
-def _expressed(
+def _express_outputs(
     motions: Motions, spelled: Mapping[str, Any], angles: Mapping[str, Angle]
 ) -> tuple[dict[str, Any], tuple[Any, ...], list[Any]]:
     """Outputs on the invariants; the coordinates that they keep, and the rates of these."""

@@ -100,7 +100,7 @@ class Model:
         return self.cut.integrals
 
     @property
-    def spent(self) -> tuple[str, ...]:
+    def eliminating_integrals(self) -> tuple[str, ...]:
         """The first integrals that stand in for equations."""
         return tuple(name for name in self.system.integrals if level_of(name) in self.frozen)
 

@@ -63,14 +63,14 @@ class Packs:
         """The value of a name, made where it is not kept yet; ``keep`` writes it down."""
         if name not in self._packed:
             made = make()
-            packed = _packed(made, self._system)
+            packed = _pack(made, self._system)
             if packed is None:
                 return made
             self._packed[name] = packed
-        found: T = self.kept(name)
+        found: T = self.value_of(name)
         return found
 
-    def kept(self, name: str) -> Any:
+    def value_of(self, name: str) -> Any:
         """The value of a name that is kept."""
         return _Unpickler(self._packed[name], self._system).load()
 
@@ -110,7 +110,7 @@ def _read(file: Path) -> dict[str, bytes]:
     return {}
 
 
-def _packed(value: Any, system: System) -> bytes | None:
+def _pack(value: Any, system: System) -> bytes | None:
     """A value as bytes; None where it holds what cannot be packed."""
     into = BytesIO()
     try:

@@ -19,7 +19,7 @@ from voronec.algebra.verdicts import all_vanish
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program
 from voronec.errors import EngineLimit
-from voronec.motion.model.dependence import cyclic, dependence, needed_variables, restricted
+from voronec.motion.model.dependence import cyclic, dependence, needed_variables, restrict
 from voronec.motion.model.level import Level, coordinates_level, invariants_level
 from voronec.motion.model.model import Candidate, Model, Role
 from voronec.motion.model.momenta import momenta_level
@@ -112,7 +112,7 @@ class SmallestModels:
         self._levels: tuple[Level, ...] = packs.once("levels", lambda: tuple(make()))
         self._findings: list[Finding] = []
         while (name := self._next_name) in packs:
-            self._findings.append(packs.kept(name))
+            self._findings.append(packs.value_of(name))
 
     @classmethod
     def of(
@@ -159,11 +159,11 @@ class SmallestModels:
         if len(self._findings) >= MODELS:
             self._findings.clear()
             self.packs.forget("model")
-        found = self.packs.once(self._next_name, lambda: self._found(zeros, values))
+        found = self.packs.once(self._next_name, lambda: self._find(zeros, values))
         self._findings.append(found)
         return found
 
-    def _found(
+    def _find(
         self, zeros: tuple[frozenset[Any], ...], values: Sequence[Mapping[Any, float]]
     ) -> Finding:
         starts = [_Particular(each) for each in values]
@@ -237,12 +237,12 @@ def _cut_down(motions: Motions, full: Level, known: _Particular | None) -> Model
     if known is not None:
         zero = dict.fromkeys(known.zeros(full.parameters), se.Integer(0))
         level = without_parameters(level, zero)
-    level = _closed(level, note, "no output depends on it")
+    level = _close(level, note, "no output depends on it")
     if known is not None:
         level = _on_plane(level, known, note)
     level, frozen = _without_constants(level, full, note)
     level, told = _without_integrals(level, full, known or _Particular({}), note)
-    _note_moving(level, note)
+    _note_cycles(level, note)
     for name, angle in level.angles.items():
         roles.setdefault(name, Role(name, "read off", _angle_words(angle)))
     needed = {x for x in full.variables if x in roles and roles[x].kind != "dropped"}
@@ -264,8 +264,8 @@ def _on_plane(level: Level, known: _Particular, note: Note) -> Level:
     for x in plane:
         note(x, "zero", "zero at the start, and then for ever: its rate vanishes there")
     left = [x for x in level.variables if x not in plane]
-    level = restricted(level.substituted(dict.fromkeys(plane, se.Integer(0))), left)
-    return _closed(level, note, "no output depends on it where the others are zero")
+    level = restrict(level.substitute(dict.fromkeys(plane, se.Integer(0))), left)
+    return _close(level, note, "no output depends on it where the others are zero")
 
 
 def _without_constants(level: Level, full: Level, note: Note) -> tuple[Level, dict[Any, Any]]:
@@ -277,7 +277,7 @@ def _without_constants(level: Level, full: Level, note: Note) -> tuple[Level, di
         return level, frozen
     left = [x for x in level.variables if x not in frozen]
     level = replace(level, parameters=(*level.parameters, *frozen))
-    return _closed(restricted(level, left), note, ""), frozen
+    return _close(restrict(level, left), note, ""), frozen
 
 
 def _without_integrals(
@@ -291,7 +291,7 @@ def _without_integrals(
     return level, {s: e.xreplace(dict(full.start)) for _, s, e in given.values()}
 
 
-def _note_moving(level: Level, note: Note) -> None:
+def _note_cycles(level: Level, note: Note) -> None:
     """Of what is integrated: what takes part in a cycle, and what is a quadrature."""
     turning = cyclic(dependence(level), level.variables)
     for x in level.variables:
@@ -312,12 +312,12 @@ def _at_start(level: Level, start: Mapping[Any, float]) -> dict[Any, float]:
     return {**start, **own}
 
 
-def _closed(level: Level, note: Note, why: str) -> Level:
+def _close(level: Level, note: Note, why: str) -> Level:
     kept = needed_variables(level, dependence(level))
     for x in level.variables:
         if x not in kept:
             note(x, "dropped", why)
-    return restricted(level, kept)
+    return restrict(level, kept)
 
 
 def _is_integral(level: Level, name: str) -> bool:

@@ -12,8 +12,8 @@ from voronec.algebra.normal import canonical
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import EngineLimit
 from voronec.motion.model.denominators import with_positive_denominators
-from voronec.motion.model.dependence import blocks, restricted
-from voronec.motion.model.level import Level, defined
+from voronec.motion.model.dependence import blocks, restrict
+from voronec.motion.model.level import Level, is_finite
 
 __all__ = [
     "at_zero",
@@ -33,8 +33,8 @@ Steep = Callable[[Any, tuple[Any, ...]], bool]
 
 def without_parameters(level: Level, zero: Mapping[Any, Any]) -> Level:
     """The level with parameters that are zero taken out; as it is where that makes no sense."""
-    found = level.substituted(zero)
-    return _tidied(found) if _finite(found) else level
+    found = level.substitute(zero)
+    return _tidy(found) if _finite(found) else level
 
 
 def at_zero(level: Level, zeros: Collection[Any]) -> list[Any]:
@@ -47,7 +47,7 @@ def at_zero(level: Level, zeros: Collection[Any]) -> list[Any]:
     steps = _steps(level, chosen)
     chosen = [x for x in chosen if x not in steps]
     while chosen:
-        plane = level.substituted(dict.fromkeys(chosen, se.Integer(0)))
+        plane = level.substitute(dict.fromkeys(chosen, se.Integer(0)))
         if not _finite(plane):
             return []
         stay = [x for x in chosen if _rests(plane, x, chosen)]
@@ -83,14 +83,14 @@ def _rests(level: Level, x: Any, chosen: list[Any]) -> bool:
 
 def _vanishes(exprs: list[Any], level: Level) -> bool:
     stages = dict(level.stages)
-    opened = [_opened(e, stages) for e in exprs]
+    opened = [_open_stages(e, stages) for e in exprs]
     try:
         return all_vanish(opened, level.relations)
     except EngineLimit:
         return False
 
 
-def _opened(expr: Any, stages: Mapping[Any, Any]) -> Any:
+def _open_stages(expr: Any, stages: Mapping[Any, Any]) -> Any:
     while expr.free_symbols & stages.keys():
         expr = expr.xreplace(dict(stages))
     return expr
@@ -131,7 +131,7 @@ def by_integrals(
         left = [y for y in level.variables if y != x]
         stages = ((x, (symbol - rest) / slope), *level.stages)
         level = replace(level, stages=stages, parameters=(*level.parameters, symbol))
-        level = restricted(level, left)
+        level = restrict(level, left)
     return level, given
 
 
@@ -181,10 +181,10 @@ def is_many_valued(expr: Any) -> bool:
 def _finite(level: Level) -> bool:
     parts = [*level.rates, *level.force, *(e for row in level.mass for e in row)]
     parts += [e for _, e in level.stages] + [*level.outputs.values()]
-    return all(map(defined, map(se.sympify, parts)))
+    return all(map(is_finite, map(se.sympify, parts)))
 
 
-def _tidied(level: Level) -> Level:
+def _tidy(level: Level) -> Level:
     """Normal forms again, after something was put in; rates without denominators that cancel."""
     if not level.exact or level.stages:
         return level

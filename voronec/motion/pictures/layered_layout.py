@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-__all__ = ["Layout", "layered"]
+__all__ = ["Layout", "layered_layout"]
 
 SWEEPS = 24
 """How often the order in the layers is improved, forth and back."""
@@ -26,7 +26,7 @@ class Layout:
     alone: tuple[Node, ...]
 
 
-def layered(graph: Any) -> Layout:
+def layered_layout(graph: Any) -> Layout:
     """The layout of a networkx graph.  Loops are left out; circles are cut somewhere."""
     edges = sorted({(a, b) for a, b in graph.edges() if a != b})
     nodes = sorted({n for edge in edges for n in edge})
@@ -39,7 +39,7 @@ def layered(graph: Any) -> Layout:
         for dummy in chain[1:-1]:
             rows[dummy[2]].append(dummy)
     links = [pair for chain in chains.values() for pair in pairwise(chain)]
-    heights = _heights(_ordered(rows, links), links)
+    heights = _heights(_order_layers(rows, links), links)
     where = {n: (float(i), heights[n]) for i, row in rows.items() for n in row}
     return Layout(
         {n: where[n] for n in nodes},
@@ -71,7 +71,9 @@ def _chain(a: Node, b: Node, layer: Mapping[Node, int]) -> list[Node]:
     return [a, *((a, b, i) for i in between), b]
 
 
-def _ordered(rows: dict[int, list[Node]], links: Iterable[tuple[Node, Node]]) -> list[list[Node]]:
+def _order_layers(
+    rows: dict[int, list[Node]], links: Iterable[tuple[Node, Node]]
+) -> list[list[Node]]:
     """The layers, each sorted by the mean place of the neighbours, forth and back."""
     near: dict[Node, list[Node]] = {}
     for a, b in links:
@@ -135,10 +137,10 @@ def _heights(
             wish = [_mean([height[m] for m in near.get(n, ())], height[n]) for n in row]
             for n, h in zip(row, _apart(wish, [_gap(n) for n in row]), strict=True):
                 height[n] = h
-    return _closed_up(height)
+    return _close_gaps(height)
 
 
-def _closed_up(height: Mapping[Node, float]) -> dict[Node, float]:
+def _close_gaps(height: Mapping[Node, float]) -> dict[Node, float]:
     """The heights without bands in which nothing lies."""
     found: dict[Node, float] = {}
     before, now = None, 0.0

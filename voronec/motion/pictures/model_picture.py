@@ -19,9 +19,9 @@ from voronec.closed.pictures.style import FAINT, INK, PALE, SOFT, STYLE
 from voronec.motion.model import Model
 from voronec.motion.model.dependence import dependence
 from voronec.motion.model.level import Level
-from voronec.motion.pictures.layered_layout import Layout, layered
+from voronec.motion.pictures.layered_layout import Layout, layered_layout
 
-__all__ = ["Box", "boxes", "model_figure", "shown"]
+__all__ = ["Box", "boxes", "model_figure", "show_name"]
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ def boxes(model: Model) -> tuple[dict[str, Box], set[tuple[str, str]]]:
     kinds = {role.variable: role.kind for role in model.roles}
     arrows = _arrows(model, kinds)
     key = _cycles(kinds, arrows)
-    wanted = {name: held for name, held in _wanted(model).items() if name not in key}
+    wanted = {name: held for name, held in _output_sources(model).items() if name not in key}
     key |= {f"= {name}": f"= {name}" for name in wanted}
     arrows |= {(x, f"= {name}") for name, held in wanted.items() for x in held}
     pairs = {(key[a], key[b]) for a, b in arrows if a in key and b in key and key[a] != key[b]}
@@ -90,7 +90,7 @@ def _cycles(kinds: Mapping[str, str], arrows: Iterable[tuple[str, str]]) -> dict
     return {x: "dropped" if kinds[x] == "dropped" else circles.get(x, x) for x in shown}
 
 
-def _wanted(model: Model) -> dict[str, set[str]]:
+def _output_sources(model: Model) -> dict[str, set[str]]:
     """What each output is computed from."""
     own = model.cut
     stages = {str(name): formula for name, formula in own.stages}
@@ -151,18 +151,18 @@ def _box(key: str, members: list[str], kinds: Mapping[str, str], model: Model) -
     title = titles[kind]
     given = [x for x in members if kinds[x] == "integral"]
     if kind == "integrated" and given:
-        title = f"{_listed(given)} by a first integral"
+        title = f"{_list_names(given)} by a first integral"
     wanted = [x for x in members if x in model.outputs]
     if wanted:
-        title += ", wanted" if len(wanted) == len(members) else f"; {_listed(wanted)} wanted"
+        title += ", wanted" if len(wanted) == len(members) else f"; {_list_names(wanted)} wanted"
     return Box(names, kind, title)
 
 
-def _listed(names: Iterable[str]) -> str:
-    return ", ".join(map(shown, names))
+def _list_names(names: Iterable[str]) -> str:
+    return ", ".join(map(show_name, names))
 
 
-def shown(name: str) -> str:
+def show_name(name: str) -> str:
     """A name as mathematics; what is no bare name stays text."""
     if not name.replace("_", "").isalnum() or not name[0].isalpha():
         return name.replace("$", r"\$")
@@ -206,7 +206,7 @@ def model_figure(model: Model) -> Any:
     graph = nx.DiGraph()
     graph.add_nodes_from(found)
     graph.add_edges_from(edges)
-    layout = layered(graph)
+    layout = layered_layout(graph)
     places, bends, (width, height) = _places(layout, found)
     with rc_context(STYLE):
         figure = Figure(figsize=(width, height))
@@ -287,7 +287,7 @@ def _lines(box: Box) -> list[list[str]]:
 
 def _letters(names: Sequence[str]) -> int:
     """The room that names take, in letters; a Greek letter is one."""
-    return sum(_room(shown(n)) for n in names) + 2 * len(names) - 2
+    return sum(_room(show_name(n)) for n in names) + 2 * len(names) - 2
 
 
 def _room(text: str) -> int:
@@ -312,7 +312,7 @@ def _draw(axes: Any, box: Box, place: Place) -> None:
     lines = _lines(box)
     top = place[1] + height / 2 - PAD / 2 - LINE / 2
     for i, names in enumerate(lines):
-        text = ",  ".join(map(shown, names))
+        text = ",  ".join(map(show_name, names))
         axes.text(place[0], top - i * LINE, text, ha="center", va="center", fontsize=9.5,
                   color=ink, zorder=4)  # fmt: skip
     axes.text(

@@ -33,9 +33,9 @@ def model_text(model: Model, width: int = WIDTH) -> str:
     wanted = sorted({*own.outputs, *own.angles}, key=_place(model))
     head = f"{model.system.name}: the smallest model for {', '.join(wanted)}"
     size = f"{_count(len(model.states), 'state')}, in {_level_words(model.level)}"
-    parts = [*_wrapped([head], width, ""), size, "", *_roles(model, width), ""]
+    parts = [*_wrap([head], width, ""), size, "", *_roles(model, width), ""]
     parts += ["what was weighed", *_levels(model), ""]
-    return "\n".join([*parts, *_followed(model, width)])
+    return "\n".join([*parts, *_followed_integrals(model, width)])
 
 
 def _roles(model: Model, width: int) -> list[str]:
@@ -86,17 +86,19 @@ def _levels(model: Model) -> list[str]:
     return _table([head, *rows], right={1, 2, 3})
 
 
-def _followed(model: Model, width: int) -> list[str]:
+def _followed_integrals(model: Model, width: int) -> list[str]:
     """Which declared integrals the model can still compute."""
     able = list(model.integrals)
-    lost = [name for name in model.system.integrals if name not in {*able, *model.spent}]
+    lost = [
+        name for name in model.system.integrals if name not in {*able, *model.eliminating_integrals}
+    ]
     rows = [
         ("declared integrals that can be followed", able),
-        ("integrals in place of equations", model.spent),
+        ("integrals in place of equations", model.eliminating_integrals),
         ("integrals that need more variables", lost),
     ]
     lines = [f"{what}: {', '.join(names)}" for what, names in rows if names]
-    return _wrapped(lines or ["no integral is declared"], width, "  ")
+    return _wrap(lines or ["no integral is declared"], width, "  ")
 
 
 def _level_words(name: str) -> str:
@@ -116,7 +118,7 @@ def _count(n: int, what: str) -> str:
     return f"{n} {what}" if n == 1 else f"{n} {what}s"
 
 
-def _wrapped(lines: Iterable[str], width: int, indent: str) -> list[str]:
+def _wrap(lines: Iterable[str], width: int, indent: str) -> list[str]:
     return [part for line in lines for part in textwrap.wrap(line, width, subsequent_indent=indent)]
 
 

@@ -292,7 +292,7 @@ def film(
                 writer.grab_frame()
             else:
                 written.append(target.with_stem(f"{target.stem}-{number + 1:04d}"))
-                figure.savefig(written[-1], metadata=_undated(target))
+                figure.savefig(written[-1], metadata=_fixed_date(target))
             if progress:
                 progress((number + 1) / len(chosen))
         if writer:
@@ -300,7 +300,7 @@ def film(
     return tuple(written)
 
 
-def _undated(target: Path) -> dict[str, Any] | None:
+def _fixed_date(target: Path) -> dict[str, Any] | None:
     return {"Date": None} if target.suffix == ".svg" else None
 
 

@@ -97,7 +97,7 @@ def _path(trajectory: MotionRecord) -> Any:
     from matplotlib.figure import Figure
 
     from voronec.closed.pictures.style import INK, MARK, STYLE
-    from voronec.motion.pictures.time_plots import plain_ticks, settled
+    from voronec.motion.pictures.time_plots import plain_ticks, settle_layout
 
     x, y = trajectory["x"], trajectory["y"]
     with rc_context(STYLE):
@@ -112,5 +112,5 @@ def _path(trajectory: MotionRecord) -> Any:
         panel.set(xlabel="$x$", ylabel="$y$", aspect="equal", adjustable="datalim")
         plain_ticks(panel.xaxis)
         plain_ticks(panel.yaxis)
-        settled(figure)
+        settle_layout(figure)
     return figure

@@ -17,7 +17,7 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.motion.pictures.motion_record import MotionRecord
 
-__all__ = ["plain_ticks", "plot_trajectory", "quantity_label", "settled"]
+__all__ = ["plain_ticks", "plot_trajectory", "quantity_label", "settle_layout"]
 
 
 def quantity_label(trajectory: MotionRecord, name: str) -> str:
@@ -73,11 +73,11 @@ def plot_trajectory(
         figure.supxlabel("$t$", fontsize=10)
         if title:
             figure.suptitle(title, fontsize=10)
-        settled(figure)
+        settle_layout(figure)
     return figure
 
 
-def settled(figure: Any) -> None:
+def settle_layout(figure: Any) -> None:
     """Settle the fonts, while the style is in force, and the layout, which costs a drawing."""
     figure.get_layout_engine().execute(figure)
     figure.set_layout_engine("none")

@@ -54,23 +54,23 @@ def choose(method: str, problem: Problem, grid: np.ndarray) -> tuple[Stepper, di
         raise DefinitionError(f"'{CLOSED}' takes no steps; it evaluates one motion at a time")
     if not 0 < problem.tol < 1:
         raise DefinitionError(f"tol = {problem.tol} must lie between 0 and 1, such as 1e-13")
-    called = problem.changing.called if problem.changing is not None else None
+    called = problem.changing.python_signal if problem.changing is not None else None
     if called is not None and (_is_symbolic(method) or problem.tol < EXACT):
         raise DefinitionError(
             f"the input '{called.name}' is a function of Python's, known in doubles and without a "
             "Taylor series; take method='scipy' and tol >= 1e-16, or give an expression or a table"
         )
     if method in ("heyoka", "numba") and not problem.program.state:
-        return _made("scipy", problem, f"nothing moves, and {method} wants equations")
+        return _make_stepper("scipy", problem, f"nothing moves, and {method} wants equations")
     if method != "auto":
-        return _made(method, problem, "asked for")
+        return _make_stepper(method, problem, "asked for")
     method, reason = _best(problem, grid)
     if called is not None:
         method, reason = "scipy", f"the input '{called.name}' is a function of Python's"
     try:
-        return _made(method, problem, f"auto: {reason}")
+        return _make_stepper(method, problem, f"auto: {reason}")
     except EngineLimit as limit:
-        return _made("scipy", problem, f"auto: {limit}")
+        return _make_stepper("scipy", problem, f"auto: {limit}")
 
 
 def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
@@ -102,7 +102,7 @@ def _is_symbolic(method: str) -> bool:
     return method in METHODS and METHODS[method].symbolic
 
 
-def _made(method: str, problem: Problem, reason: str) -> tuple[Stepper, dict[str, Any]]:
+def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Stepper, dict[str, Any]]:
     made = METHODS[method]
     assert made.make is not None
     problem = replace(problem, tol=max(problem.tol, made.finest))

@@ -47,22 +47,22 @@ def _each(line: str, count: int) -> str:
     return "\n".join(line.replace("@", f"_{i}").replace("#", str(i)) for i in range(count))
 
 
-def _listed(pattern: str, count: int) -> str:
+def _list_names(pattern: str, count: int) -> str:
     return ", ".join(pattern.replace("@", f"_{i}").replace("#", str(i)) for i in range(count))
 
 
-def _weighted(row: Any, slope: str = "k{}@") -> str:
+def _weighted_sum(row: Any, slope: str = "k{}@") -> str:
     """The sum of slopes with the weights of a row of the table."""
     return " + ".join(f"{float(c)!r}*{slope.format(j)}" for j, c in enumerate(row) if c != 0)
 
 
 def _stage(number: int, node: float, row: Any, n: int) -> str:
-    trial = _each(f"z@ = y@ + h*({_weighted(row)})", n)
+    trial = _each(f"z@ = y@ + h*({_weighted_sum(row)})", n)
     return f"{trial}\n{_slope(f'k{number}', f't + {float(node)!r}*h', 'z@', n)}"
 
 
 def _slope(target: str, time: str, place: str, n: int) -> str:
-    return f"{_listed(target + '@', n)}, = rhs({time}, {_listed(place, n)}, parameters)"
+    return f"{_list_names(target + '@', n)}, = rhs({time}, {_list_names(place, n)}, parameters)"
 
 
 def _drive(n: int, m: int) -> str:
@@ -75,12 +75,12 @@ def _drive(n: int, m: int) -> str:
         "rate": _slope("k0", "t", "y@", n),
         "first": _first_step(n),
         "stages": "\n".join(stages),
-        "step": _each(f"s@ = h*({_weighted(DOP853.B)}) + low@\nnew@ = y@ + s@", n),
+        "step": _each(f"s@ = h*({_weighted_sum(DOP853.B)}) + low@\nnew@ = y@ + s@", n),
         "last": _slope(f"k{STAGES}", "ahead", "new@", n),
         "errors": _each(
             "scale = atol@ + rtol@*max(abs(y@), abs(new@))\n"
-            f"five += (({_weighted(DOP853.E5)})/scale)**2\n"
-            f"three += (({_weighted(DOP853.E3)})/scale)**2",
+            f"five += (({_weighted_sum(DOP853.E5)})/scale)**2\n"
+            f"three += (({_weighted_sum(DOP853.E3)})/scale)**2",
             n,
         ),
         "bends": _bends(n),
@@ -90,7 +90,7 @@ def _drive(n: int, m: int) -> str:
         "n": str(n),
         "m": str(max(m, 1)),
     }
-    return _filled(_DRIVE, pieces)
+    return _fill_template(_DRIVE, pieces)
 
 
 def _bends(n: int) -> str:
@@ -101,16 +101,16 @@ def _bends(n: int) -> str:
     used = [s for s in range(STAGES + 1) if weights[:, s].any()]
     rows = [_each(f"slopes[#, {s}] = k{s}@", n) for s in used]
     for i, (node, row) in enumerate(zip(DOP853.C_EXTRA, DOP853.A_EXTRA, strict=True)):
-        rows += [own, f"    z[i] = states[0, i] + h*({_weighted(row, 'slopes[i, {}]')})"]
+        rows += [own, f"    z[i] = states[0, i] + h*({_weighted_sum(row, 'slopes[i, {}]')})"]
         rows.append(_slope("g", f"t + {float(node)!r}*h", "z[#]", n))
         rows.append(_each(f"slopes[#, {STAGES + 1 + i}] = g@", n))
     rows += [_each(_CHANGES, n), own]
     for i, row in enumerate(DOP853.D):
-        rows.append(f"    bend[{3 + i}, i] = h*({_weighted(row, 'slopes[i, {}]')})")
+        rows.append(f"    bend[{3 + i}, i] = h*({_weighted_sum(row, 'slopes[i, {}]')})")
     return "\n".join(rows)
 
 
-def _filled(template: str, pieces: dict[str, str]) -> str:
+def _fill_template(template: str, pieces: dict[str, str]) -> str:
     """A template whose lines ``<name>`` give way to pieces, indented as they stand, and ``{name}``
     within lines to short ones."""
     rows = []
@@ -127,7 +127,7 @@ def _first_step(n: int) -> str:
     slopes += "\n" + _each("slope += (k0@/(atol@ + rtol@*abs(y@)))**2", n)
     trial = _each("z@ = y@ + order*size*k0@", n) + "\n" + _slope("k1", "t + order*size", "z@", n)
     bend = _each("steep += ((k1@ - k0@)/(atol@ + rtol@*abs(y@)))**2", n)
-    return _filled(_FIRST, {"slopes": slopes, "trial": trial, "bend": bend, "n": str(n)})
+    return _fill_template(_FIRST, {"slopes": slopes, "trial": trial, "bend": bend, "n": str(n)})
 
 
 def _looks(n: int, m: int) -> str:
@@ -135,7 +135,7 @@ def _looks(n: int, m: int) -> str:
 
     def level(row: str, time: str, place: str) -> str:
         return (
-            f"{_listed('g@', m)}, = extras({time}, {_listed(place, n)}, given)\n"
+            f"{_list_names('g@', m)}, = extras({time}, {_list_names(place, n)}, given)\n"
             + _each(f"look[{row}, #] = g@", m)
         )  # fmt: skip
 
@@ -151,7 +151,7 @@ def _looks(n: int, m: int) -> str:
         "level": level("i", "t + h*x", "z[#]"),
         "m": str(m),
     }
-    return _filled(_LOOKS, pieces)
+    return _fill_template(_LOOKS, pieces)
 
 
 _SIGN = "def sign(x):\n    return float((x > 0) - (x < 0))\n"

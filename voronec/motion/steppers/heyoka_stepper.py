@@ -76,7 +76,7 @@ class Winding:
         )
 
     @property
-    def needed(self) -> bool:
+    def is_needed(self) -> bool:
         """Whether there is a state that may be kept small."""
         return bool(len(self.quadratures) or len(self.angles))
 
@@ -91,7 +91,7 @@ class Winding:
 
     def take(self, state: np.ndarray) -> None:
         """Take what has grown out of a state (n,), in place."""
-        if not self.needed:
+        if not self.is_needed:
             return
         at = self.angles
         turns = np.rint(state[at] / TURN)
@@ -107,7 +107,7 @@ class Winding:
     def whole(self, states: np.ndarray) -> np.ndarray:
         """States (..., n) as they are, from those kept small."""
         result = np.array(states, dtype=float)
-        if self.needed:
+        if self.is_needed:
             at = self.angles
             result[..., at] = (result[..., at] + self.high[at] * FINE) + self.high[at] * COARSE
             at = self.quadratures
@@ -120,7 +120,7 @@ class Winding:
         result.high, result.low = self.high.copy(), self.low.copy()
         return result
 
-    def grown(self, state: np.ndarray) -> float:
+    def growth(self, state: np.ndarray) -> float:
         """The largest state that may be kept small, in units of the largest other (at least 1)."""
         mine = np.zeros(self.width, dtype=bool)
         mine[self.quadratures] = mine[self.angles] = True
@@ -222,7 +222,7 @@ def _integrator(problem: Problem, log: Log, winding: Winding, hy: Any) -> Any:
     program, levels = hoist(problem.program).program, problem.levels
     units = winding.units.tolist()
     functions = taylor_extras(levels, units) if levels is not None else {}
-    moving = _moving(levels) if levels is not None else set()
+    moving = _moving_extras(levels) if levels is not None else set()
     watched: list[Any] = []
     kinds: dict[str, list[Any]] = {"nt_events": [], "t_events": []}
     for event in problem.events:
@@ -233,7 +233,7 @@ def _integrator(problem: Problem, log: Log, winding: Winding, hy: Any) -> Any:
         if event.stop:
             kinds["t_events"].append(_terminal(event, expr, log, winding, hy))
         else:
-            kinds["nt_events"].append(_passing(event, expr, log, winding, hy))
+            kinds["nt_events"].append(_passing_event(event, expr, log, winding, hy))
     system = taylor_system(program, units)
     # heyoka wants no more parameters than the expressions contain
     held = hy.get_params([e for _, e in system] + watched)
@@ -248,7 +248,7 @@ def _integrator(problem: Problem, log: Log, winding: Winding, hy: Any) -> Any:
     )
 
 
-def _moving(levels: Program) -> set[str]:
+def _moving_extras(levels: Program) -> set[str]:
     """Which of the extra quantities of a program move."""
     moving = {*levels.state, levels.time}
     for name, expr in levels.extras.assignments:
@@ -263,19 +263,19 @@ def _direction(event: Event, hy: Any) -> Any:
     return {1: kinds.positive, -1: kinds.negative, 0: kinds.any}[event.direction]
 
 
-def _passing(event: Event, expr: Any, log: Log, winding: Winding, hy: Any) -> Any:
-    def seen(integrator: Any, time: float, _sign: int) -> None:
+def _passing_event(event: Event, expr: Any, log: Log, winding: Winding, hy: Any) -> Any:
+    def note(integrator: Any, time: float, _sign: int) -> None:
         integrator.update_d_output(time)
         log.enter(event, time, winding.whole(integrator.d_output))
 
-    return hy.nt_event(expr, callback=seen, direction=_direction(event, hy))
+    return hy.nt_event(expr, callback=note, direction=_direction(event, hy))
 
 
 def _terminal(event: Event, expr: Any, log: Log, winding: Winding, hy: Any) -> Any:
-    def seen(integrator: Any, _sign: int) -> bool:
+    def note(integrator: Any, _sign: int) -> bool:
         return not log.enter(event, float(integrator.time), winding.whole(integrator.state))
 
-    return hy.t_event(expr, callback=seen, direction=_direction(event, hy))
+    return hy.t_event(expr, callback=note, direction=_direction(event, hy))
 
 
 @dataclass
@@ -305,7 +305,7 @@ class _Drive:
         self.size, self.ahead = CHUNK, AHEAD
         self.opening = self.first_step()
         self.stride = STRIDE if self.opening == np.inf else 1.0
-        if self.winding.needed:
+        if self.winding.is_needed:
             self.size, self.ahead = min(SHORT, CHUNK), FEW
 
     def first_step(self) -> float:
@@ -354,7 +354,7 @@ class _Drive:
         self.steps += taken
         self.idle = 0 if len(new) else self.idle + taken
         self.rows.append(self.winding.whole(new))
-        self.paced(taken, len(new))
+        self.set_pace(taken, len(new))
         self.done += len(new)
         moved = abs(self.integrator.time - before)
         # heyoka does not count steps of length zero among those that it took
@@ -394,12 +394,12 @@ class _Drive:
             ta.reset_cooldowns()
         return found
 
-    def paced(self, taken: int, points: int) -> None:
+    def set_pace(self, taken: int, points: int) -> None:
         """How many steps, and points of the grid, the next chunk takes."""
-        if not self.winding.needed or taken < self.size // 2:
+        if not self.winding.is_needed or taken < self.size // 2:
             self.ahead = min(4 * self.ahead, AHEAD)
             return
-        grown = self.winding.grown(self.integrator.state)
+        grown = self.winding.growth(self.integrator.state)
         if grown > LARGE:
             self.size = max(self.size // 2, min(LEAST, CHUNK))
         elif grown < LARGE / 4:
@@ -419,7 +419,7 @@ class _Drive:
             outcome, _, self.longest, steps, stretch, _ = self.integrator.propagate_until(
                 self.grid[-1], c_output=True, **limits
             )
-            return outcome, steps, self.sampled(stretch)
+            return outcome, steps, self.sample(stretch)
         # the integrator wants its grid to begin where it stands
         first = done - 1 if standing == self.grid[done - 1] else done
         if standing != self.grid[first]:
@@ -436,13 +436,13 @@ class _Drive:
     def callback(self) -> dict[str, Any]:
         """What heyoka calls after each step: nothing, unless ends of steps are asked for."""
 
-        def ended(integrator: Any) -> bool:
+        def has_ended(integrator: Any) -> bool:
             self.ends.append(integrator.time)
             return True
 
-        return {"callback": ended} if self.problem.marked else {}
+        return {"callback": has_ended} if self.problem.marked else {}
 
-    def sampled(self, stretch: Any) -> np.ndarray:
+    def sample(self, stretch: Any) -> np.ndarray:
         """Rows of the grid that a stretch of dense output covers."""
         if stretch is None:
             return np.empty((0, len(self.problem.start)))
@@ -476,7 +476,8 @@ class _Drive:
         return Run(
             t.copy(), states, self.steps, self.steps,
             self.log.arrays(self.problem.events, float), halt, interrupted, self.log.stopped,
-            _joined(self.stretches, states) if self.problem.dense else None, ends=tuple(self.ends),
+            _join_stretches(self.stretches, states) if self.problem.dense else None,
+            ends=tuple(self.ends),
         )  # fmt: skip
 
 
@@ -496,7 +497,7 @@ class _Stretch:
         return self.winding.whole(self.inside(times))
 
 
-def _joined(stretches: list[Any], states: np.ndarray) -> Any:
+def _join_stretches(stretches: list[Any], states: np.ndarray) -> Any:
     """States at any times, from the stretches of dense output in turn."""
     ends = [s.bounds[1] for s in stretches]
     order = 1.0 if not ends or ends[-1] >= stretches[0].bounds[0] else -1.0

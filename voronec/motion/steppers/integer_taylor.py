@@ -141,7 +141,7 @@ class _Walker:
         left = self.end - self.time
         step = min(self.guess, abs(left)) * (1 if left > 0 else -1)
         before = self.bits
-        rows = self.expanded(step)
+        rows = self.expand_step(step)
         bits, start, step = self.bits, self.time, step << self.bits - before
         room = self.room(rows)
         part = min(1 << bits, int(min(room, 1.0) * 2**53) << bits - 53)
@@ -157,7 +157,7 @@ class _Walker:
             polynomial.at,
         )  # fmt: skip
 
-    def expanded(self, step: int) -> list[list[int]]:
+    def expand_step(self, step: int) -> list[list[int]]:
         """The coefficients; with more bits, where a small divisor has eaten them."""
         try:
             rows, least = self.expand(self.state, self.time, step, self.order)
@@ -172,7 +172,7 @@ class _Walker:
         self.expand = self.rules.expansion(self.problem.parameters, self.bits)
         self.state = [x << more for x in self.state]
         self.time, self.end, self.guess = (x << more for x in (self.time, self.end, self.guess))
-        return self.expanded(step << more)
+        return self.expand_step(step << more)
 
     def room(self, rows: list[list[int]]) -> float:
         """The longest step that the tolerance leaves, in units of this one."""

@@ -45,7 +45,7 @@ def kept_function(
     text = _sound_source(folder)
     if text is not None:
         with suppress(Exception):  # what another version wrote may fail in any way
-            return _loaded(folder, text, name, signature)
+            return _load(folder, text, name, signature)
         _forget(folder, "cannot be read")
     text = source()
     try:
@@ -53,19 +53,19 @@ def kept_function(
         folder.mkdir(parents=True, exist_ok=True)
         (folder / SOURCE).write_text(text, encoding="utf-8")
     except OSError:  # a folder that cannot be written costs only the time of the next run
-        return _compiled(text, SOURCE, name, signature, keep=False)
-    return _loaded(folder, text, name, signature)
+        return _compile(text, SOURCE, name, signature, keep=False)
+    return _load(folder, text, name, signature)
 
 
-def _loaded(folder: Path, text: str, name: str, signature: str) -> Callable[..., Any]:
+def _load(folder: Path, text: str, name: str, signature: str) -> Callable[..., Any]:
     """The function from the code in a folder, which is made where it is not there yet."""
-    function = _compiled(text, str(folder / SOURCE), name, signature, keep=True)
+    function = _compile(text, str(folder / SOURCE), name, signature, keep=True)
     if function.stats.cache_misses:
         _write_list(folder)
     return function
 
 
-def _compiled(text: str, place: str, name: str, signature: str, keep: bool) -> Any:
+def _compile(text: str, place: str, name: str, signature: str, keep: bool) -> Any:
     import numba
 
     def jit(function: Any) -> Any:

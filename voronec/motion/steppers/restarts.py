@@ -25,7 +25,7 @@ def in_pieces(make: Callable[[Problem], Stepper], problem: Problem, anew: bool) 
     changing, names = problem.changing, [str(p) for p in problem.program.parameters]
     assert changing is not None
     given = list(problem.parameters)
-    left = changing if changing.called is not None else None
+    left = changing if changing.python_signal is not None else None
     own = replace(
         problem, start=problem.start.copy(), parameters=given, progress=None, changing=left
     )
@@ -71,7 +71,7 @@ def _run_in_pieces(
                 break
         if problem.progress is not None:
             problem.progress(float((end - grid[0]) / ((grid[-1] - grid[0]) or 1.0)))
-    return _joined(parts, grid, problem)
+    return _join_runs(parts, grid, problem)
 
 
 def _with_jumps(problem: Problem, part: Run, times: tuple[float, float, float]) -> Run:
@@ -103,7 +103,7 @@ def _with_jumps(problem: Problem, part: Run, times: tuple[float, float, float]) 
     return replace(part, crossings=crossings, stopped=stopped)
 
 
-def _joined(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
+def _join_runs(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
     """One run of several; the instants between them are left out where nobody asked for them."""
     last, times, rows = parts[-1], [], []
     for i, part in enumerate(parts):

@@ -24,7 +24,7 @@ __all__ = [
     "Run",
     "Stepper",
     "Ticker",
-    "guarded",
+    "cut_at_singularity",
 ]
 
 COLLAPSE = "the step size collapsed"
@@ -75,13 +75,13 @@ class Problem:
     def parameters_at(self) -> Callable[[float], Sequence[Any]]:
         """The parameters at any time of a piece: those that Python gives are asked for there."""
         changing = self.changing
-        if changing is None or changing.called is None:
+        if changing is None or changing.python_signal is None:
             return lambda _: self.parameters
         places = {str(p): i for i, p in enumerate(self.program.parameters)}
 
         def at(time: float) -> Sequence[Any]:
             values = list(self.parameters)
-            for name, value in changing.called_at(time).items():
+            for name, value in changing.values_at(time).items():
                 if name in places:
                     values[places[name]] = value
             return values
@@ -200,7 +200,7 @@ class Ticker:
         self.report(float((time - self.start) / span) if span else 1.0)
 
 
-def guarded(run: Run, problem: Problem) -> Run:
+def cut_at_singularity(run: Run, problem: Problem) -> Run:
     """The run, cut before the first point of its grid that lies beyond a singular mass matrix."""
     if problem.suspect is None or len(run.t) < 2:
         return run

@@ -99,7 +99,7 @@ def level_function(problem: Problem) -> Levels:
     if problem.levels is None:
         return lambda t, _states: np.empty((len(t), 0))
     _, extras = compile_program(problem.levels)
-    asked = problem.changing is not None and problem.changing.called is not None
+    asked = problem.changing is not None and problem.changing.python_signal is not None
     at = problem.parameters_at()
 
     def function(t: np.ndarray, states: np.ndarray) -> np.ndarray:

@@ -54,7 +54,7 @@ class Signal:
     functions: tuple[Callable[[float], Any], ...] = ()
 
     @classmethod
-    def called(cls, name: str, functions: tuple[Callable[[float], Any], ...]) -> Signal:
+    def of_functions(cls, name: str, functions: tuple[Callable[[float], Any], ...]) -> Signal:
         """A function of Python's, with as many of its rates as are given."""
         return cls(name, len(functions) - 1, "a function of Python's", functions=functions)
 
@@ -117,7 +117,7 @@ class Signals:
         return {p for signal in self.signals for p in signal.parameters}
 
     @property
-    def called(self) -> Signal | None:
+    def python_signal(self) -> Signal | None:
         """The first one that Python has to be asked for."""
         return next((s for s in self.signals if s.functions), None)
 
@@ -141,7 +141,7 @@ class Signals:
             found |= signal.at(start) if signal.functions else signal.on_piece(start, ahead)
         return found
 
-    def called_at(self, instant: float) -> dict[str, Any]:
+    def values_at(self, instant: float) -> dict[str, Any]:
         """The values that Python gives at an instant."""
         signals = (s for s in self.signals if s.functions)
         return {name: x for s in signals for name, x in s.at(instant).items()}

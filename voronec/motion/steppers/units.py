@@ -73,8 +73,8 @@ def _units_beside(
         x = np.where(held, np.abs(states), 0.0)
         own, turning = x.copy(), np.zeros(x.shape, dtype=bool)
         own[:, angles], turning[:, angles] = 1.0, True
-        moving = _moving(own, slope, ~turning)
-        moving |= _moving(own, slope, turning) & ~moving.any(axis=1, keepdims=True)
+        moving = _are_moving(own, slope, ~turning)
+        moving |= _are_moving(own, slope, turning) & ~moving.any(axis=1, keepdims=True)
         times = np.sort(np.where(moving, own / slope, np.inf), axis=1)
         count, rows = moving.sum(axis=1), np.arange(len(x))
         # of two in the middle the shorter: a size that is too small costs steps, a large one digits
@@ -102,7 +102,7 @@ def _balance(slopes: Slopes, states: np.ndarray, sizes: np.ndarray) -> np.ndarra
     return found
 
 
-def _moving(x: np.ndarray, slope: np.ndarray, among: np.ndarray) -> np.ndarray:
+def _are_moving(x: np.ndarray, slope: np.ndarray, among: np.ndarray) -> np.ndarray:
     """Which of some states tell a time: those that are not zero, and whose rates are no rounding.
 
     Rates of angles near a pole say nothing of the others; where these stand still, they must do.

@@ -29,7 +29,7 @@ from voronec.equations.program.straight import Block
 from voronec.equations.voronec_equations import derive
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.closed_form import closed_form
-from voronec.motion.observables import watched
+from voronec.motion.observables import watch_of
 from voronec.motion.vocabulary import Vocabulary
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def page_program(vocabulary: Vocabulary, shapes: Sequence[Shape]) -> Program:
         for i, shape in enumerate(shapes)
         for k, e in enumerate((*shape.centre, *shape.attitude, *(shape.contact or (0, 0, 0))))
     }
-    beside = watched(vocabulary, ())
+    beside = watch_of(vocabulary, ())
     names = [*beside.integrals.values(), *beside.sizes.values()]
     kept = {name: beside.expressions[name] for name in names}
     return Program.of(vocabulary.equations.form, placed | kept | quartic_parts(vocabulary))
@@ -172,8 +172,8 @@ class Page:
         """The scripts of the page but for three.js and what needs a document, in order."""
         folder = files(__package__)
         return {
-            "program": _closed(javascript_source(self.program)),
-            "mesh": _closed(mesh_source(self.system.shapes, self.vocabulary)),
+            "program": _module_object(javascript_source(self.program)),
+            "mesh": _module_object(mesh_source(self.system.shapes, self.vocabulary)),
             "DATA": _json(self.data),
             "dop853": (folder / "dop853.js").read_text("utf-8"),
             "motion": (folder / "motion.js").read_text("utf-8"),
@@ -201,8 +201,8 @@ class Page:
             "source": f"Recorded: {recorded}."
             if recorded
             else "The page integrates the equations of motion itself: move a slider.",
-            "times": _packed(self.trajectory.t),
-            "recorded": _packed(self.states) if recorded else "",
+            "times": _pack(self.trajectory.t),
+            "recorded": _pack(self.states) if recorded else "",
             "start": [
                 self._entry(i, str(x), value, not recorded and str(x) not in tied)
                 for i, (x, value) in enumerate(zip(self.program.state, start, strict=True))
@@ -217,7 +217,7 @@ class Page:
                 if name.startswith("integral ")
             ],
             "quartic": self._quartic,
-            "shapes": [_drawn(shape) for shape in self.system.shapes],
+            "shapes": [_describe_shape(shape) for shape in self.system.shapes],
             "pace": 1.0 if SECONDS / 5 <= self.span <= 2 * SECONDS else self.span / SECONDS,
         }
 
@@ -312,7 +312,7 @@ def view_of(trajectory: MotionRecord, path: str | os.PathLike[str] | None) -> Pa
     return view
 
 
-def _drawn(shape: Shape) -> dict[str, Any]:
+def _describe_shape(shape: Shape) -> dict[str, Any]:
     """What the page is told of a shape; where it is, the program says."""
     ranges = [
         None if p.ranges is None else [[float(x) for x in pair] for pair in p.ranges]
@@ -326,13 +326,13 @@ def _drawn(shape: Shape) -> dict[str, Any]:
     }
 
 
-def _closed(module: str) -> str:
+def _module_object(module: str) -> str:
     """A module's functions as one object, for a page that has no modules."""
     body = module.replace("export function ", "function ").replace("export const ", "const ")
     return f"(() => {{\n{body}\nreturn {{ rhs, extras }};\n}})()"
 
 
-def _packed(numbers: Any) -> str:
+def _pack(numbers: Any) -> str:
     """Doubles as they lie in memory, little-endian, in base 64."""
     return base64.b64encode(np.ascontiguousarray(numbers, dtype="<f8").tobytes()).decode()
 

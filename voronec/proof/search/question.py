@@ -224,7 +224,7 @@ class Question:
         values = _values(motions.system, at)
         new = {s for v in values.values() for s in v.free_symbols}
         _check_symbols(motions.system, plain, new)
-        field = _specialize(motions.deciding(plain), values)
+        field = _specialize(motions.field_for(plain), values)
         reader = _Reader(field, values)
         letters = [
             *reader.velocities(momenta),

@@ -18,8 +18,8 @@ from voronec.accuracy.bench.contender import (
     NotHere,
     Outcome,
     Run,
-    missing,
-    timed,
+    require_outputs,
+    time_fastest,
     without,
 )
 from voronec.accuracy.bench.level import BenchLevel, level
@@ -188,20 +188,20 @@ def _prepare(
         program = BY_HAND[question.system.name](question.parameters)
     except ImportError:
         raise without("heyoka") from None
-    missing(question.outputs, program.offered)
+    require_outputs(question.outputs, program.offered)
     start, at, grid = program.start(start_values(question)), _level(question), question.grid
     whole = {str(s) for s in at.field.variables} <= set(program.offered)
     rows_at = by(program, start, grid)
 
     def run(tol: float) -> Outcome:
-        (steps, evaluations, rows), seconds = timed(lambda: rows_at(tol))
+        (steps, evaluations, rows), seconds = time_fastest(lambda: rows_at(tol))
         if len(rows) < len(grid):
             raise NotHere("the integration stopped short")
         known, drift = program.back(rows), dict[str, float]()
         values = {n: known[n] for n in question.outputs}
         if whole:
             states = np.column_stack([known[str(s)] for s in at.field.variables])
-            values, drift = at.observed(grid, states)
+            values, drift = at.outputs_and_drift(grid, states)
         return Outcome(values, seconds, evaluations, steps, drift)
 
     return run

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, timed, without
+from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest, without
 from voronec.accuracy.bench.level import BenchLevel, lowest
 from voronec.accuracy.bench.question import BenchMotion
 from voronec.algebra.text import sympify
@@ -45,12 +45,12 @@ def _prepare(question: BenchMotion, ours: bool) -> Run:
 
     def run(tol: float) -> Outcome:
         rows = np.empty((len(question.grid), len(start)))
-        (steps, evaluations), seconds = timed(
+        (steps, evaluations), seconds = time_fastest(
             lambda: advance(question.grid, start, constants, tol, rows)
         )
         if not np.isfinite(rows).all():
             raise NotHere("the step size collapsed")
-        values, drift = at.observed(question.grid, rows)
+        values, drift = at.outputs_and_drift(question.grid, rows)
         return Outcome(values, seconds, evaluations, steps, drift)
 
     return run
@@ -102,14 +102,16 @@ def sympy_right_hand_side(at: BenchLevel) -> Callable[..., None]:
     k = len(field.rates)
     rows += [f"result[{i}] = {e}" for i, e in enumerate(text[:k] + text[k + n * n :])]
     rows += [f"m_{i}_{j} = {text[k + n * i + j]}" for i in range(n) for j in range(n)]
-    source = "\n    ".join(["def rhs(t, state, parameters, result):", *rows, *_eliminated(k, n)])
+    source = "\n    ".join(
+        ["def rhs(t, state, parameters, result):", *rows, *_elimination_lines(k, n)]
+    )
     namespace: dict[str, Any] = dict(vars(math))
     exec(compile(source, "<sympy rhs>", "exec"), namespace)
     function: Callable[..., None] = namespace["rhs"]
     return function
 
 
-def _eliminated(k: int, n: int) -> list[str]:
+def _elimination_lines(k: int, n: int) -> list[str]:
     """Lines that solve m x = result[k:] by elimination, x in place of the right side."""
     rows = []
     for p in range(n):
@@ -133,20 +135,20 @@ def stepper_source(n: int) -> str:
 
     stages = []
     for s in range(1, STAGES):
-        stages.append(_combination("trial", f"h*({_weighted(DOP853.A[s, :s])})", n))
+        stages.append(_combination("trial", f"h*({_weighted_sum(DOP853.A[s, :s])})", n))
         stages.append(f"right(t + {DOP853.C[s]!r}*h, trial, parameters, k{s})")
-    stages.append(_combination("ahead", f"h*({_weighted(DOP853.B)})", n))
+    stages.append(_combination("ahead", f"h*({_weighted_sum(DOP853.B)})", n))
     stages.append("right(t + h, ahead, parameters, k12)")
     return _TEMPLATE.format(
         n=n,
         slopes="\n    ".join(f"k{s} = np.empty({n})" for s in range(STAGES + 1)),
         stages="\n            ".join("\n".join(stages).split("\n")),
-        fifth=_weighted(DOP853.E5),
-        third=_weighted(DOP853.E3),
+        fifth=_weighted_sum(DOP853.E5),
+        third=_weighted_sum(DOP853.E3),
     )
 
 
-def _weighted(row: Any) -> str:
+def _weighted_sum(row: Any) -> str:
     terms = [f"{float(c)!r}*k{j}[i]" for j, c in enumerate(row) if c != 0]
     return " + ".join(terms)
 

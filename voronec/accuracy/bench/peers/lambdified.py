@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, timed
+from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest
 from voronec.accuracy.bench.level import BenchLevel, level
 from voronec.accuracy.bench.question import BenchMotion
 from voronec.algebra.text import sympify
@@ -43,24 +43,24 @@ def _prepare(question: BenchMotion, method: str, name: str, kind: str) -> Run:
         from scipy.integrate import solve_ivp
 
         grid = question.grid
-        found, seconds = timed(
+        found, seconds = time_fastest(
             lambda: solve_ivp(
                 right, (grid[0], grid[-1]), start, method=method, t_eval=grid, rtol=tol, atol=tol
             )
         )
         if not found.success or found.y.shape[1] < len(grid):
             raise NotHere(f"scipy stopped: {found.message}")
-        values, drift = at.observed(grid, found.y.T)
+        values, drift = at.outputs_and_drift(grid, found.y.T)
         return Outcome(values, seconds, int(found.nfev), 0, drift)
 
     return run
 
 
-def _solved(at: BenchLevel) -> RightSide:
+def _solve_by_numpy(at: BenchLevel) -> RightSide:
     """Rates, mass and force by one call, the accelerations by ``numpy.linalg.solve``."""
     field, n = at.field, len(at.field.velocities)
     mass = [e for row in field.mass for e in row]
-    function = _lambdified(field, [*field.rates, *mass, *field.force], "numpy")
+    function = _lambdify(field, [*field.rates, *mass, *field.force], "numpy")
     constants, k = at.constants, len(field.rates)
 
     def right(t: float, y: np.ndarray) -> np.ndarray:
@@ -71,12 +71,12 @@ def _solved(at: BenchLevel) -> RightSide:
     return right
 
 
-def _written_out(at: BenchLevel) -> RightSide:
+def _write_derivatives(at: BenchLevel) -> RightSide:
     """All derivatives by one call on floats; by ``_solved`` where they are too long to write."""
     derivatives = at.field.components
     if sum(len(str(e)) for e in derivatives) > LONGEST:
-        return _solved(at)
-    function = _lambdified(at.field, derivatives, "math")
+        return _solve_by_numpy(at)
+    function = _lambdify(at.field, derivatives, "math")
     constants = at.constants
     return lambda t, y: function(t, *y.tolist(), *constants)
 
@@ -85,15 +85,13 @@ def _plain(at: BenchLevel) -> RightSide:
     """As it comes: all derivatives in numpy's functions, common parts computed again."""
     derivatives = at.field.components
     if sum(len(str(e)) for e in derivatives) > LONGEST:
-        return _solved(at)
-    function = _lambdified(at.field, derivatives, "numpy", cse=False)
+        return _solve_by_numpy(at)
+    function = _lambdify(at.field, derivatives, "numpy", cse=False)
     constants = at.constants
     return lambda t, y: function(t, *y, *constants)
 
 
-def _lambdified(
-    field: VectorField, exprs: Any, modules: str, cse: bool = True
-) -> Callable[..., Any]:
+def _lambdify(field: VectorField, exprs: Any, modules: str, cse: bool = True) -> Callable[..., Any]:
     symbols = [field.time, *field.variables, *field.parameters]
     plain = {s: sp.Symbol(f"z{i}") for i, s in enumerate(symbols)}
     names = {sympify(s): p for s, p in plain.items()}
@@ -103,8 +101,8 @@ def _lambdified(
 
 
 RIGHT_SIDES: dict[str, Callable[[BenchLevel], RightSide]] = {
-    "solved": _solved,
-    "written out": _written_out,
+    "solved": _solve_by_numpy,
+    "written out": _write_derivatives,
     "plain": _plain,
 }
 

@@ -21,8 +21,8 @@ from voronec.accuracy.bench.contender import (
     NotHere,
     Outcome,
     Run,
-    missing,
-    timed,
+    require_outputs,
+    time_fastest,
     without,
 )
 from voronec.accuracy.bench.level import BenchLevel, level
@@ -90,7 +90,7 @@ def _prepare(question: BenchMotion, setting: Setting) -> Run:
     name = question.system.name
     if name not in MOMENTS:
         raise NotHere(f"only for a ball on a plane: {', '.join(MOMENTS)}")
-    missing(question.outputs, OFFERED)
+    require_outputs(question.outputs, OFFERED)
     try:
         import mujoco
     except ImportError:
@@ -120,12 +120,12 @@ def _prepare(question: BenchMotion, setting: Setting) -> Run:
                 rows.append(_state_of(mujoco, data))
             return np.array(rows)
 
-        rows, seconds = timed(once)
+        rows, seconds = time_fastest(once)
         if not np.isfinite(rows).all():
             raise NotHere("the simulation became unstable")
         known = dict(zip(OFFERED, rows.T, strict=True))
         states = np.column_stack([known[str(s)] for s in at.field.variables])
-        values, drift = at.observed(question.grid, states)
+        values, drift = at.outputs_and_drift(question.grid, states)
         steps = each * (len(question.grid) - 1)
         stages = 4 if setting.integrator == "RK4" else 1
         return Outcome(values, seconds, stages * steps, steps, drift)
