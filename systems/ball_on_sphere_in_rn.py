@@ -20,10 +20,10 @@ from functools import partial
 
 import sympy as sp
 
-from voronec import Limit, Relation, Square, System
+from voronec import System
 from voronec.kinematics import BodyInRn
 
-m, R1, R2, h = sp.symbols("m R1 R2 h")
+m, R1, R2 = sp.symbols("m R1 R2")
 
 
 def member(n: int, name: str) -> System:
@@ -45,31 +45,6 @@ def member(n: int, name: str) -> System:
 MEMBERS = {str(n): partial(member, n, f"ball-on-sphere-in-rn@{n}") for n in (3, 4, 5)}
 SYSTEM = member(4, "ball-on-sphere-in-rn")
 
-state, moments = BodyInRn(3, m, R2, fixed=R1).in_space
-RELATIONS = (
-    Relation(
-        "ball-on-sphere-in-rn@3",
-        "ball-on-sphere",
-        state=state,
-        parameters={R1: R1, R2: R2, m: m, **moments},
-        note="three dimensions",
-    ),
-    # For n = 5 it holds too; the claims that it carries are too large to be decided.
-    *(
-        Relation(
-            f"ball-on-sphere-in-rn{at}",
-            f"chaplygin-ball-in-rn{at}",
-            parameters={m: m, "R": R2, **{i: i for i in BodyInRn(n, m, R2).moments}},
-            limit=Limit(h, {R1: 1 / h}),
-            note="the sphere becomes a hyperplane",
-        )
-        for n, at in ((3, "@3"), (4, ""))
-    ),
-)
-
-SQUARES = (
-    Square.through(
-        ("ball-on-sphere-in-rn@3", "ball-on-sphere", "chaplygin-ball"),
-        ("ball-on-sphere-in-rn@3", "chaplygin-ball-in-rn@3", "chaplygin-ball"),
-    ),
+RELATIONS, SQUARES = BodyInRn(3, m, R2, fixed=R1).large_sphere(
+    "ball-on-sphere-in-rn", "chaplygin-ball-in-rn", "ball-on-sphere", "chaplygin-ball"
 )

@@ -22,10 +22,10 @@ from functools import partial
 
 import sympy as sp
 
-from voronec import Limit, Relation, Square, System
+from voronec import System
 from voronec.kinematics import BodyInRn
 
-m, R1, R2, h = sp.symbols("m R1 R2 h")
+m, R1, R2 = sp.symbols("m R1 R2")
 
 
 def member(n: int, name: str) -> System:
@@ -47,31 +47,9 @@ def member(n: int, name: str) -> System:
 MEMBERS = {str(n): partial(member, n, f"rubber-ball-on-sphere-in-rn@{n}") for n in (3, 4, 5)}
 SYSTEM = member(4, "rubber-ball-on-sphere-in-rn")
 
-state, moments = BodyInRn(3, m, R2, fixed=R1, twists=False).in_space
-RELATIONS = (
-    Relation(
-        "rubber-ball-on-sphere-in-rn@3",
-        "rubber-ball-on-sphere",
-        state=state,
-        parameters={R1: R1, R2: R2, m: m, **moments},
-        note="three dimensions",
-    ),
-    # For n = 5 it holds too; the claims that it carries are too large to be decided.
-    *(
-        Relation(
-            f"rubber-ball-on-sphere-in-rn{at}",
-            f"rubber-ball-in-rn{at}",
-            parameters={m: m, "R": R2, **{i: i for i in BodyInRn(n, m, R2).moments}},
-            limit=Limit(h, {R1: 1 / h}),
-            note="the sphere becomes a hyperplane",
-        )
-        for n, at in ((3, "@3"), (4, ""))
-    ),
-)
-
-SQUARES = (
-    Square.through(
-        ("rubber-ball-on-sphere-in-rn@3", "rubber-ball-on-sphere", "rubber-ball-on-plane"),
-        ("rubber-ball-on-sphere-in-rn@3", "rubber-ball-in-rn@3", "rubber-ball-on-plane"),
-    ),
+RELATIONS, SQUARES = BodyInRn(3, m, R2, fixed=R1, twists=False).large_sphere(
+    "rubber-ball-on-sphere-in-rn",
+    "rubber-ball-in-rn",
+    "rubber-ball-on-sphere",
+    "rubber-ball-on-plane",
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +13,7 @@ from voronec.algebra.text import sympify
 from voronec.declaration.claims import Case, Equation, Measure
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import real_text
+from voronec.declaration.relation import Limit, Relation, Square
 from voronec.declaration.scene import Parameter, Scene
 from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
@@ -299,3 +300,34 @@ class BodyInRn:
         spin = {"omega1": -w23, "omega2": w13} | ({"omega3": -w12} if self.twists else {})
         state = {**{str(g): g for g in self.normal}, **spin}
         return state, {f"{self.letter}{k}": x for k, x in zip("123", (i23, i13, i12), strict=True)}
+
+    def large_sphere(
+        self, name: str, flat: str, low: str, low_flat: str
+    ) -> tuple[tuple[Relation, ...], tuple[Square, ...]]:
+        """What the balls ``name`` on a sphere, of which this is the one for n = 3, have to do with
+        ``flat`` on a hyperplane, and with ``low`` and ``low_flat`` in ordinary coordinates.
+
+        For n = 5 the limit holds too; the claims that it carries are too large to be decided.
+        """
+        state, moments = self.in_space
+        own = {s: s for s in (self.fixed, self.radius, self.mass)}
+        small, straight = sp.Symbol("h"), replace(self, fixed=None, twists=True)
+        limits = [
+            Relation(
+                f"{name}{at}",
+                f"{flat}{at}",
+                parameters={
+                    self.mass: self.mass,
+                    "R": self.radius,
+                    **{i: i for i in replace(straight, dimension=n).moments},
+                },
+                limit=Limit(small, {self.fixed: 1 / small}),
+                note="the sphere becomes a hyperplane",
+            )
+            for n, at in ((3, "@3"), (4, ""))
+        ]
+        known = Relation(
+            f"{name}@3", low, state=state, parameters={**own, **moments}, note="three dimensions"
+        )
+        square = Square.through((f"{name}@3", low, low_flat), (f"{name}@3", f"{flat}@3", low_flat))
+        return (known, *limits), (square,)
