@@ -19,7 +19,7 @@ x = sp.Symbol("x")
 
 @pytest.fixture(scope="module")
 def attack():
-    return tool("attack_prover")
+    return tool("prover.run")
 
 
 def asked(attack, count, kind="identities", seed=3):
@@ -65,7 +65,7 @@ def test_one_sign_that_is_lost_in_roots_is_noticed(attack, monkeypatch):
 
 
 def test_a_claim_that_is_false_and_proved_is_noticed(attack, monkeypatch):
-    claims = attack.attack_claims
+    claims = attack.claims
     monkeypatch.setattr(claims, "_asked", lambda *_: lambda: Verdict("proved", "so it is"))
     assert "wrong false proved" in [
         attack.outcome_of(made)[1].partition(":")[0]
@@ -75,8 +75,8 @@ def test_a_claim_that_is_false_and_proved_is_noticed(attack, monkeypatch):
 
 
 def test_truth_is_told_by_mpmath_alone(attack):
-    truth = tool("attack_truth")
-    source = (TOOLS / "attack_truth.py").read_text(encoding="utf-8")
+    truth = tool("prover.truth")
+    source = (TOOLS / "prover" / "truth.py").read_text(encoding="utf-8")
     assert "voronec" not in source
     with mpmath.workdps(40):
         assert truth.difference_at(sp.sqrt(x**2), x, {x: sp.Integer(-2)}) is True
@@ -106,7 +106,7 @@ def test_a_statement_that_sympy_never_makes_is_none_of_the_prover(attack, monkey
 def test_the_truth_of_relations_is_told_by_the_multipliers():
     """A mirrored sleigh is one; with a clock twice as fast, or not mirrored in one place, it is
     none."""
-    relations = tool("attack_relations")
+    relations = tool("prover.relations")
     found = {r.label: r for r in relations.entry_of("sleigh-on-turntable").load_relations()[0]}
     mirrored = found["sleigh on a turntable mirrored"]
     system = voronec.load(mirrored.source)

@@ -1,7 +1,7 @@
 """The closed form of Demchenko's ball against motions that share no code with it.
 
-The stored values, ``tools/closed-references.json``, come of an integration in 85 digits without
-coordinates.
+The stored values, ``tools/figures/closed-references.json``, come of an integration in 85 digits
+without coordinates.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from voronec.closed.classes.trace_classes import classify
 pytestmark = pytest.mark.slow
 
 TOOLS = Path(__file__).resolve().parent.parent / "tools"
-REFERENCES = json.loads((TOOLS / "closed-references.json").read_text("utf-8"))
+REFERENCES = json.loads((TOOLS / "figures" / "closed-references.json").read_text("utf-8"))
 ANGLES = ("u", "v", "u1", "v1", "theta")
 CLASSES = [name for name, told in REFERENCES.items() if told["group"] == "class"]
 HARD = [name for name, told in REFERENCES.items() if told["group"] == "hard"]
@@ -60,7 +60,7 @@ def tool(name: str) -> Any:
 
 @cache
 def closed_form(name: str) -> Any:
-    start = tool("bench_closed_references").exact_start(REFERENCES[name]["given"])
+    start = tool("figures.closed_references").exact_start(REFERENCES[name]["given"])
     return vo.closed_form(vo.load("demchenko"), **start)
 
 
@@ -77,7 +77,7 @@ def true(name: str) -> dict[str, list[Any]]:
 
 def errors(name: str, found: dict[str, np.ndarray]) -> dict[str, list[float]]:
     """Differences of doubles from the stored values, modulo whole turns."""
-    apart = tool("bench_closed_references").apart
+    apart = tool("figures.closed_references").apart
     with mpmath.workdps(60):
         return {
             n: [float(apart(n, mpmath.mpf(float(a)), b)) for a, b in zip(found[n], x, strict=True)]
@@ -104,7 +104,7 @@ def test_continuous_angles_lose_no_more_than_whole_turns_take(name: str) -> None
 @pytest.mark.parametrize("name", [*CLASSES[::5], *EXTREME[::4], *ENDLESS])
 def test_enclosures_hold_the_stored_digits_however_late(name: str) -> None:
     closed, exact = closed_form(name), true(name)
-    apart = tool("bench_closed_references").apart
+    apart = tool("figures.closed_references").apart
     for i, t in enumerate(instants(name)):
         found = closed.enclose(float(t), digits=45)
         with mpmath.workdps(60):
@@ -127,12 +127,12 @@ def test_the_class_is_the_one_that_the_motion_was_found_for(name: str) -> None:
 @pytest.mark.parametrize("changed", UNUSUAL.values(), ids=[*UNUSUAL])
 def test_unusual_starts_are_followed_like_any_other(changed: dict[str, str]) -> None:
     given = {**ORDINARY, **changed}
-    start = tool("bench_closed_references").exact_start(given)
+    start = tool("figures.closed_references").exact_start(given)
     closed = vo.closed_form(vo.load("demchenko"), **start)
-    motion = tool("bench_closed_motion").Motion(given, digits=25)
+    motion = tool("figures.closed_motion").Motion(given, digits=25)
     times = np.array([0.0, 0.75, 2.5])
     doubles = closed.modulo(times)
-    apart = tool("bench_closed_references").apart
+    apart = tool("figures.closed_references").apart
     for i, t in enumerate(times):
         exact, balls = motion.at(Fraction(float(t))), closed.enclose(float(t), digits=20)
         with mpmath.workdps(30):
@@ -154,7 +154,7 @@ def test_the_period_is_that_of_the_integration(name: str) -> None:
 
 
 def test_the_stored_motions_are_those_declared() -> None:
-    declared = tool("bench_closed_references").motions()
+    declared = tool("figures.closed_references").motions()
     assert {*declared} == {*REFERENCES}
     for name, told in declared.items():
         assert told["given"] == REFERENCES[name]["given"]
@@ -163,7 +163,7 @@ def test_the_stored_motions_are_those_declared() -> None:
 @pytest.mark.parametrize("name", ["inner B", "near the pole of the ball, 1e-6", "shell pole"])
 def test_stored_values_come_out_again_in_fewer_digits(name: str) -> None:
     given = REFERENCES[name]["given"]
-    motion = tool("bench_closed_motion").Motion(given, "theta" not in given, digits=30)
+    motion = tool("figures.closed_motion").Motion(given, "theta" not in given, digits=30)
     t = Fraction(float(instants(name)[0]))
     with mpmath.workdps(40):
         for angle, values in true(name).items():
@@ -171,7 +171,7 @@ def test_stored_values_come_out_again_in_fewer_digits(name: str) -> None:
 
 
 def test_whole_periods_agree_with_integration_all_the_way() -> None:
-    motion = tool("bench_closed_motion").Motion(REFERENCES["outer C1"]["given"], digits=25)
+    motion = tool("figures.closed_motion").Motion(REFERENCES["outer C1"]["given"], digits=25)
     t = 4 * motion.turns[0] + Fraction(1, 3)
     with mpmath.workdps(40):
         here, there = motion.at(t), motion.later(t)
@@ -180,7 +180,7 @@ def test_whole_periods_agree_with_integration_all_the_way() -> None:
 
 def test_the_independent_motion_keeps_energy_and_meets_its_start() -> None:
     given = REFERENCES["shell A"]["given"]
-    motion = tool("bench_closed_motion").Motion(given, digits=25)
+    motion = tool("figures.closed_motion").Motion(given, digits=25)
     with mpmath.workdps(40):
         begun, later = motion.at(Fraction(0)), motion.at(Fraction(7, 5))
         d = motion.data

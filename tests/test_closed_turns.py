@@ -35,7 +35,7 @@ def fuzz():
     """The fuzzer of turns: motions, and integration in space with angles followed closely."""
     if str(TOOLS) not in sys.path:
         sys.path.insert(0, str(TOOLS))
-    return importlib.import_module("fuzz_turns")
+    return importlib.import_module("scenes.turns")
 
 
 def by_scipy(fuzz):

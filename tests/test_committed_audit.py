@@ -22,19 +22,19 @@ from voronec.declaration.catalogue import load_paper
 pytestmark = pytest.mark.slow
 
 TOOLS = Path(__file__).resolve().parent.parent / "tools"
-STALE = "run: python tools/build_audit.py"
+STALE = "run: python tools/build.py audit"
 
 
 @pytest.fixture(name="build", scope="module")
 def _build() -> Iterator[ModuleType]:
     sys.path.insert(0, str(TOOLS))
     try:
-        import build_audit
+        from pages import audit
 
-        yield build_audit
+        yield audit
     finally:
         sys.path.remove(str(TOOLS))
-        sys.modules.pop("build_audit", None)
+        sys.modules.pop("pages.audit", None)
 
 
 @pytest.fixture(name="paper", scope="module")

@@ -41,7 +41,7 @@ def changed(name: str, group: str, entry: str, text: str) -> Derived:
 def test_every_system_is_derived_as_it_is_stored(name: str) -> None:
     """A rewriting that is proved equal passes, with a note."""
     file = STORED / f"{name}.json"
-    assert file.exists(), f"store it: python tools/store_derivations.py {name}"
+    assert file.exists(), f"store it: python tools/build.py derivations {name}"
     today = Derived.of(vo.derive(vo.load(name)))
     if today.text() == file.read_text(encoding="utf-8"):
         return

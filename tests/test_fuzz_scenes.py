@@ -21,7 +21,7 @@ pytestmark = [
 
 
 def motion(system, q, v, times, tolerance=3e-17, precision="long double"):
-    reference = tool("fuzz_reference")
+    reference = tool("scenes.reference")
     referee = reference.Referee(reference.mechanics_of(system))
     start = referee.start(q, v, [], times[0])
     found = referee.motion(start, [], times[0], times, tolerance, precision)
@@ -61,7 +61,7 @@ def test_a_sleigh_runs_round_in_both_precisions():
         sleigh,
         lagrangian=sleigh.lagrangian.subs({"m": 1, "J": 1, "a": 0}),
         parameters=(), integrals={}, equations={}, measure=None, integrable="", essential=(),
-        cases={}, scenes={}, shapes=(),
+        cases={}, scenes={}, shapes=(), bodies=(),
     )  # fmt: skip
     for precision, tolerance, off in (("long double", 3e-17, 1e-14), ("quad", 1e-24, 1e-15)):
         row = motion(system, [0, 0, 0], [1, 2], [0.0, 7.0], tolerance, precision).states[-1]
@@ -76,7 +76,7 @@ def test_a_driven_particle_forgets_its_start_backwards_too():
 
 
 def test_an_answer_that_is_off_is_wrong_and_a_right_one_is_right(monkeypatch):
-    scene = tool("fuzz_scene")
+    scene = tool("scenes.scene")
     judged = scene.Workshop(1, "sleigh").judged("smooth", 1)
     assert judged[:2] == ("sleigh", "right")
     asked = scene._asked
@@ -87,7 +87,7 @@ def test_an_answer_that_is_off_is_wrong_and_a_right_one_is_right(monkeypatch):
 
 
 def test_starts_at_singular_places_are_swept_and_judged(monkeypatch):
-    sweep = tool("sweep_starts")
+    sweep = tool("scenes.starts")
     bench = sweep.Bench.of("ball-on-turntable", 1)
     place = next(q for where, q in bench.places() if where == "theta = 0: coordinates")
     assert place[1] == 0
@@ -102,7 +102,7 @@ def test_a_method_whose_estimate_is_sharp_errs_by_its_tolerance():
     """On x' = x, whose relative condition is 1, a hundred units are less than DOP853 promises."""
     from scipy.integrate import solve_ivp
 
-    scene = tool("fuzz_scene")
+    scene = tool("scenes.scene")
     found = solve_ivp(lambda _, y: y, (0, 10), [1.0], method="DOP853", rtol=1e-13, atol=1e-13)
     off = abs(found.y[0, -1] / exp(10) - 1)
     assert 100 * scene.UNIT < off < 100 * scene.UNIT * scene.SHARP["scipy"]
@@ -114,7 +114,7 @@ def test_the_start_of_the_referee_takes_all_velocities_of_coordinates():
         "p", vo.Fibration(x, y), (xdot**2 + vo.velocity(y) ** 2) / 2,
         constraints=(vo.velocity(y) - 2 * xdot,), frame=vo.Frame.quasi({phi: x * xdot}),
     )  # fmt: skip
-    reference = tool("fuzz_reference")
+    reference = tool("scenes.reference")
     referee = reference.Referee(reference.mechanics_of(system))
     state = referee.start_of_rates([0, 1], [1, 2 + 1e-12], [], 0.0)
     assert [float(s) for s in state[:2]] == [0, 1]

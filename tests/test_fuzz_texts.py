@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from tool_modules import tool
 
-fuzz = tool("fuzz_doors")
-texts = sys.modules["door_texts"]
+fuzz = tool("doors.run")
+texts = sys.modules["doors.texts"]
 
 
 @pytest.fixture

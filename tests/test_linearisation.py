@@ -12,7 +12,7 @@ from tool_modules import tool
 
 import voronec as vo
 
-models = tool("mechanics_models")
+models = tool("figures.mechanics_models")
 
 # [Meijaard2007, table 2]: castering, capsize and weave, or four real ones, to the digits printed.
 PUBLISHED = """

@@ -16,7 +16,7 @@ from tool_modules import tool
 import voronec as vo
 from voronec.equations.program import Program
 
-models = tool("mechanics_models")
+models = tool("figures.mechanics_models")
 
 t = sp.Symbol("t")
 DIGITS = 30

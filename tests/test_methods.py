@@ -60,7 +60,7 @@ def test_a_wrong_body_is_refuted() -> None:
 @pytest.mark.parametrize("name", ["rolling_disc", "chaos_pendulum", "three_wheeled_carriage"])
 def test_bodies_of_models_of_sympy(name: str) -> None:
     """The bodies and loads of a model, which its Lagrangian and forces were made of otherwise."""
-    found = vo.by_methods(vo.from_mechanics(tool("mechanics_models").MODELS[name]()))
+    found = vo.by_methods(vo.from_mechanics(tool("figures.mechanics_models").MODELS[name]()))
     assert found.methods[0].name.startswith("Newton") and found.proved
 
 

@@ -13,9 +13,9 @@ from voronec.audit import Check, Display, Motion, Section, Study
 
 pytestmark = pytest.mark.slow
 
-latex_errors = tool("latex_errors")
-english_errors = tool("english_errors")
-paper_trials = tool("paper_trials")
+latex_errors = tool("papers.latex_errors")
+english_errors = tool("papers.english_errors")
+paper_trials = tool("papers.trials")
 
 
 def made(latex, kind):
@@ -141,7 +141,7 @@ def test_what_stands_in_print_is_corrected_before_errors_are_made():
 
 def test_every_kind_of_premise_of_a_system_is_changed():
     system = vo.load("demchenko")
-    found = {p.what: p.changed for p in tool("change_premises").premises(system)}
+    found = {p.what: p.changed for p in tool("papers.premises").premises(system)}
     assert {f"{x} doubled in the Lagrangian" for x in ("M", "R1", "R2", "A", "k")} < set(found)
     assert {f"{x} doubled in its definition" for x in ("s", "tau", "n")} < set(found)
     assert all(changed != system for changed in found.values())
@@ -152,5 +152,5 @@ def test_every_kind_of_premise_of_a_system_is_changed():
 def test_before_any_change_each_system_is_derived_as_it_is():
     seen = {}
     outside, inside = vo.load("demchenko"), replace(vo.load("demchenko"), constraints=())
-    noted = [tool("change_premises")._noted(seen, system) for system in (outside, inside)]
+    noted = [tool("papers.premises")._noted(seen, system) for system in (outside, inside)]
     assert noted == [outside, inside] and outside != inside and seen == {"demchenko": outside}

@@ -20,7 +20,7 @@ from voronec.equations.program import (
     shorten_program,
 )
 
-bench = tool("bench_mechanics")
+bench = tool("figures.mechanics")
 a, b, c, x, y = se.symbols("a b c x y")
 
 

@@ -14,7 +14,7 @@ from voronec import kinematics, testing
 
 @pytest.fixture(name="build", scope="module")
 def _build():
-    return tool("build_site")
+    return tool("pages.site")
 
 
 def test_the_reference_has_every_public_name_once(build) -> None:

@@ -15,16 +15,16 @@ from voronec.proof.check import Inventory, Result
 pytestmark = pytest.mark.slow
 
 TOOLS = Path(__file__).resolve().parent.parent / "tools"
-STALE = "run: python tools/build_pages.py"
+STALE = "run: python tools/build.py pages"
 
 
 @pytest.fixture(name="build", scope="module")
 def _build() -> Iterator[ModuleType]:
     sys.path.insert(0, str(TOOLS))
     try:
-        import build_pages
+        from pages import systems
 
-        yield build_pages
+        yield systems
     finally:
         sys.path.remove(str(TOOLS))
 

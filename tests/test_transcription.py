@@ -48,7 +48,7 @@ SECOND = ("$$\nu_{1} = v\\\\[3pt]\n$$", r"\begin{eqnarray*} p &=& q \\ r &=& s \
 def _tools(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.syspath_prepend(str(TOOLS))
     yield
-    for name in ("compare_transcription", "latex_source"):
+    for name in ("papers.transcription", "papers.latex_source"):
         sys.modules.pop(name, None)
 
 
@@ -70,14 +70,14 @@ def paper(
 
 
 def differences(made: Paper, source: str = SOURCE) -> list[Any]:
-    from compare_transcription import compare
-    from latex_source import read_sections
+    from papers.latex_source import read_sections
+    from papers.transcription import compare
 
     return list(compare(read_sections(source), made).differences)
 
 
 def test_every_display_of_the_source_is_found_where_it_stands() -> None:
-    from latex_source import read_sections
+    from papers.latex_source import read_sections
 
     before, first, second, empty = read_sections(SOURCE)
     assert not before.displays
@@ -90,7 +90,7 @@ def test_every_display_of_the_source_is_found_where_it_stands() -> None:
 
 @pytest.mark.parametrize("name", ["align*", "gather", "multline"])
 def test_other_environments_count(name: str) -> None:
-    from latex_source import read_sections
+    from papers.latex_source import read_sections
 
     text = f"\\begin{{{name}}} a \\end{{{name}}}"
     (found,) = read_sections(f"\\begin{{document}}{text}\\end{{document}}")
@@ -174,7 +174,7 @@ def test_sections_in_another_order_are_reported() -> None:
     ],
 )
 def test_what_is_no_article_is_refused(text: str, complaint: str) -> None:
-    from latex_source import read_sections
+    from papers.latex_source import read_sections
 
     with pytest.raises(DefinitionError) as error:
         read_sections(text)
@@ -198,7 +198,7 @@ def printed(made: Paper) -> str:
 def test_the_command_tells_equal_from_different(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from compare_transcription import main
+    from papers.transcription import main
 
     file = tmp_path / "paper.tex"
     made = load_paper("demchenko")
@@ -219,7 +219,7 @@ def test_the_command_tells_equal_from_different(
 def test_bad_input_is_one_line_and_status_two(
     arguments: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from compare_transcription import main
+    from papers.transcription import main
 
     assert main(arguments) == 2
     shown = capsys.readouterr()

@@ -1,4 +1,4 @@
-"""How Sphinx builds the site: ``python tools/build_site.py`` calls it."""
+"""How Sphinx builds the site: ``python tools/build.py site`` calls it."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ def system_page(
         *_scenes(system),
         "## References",
         *(f"- {citation(entry)}" for entry in bibliography.values()),
-        f"Made from the system by `python tools/build_pages.py`; `voronec check {system.name}` "
+        f"Made from the system by `python tools/build.py pages`; `voronec check {system.name}` "
         "decides it anew.",
     ]
     return _join_paragraphs(parts)

@@ -12,7 +12,7 @@ __all__ = ["page"]
 TOP = """# Hard cases
 
 `voronec hard` runs every integrator on motions that are hard for numbers, and holds each against a
-reference. This page is written by `tools/build_hard_cases.py`; times are of the machine it ran on.
+reference. This page is written by `tools/build.py hard-cases`; times are of the machine it ran on.
 
 ## What the columns say
 

@@ -1,0 +1,1 @@
+"""Odd input at every door of the package."""

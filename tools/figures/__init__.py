@@ -1,0 +1,1 @@
+"""What is measured: the engine, its integrators and the closed form, against others."""

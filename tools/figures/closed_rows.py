@@ -1,0 +1,295 @@
+"""Rows of the table of figures of the closed form: accuracy, and what it costs."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterator, Mapping
+from fractions import Fraction
+from functools import cache, partial
+from typing import Any
+
+import mpmath
+import numpy as np
+
+import voronec as vo
+from figures.closed_motion import NAMES, Motion
+from figures.closed_references import STORE, apart, exact_start
+from figures.prepared import Prepared, turns
+from figures.table import Row
+from voronec.equations.program import Program
+
+__all__ = ["ROWS", "closed_form", "hard_table", "references"]
+
+ANGLES = NAMES[:5]
+PERIODS = 100
+LATE = 1e6
+INSTANTS = 100_000
+GOOD = 1e-13
+LEAST = 1e-14
+"""The unit of angles that have no last place to speak of."""
+WORKING = 90
+"""Digits of the independent motions that enclosures must contain."""
+
+
+@cache
+def references() -> dict[str, dict[str, Any]]:
+    """The stored motions by name, each with its values."""
+    found: dict[str, dict[str, Any]] = json.loads(STORE.read_text("utf-8"))
+    return found
+
+
+@cache
+def closed_form(name: str) -> Any:
+    """The closed form of a stored motion."""
+    start = exact_start(references()[name]["given"])
+    return vo.closed_form(
+        vo.load("demchenko"), parameters=start["parameters"], initial=start["initial"]
+    )
+
+
+def _of(group: str) -> list[str]:
+    return [name for name, told in references().items() if told["group"] == group]
+
+
+def errors(name: str, late: bool, modulo: bool = True) -> dict[str, float]:
+    """The largest error in doubles of every angle of a stored motion, modulo 2 pi."""
+    told, closed = references()[name], closed_form(name)
+    rows = told["values"]
+    early = [r for r in rows if not told["period"] or _within(r[0], told["period"])]
+    chosen = [r for r in rows if r not in early] if late else early
+    times = np.array([float.fromhex(r[0]) for r in chosen])
+    found = (closed.modulo if modulo else closed.at)(times, ANGLES)
+    with mpmath.workdps(50):
+        return {
+            n: float(max(
+                apart(n, mpmath.mpf(float(x)), mpmath.mpf(r[1 + i]))
+                for x, r in zip(found[n], chosen, strict=True)
+            ))
+            for i, n in enumerate(ANGLES)
+        }  # fmt: skip
+
+
+def _within(instant: str, period: str) -> bool:
+    return float.fromhex(instant) < (PERIODS + 1) * float(period)
+
+
+def _worst(group: str, late: bool, modulo: bool = True) -> tuple[float, str]:
+    found = ((e, f"{n} of {m}") for m in _of(group) for n, e in errors(m, late, modulo).items())
+    return max(found)
+
+
+def early() -> Iterator[Row]:
+    """Doubles after 100 periods."""
+    worst, where = _worst("class", late=False)
+    yield Row(
+        f"doubles, {PERIODS} periods, {len(_of('class'))} motions of all classes, outer, inner and "
+        "shell, every angle modulo 2 pi, against 42 digits",
+        f"{GOOD:g}", f"{worst:.1e} ({where})", worst <= GOOD,
+    )  # fmt: skip
+    worst, where = _worst("class", late=False, modulo=False)
+    yield Row(
+        "the same, longitudes and theta continuous (whole turns take digits)", "1e-12",
+        f"{worst:.1e} ({where})", worst <= 1e-12,
+    )  # fmt: skip
+
+
+def late() -> Iterator[Row]:
+    """Doubles after a million periods."""
+    worst, where, places = 0.0, "", 0.0
+    for name in _of("class"):
+        largest = closed_form(name).at([_last(name)], ANGLES)
+        for angle, error in errors(name, late=True, modulo=False).items():
+            unit = float(np.spacing(np.abs(largest[angle])[0]))
+            places = max(places, error / max(unit, LEAST))
+            worst, where = max((worst, where), (error, f"{angle} of {name}"))
+    yield Row(
+        "doubles, 1e6 periods, the same motions, longitudes and theta continuous",
+        "1e-9, or two units of the last place of the angle",
+        f"{worst:.1e} ({where}); {places:.1f} units at worst", worst <= 1e-9 or places <= 2,
+    )  # fmt: skip
+    worst, where = _worst("class", late=True)
+    yield Row(
+        "doubles, 1e6 periods, when asked: angles modulo 2 pi", f"{GOOD:g}",
+        f"{worst:.1e} ({where})", worst <= GOOD,
+    )  # fmt: skip
+
+
+def _last(name: str) -> float:
+    return float.fromhex(references()[name]["values"][-1][0])
+
+
+def rigorous() -> Iterator[Row]:
+    """Enclosures at a million periods, against motions integrated independently."""
+    widest, missed, seconds = 0.0, [], []
+    for name in _of("class"):
+        told = references()[name]
+        motion = Motion(told["given"], "theta" not in told["given"], WORKING)
+        t = Fraction(float.fromhex(told["values"][-1][0]))
+        began = time.process_time()
+        found = closed_form(name).enclose(t, digits=50)
+        seconds.append(time.process_time() - began)
+        true = motion.later(t)
+        for n in NAMES:
+            wide, inside = _held(n, found[n], true[n])
+            widest = max(widest, wide)
+            missed += [] if inside else [f"{n} of {name}"]
+    told_missed = f"; not containing {', '.join(missed)}" if missed else ", all containing it"
+    yield Row(
+        f"rigorous, 50 digits, 1e6 periods, all coordinates and spins: width, and an independent "
+        f"motion in {WORKING} digits, by whole periods",
+        "1e-50", f"{widest:.0e}{told_missed}; {np.median(seconds):.2g} s of CPU each",
+        widest < 1e-50 and not missed,
+    )  # fmt: skip
+
+
+def followed() -> Iterator[Row]:
+    """The stored references by their two routes."""
+    found = {n: float(told["followed"]) for n, told in references().items() if "followed" in told}
+    worst, where = max((x, n) for n, x in found.items())
+    yield Row(
+        f"the references themselves, {len(found)} motions: whole periods of one period against "
+        f"integration all the way through {PERIODS} periods",
+        "1e-40", f"{worst:.1e} ({where})", worst < 1e-40,
+    )  # fmt: skip
+
+
+def _held(name: str, ball: Any, true: Any) -> tuple[float, bool]:
+    """The width of an enclosure, and whether it holds a number that is right to 1e-60."""
+    with mpmath.workdps(WORKING):
+        middle, radius = (mpmath.mpf(_digits(part)) for part in (ball.mid(), ball.rad()))
+        return float(2 * radius), bool(apart(name, middle, true) <= radius + mpmath.mpf("1e-60"))
+
+
+def _digits(exact: Any) -> str:
+    return str(exact.str(2 * WORKING, radius=False))
+
+
+def hard_table() -> list[tuple[str, float, float, float]]:
+    """For every hard case: its largest error in doubles up to 100 periods and at a million, and
+    how wide an enclosure of 20 digits is there."""
+    found = []
+    for group in ("hard", "asymptotic"):
+        for name in _of(group):
+            told = references()[name]
+            balls = closed_form(name).enclose(_last(name), digits=20)
+            wide = max(float(balls[n].rad()) for n in ANGLES)
+            later = max(errors(name, True).values()) if told["period"] else float("nan")
+            shown = name if group == "hard" else f"double root, no period: {name}"
+            found.append((shown, max(errors(name, False).values()), later, wide))
+    return found
+
+
+def hard() -> Iterator[Row]:
+    """The hard cases, family by family."""
+    families: dict[str, list[tuple[float, float, str]]] = {}
+    for name, soon, later, _ in hard_table():
+        about = name.rpartition(", ")[0] if "1e" in name else name
+        families.setdefault(about, []).append((soon, later, name.rpartition(", ")[2]))
+    for about, found in families.items():
+        soon, later = max(f[0] for f in found), max(f[1] for f in found)
+        sizes = f"{found[0][2]} ... {found[-1][2]}" if len(found) > 1 else ""
+        told = f"{soon:.1e}" if later != later else f"{soon:.1e}; at 1e6 periods {later:.1e}"
+        yield Row(
+            f"hard case, doubles, {PERIODS} periods: {about}" + (f", {sizes}" if sizes else ""),
+            f"{GOOD:g}", told, soon <= GOOD,
+        )  # fmt: skip
+
+
+def _grid(periods: float) -> np.ndarray:
+    span = periods * closed_form("outer B").period
+    return np.linspace(0.0, span, INSTANTS)
+
+
+def dense() -> Iterator[Row]:
+    """A hundred thousand instants by the closed form and by heyoka's dense output."""
+    closed = closed_form("outer B")
+    start = exact_start(references()["outer B"]["given"])
+    times = {p: _grid(p) for p in (PERIODS, 1e4, LATE)}
+    prepared = _by_steps(start)
+    integrator = prepared.integrator(2.3e-16)
+
+    def heyoka() -> None:
+        integrator.time, integrator.state[:] = 0.0, prepared.start
+        integrator.propagate_grid(times[PERIODS])
+
+    closed.at(times[PERIODS][:10], ANGLES)
+    work: dict[Any, Callable[[], Any]] = {p: partial(closed.at, times[p], ANGLES) for p in times}
+    best = turns({"heyoka": heyoka, **work}, 30)
+    ratio = best["heyoka"] / best[PERIODS]
+    yield Row(
+        f"{INSTANTS:g} instants of all five coordinates over {PERIODS} periods, against heyoka's "
+        "dense output at tolerance 2.3e-16, compiled, set-up excluded",
+        "faster", f"{ratio:.2f} times as fast ({1e3 * best['heyoka']:.0f} / "
+        f"{1e3 * best[PERIODS]:.0f} ms)", ratio > 1,
+    )  # fmt: skip
+    ratios = [best[p] / best[PERIODS] for p in (1e4, LATE)]
+    yield Row(
+        f"cost of {INSTANTS:g} instants over 1e4 and 1e6 periods, of that over {PERIODS}",
+        "the same", " and ".join(f"{r:.2f}" for r in ratios) + " times", max(ratios) < 1.15,
+    )  # fmt: skip
+
+
+def turned() -> Iterator[Row]:
+    """The same where the momentum is not upright, and by ``integrate``."""
+    closed, start = closed_form("outer A"), exact_start(references()["outer A"]["given"])
+    times = np.linspace(0.0, PERIODS * closed.period, INSTANTS)
+    integrator, begin = _by_steps(start).integrator(2.3e-16), _by_steps(start).start
+
+    def heyoka() -> None:
+        integrator.time, integrator.state[:] = 0.0, begin
+        integrator.propagate_grid(times)
+
+    best = turns({"heyoka": heyoka, "closed": partial(closed.at, times, ANGLES)}, 7)
+    ratio = best["heyoka"] / best["closed"]
+    yield Row(
+        f"{INSTANTS:g} instants of all five coordinates, the momentum not upright, {PERIODS} "
+        "periods, against heyoka's dense output as above",
+        "faster", f"{ratio:.2f} times as fast ({1e3 * best['heyoka']:.0f} / "
+        f"{1e3 * best['closed']:.0f} ms)", ratio > 1,
+    )  # fmt: skip
+    for name, told in (("outer B", "upright"), ("outer A", "not upright")):
+        spent = {m: _spent(name, m) for m in ("closed-form", "heyoka")}
+        ratio = spent["heyoka"] / spent["closed-form"]
+        yield Row(
+            f"run of integrate on {INSTANTS:g} instants, the momentum {told}, {PERIODS} periods, "
+            "against the method heyoka at tolerance 2.3e-16, set-up excluded",
+            "faster", f"{ratio:.2f} times as fast ({1e3 * spent['heyoka']:.0f} / "
+            f"{1e3 * spent['closed-form']:.0f} ms)", ratio > 1,
+        )  # fmt: skip
+
+
+def _spent(name: str, method: str) -> float:
+    """The least CPU time of a run on the grid."""
+    start = exact_start(references()[name]["given"])
+    times = np.linspace(0.0, PERIODS * closed_form(name).period, INSTANTS)
+    tol = 2.3e-16 if method == "heyoka" else 1e-13
+    runs = (
+        vo.integrate(
+            vo.load("demchenko"), parameters=start["parameters"], initial=start["initial"],
+            times=times, outputs=ANGLES, method=method, tol=tol,
+        )
+        for _ in range(5)
+    )  # fmt: skip
+    return min(run.cost.cpu for run in runs)
+
+
+def _by_steps(start: Mapping[str, Mapping[str, Any]]) -> Prepared:
+    """The equations in all eight coordinates and spins, ready for heyoka."""
+    program = Program.of(vo.derive(vo.load("demchenko")).form)
+    numbers = {**start["parameters"], **start["initial"]}
+    states, values = ([float(numbers[str(x)]) for x in some] for some in (
+        program.state, program.parameters
+    ))  # fmt: skip
+    return Prepared.of(program, states, values)
+
+
+ROWS: dict[str, Callable[[], Iterator[Row]]] = {
+    "early": early,
+    "late": late,
+    "followed": followed,
+    "rigorous": rigorous,
+    "hard": hard,
+    "dense": dense,
+    "turned": turned,
+}

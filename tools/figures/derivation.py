@@ -1,0 +1,212 @@
+"""Measure the engine against its figures: ``python tools/bench.py derivation``.
+
+Every figure is a ratio, a count or a time of one run on one machine; nothing here is a test.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import random
+import statistics
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import sympy as sp
+
+import voronec as vo
+from figures.measure import (
+    by_sympy,
+    command,
+    count_operations,
+    median_time,
+    operations,
+    random_point,
+    sympy_operations,
+)
+from figures.systems import gyroscopic_ball
+from figures.table import Row, table
+from voronec.equations.program import Program
+from voronec.equations.reduction import descend
+
+DIGITS = 50
+
+
+def derivation() -> Iterator[Row]:
+    """Demchenko's ball in Neumann coordinates against SymPy's Lagrange equations."""
+    ball = vo.load("demchenko")
+    # Without the quasi-velocities, which SymPy does not know, and the claims written in them.
+    plain = replace(ball, frame=None, integrals={}, measure=None, scenes={})
+    slow, _ = by_sympy(plain)
+    raw = median_time(lambda: vo.derive(plain).raw.form)
+    exact = median_time(lambda: _normal_form(plain))
+    framed = median_time(lambda: _normal_form(ball))
+    for name, seconds, factor in (
+        ("unsimplified", raw, 200),
+        ("exact normal form, coordinate velocities", exact, 10),
+        ("exact normal form, velocities (s, tau, n)", framed, 10),
+    ):
+        yield Row(
+            f"Demchenko's ball, {name}, against SymPy's {slow:.2f} s",
+            f"{factor} times faster",
+            f"{slow / seconds:.0f} times ({1000 * seconds:.1f} ms)",
+            slow >= factor * seconds,
+        )
+
+
+def balls() -> Iterator[Row]:
+    """Descent of the Chaplygin ball; a ball without symmetry in exact normal form."""
+    chaplygin = vo.load("chaplygin-ball")
+    descent = median_time(lambda: descend(chaplygin), runs=3)
+    yield Row(
+        "Chaplygin ball, Euler angles to the proved (G, gamma) equations",
+        "under 1 s",
+        f"{descent:.2f} s",
+        descent < 1,
+    )
+    for quasi, name in ((False, "coordinate velocities"), (True, "frame (s, tau, n)")):
+        ball = gyroscopic_ball(sp.symbols("A B C"), sp.symbols("k1 k2 k3"), quasi)
+        seconds = median_time(partial(_normal_form, ball), runs=3)
+        yield Row(
+            f"non-symmetric gyroscopic ball, exact mass and force, {name}",
+            "under 3 s",
+            f"{seconds:.2f} s",
+            seconds < 3,
+        )
+
+
+def bicycle() -> Iterator[Row]:
+    """A large system: derived, evaluated to 30 digits, written as a program."""
+    system = vo.load("bicycle")
+    point = random_point(system, random.Random(1))
+    seconds = median_time(lambda: vo.derive(system).acceleration(point, digits=30), runs=3)
+    size = f"{system.lagrangian.count_ops()} operations in L"
+    yield Row(
+        f"bicycle ({size}), derived and its accelerations to 30 digits",
+        "under 2 s",
+        f"{seconds:.2f} s",
+        seconds < 2,
+    )
+    program = Program.of(vo.derive(system).form).derivative
+    count = count_operations(program.expressions)
+    yield Row("bicycle, operations of the right-hand side", "under 1500", str(count), count < 1500)
+
+
+def shortness() -> Iterator[Row]:
+    """Operations of Demchenko's first-order right-hand side, engine against SymPy."""
+    ball = vo.load("demchenko")
+    eqs = vo.derive(ball)
+    engine = operations([*eqs.rates, *eqs.mass.LUsolve(eqs.force)])
+    _, method = by_sympy(ball)
+    other = sympy_operations(method)
+    yield Row(
+        "Demchenko's right-hand side, operations against SymPy's",
+        "at most 1/3",
+        f"{engine} / {other} = {engine / other:.3f}",
+        3 * engine <= other,
+    )
+
+
+def help_page() -> Iterator[Row]:
+    """``voronec --help`` from a cold interpreter."""
+    script = Path(sys.executable).with_name("voronec")
+    runs = [command(str(script), "--help") for _ in range(9)]
+    seconds = statistics.median(elapsed for elapsed, _ in runs)
+    works = all(run.returncode == 0 and "usage" in run.stdout.lower() for _, run in runs)
+    _, traced = command(sys.executable, "-X", "importtime", str(script), "--help")
+    imported = {line.rpartition("|")[2].strip() for line in traced.stderr.splitlines()}
+    heavy = ", ".join(sorted(imported & {"sympy", "numpy"}))
+    yield Row(
+        "voronec --help",
+        "0.3 s, loads neither sympy nor numpy",
+        f"{seconds:.2f} s, loads {heavy or 'neither'}" if works else "it fails",
+        works and not heavy and seconds <= 0.3,
+    )
+
+
+def routes() -> Iterator[Row]:
+    """Accelerations of every system, Voronec's equations against multipliers."""
+    worst: dict[str, float] = {}
+    for name in vo.names():
+        system, dice = vo.load(name), random.Random(name)
+        eqs = vo.derive(system)
+        worst[name] = max(_deviation(system, eqs, random_point(system, dice)) for _ in range(3))
+    name = max(worst, key=lambda key: worst[key])
+    yield Row(
+        f"accelerations by both routes, {len(worst)} systems, {DIGITS} digits",
+        "agree to 40 digits",
+        f"largest relative deviation {worst[name]:.1e} ({name})",
+        worst[name] < 1e-40,
+    )
+
+
+def _normal_form(system: vo.System) -> Any:
+    eqs = vo.derive(system)
+    return eqs.mass, eqs.force
+
+
+def _deviation(system: vo.System, eqs: vo.VoronecEquations, point: dict[str, Any]) -> float:
+    one = eqs.acceleration(point, digits=DIGITS)
+    other = vo.multiplier_acceleration(system, point, digits=DIGITS + 10)
+    scale = max(map(abs, one.values()))
+    return float(max(abs(one[q] - other[q]) for q in one) / scale) if scale else 0.0
+
+
+ROWS: dict[str, Callable[[], Iterator[Row]]] = {
+    "derivation": derivation,
+    "balls": balls,
+    "bicycle": bicycle,
+    "shortness": shortness,
+    "help": help_page,
+    "routes": routes,
+}
+
+
+def _measured(key: str) -> Iterator[Row]:
+    """The rows of one measurement; what stops it is a missed row, and the others go on."""
+    try:
+        yield from ROWS[key]()
+    except vo.VoronecError as error:
+        yield Row(key, "to be measured", str(error), False)
+
+
+PAGE = """# Benchmarks
+
+Written by `python tools/bench.py derivation --page docs/benchmarks.md`: every figure comes from one
+run on one machine; the engine's times are medians, SymPy's is a single run, and ratios compare two
+times of the same run. SymPy's side is `LagrangesMethod` on the same Lagrangian and constraints, in
+coordinate velocities and with its multipliers, its cache emptied. Operations are SymPy's
+`count_ops` after common subexpressions are taken out, on both sides; the engine's for Demchenko's
+ball are those of the velocities (s, tau, n).
+
+{table}
+
+Measured on {machine}.
+"""
+
+
+def main() -> int:
+    """Measure, print, and exit with 1 where a figure is missed."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", type=Path, help="also write the rows to this file")
+    parser.add_argument("--page", type=Path, help="also write a page with the table")
+    parser.add_argument("--only", choices=ROWS, action="append", help="measure only this")
+    options = parser.parse_args()
+    rows: list[Row] = []
+    for key in options.only or ROWS:
+        for row in _measured(key):
+            rows.append(row)
+            print(f"{row.row}: {row.reached} ({row.verdict})", file=sys.stderr, flush=True)
+    machine = f"{platform.machine()}, Python {platform.python_version()}, SymPy {sp.__version__}"
+    print(f"{table(rows)}\n\n{machine}")
+    if options.page:
+        options.page.write_text(PAGE.format(table=table(rows), machine=machine))
+    if options.json:
+        values = [asdict(row) | {"verdict": row.verdict} for row in rows]
+        options.json.write_text(json.dumps({"machine": machine, "rows": values}, indent=1) + "\n")
+    return 0 if all(row.good for row in rows) else 1

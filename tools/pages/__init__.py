@@ -1,0 +1,1 @@
+"""What is built from the package: pages, pictures, the site, stored derivations."""

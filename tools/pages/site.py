@@ -1,0 +1,186 @@
+"""Build the documentation site: ``python tools/build.py site`` (needs the extra ``docs``).
+
+The pages under ``docs`` and the reference, made from the docstrings, go to ``build/site/source``,
+and Sphinx makes ``build/site/html`` of them.  A warning, an error in a notebook or a link that
+leads nowhere ends with status 1.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from importlib import import_module
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import voronec
+from voronec.motion.viewer.gallery import write_gallery
+
+__all__ = ["add_motions", "dead_links", "main", "reference_pages", "write_source"]
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+PLACE = ROOT / "build" / "site"
+
+ROOMS = {
+    "declaration": "Defining a system",
+    "kinematics": "Rotations, surfaces and rolling",
+    "equations": "Equations of motion",
+    "motion": "Motions",
+    "closed": "Motions in closed form",
+    "proof": "Claims, relations and searches",
+    "audit": "Teaching",
+    "algebra": "Symbols and verdicts",
+    "accuracy": "Hard cases",
+    "errors": "Errors",
+    "testing": "Tests for your own systems",
+}
+"""The rooms of the package that have public names, in the order of use, and what they are for."""
+
+
+OUTSIDE = re.compile(r"\[([^\]]*)\]\(\.\./[^)]*\)")
+SYSTEMS = "\n```{toctree}\n:hidden:\n:glob:\n\n*\n```\n"
+"""All pages beside the list of systems, for the column on the left."""
+CARRIED = "lists them; the site\ncarries them, too.\n"
+"""Where the pages of motions are told of."""
+TIME = "The time, the symbol ``t``; also the argument of SymPy's ``dynamicsymbols``."
+
+
+def reference_pages() -> dict[str, str]:
+    """The pages of the reference by their names: every public name, with its docstring."""
+    names: dict[str, list[str]] = {room: [] for room in ROOMS}
+    for name in voronec.__all__:
+        if name != "kinematics":
+            names[voronec._HOME[name].split(".")[1]].append(f"voronec.{name}")
+    for room in ("kinematics", "testing"):
+        module = import_module(f"voronec.{room}")
+        names[room] = [f"voronec.{room}.{name}" for name in module.__all__]
+    return {room: _reference_page(title, names[room]) for room, title in ROOMS.items()}
+
+
+def _reference_page(title: str, names: list[str]) -> str:
+    lines = [title, "=" * len(title), ""]
+    for name in names:
+        home, _, last = name.rpartition(".")
+        value = getattr(import_module(home), last)
+        if value is voronec.time:  # its docstring is that of SymPy's symbols
+            lines += [last, "-" * len(last), "", f".. data:: {name}", "", f"   {TIME}", ""]
+            continue
+        kind = "class" if isinstance(value, type) else "function" if callable(value) else "data"
+        if kind == "class" and issubclass(value, Exception):
+            kind = "exception"
+        lines += [last, "-" * len(last), "", f".. auto{kind}:: {name}"]
+        options = ["   :members:"] if kind in ("class", "exception") else []
+        if kind == "class":  # what is derived, and what is inverted, is their base's
+            options.append("   :inherited-members: object, tuple")
+        lines += [*options, ""]
+    return "\n".join(lines)
+
+
+def write_source(source: Path) -> None:
+    """The pages as Sphinx reads them."""
+    shutil.rmtree(source, ignore_errors=True)
+    shutil.copytree(DOCS, source, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
+    for page in source.rglob("*.md"):  # what lies outside of the documentation is named, not linked
+        text = page.read_text("utf-8")
+        page.write_text(OUTSIDE.sub(r"\1", text) if page.parent == source else text, "utf-8")
+    _add_sketches(source / "systems")
+    index = source / "systems" / "README.md"
+    index.write_text(index.read_text("utf-8") + SYSTEMS, "utf-8")
+    reference = source / "reference"
+    reference.mkdir(exist_ok=True)
+    for room, text in reference_pages().items():
+        (reference / f"{room}.rst").write_text(text, "utf-8")
+    _list_others(source / "index.md", "*.md", "special-motions")
+    _list_others(source / "index.md", "reference/*.rst", "reference/testing")
+    _list_others(source / "how-to" / "index.md", "*.md", "formula")
+    _list_others(source / "notebooks" / "index.md", "*.md", "search-and-prove")
+
+
+def add_motions(page: Path, folder: Path) -> None:
+    """Write the pages of motions, and show the first on the page that tells of them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    listed, first, *_ = write_gallery(folder)
+    place = f"../{folder.name}"
+    shown = f"""
+```{{raw}} html
+<p><a href="{place}/{listed.name}">The pages of a dozen motions</a>; here is the first:</p>
+<iframe src="{place}/{first.name}" style="width: 100%; height: 52rem; border: 0"></iframe>
+```
+"""
+    text = page.read_text("utf-8")
+    assert CARRIED in text, f"{page.name} does not say where the motions are"
+    page.write_text(text.replace(CARRIED, CARRIED + shown, 1), "utf-8")
+
+
+def _list_others(index: Path, pages: str, last: str) -> None:
+    """Name the pages of a pattern that an index does not, after its entry ``last``."""
+    folder, text = index.parent, index.read_text("utf-8")
+    there = {str(p.relative_to(folder).with_suffix("")) for p in folder.glob(pages)}
+    others = sorted(there - {*text.splitlines(), index.stem})
+    entry = f"\n{last}\n"
+    index.write_text(text.replace(entry, entry + "\n".join([*others, ""]), 1), "utf-8")
+
+
+def _add_sketches(folder: Path) -> None:
+    """Draw the sketch of each system, and show it below the first lines of its page."""
+    for page in folder.glob("*.md"):
+        sketch = None if page.stem == "README" else voronec.load(page.stem).sketch
+        if sketch is None:
+            continue
+        page.with_suffix(".svg").write_text(sketch.svg(), "utf-8")
+        text = page.read_text("utf-8")
+        shown = f"![The mechanism, {sketch.view}]({page.stem}.svg)\n\n## Definition"
+        page.write_text(text.replace("## Definition", shown, 1), "utf-8")
+
+
+class _Links(HTMLParser):
+    """The links of a page, and the anchors that it has."""
+
+    def __init__(self, page: Path) -> None:
+        super().__init__()
+        self.links: list[str] = []
+        self.anchors: set[str] = set()
+        self.feed(page.read_text("utf-8"))
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        for key, value in attrs:
+            if key in ("href", "src") and value:
+                self.links.append(value)
+            elif key in ("id", "name") and value:
+                self.anchors.add(value)
+
+
+def dead_links(site: Path) -> Iterator[str]:
+    """Links of the site that lead to no file, to no anchor, or into the network for a picture."""
+    pages = {page.resolve(): _Links(page) for page in sorted(site.rglob("*.html"))}
+    for page, found in pages.items():
+        for link in found.links:
+            parts = urlsplit(link)
+            if parts.scheme or parts.netloc:
+                continue
+            target = (page.parent / unquote(parts.path)).resolve() if parts.path else page
+            anchor = unquote(parts.fragment)
+            there = target.exists() and not target.is_dir()
+            if not there or (anchor and target in pages and anchor not in pages[target].anchors):
+                yield f"{page.relative_to(site.resolve())}: {link}"
+
+
+def main() -> int:
+    """Write the source, build, look at every link."""
+    from sphinx.cmd.build import build_main
+
+    source, site = PLACE / "source", PLACE / "html"
+    write_source(source)
+    add_motions(source / "how-to" / "view.md", site / "motions")
+    options = ["-W", "--keep-going", "-q", "-E", "-j", "auto", "-b", "html"]
+    conf = ["-c", str(DOCS / "site"), "-d", str(PLACE / "doctrees")]
+    status = build_main([*options, *conf, str(source), str(site)])
+    dead = list(dead_links(site)) if status == 0 else []
+    for line in dead:
+        print(f"dead link: {line}")
+    if status == 0 and not dead:
+        print(f"the site is {site / 'index.html'}")
+    return 1 if status or dead else 0

@@ -1,0 +1,1 @@
+"""A paper under its audit: errors put in, premises changed, the transcription compared."""

@@ -1,0 +1,1 @@
+"""The attack on the prover: statements of known truth, asked for verdicts."""

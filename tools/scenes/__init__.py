@@ -1,0 +1,1 @@
+"""Random motions of random systems, against a route of their own."""

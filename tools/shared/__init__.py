@@ -1,0 +1,1 @@
+"""What scripts share: the choice of a kind, and the clock of a child."""
