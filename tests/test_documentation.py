@@ -111,13 +111,19 @@ def test_the_architecture_names_every_module() -> None:
     assert [name for name in names if f"`{name}`" not in page] == []
 
 
-def test_theory_numbers_what_the_code_cites() -> None:
-    numbered = set(
-        re.findall(r"\((\d+)\)$", (ROOT / "docs" / "theory.md").read_text(), re.MULTILINE)
-    )
+def test_each_formula_of_the_theory_is_cited_where_it_is_computed() -> None:
+    """Numbers rise by one, letters follow their number, and no range stands for what is in it."""
+    theory, cited = (ROOT / "docs" / "theory.md").read_text(), set()
+    numbered = re.findall(r"  \((\d+[a-d]?)\)$", theory, re.MULTILINE)
+    whole = [int(n) for n in numbered if n.isdigit()]
+    assert whole == list(range(1, len(whole) + 1))
+    assert numbered == sorted(numbered, key=lambda n: (int(n.rstrip("abcd")), n))
     for file in (ROOT / "voronec").rglob("*.py"):
-        for cited in re.findall(r"\[Theory, eqs?\. ([^\]]*)\]", file.read_text()):
-            assert set(re.findall(r"\((\d+)\)", cited)) <= numbered, file
+        for text in re.findall(r"\[Theory,\s+eqs?\.\s+([^\]]*)\]", file.read_text()):
+            found = set(re.findall(r"\((\d+[a-d]?)\)", text))
+            assert found <= set(numbered), file
+            cited |= set() if " to " in text else found
+    assert set(numbered) - cited == set()
 
 
 def test_citations_are_in_the_bibliography() -> None:

@@ -5,7 +5,7 @@ inside vanishes, or becomes infinite.  With h = s |h|, s = 1 or -1 the side, and
 
     sign(g) = s^k sign(c u),    g^e = |h|^(k e) (s^k c u)^e,    atan(g) = pi/2 sign(g) - atan(1/g)
 
-are functions of s, analytic where h = 0 [Theory, eq. (13b)].  In the half angles C = cos(a/2),
+are functions of s, analytic where h = 0 [Theory, eq. (14b)].  In the half angles C = cos(a/2),
 S = sin(a/2) all polynomials in cos(a) = C^2 - S^2, sin(a) = 2 S C, 1 = C^2 + S^2 factor uniquely.
 """
 

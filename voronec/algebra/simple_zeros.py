@@ -3,8 +3,8 @@
 What is no multiple zero on one section is none at all: a component of the zero set along which a
 function vanishes to a higher order would meet the section, with that order, unless at infinity.  So
 one section with rational numbers and no multiple zero is a proof, for real and complex zeros alike
-[Theory, eq. (13c)].  That no zero is at infinity is seen from the degree on lines, and on sections
-with relations from the terms of the highest weights [Theory, eq. (13d)].
+[Theory, eq. (14c)].  That no zero is at infinity is seen from the degree on lines, and on sections
+with relations from the terms of the highest weights [Theory, eq. (14d)].
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ class _Section:
 
     def _meets_all(self, polys: Sequence[Any], lines: Sequence[Any], context: Any) -> bool:
         """Whether no zero is at infinity: the terms of highest weight of all polynomials vanish
-        together, along the section, at the origin alone [Theory, eq. (13d)]."""
+        together, along the section, at the origin alone [Theory, eq. (14d)]."""
         weights = self._weights()
         origin = [context.constant(0)] * len(context.gens())
         still = self.still

@@ -3,7 +3,8 @@
 A coordinate read off the frame is known up to whole turns.  Beside it stands another angle, which
 is continuous, known at every time, and never more than a quarter of a turn away: phi or nothing,
 less the whole turns that phi gains while the contact is within a cap around the fixed pole
-[Theory, eqs. (28) to (30)].  Over N periods these are sums of N floors of numbers that grow evenly.
+[Theory, eqs. (28), (29), (30)].  Over N periods these are sums of N floors of numbers that grow
+evenly.
 """
 
 from __future__ import annotations

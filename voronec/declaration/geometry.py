@@ -24,7 +24,7 @@ __all__ = ["Fibration", "Frame", "moving_names"]
 
 @dataclass(frozen=True)
 class Fibration:
-    """pi : Q -> B, (r, s) -> r: base coordinates r, fibre coordinates s.
+    """pi : Q -> B, (r, s) -> r: base coordinates r, fibre coordinates s [Theory, eq. (1)].
 
     The velocities of the base are free, those of the fibre are what the constraints determine.
     ``relations`` are expressions in the coordinates that vanish, for redundant coordinates (a

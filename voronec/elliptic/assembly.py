@@ -204,7 +204,8 @@ def _phase_part(
 
 
 def _angle(lattice: Lattice, spot: Spot, place: arb, weight: arb, shares: tuple[Any, ...]) -> Part:
-    """The part of ``weight/(x - place)`` with ``f(place) = -4 weight^2``."""
+    """The part of ``weight/(x - place)`` with ``f(place) = -4 weight^2``
+    [Theory, eq. (27)]."""
     if not spot.imaginary:
         raise DefinitionError(
             f"f is positive at the pole {show_ball(place)}, which therefore has no weight"

@@ -13,7 +13,8 @@ The sums, with ``r`` the nome and ``z = scale (t - turn)``::
     partner "one"      c(z) = 1            (rational)
     partner "inverse"  c(z) = exp(-z/2)    (exponential)
 
-and ``x = (base K c^2 + other s^2)/(K c^2 + s^2)`` with ``K = mean`` in every kind. A half
+and ``x = (base K c^2 + other s^2)/(K c^2 + s^2)`` with ``K = mean`` in every kind
+[Theory, eq. (25)]. A half
 period is ``z = pi/2`` if trigonometric and ``z = H`` if hyperbolic, where
 ``r = exp(-4 H)`` with "theta4" and ``r = -exp(-2 H)`` with "theta2"; there c vanishes. With
 ``y = H - z`` it is ``c(z) = 2 exp(-y) s(y)`` ("theta4") or ``exp(H - 2 y) s(y)`` ("theta2"),

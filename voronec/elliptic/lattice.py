@@ -1,7 +1,8 @@
 r"""Periods, nome and turning points: the inversion of x without its integrals.
 
 With ``A = f'(xr)/4`` and ``B = f''(xr)/24`` at a simple end xr, ``x = xr + A/(wp(t) - B)``, with t
-counted from a turning point there; a root x_i belongs to ``e_i = B + A/(x_i - xr)``, infinity to B.
+counted from a turning point there [Theory, eq. (24)]; a root x_i belongs to
+``e_i = B + A/(x_i - xr)``, infinity to B.
 """
 
 from __future__ import annotations

@@ -4,7 +4,8 @@
     h_i = E_i^b d_b + a_i^A d_A,   h_0 = d_t + e0^b d_b + a0^A d_A          horizontal lift
     [h_i, h_j] = c_ij^k h_k + B_ij^A d_A                   frame coefficients c, curvature B
 
-Indices: i = 0..n-1 are the velocities v, index n is the time (v^n = 1) [Theory, eqs. (4)-(6)].
+Indices: i = 0..n-1 are the velocities v, index n is the time (v^n = 1)
+[Theory, eqs. (4), (5), (6)].
 """
 
 from __future__ import annotations
@@ -154,7 +155,8 @@ class EhresmannConnection:
         return se.Add(function.diff(self.time), *terms)
 
     def bracket(self, i: int, j: int) -> list[Any]:
-        """The components of [h_i, h_j] on all coordinates, or along all fields of a group."""
+        """The components of [h_i, h_j] on all coordinates, or along all fields of a group
+        [Theory, eq. (18)]."""
         moved = [self.along(i, row[j]) - self.along(j, row[i]) for row in self.lift]
         if self.group is None:
             return moved

@@ -74,7 +74,7 @@ def bracket_parts(d: Derivation) -> dict[tuple[int, int], tuple[list[Any], list[
 def curvature_of(
     b: Mapping[tuple[int, int], list[Any]], d: Definition, outward: Outward
 ) -> Curvature:
-    """The curvature from its parts B_ij^A, with A = -B."""
+    """The curvature from its parts B_ij^A, with A = -B [Theory, eqs. (7), (8)]."""
     n, fibre = d.base, len(d.dots) - d.base
 
     def a(nu: int, i: int, j: int) -> Any:

@@ -1,4 +1,8 @@
-"""Reading a system: from the user's symbols to symengine, with every check on the way."""
+"""Reading a system: from the user's symbols to symengine, with every check on the way.
+
+Constraints are read as C qdot + c = 0 [Theory, eq. (2)], quasi-velocities as v = W qdot + w
+[Theory, eq. (3)], both with relations that hold for redundant coordinates.
+"""
 
 from __future__ import annotations
 

@@ -213,7 +213,8 @@ class Derivation:
 
     @cached_property
     def mass(self) -> list[list[Any]]:
-        """d2Lc/dv2, less what forces hold of the accelerations: mass * vdot = force."""
+        """d2Lc/dv2, less what forces hold of the accelerations: mass * vdot = force, shape (n, n)
+        [Theory, eq. (11)]."""
         vs = self.definition.velocities
         n = len(vs)
         upper = [(i, j) for i in range(n) for j in range(i, n)]

@@ -4,7 +4,7 @@
     mass = H^T L_qdot,qdot H
     force = H^T (Q + L_q - d/dt L_qdot)                  at vdot = 0, that is, qddot = gamma
 
-[Theory, eq. (14)].  These are Voronec's equations: the bracket terms are the derivatives of H, and
+[Theory, eq. (12)].  These are Voronec's equations: the bracket terms are the derivatives of H, and
 gamma, which solves the differentiated constraints, holds them.  The Lagrangian and the constraints
 are stages (named sums); forward differentiation along the columns of H and along the motion, and
 one reverse sweep for L_q and L_qdot with its derivative along the motion, add stages and open none.

@@ -154,7 +154,7 @@ class VectorField:
     def derivatives(self, functions: Sequence[Any]) -> list[Any]:
         """d/dt of several functions along the motion.
 
-        dF/dv . mass^-1 force is computed as y . force with mass y = dF/dv [Theory, eq. (13)]; of an
+        dF/dv . mass^-1 force is computed as y . force with mass y = dF/dv [Theory, eq. (14)]; of an
         energy y is v.
         """
         found = [self.at_rest(f) for f in functions]

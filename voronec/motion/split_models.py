@@ -157,7 +157,8 @@ class Geometry:
 
 
 def metric_of(values: Mapping[str, Any], rows: np.ndarray) -> np.ndarray:
-    """g = d2L/dw2 + s A^T A with s such that both parts are of one size, at one point."""
+    """g = d2L/dw2 + s A^T A with s such that both parts are of one size, at one point, shape
+    (velocities, velocities) [Theory, eq. (22a)]."""
     width = rows.shape[1]
     mass = np.empty((width, width))
     for a in range(width):

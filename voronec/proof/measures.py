@@ -122,7 +122,8 @@ def binding(field: VectorField, chosen: Sequence[Any]) -> list[Any]:
 def _relative_defect(field: VectorField, density: Any) -> Any:
     """div(density f) / density - tr C for a density with the determinant of the mass matrix.
 
-    The part with mass^-1 is tr(mass^-1 X), X = d(force)/dv + s d(mass)/dt, where s is
+    The part with mass^-1 is tr(mass^-1 X), X = d(force)/dv + s d(mass)/dt [Theory, eq. (20)],
+    where s is
     d log(density) / d log det(mass).
     """
     name = field.determinant

@@ -1,7 +1,8 @@
 """Motion by quadratures proved: what a system declares of its motion follows from its equations.
 
 Integrals of coordinates in space hold on upright data, where the vector of ``Space`` lies along the
-third axis: there m = G E^T e_3, which is solved for the velocities.
+third axis: there m = G E^T e_3, which is solved for the velocities.  The variable, the integrals
+and the clock have the rates of [Theory, eq. (23)].
 """
 
 from __future__ import annotations
@@ -354,7 +355,7 @@ def _rate(ground: Ground, q: sp.Expr) -> Verdict:
 
 
 def _pole(ground: Ground, place: sp.Expr) -> Verdict:
-    """f(c) + 4 w^2 = 0."""
+    """f(c) + 4 w^2 = 0 [Theory, eq. (26)]."""
     motion = ground.motion
     f = motion.quartic.xreplace({motion.x: place})
     return ground.zero([("", ground.on_level(f + 4 * motion.poles[place] ** 2))])

@@ -5,6 +5,7 @@ contact is J - D gamma gamma^T.  Then, by Sherman and Morrison,
 
     x = Lambda^-1 (f + k u),   k = - s (u, Lambda^-1 f) / (1 + s (u, Lambda^-1 u)),
 
+[Theory, eq. (22)],
 which takes a product for each row where the elimination L D L^T takes one for each entry.
 """
 

@@ -3,7 +3,8 @@
     [ M   -A^T ] [ qddot  ]   [ h ]      A: constraints and differentiated relations
     [ A    0   ] [ lambda ] = [ b ]      M = d2L/dqdot2
 
-Rows of A that depend on others are left out: the accelerations do not feel them.
+This is [Theory, eq. (13)].  Rows of A that depend on others are left out: the accelerations do not
+feel them.
 """
 
 from __future__ import annotations

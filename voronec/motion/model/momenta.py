@@ -5,6 +5,7 @@ M v' = force once v is known from p: a rolling ball's is G' = G x omega.  So the
 
     p_i' = a_i^jk p_j v_k + rest_i
 
+[Theory, eq. (21)]
 with numbers a_i^jk such that the rest holds no variable but v; the numbers are the solution of
 linear equations, one for each monomial that has to go, and what they give is an identity of normal
 forms: a proof.
