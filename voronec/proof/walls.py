@@ -1,7 +1,8 @@
 """Walls that motions cross: where a function that is constant off them jumps.
 
 A derivative that vanishes where it exists proves nothing across a wall h = 0 of the function
-[Theory, eqs. (14a), (14b), (14c)].  A wall is harmless where no state lies on it, or where the field is
+[Theory, eqs. (14a), (14b),
+(14c)].  A wall is harmless where no state lies on it, or where the field is
 singular or jumps itself; where motions keep it, h' = 0 on h = 0; where the function is the same
 on both sides, F+ = F- on h = 0; and where it is real on one side alone.  A jump by a constant
 is one by a period, unless the function is constant but for its jumps.
