@@ -107,8 +107,8 @@ def test_an_angle_that_large_equations_hold_in_vain_is_not_kept() -> None:
 
 
 def test_normal_forms_far_longer_than_the_raw_form_are_not_integrated(monkeypatch) -> None:
-    monkeypatch.setattr("voronec.equations.voronec_equations.SHORT", 300)
-    monkeypatch.setattr("voronec.equations.voronec_equations.LONG", 3)
+    monkeypatch.setattr("voronec.equations.derived_equations.SHORT", 300)
+    monkeypatch.setattr("voronec.equations.derived_equations.LONG", 3)
     x, y, s = sp.symbols("x y s")
     dx, dy, ds = map(vo.velocity, (x, y, s))
     inertia = (3 + sp.sin(s - x) ** 2, 3 + sp.cos(x * y) ** 2, 2 + s**2 + sp.sin(y) * x)
