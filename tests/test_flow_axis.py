@@ -109,3 +109,16 @@ def test_what_is_singular_on_the_axis_has_no_such_chart() -> None:
     sliding = vo.velocity(s) - dphi
     with pytest.raises(vo.DefinitionError, match="the constraints are singular where r = 0"):
         vo.kinematics.cartesian_chart((r, phi), kinetic + vo.velocity(s) ** 2, [sliding])
+
+
+@pytest.mark.parametrize("potential", [phi, r**2 * sp.cos(phi / 2), r**2 * sp.tan(phi), phi * r**2])
+def test_an_angle_whose_turns_count_has_no_chart_on_the_axis(potential: sp.Expr) -> None:
+    kinetic = (vo.velocity(r) ** 2 + r**2 * vo.velocity(phi) ** 2) / 2
+    with pytest.raises(vo.DefinitionError, match="holds phi otherwise than by sine and cosine"):
+        vo.kinematics.cartesian_chart((r, phi), kinetic - potential)
+
+
+def test_a_logarithm_of_the_distance_has_no_chart_on_the_axis() -> None:
+    kinetic = (vo.velocity(r) ** 2 + r**2 * vo.velocity(phi) ** 2) / 2
+    with pytest.raises(vo.DefinitionError, match="the Lagrangian is singular where r = 0"):
+        vo.kinematics.cartesian_chart((r, phi), kinetic - sp.log(r))

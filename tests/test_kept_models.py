@@ -121,3 +121,24 @@ def test_those_that_nobody_used_for_longest_give_way(shelf, monkeypatch) -> None
     for outputs in (("x",), ("y",), ("phi",)):
         motion("sleigh", outputs, {})
     assert len([*shelf.iterdir()]) == 2
+
+
+@pytest.mark.parametrize("method", ["scipy", "numba"])
+def test_a_user_without_a_home_has_motions_too(shelf, tmp_path, monkeypatch, method) -> None:
+    """A process of a user whom the machine does not know, as containers have them."""
+    if method == "numba":
+        pytest.importorskip("numba")
+    kept = motion("sleigh", ("phi",), {}, method)
+
+    def homeless(_: type) -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.undo()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(Path, "home", classmethod(homeless))
+    before = {*tmp_path.iterdir()}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert np.array_equal(motion("sleigh", ("phi",), {}, method), kept)
+    assert {*tmp_path.iterdir()} == before

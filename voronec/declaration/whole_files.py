@@ -34,8 +34,12 @@ def unwritable(place: Path, error: OSError | UnicodeEncodeError) -> DefinitionEr
 
 
 def user_cache(part: str) -> Path:
-    """The folder ``voronec/part`` among the user's caches."""
-    home = Path.home()
+    """The folder ``voronec/part`` among the user's caches; one that nobody can write in where the
+    user has no home."""
+    try:
+        home = Path.home()
+    except RuntimeError:
+        home = Path(os.devnull)
     if sys.platform == "win32":
         base = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
     elif sys.platform == "darwin":

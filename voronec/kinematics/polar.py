@@ -50,7 +50,8 @@ def cartesian_chart(
     near
         values of the other coordinates for which all is regular on the axis, zero unless told.
 
-    ``DefinitionError`` where something is singular on the axis in x and y, too.
+    ``DefinitionError`` where something is singular on the axis in x and y, too, or holds phi
+    otherwise than by the sine and the cosine of whole multiples: it is not known in x and y then.
     """
     require("cartesian_chart", "polar", polar, SEQUENCE)
     require("cartesian_chart", "constraints", constraints, SEQUENCE)
@@ -96,11 +97,18 @@ class _Moved:
         return found
 
     def _of(self, expr: sp.Expr) -> sp.Expr:
-        return sp.expand_trig(expr).xreplace({**self._angle, **self._values})
+        opened = sp.expand_trig(expr)
+        if self.phi in opened.xreplace({e: sp.Dummy() for e in self._angle}).free_symbols:
+            raise DefinitionError(
+                f"'{expr}' holds {self.phi} otherwise than by sine and cosine of whole multiples, "
+                "and x and y do not tell its turns; such a system has no chart on the axis"
+            )
+        return opened.xreplace({**self._angle, **self._values})
 
     def _is_regular(self, expr: sp.Expr) -> bool:
         axis = {self.r: sp.Integer(0), self.phi: sp.Integer(0)}
-        return bool(sp.fraction(sp.together(expr))[1].xreplace(axis) != 0)
+        below = sp.fraction(sp.together(expr))[1].xreplace(axis)
+        return bool(below != 0 and not expr.xreplace(axis).has(sp.zoo, sp.nan, sp.oo))
 
     def solve(self, constraints: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
         """The constraints solved for velocities for which the solution is regular on the axis."""

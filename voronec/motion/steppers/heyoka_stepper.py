@@ -8,6 +8,7 @@ out of it between steps and added to the results: the motion of the others is th
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -196,10 +197,12 @@ def taylor(problem: Problem) -> Stepper:
     # a program is hashed here, and not in runs
     at_rest = _idle[key] = _idle.pop(key, [])
     while len(_idle) > IDLE:
-        del _idle[next(iter(_idle))]
+        _idle.pop(next(iter(_idle)), None)
 
     def machine_at_rest() -> _Machine:
-        return at_rest.pop() if at_rest else _Machine.of(problem, winding, hy)
+        with suppress(IndexError):  # another thread may have taken it meanwhile
+            return at_rest.pop()
+        return _Machine.of(problem, winding, hy)
 
     own = [machine_at_rest()]
 

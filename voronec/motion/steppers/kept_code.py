@@ -87,7 +87,7 @@ def _sound_source(folder: Path) -> str | None:
         known = json.loads((folder / LIST).read_text(encoding="utf-8"))
         if known == _digests(folder):
             return (folder / SOURCE).read_text(encoding="utf-8")
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return None
     except (OSError, ValueError):
         pass
