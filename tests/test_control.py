@@ -217,6 +217,49 @@ def test_controllability_where_inputs_hold_the_system() -> None:
     assert vo.derive(aside).control.controllability({push: 1}).refuted  # y'' is not negative
 
 
+def test_what_turns_at_a_wall_is_not_said_of_the_whole_domain() -> None:
+    """x'' = u, y'' = |x| + x: nothing reaches y where x < 0; y'' = sign(x): y changes with x."""
+
+    def pushed(force: sp.Expr) -> vo.System:
+        return vo.System(
+            name="pushed", fibration=vo.Fibration((x, y), ()), inputs=(push,),
+            lagrangian=(vo.velocity(x) ** 2 + vo.velocity(y) ** 2) / 2, forces={x: push, y: force},
+        )  # fmt: skip
+
+    for force in (sp.Abs(x) + x, sp.Max(x, 0)):
+        found = vo.derive(pushed(force)).control.accessibility.verdict
+        assert found.proved and found.method.endswith("so near it")
+    found = vo.derive(pushed(sp.sign(x))).control.accessibility.verdict
+    assert found.refuted and "off the walls where signs turn" in found.method
+    for force in (x**3, sp.sqrt(1 + x**2), x / (1 + y)):
+        found = vo.derive(pushed(force)).control.accessibility.verdict
+        assert found.proved and "on an open dense set" in found.method
+
+
+def test_a_point_lies_on_the_relations_between_coordinates() -> None:
+    """A quaternion of another size, or zero where nothing is said, is refused."""
+    q, torques = sp.symbols("q0:4"), sp.symbols("u1:4")
+    omega = sp.symbols("omega1:4")
+    a, b, c, d = q
+    p, r, s, t = map(vo.velocity, q)
+    turn = 2 * (a * r - b * p - c * t + d * s), 2 * (a * s - c * p - d * r + b * t)
+    turn += (2 * (a * t - d * p - b * s + c * r),)
+    unit = sum(e**2 for e in q) - 1
+    system = vo.System(
+        name="top", fibration=vo.Fibration(q, relations=(unit,)), inputs=torques,
+        frame=vo.Frame.quasi(dict(zip(omega, turn, strict=True))),
+        lagrangian=sum(n * e**2 for n, e in zip((2, 3, 5), turn, strict=True)) / 2,
+        forces=dict(zip(omega, torques, strict=True)),
+    )  # fmt: skip
+    control = vo.derive(system).control
+    assert control.controllability({a: 1}).proved
+    points: tuple[dict[Any, Any], ...] = ({}, {a: 2})
+    for point in points:
+        with pytest.raises(DefinitionError, match="off the relation") as caught:
+            control.controllability(point)
+        assert "\n" not in str(caught.value)
+
+
 def test_bad_input_is_refused_in_one_line() -> None:
     def cart(force: Any, **changes: Any) -> vo.System:
         return vo.System(

@@ -18,6 +18,7 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.branches import Branches, has_branches
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.jets import Expansion, FieldJet, Span
 from voronec.algebra.matrices import determinant
@@ -28,6 +29,7 @@ from voronec.algebra.rank import independent_rows
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import sympify
+from voronec.algebra.typeset import plain_text
 from voronec.algebra.verdicts import Verdict
 from voronec.equations.connection import AffineForms
 from voronec.equations.derived_equations import DerivedEquations
@@ -105,8 +107,8 @@ class Control:
     def accessibility(self) -> Accessibility:
         """Strong accessibility at a generic point: reachable sets at one time have inner points.
 
-        A full rank is proved by balls at one point, and so holds on an open dense set; a smaller
-        one by normal forms.
+        A full rank is proved by balls at one point, and so holds on an open dense set, or near the
+        point where signs and roots in the fields may turn; a smaller one by normal forms.
         """
         self._require_still()
         drift, fields = self._after_feedback
@@ -128,8 +130,22 @@ class Control:
             frame = [*frame, *tops]
             growth.append(len(frame))
         words = f"the brackets span all {dimension} dimensions at a point, in ball arithmetic, and "
-        proof = Verdict("proved", words + "so on an open dense set, for almost all parameters")
+        where = "near it" if self._has_walls else "on an open dense set, for almost all parameters"
+        proof = Verdict("proved", f"{words}so {where}")
         return Accessibility(tuple(growth), dimension, proof, self._exceptions(frame))
+
+    @cached_property
+    def _has_walls(self) -> bool:
+        """Whether signs, floors and roots in the fields may turn: what holds on one side of a wall
+        need not hold on the other."""
+        exprs = [e for field in (self.inner_drift, *self.inner_fields) for e in field]
+        moving = frozenset(s for e in exprs for s in e.free_symbols)
+        for e in exprs:
+            if has_branches([e], moving):
+                branches = Branches(e, moving, meets_poles=False)
+                if any(True for _ in branches.walls()) or branches.unclear:
+                    return True
+        return False
 
     def _exceptions(self, frame: Sequence[Vector]) -> tuple[sp.Expr, ...]:
         """The factors of the determinant of as many fields as there are dimensions; none where it
@@ -157,7 +173,8 @@ class Control:
             return Verdict("undecided", f"{words} at a generic point ({limit})")
         if solved.contradictory:
             return Verdict("undecided", f"{words} at a generic point, in numbers")
-        return Verdict("refuted", f"{words} on the whole domain: they are closed, in normal form")
+        where = "off the walls where signs turn" if self._has_walls else "on the whole domain"
+        return Verdict("refuted", f"{words} {where}: they are closed, in normal form")
 
     def controllability(self, point: Mapping[Any, Any] | None = None) -> Verdict:
         """Small-time local controllability at an equilibrium, proved by Sussmann's condition.
@@ -292,9 +309,17 @@ class Control:
         return found, held
 
     def _require_equilibrium(self, at: Mapping[Any, Any]) -> None:
+        place = f"system '{self.system_field.system.name}'"
+        for relation in self.system_field.relations:
+            value = sympify(relation.xreplace(dict(at)))
+            if not value.equals(0):
+                shown = plain_text(self.system_field.door.outward(relation))
+                raise DefinitionError(
+                    f"{place}: the point is off the relation {shown} = 0 between the coordinates; "
+                    "give one on it"
+                )
         for s, rate in zip(self.state, self.inner_drift, strict=True):
             value = sympify(rate.xreplace(dict(at)))
-            place = f"system '{self.system_field.system.name}'"
             if value.has(sp.nan, sp.zoo, sp.oo):
                 raise DefinitionError(
                     f"{place}: d{plain_name(s)}/dt has no value at the point; give another"
