@@ -274,6 +274,9 @@ def _group(reader: Reader, token: Token) -> Node:
     return Listing(items, token.text, reader.since(token.start))
 
 
+_MINUS_ONE = Sum(((-1, Number("1")),))
+
+
 def _elementary(reader: Reader, token: Token) -> Node:
     power = None
     if reader.peek() == "^":
@@ -286,6 +289,9 @@ def _elementary(reader: Reader, token: Token) -> Node:
         argument = _argument_by_hand(reader, start)
     else:
         argument = scripts(reader, reader.atom(), start)
+    if reader.vocabulary.by_hand and power == _MINUS_ONE:
+        what = f"this may be 1/{token.text[1:]} or the inverse function; write one of these"
+        raise complain(reader.source, token.start, what, Misprint)
     node: Node = Elementary(token.text[1:], argument, reader.since(token.start))
     return node if power is None else Power(node, power, reader.since(token.start))
 
