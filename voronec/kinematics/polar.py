@@ -108,7 +108,11 @@ class _Moved:
     def _is_regular(self, expr: sp.Expr) -> bool:
         axis = {self.r: sp.Integer(0), self.phi: sp.Integer(0)}
         below = sp.fraction(sp.together(expr))[1].xreplace(axis)
-        return bool(below != 0 and not expr.xreplace(axis).has(sp.zoo, sp.nan, sp.oo))
+        # r itself, and its odd powers, have an edge or a jump in a slope there
+        roots = (e.base for e in expr.atoms(sp.Pow) if not e.exp.is_integer)
+        if below == 0 or any(root.xreplace(axis) == 0 for root in roots):
+            return False
+        return not expr.xreplace(axis).has(sp.zoo, sp.nan, sp.oo)
 
     def solve(self, constraints: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
         """The constraints solved for velocities for which the solution is regular on the axis."""
