@@ -100,19 +100,22 @@ def _onto_relations(point: dict[Any, Any], relations: Sequence[Any], bits: int) 
         return _with_values_of(functions, point, relations, bits)
     if not atoms:
         raise EngineLimit("the relations hold no variable, so no point can be found on them")
-    found = _solution(tuple(relations), tuple(point[a] for a in atoms), bits)
+    near = tuple(float(flint.arb(point[a])) for a in atoms)  # balls cannot be looked up
+    found = _solution(tuple(relations), near, bits)
     if isinstance(found, str):
         raise EngineLimit(found)
     return {**point, **found}
 
 
 @lru_cache(maxsize=1024)
-def _solution(relations: tuple[Any, ...], near: tuple[Any, ...], bits: int) -> dict[Any, Any] | str:
+def _solution(
+    relations: tuple[Any, ...], near: tuple[float, ...], bits: int
+) -> dict[Any, Any] | str:
     """Balls around a solution near values of the atoms of relations, or why there is none."""
     tape, jacobian = _slopes(relations)
     atoms = tape.atoms
     try:
-        start = _nearby_solution(tape, len(relations), dict(zip(atoms, near, strict=True)))
+        start = _nearby_solution(tape, len(relations), near)
         rows, columns = _independent(tape, len(relations), start)
         free = {a: flint.fmpq(round(v * 10**6), 10**6) for a, v in start.items()}
         square = Tape(
@@ -161,12 +164,12 @@ def _values(tape: Tape, point: dict[Any, Any], n: int, bits: int) -> tuple[Any, 
     return flint.arb_mat(n, 1, values[:n]), flint.arb_mat(n, width, values[n:])
 
 
-def _nearby_solution(tape: Tape, n: int, point: dict[Any, Any]) -> dict[Any, float]:
+def _nearby_solution(tape: Tape, n: int, near: tuple[float, ...]) -> dict[Any, float]:
     """Gauss-Newton steps of least norm in floating point."""
     import numpy as np
 
     atoms = tape.atoms
-    x = np.array([float(flint.arb(point[a])) for a in atoms])
+    x = np.array(near)
     for _ in range(100):
         residual, matrix = _values(tape, dict(zip(atoms, map(float, x), strict=True)), n, 80)
         g = np.array([float(v.mid()) for v in residual.entries()])
