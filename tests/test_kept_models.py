@@ -116,6 +116,16 @@ def test_another_system_of_the_same_name_has_a_model_of_its_own(shelf, no_levels
         vo.integrate(replace(system, lagrangian=2 * system.lagrangian), times=3.0, outputs=("phi",))
 
 
+def test_another_default_scene_has_a_model_of_its_own(shelf, no_levels) -> None:
+    """Where constraints are solved, the point of the default scene says for what."""
+    system = vo.load("sleigh")
+    vo.integrate(system, times=3.0, outputs=("phi",), initial={"w": 1})
+    no_levels()
+    turned = replace(system, scenes={"default": vo.Scene(initial={"phi": 1, "w": 1})})
+    with pytest.raises(AssertionError, match="derived"):
+        vo.integrate(turned, times=3.0, outputs=("phi",), initial={"w": 1})
+
+
 def test_those_that_nobody_used_for_longest_give_way(shelf, monkeypatch) -> None:
     monkeypatch.setattr(packs, "KEPT", 2)
     for outputs in (("x",), ("y",), ("phi",)):

@@ -129,7 +129,9 @@ class SmallestModels:
         if key not in kept:
             if len(kept) >= MOST:
                 kept.clear()
-            packs = Packs(motions.system, key)
+            # a point, and how much is told apart there, say for what constraints are solved
+            d = motions.equations.definition
+            packs = Packs(motions.system, [key, d.near, d.share])
             levels = partial(_levels, motions, wanted, integrals, thorough, followed)
             kept[key] = cls(packs, motions, levels)
         found: SmallestModels = kept[key]
