@@ -129,7 +129,7 @@ class SmallestModels:
         if key not in kept:
             if len(kept) >= MOST:
                 kept.clear()
-            # a point, and how much is told apart there, say for what constraints are solved
+            # constraints are solved so that this is defined at a point, and as well conditioned
             d = motions.equations.definition
             packs = Packs(motions.system, [key, d.near, d.share])
             levels = partial(_levels, motions, wanted, integrals, thorough, followed)
