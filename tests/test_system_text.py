@@ -343,6 +343,8 @@ def test_forces_act_along_velocities(
     [
         ('vv = "1"', "line 18, column 1: 'vv' is not a coordinate; did you mean 'v'"),
         ('"v + x" = "1"', "line 18, column 1: 'v + x' is nothing that a force acts along"),
+        ('"v^2" = "1"', "line 18, column 1: 'v^2' is nothing that a force acts along"),
+        ('"v - v" = "1"', "line 18, column 1: 'v - v' is nothing that a force acts along"),
         ('"v + q" = "1"', "is nothing that a force acts along; expected a coordinate"),
         ('"v*w" = "1"', "v*w"),
         ('"v +" = "1"', "line 18, column 1: "),

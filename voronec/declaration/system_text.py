@@ -316,10 +316,11 @@ class _Text:
             along = formula(said, "what a force acts along", known)
         except DefinitionError as error:
             item.wrong_key(str(error))
-        rest = along.xreplace(
-            {self.names[n]: 0 for n, r in self.taken.items() if r.startswith(moving)}
-        )
-        if rest != 0 or along.free_symbols - {*known.values()}:
+        velocities = {self.names[n] for n, r in self.taken.items() if r.startswith(moving)}
+        rest = along.xreplace(dict.fromkeys(velocities, 0))
+        slopes = [along.diff(v) for v in velocities]
+        bent = any(slope.free_symbols & velocities for slope in slopes) or not any(slopes)
+        if rest != 0 or bent or along.free_symbols - {*known.values()}:
             item.wrong_key(
                 f"'{quote(said)}' is nothing that a force acts along; expected a coordinate, a "
                 'velocity, or a combination of velocities in quotes, such as "xdot - ydot"'
