@@ -75,7 +75,7 @@ def test_outputs_of_the_readme_are_drawn_as_far_as_they_are_wanted(tmp_path: Pat
 
 def test_public_names_of_motions_are_described() -> None:
     pages = "".join((ROOT / "docs" / page).read_text() for page in ("python.md", "scenes.md"))
-    homes = "flow", "model", "hard", "charts", "closed", "quadratures"
+    homes = "motion", "closed", "accuracy"
     names = [name for name, home in voronec._HOME.items() if home.split(".")[1] in homes]
     assert [name for name in names if not re.search(rf"\b{name}\b", pages)] == []
 

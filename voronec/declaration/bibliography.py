@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from importlib import resources
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from voronec.errors import DefinitionError
 __all__ = ["bibtex", "citation", "read_entries"]
 
 FILE = "references.bib"
-_FIELD = re.compile(r"(\w+)\s*=\s*\{(.*?)\}\s*(?:,\s*\n|\n?\s*\}\s*$)", re.DOTALL)
+_NAME = re.compile(r"[,\s]*(\w+)\s*=\s*")
 _ACCENT = re.compile(r"\\(?P<sign>['`^\"~uvcH=.])\s*\{?(?P<letter>\\?[A-Za-z])\}?")
 _SIGNS = dict(
     zip(
@@ -44,7 +44,7 @@ def bibtex(keys: Iterable[str], folder: Path | None = None) -> dict[str, str]:
 
 def citation(entry: str) -> str:
     """A BibTeX entry as a line of text: authors (year), title, where it appeared."""
-    fields = {name.lower(): _plain(value) for name, value in _FIELD.findall(entry)}
+    fields = {name.lower(): _plain(value) for name, value in _fields(entry)}
     who = fields.get("author") or fields.get("editor", "")
     names = [" ".join(reversed(a.split(", ", 1))) for a in who.split(" and ")]
     listed = " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
@@ -54,6 +54,22 @@ def citation(entry: str) -> str:
     parts = [f"{listed} ({fields.get('year', 'n. d.')})", fields.get("title", "")]
     parts += [f"{home} {numbers}".strip(), fields.get("note", "")]
     return ". ".join(filter(None, parts)) + "."
+
+
+def _fields(entry: str) -> Iterator[tuple[str, str]]:
+    """The names and values of an entry; a value stands in braces, in quotation marks, or bare."""
+    at = entry.find(",") + 1
+    while match := _NAME.match(entry, at):
+        begin = at = match.end()
+        # A bare value ends at the comma behind it or with the entry.
+        ends = {"{": "}", '"': '"'}.get(entry[at : at + 1], ",}")
+        begin += ends != ",}"
+        depth, at = 0, begin
+        while at < len(entry) and (depth or entry[at] not in ends):
+            depth += {"{": 1, "}": -1}.get(entry[at], 0)
+            at += 1
+        yield match[1], entry[begin:at]
+        at += ends != ",}"
 
 
 def _plain(value: str) -> str:
