@@ -57,6 +57,7 @@ def system(**changes):
 
 DOORS = {
     "times": lambda: vo.Scene({}, 20.0),
+    "times = 3.0 is no pair": lambda: vo.Scene({}, np.array(3.0)),
     "times = (0, 0)": lambda: vo.Scene({}, (0, 0)),
     "times = inf": lambda: vo.Scene({}, (0, math.inf)),
     "scene = 3": lambda: vo.integrate(system(), scene=3),

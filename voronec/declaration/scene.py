@@ -149,7 +149,9 @@ class Scene:
 
 def _span(times: Any) -> tuple[Any, Any]:
     """Start and end of a motion, two finite numbers."""
-    if isinstance(times, str) or not isinstance(times, Iterable) or len(span := [*times]) != 2:
+    # an array without dimensions is iterable by its type alone
+    several_times = isinstance(times, Iterable) and getattr(times, "ndim", 1) > 0
+    if isinstance(times, str) or not several_times or len(span := [*times]) != 2:
         raise DefinitionError(
             f"times = {quote(times)} is no pair of numbers; write times=(start, end)"
         )
