@@ -551,6 +551,25 @@ def test_a_letter_for_an_exponent_does_not_make_its_base_positive():
     assert not prove_equal(x ** sp.floor(y), sp.Abs(x) ** sp.floor(y)).proved
 
 
+def test_an_angle_without_a_value_in_one_case_is_no_error():
+    """Where y = z the signs are zero, and what they stand beside is divided by zero."""
+    x, y = sp.symbols("x y", real=True)
+    d = x - y
+    side = sp.sin((y - x) / sp.Abs(d) + sp.sqrt(d**2) * sp.sign(d))
+    turn = sp.sqrt(d**2) / (y - x)
+    other = sp.sin(turn) * sp.cos(d) + sp.sin(d) * sp.cos(turn)
+    assert not prove_equal(side, other).refuted
+    assert prove_equal(side, other + 1).refuted
+
+
+def test_a_difference_may_write_a_radicand_with_other_signs():
+    k, z, y = sp.symbols("k z y", real=True)
+    left = sp.sqrt((k - z) / (y - 5))
+    right = sp.sqrt((k - z) * (y - 5)) / sp.Abs(y - 5)
+    assert prove_equal(left, right).proved
+    assert prove_equal(left, 2 * right).refuted
+
+
 def test_a_witness_has_values_for_letters_that_cancel():
     a, x, m = sp.symbols("a x m")
     b = sp.Symbol("b", positive=True)
@@ -558,6 +577,7 @@ def test_a_witness_has_values_for_letters_that_cancel():
     for left, right in (
         (one, sp.Rational(1001, 1000)),
         (b * sp.sqrt(a - 5) * sp.sqrt(1 / (a - 5)), m),
+        (one * sp.cosh(b) ** 2 - sp.sinh(b) ** 2, sp.S.Zero),
     ):
         verdict = prove_equal(left, right)
         assert verdict.refuted

@@ -98,12 +98,15 @@ def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces:
     forms = Composition(known)
     if _has_no_value([a, b]):
         return False
-    left, right = map(forms.resolve, forms.prepare([a, b]))
+    prepared = forms.prepare([a, b])
+    if _has_no_value(prepared):
+        return False
+    left, right = map(forms.resolve, prepared)
     if _has_no_value([left, right]):
         return False
     left, right = fold_angles([left, right])
     known += () if in_pieces else _real_where([left, right], whole)
-    ring = ring_over([left, right], known, work_limit)
+    ring = ring_over([left, right, left - right], known, work_limit)
     if ring.fraction(left - right).num == 0:
         return True
     return _same_squares(ring, left, right, known)
@@ -273,7 +276,7 @@ class Composition:
 
     def prepare(self, exprs: Sequence[Any]) -> list[Any]:
         """Expressions with the angles in normal form, as far as no sines stand in them, and
-        folded."""
+        folded; what has no value in the case at hand is left as it is."""
         at: dict[Any, tuple[Any, Any]] = {}
         for angle in angles_of(exprs):
             vector = linear_terms(angle)
@@ -284,7 +287,8 @@ class Composition:
                 se.Add(*[c * self._angle(self.resolve(t)) for t, c in vector.items()]),
             )
         known: dict[Any, Any] = {}
-        return fold_angles([_with_angles(e, at, known) for e in exprs])
+        found = [_with_angles(e, at, known) for e in exprs]
+        return found if _has_no_value(found) else fold_angles(found)
 
     # -- exponentials and logarithms ------------------------------------------------------
 

@@ -214,7 +214,7 @@ def prove_inequality(
     above |= {plain_name(s) for s in symbols if s.is_positive}
     question = Inequality(left, RELATIONS[relation], right, frozenset(above))
     try:
-        ring = Ring([left, right], (), PROOF_LIMIT)
+        ring = Ring([left, right, left - right], (), PROOF_LIMIT)
         difference = ring.fraction(left - right)
         signs = Signs.of(ring, [se.Symbol(name) > 0 for name in sorted(above)])
     except EngineLimit as limit:

@@ -172,7 +172,7 @@ def _fill_witness(verdict: Verdict, a: sp.Expr, b: sp.Expr) -> Verdict:
         if not all(sp.N(inside.xreplace(at), DIGITS).is_nonnegative for inside in radicands):
             continue
         found = [sp.N(side.xreplace(at), DIGITS) for side in sides]
-        if all(f.is_Float and abs(f - v) <= CLOSE * max(1, abs(v))
+        if all((f.is_Float or f.is_zero) and abs(f - v) <= CLOSE * max(1, abs(v))
                for f, v in zip(found, values, strict=True)):  # fmt: skip
             whole = {**witness.point, **{n: str(value) for n, value in point.items()}}
             return replace(verdict, witness=replace(witness, point=whole))
@@ -237,8 +237,10 @@ def decide_equal(
     try:  # signs cost more than most proofs, and most need none
         given = (equations, [*equations, *known]) if known else (equations,)
         for left, right in _forms(a, b):
+            # In a difference symengine may write a radicand with other signs than in its sides.
+            sides = [left, right, left - right]
             for hypotheses in given:
-                if ring_over([left, right], hypotheses, work_limit).fraction(left - right).num == 0:
+                if ring_over(sides, hypotheses, work_limit).fraction(left - right).num == 0:
                     return Verdict("proved", "zero in exact normal form")
     except EngineLimit as limit:
         reason = str(limit)
