@@ -12,7 +12,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.algebra.text import exact_number, formula, read_printed, sympify
+from voronec.algebra.text import as_expression, exact_number, formula, read_printed
 from voronec.errors import DefinitionError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -111,7 +111,7 @@ def test_what_sympy_prints_is_read_back():
 def test_texts_inside_lists_are_not_read():
     for things in ([HOSTILE], (HOSTILE,), {HOSTILE}, {1: HOSTILE}, np.array([HOSTILE]), b"1"):
         with pytest.raises(DefinitionError):
-            sympify(things)
+            as_expression(things)
 
 
 def test_no_door_of_the_package_runs_text(tmp_path, monkeypatch):

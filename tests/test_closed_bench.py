@@ -44,7 +44,7 @@ def test_a_reference_that_disagrees_is_not_the_closed_form(equations, monkeypatc
     question = ask(equations, time=2.0, instants=5)
     right = agreement._ball_solution(question)
     wrong = {n: np.asarray(x, dtype=float) + 1e-6 for n, x in right.items()}
-    monkeypatch.setattr(agreement, "_enclosed", lambda _: wrong)
+    monkeypatch.setattr(agreement, "_ball_solution", lambda _: wrong)
     assert agreement._in_closed_form(question, 1e-13) is None
 
 

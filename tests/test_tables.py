@@ -28,8 +28,8 @@ s, k, m = sp.symbols("s k m")
 
 
 def steady(motions, functions):
-    field = motions.deciding(functions)
-    rates = field.derivatives([field.read_named(f) for f in functions])
+    field = motions.field_for(functions)
+    rates = field.derivatives([field.read_with_momenta(f) for f in functions])
     return all_zero([("", rate) for rate in rates], field.hypotheses)
 
 

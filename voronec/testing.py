@@ -20,7 +20,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, time, velocity
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.bibliography import bibtex
 from voronec.declaration.catalogue import Entry, entry_of, file_entry, is_file
 from voronec.declaration.claims import declared_claims
@@ -223,13 +223,15 @@ def _routes_agree(eqs: VoronecEquations, point: Mapping[Any, Any]) -> None:
 
 def _start(system: System, scene: Scene) -> dict[Any, Any] | None:
     """The initial data of a scene as a point; None where velocities of coordinates are given."""
-    given = {plain_name(k): sympify(v) for k, v in {**scene.parameters, **scene.initial}.items()}
+    given = {
+        plain_name(k): as_expression(v) for k, v in {**scene.parameters, **scene.initial}.items()
+    }
     state = (*system.coordinates, *system.velocities)
     known = {plain_name(s) for s in (*state, *(p.symbol for p in system.parameters))}
     if not {*given} <= known:
         return None
     point = dict.fromkeys(state, sp.Integer(0)) | {time: sp.Rational(str(scene.times[0]))}
-    point |= {p.symbol: sympify(p.value) for p in system.parameters if p.value is not None}
+    point |= {p.symbol: as_expression(p.value) for p in system.parameters if p.value is not None}
     point = {s: given.get(plain_name(s), value) for s, value in point.items()}
     numbers = {s: value for s, value in point.items() if not value.free_symbols}
     return {s: value.xreplace(numbers) for s, value in point.items()}

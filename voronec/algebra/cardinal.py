@@ -11,9 +11,7 @@ log(1 + w) and atan w are divided too, and all of them divide, as in w/sinh w.  
 slopes of such quotients is taken together:
 
     cos(w)/w - sin(w)/w^2,    cosh(w)/w - sinh(w)/w^2,    exp(w)/w - (exp(w) - 1)/w^2,
-    cot w - 1/w,              coth w - 1/w,               w sin(w) - 2 (1 - cos w),
-    (1 + w) log(1 + w) - w = u^2 s(u),        u = log(1 + w), s the slope of exprel but for exp(u),
-    (1 + w^2) atan(w) - w = (1 + w^2) (u - sin(u) cos(u)),    u = atan w.
+    cot w - 1/w,              coth w - 1/w.
 """
 
 from __future__ import annotations
@@ -37,7 +35,6 @@ from voronec.algebra.numeric_functions import (
     SIZE,
     TANH_REST,
 )
-from voronec.algebra.tails import with_tails
 
 __all__ = ["cardinal_all", "coefficient"]
 
@@ -85,10 +82,6 @@ def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
     if not below:
         return given
     sums = {a for a in arguments if isinstance(a, se.Add)}
-    # slopes of w/sin w and the like: w stands beside what vanishes with it
-    bare = {a for node in _nodes(given) if isinstance(node, se.Add | se.Mul) for a in node.args}
-    if any(not bare.isdisjoint(_factors(zero[0])) for b in below if (zero := _zero(b)) is not None):
-        return _rewrite_all(given)
     if not below & arguments and not any(_ratio(a, b) for a in sums for b in below):
         return given
     return _rewrite_all(given)
@@ -174,20 +167,13 @@ def _slopes_within(factor: Any) -> Any:
 
 def _with_slopes(total: Any) -> Any:
     """A sum in which terms that cancel at w = 0 are slopes of quotients."""
-    tailed = with_tails(total)  # first: term by term these factors are lost
-    if not isinstance(tailed, se.Add):
-        return se.Mul(*map(_slopes_within, tailed.args))
-    found = _whole_slope(total.args) or _paired(total.args)
+    found = _exponential_slope(total.args)
     if found is None and len(total.args) <= SPREAD and any(map(_is_spread, total.args)):
-        parts = [part for term in total.args for part in _spread(term)]
-        found = _whole_slope(parts) or _paired(parts)
-    return total if found is None else found
-
-
-def _paired(terms: Sequence[Any]) -> Any | None:
-    """A sum of terms in which two at a time are slopes; None where none are."""
-    left = dict.fromkeys(terms)
-    for term in terms:
+        found = _exponential_slope([part for term in total.args for part in _spread(term)])
+    if found is not None:
+        return found
+    left = dict.fromkeys(total.args)
+    for term in total.args:
         for function, (partner, slope) in _slopes_in(term).items():
             rest = term / function
             other = -rest * partner
@@ -195,76 +181,46 @@ def _paired(terms: Sequence[Any]) -> Any | None:
                 del left[term], left[other]
                 left[rest * slope] = None
                 break
-    return se.Add(*left) if len(left) < len(terms) else None
+    return se.Add(*left) if len(left) < len(total.args) else total
 
 
 def _is_spread(term: Any) -> bool:
-    """Whether a term is a product of a sum as normal forms have it: with an exponential or the like
-    beside it, or with functions in it that cancel."""
-    if not isinstance(term, se.Mul):
-        return False
-    sums = [f for f in term.args if isinstance(f, se.Add)]
-    beside = any(
-        isinstance(f, (se.log, se.atan)) or (isinstance(f, se.Pow) and f.args[0] == se.E)
-        for f in term.args
+    """Whether a term is an exponential times a sum, as normal forms have it."""
+    held = isinstance(term, se.Mul) and any(
+        isinstance(f, se.Pow) and f.args[0] == se.E for f in term.args
     )
-    inside = (base for total in sums for part in total.args for base in _factors(part))
-    return bool(sums) and (beside or any(isinstance(b, _CANCELLING) for b in inside))
-
-
-_CANCELLING = (se.log, se.atan, se.tanh, se.sin, se.cos, se.sinh, se.cosh)
+    return held and any(isinstance(f, se.Add) for f in term.args)
 
 
 def _spread(term: Any) -> Sequence[Any]:
-    """The parts of a term that is a product of a sum: one sum, and not what is inside of its terms,
-    which may be as long as it likes."""
+    """The parts of a term that is an exponential times a sum: one sum, and not what is inside of
+    its terms, which may be as long as it likes."""
     inner = (
         next((f for f in term.args if isinstance(f, se.Add)), None) if _is_spread(term) else None
     )
     return [term] if inner is None else [term / inner * part for part in inner.args]
 
 
-def _whole_slope(terms: Sequence[Any]) -> Any | None:
-    """A sum of terms of which three or four together are a slope; None where there are none."""
+def _exponential_slope(terms: Sequence[Any]) -> Any | None:
+    """A sum of terms in which c (w e^w - e^w + 1) or c (h e^2h - e^2h + h + 1) is one; None where
+    neither is there."""
     known = {*terms}
     for term in terms:
         for factor in term.args if isinstance(term, se.Mul) else (term,):
-            for parts, value in _wholes(term, factor):
+            if not (isinstance(factor, se.Pow) and factor.args[0] == se.E):
+                continue
+            w, c = factor.args[1], -term / factor
+            half = w / 2
+            for parts, value in (
+                ((term, c * w * factor, c), c * w**2 * se.Function(EXPREL_SLOPE)(w)),
+                (
+                    (term, c * half * factor, c, c * half),
+                    2 * c * half**3 * se.exp(half) * se.Function(SINHC_SLOPE)(half),
+                ),
+            ):
                 if known.issuperset(parts):
                     return se.Add(*[t for t in terms if t not in parts], value)
     return None
-
-
-def _wholes(term: Any, factor: Any) -> Iterator[tuple[tuple[Any, ...], Any]]:
-    """What a term may cancel with, itself included, by a factor of it, and the sum of these."""
-    c = term / factor
-    if isinstance(factor, se.Pow) and factor.args[0] == se.E:
-        w, c = factor.args[1], -c
-        half = w / 2
-        yield (term, c * w * factor, c), c * w**2 * se.Function(EXPREL_SLOPE)(w)
-        yield (
-            (term, c * half * factor, c, c * half),
-            2 * c * half**3 * se.exp(half) * se.Function(SINHC_SLOPE)(half),
-        )
-    elif isinstance(factor, se.log):
-        w = factor.args[0] - 1
-        value = factor**2 * se.Function(EXPREL_SLOPE)(factor)
-        yield (term, c * w * factor, -c * w), c * value
-    elif isinstance(factor, se.atan):
-        w = factor.args[0]
-        yield (term, c * w**2 * factor, -c * w), c * (1 + w**2) * _less_sine(factor)
-    elif isinstance(factor, (se.cos, se.cosh)):
-        w, half = factor.args[0], factor.args[0] / 2
-        plain = isinstance(factor, se.cos)
-        odd, name, sign = (se.sin, SINC_SLOPE, 1) if plain else (se.sinh, SINHC_SLOPE, -1)
-        other = sign * c / 2 * w * odd(w)
-        yield (term, -c, other), -2 * c * odd(half) * half**3 * se.Function(name)(half)
-
-
-def _less_sine(w: Any) -> Any:
-    """w - sin w cos w."""
-    beside = se.Function(SINC)(w / 2) ** 2 * (1 + se.Function(SINC)(w)) / 2
-    return w**3 * (beside - se.Function(SINC_SLOPE)(w))
 
 
 def _slopes_in(term: Any) -> dict[Any, tuple[Any, Any]]:
@@ -275,8 +231,6 @@ def _slopes_in(term: Any) -> dict[Any, tuple[Any, Any]]:
         w: Any = base.args[0] if isinstance(base, _KINDS) else None
         if isinstance(base, se.sin):
             found[base] = w * se.cos(w), w**3 * se.Function(SINC_SLOPE)(w)
-            if powers.get(se.cos(w)) == 1:
-                found[base * se.cos(w)] = w, -_less_sine(w)
         elif isinstance(base, se.sinh):
             found[base] = w * se.cosh(w), -(w**3) * se.Function(SINHC_SLOPE)(w)
         elif isinstance(base, (se.coth, se.cosh)):
@@ -321,8 +275,7 @@ def _quotient(product: Any, spread: bool = True) -> Any:
             whole = value(argument) * argument**order / base
             return _quotient(product * (whole if exponent > 0 else 1 / whole) ** times, spread)
     for base, exponent in powers.items() if spread else ():
-        # sums of tangents may vanish where these are one, and do so no longer term by term
-        if isinstance(base, se.Add) and exponent == 1 and not base.atoms(se.tanh):
+        if isinstance(base, se.Add) and exponent == 1:
             for u in below:
                 found = _distribute(base, product / base, u)
                 if found is not None:

@@ -20,7 +20,7 @@ from sympy.core.function import AppliedUndef
 from voronec.algebra.graphs import nodes
 from voronec.algebra.piecewise import written_with_signs
 from voronec.algebra.symbols import plain_name, time, velocity
-from voronec.algebra.text import quote, sympify
+from voronec.algebra.text import as_expression, quote
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Door"]
@@ -94,7 +94,7 @@ class Door:
     def inward(self, expr: Any) -> Any:
         """The symengine expression of a SymPy expression (or number)."""
         try:
-            return self._enter(sympify(expr))
+            return self._enter(as_expression(expr))
         except RecursionError:
             raise DefinitionError("an expression is nested too deeply to be read") from None
         except (RuntimeError, ZeroDivisionError) as error:  # symengine's word for a bad value

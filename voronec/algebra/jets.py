@@ -16,7 +16,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.numeric_functions import elementary
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.errors import EngineLimit
 
 __all__ = ["Expansion", "FieldJet", "Span"]
@@ -81,13 +81,13 @@ class Expansion:
 
     def _value(self, expr: Any) -> sp.Rational:
         """The exact value at the point."""
-        value = sympify(expr.xreplace(self._point))
+        value = as_expression(expr.xreplace(self._point))
         if value.has(sp.sin, sp.cos, sp.tan):
             value = sp.expand(sp.expand_trig(value))  # of 2*atan(3/4), say
         if not value.is_Rational:
             raise EngineLimit(
-                f"at this point '{sympify(expr)}' = {value} is no rational number; give a point "
-                "where all is rational, such as angles that are zero or atan(3/4)"
+                f"at this point '{as_expression(expr)}' = {value} is no rational number; give a "
+                "point where all is rational, such as angles that are zero or atan(3/4)"
             )
         return value
 
@@ -100,14 +100,14 @@ class Expansion:
 
     def _power(self, expr: Any) -> Parts:
         """b = a^e: a_0 k b_k = sum_(i > 0) (e i - (k - i)) a_i b_(k - i)."""
-        base, exponent = self.of(expr.args[0]), sympify(expr.args[1])
+        base, exponent = self.of(expr.args[0]), as_expression(expr.args[1])
         if exponent.is_Integer and exponent > 0:
             total = base
             for _ in range(int(exponent) - 1):
                 total = self._product(total, base)
             return total
         if base[0] == 0:
-            raise EngineLimit(f"'{sympify(expr)}' is singular at this point; give another")
+            raise EngineLimit(f"'{as_expression(expr)}' is singular at this point; give another")
         e = flint.fmpq(int(exponent.p), int(exponent.q))
         scale, parts = 1 / _rational(base[0]), [self._constant(self._value(expr))]
         for k in range(1, self._order + 1):
@@ -141,7 +141,9 @@ class Expansion:
             return parts
         plain = elementary(expr)
         if plain == expr:
-            raise EngineLimit(f"'{sympify(expr)}' has no expansion here; use smooth functions")
+            raise EngineLimit(
+                f"'{as_expression(expr)}' has no expansion here; use smooth functions"
+            )
         return self.of(plain)
 
     def _solve_linear(
@@ -163,7 +165,7 @@ class Expansion:
     def _angle_parts(self, expr: Any) -> Parts:
         """The parts of an angle above order 0; its own value, as pi/2, need not be rational."""
         constant = expr.xreplace(self._point)
-        if sympify(constant).is_Rational:
+        if as_expression(constant).is_Rational:
             return self.of(expr)
         return self.of((expr.xreplace(self._moved) - constant).expand())
 

@@ -24,7 +24,7 @@ from voronec.algebra.ring import Ring
 from voronec.algebra.roots import ring_over
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import PROOF_LIMIT, Verdict, Witness, decide_equal
 from voronec.errors import DefinitionError, EngineLimit, quote
 
@@ -198,7 +198,7 @@ def prove_inequality(
     both = [s for s in real if s in positive]
     if both:
         raise DefinitionError(f"'{both[0]}' is declared positive and real; declare it once")
-    a, b = sympify(a), sympify(b)
+    a, b = as_expression(a), as_expression(b)
     symbols = real_symbols(a, b)
     below = {s: sp.Symbol(f"|{s.name}|") for s in symbols if s.is_negative}
     if below:
@@ -229,7 +229,7 @@ def prove_inequality(
 def _symbols(given: Any) -> tuple[Any, ...]:
     """One or several symbols, given by name or themselves."""
     single = isinstance(given, str) or not isinstance(given, Iterable)
-    return tuple(sympify(s, "a symbol") for s in ((given,) if single else given))
+    return tuple(as_expression(s, "a symbol") for s in ((given,) if single else given))
 
 
 def known_sign(expr: Any, hypotheses: Sequence[Any] = (), strict: bool = False) -> int:

@@ -7,7 +7,6 @@ Where a formula is exact and useless in doubles it is written otherwise, for num
     log(1 + exp(w))                     ->  (w + |w|)/2 + log1p exp(-|w|)
     1 - cos w,   cosh w - 1             ->  2 sin^2(w/2),   2 sinh^2(w/2)
     sqrt(1 + x) - 1                     ->  x/(sqrt(1 + x) + 1),   2 sinh^2(asinh(y)/2) of x = y^2
-    sqrt(l^2 + x) - l,   l > 0          ->  x/(sqrt(l^2 + x) + l), and likewise
     1 - tanh w                          ->  2 exp(-w - |w|)/(1 + exp(-2|w|)), and powers of it
 
 What holds |w| is the same function of w on both sides of w = 0, so that it is no wall there.
@@ -16,7 +15,7 @@ Quotients such as sin(w)/w are those of ``cardinal``.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any
 
 import symengine as se
@@ -24,36 +23,38 @@ import symengine as se
 from voronec.algebra.bounded import exponential_sum
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, SIZE
-from voronec.algebra.tails import with_tails
 
 __all__ = ["stable_all"]
 
+_Terms = dict[int, Any]
+"""Powers with their coefficients."""
 
-def stable_all(exprs: Iterable[Any], positive: Iterable[Any] = ()) -> list[Any]:
-    """Equal expressions, as they are computed; ``positive`` are symbols that are positive."""
+
+def stable_all(exprs: Iterable[Any]) -> list[Any]:
+    """Equal expressions, as they are computed."""
     known: dict[Any, Any] = {}
-    return [_stable(e, known, {*positive}) for e in cardinal_all(exprs)]
+    return [_stable(e, known) for e in cardinal_all(exprs)]
 
 
-def _stable(expr: Any, known: dict[Any, Any], positive: set[Any]) -> Any:
+def _stable(expr: Any, known: dict[Any, Any]) -> Any:
     if not expr.args or isinstance(expr, (se.Derivative, se.Subs)):
         return expr
     found = known.get(expr)
     if found is None:
-        whole = _write(expr, positive)
-        args = [_stable(a, known, positive) for a in whole.args]
+        whole = _write(expr)
+        args = [_stable(a, known) for a in whole.args]
         found = known[expr] = whole if args == list(whole.args) else whole.func(*args)
     return found
 
 
-def _write(expr: Any, positive: set[Any]) -> Any:
+def _write(expr: Any) -> Any:
     if isinstance(expr, se.Pow):
         return _root(*expr.args) or expr
     if isinstance(expr, se.log):
         return _logarithm(expr.args[0]) or expr
     if isinstance(expr, se.Add):
-        total = _less_one(expr, positive)
-        return with_tails(_with_differences(total)) if isinstance(total, se.Add) else total
+        total = _less_one(expr)
+        return _with_tails(_with_differences(total)) if isinstance(total, se.Add) else total
     return expr
 
 
@@ -140,44 +141,42 @@ def _with_differences(total: Any) -> Any:
     return se.Add(*kept)
 
 
-def _less_one(total: Any, positive: set[Any]) -> Any:
+def _less_one(total: Any) -> Any:
     """A sum in which c cos w - c, c cosh w - c and c sqrt(n + x) - c sqrt(n) do not cancel."""
     left = dict.fromkeys(total.args)
     for term in total.args:
-        factors = term.args if isinstance(term, se.Mul) else (term,)
-        for factor, value, difference in (
-            (f, *found) for f in factors for found in _from_zero(f, positive)
-        ):
+        for factor in term.args if isinstance(term, se.Mul) else (term,):
+            found = _from_zero(factor)
+            if found is None:
+                continue
             rest = term / factor
-            other = -rest * value
+            other = -rest * found[0]
             if term in left and other in left:
                 del left[term], left[other]
-                left[rest * difference] = None
+                left[rest * found[1]] = None
                 break
     return se.Add(*left) if len(left) < len(total.args) else total
 
 
-def _from_zero(factor: Any, positive: set[Any]) -> Iterator[tuple[Any, Any]]:
-    """(c, d) with c the value at w = 0 of cos w, cosh w or sqrt(n + w), n a positive number or the
-    square of a positive symbol, and d the difference from it, which is small with w and has all
-    digits; nothing for any other factor."""
+def _from_zero(factor: Any) -> tuple[Any, Any] | None:
+    """(c, d) with c the value at w = 0 of cos w, cosh w or sqrt(n + w), and d the difference from
+    it, which is small with w and has all digits; None of any other factor."""
     if isinstance(factor, (se.cos, se.cosh)) and factor.free_symbols:
         half = factor.args[0] / 2
         square = -(se.sin(half) ** 2) if isinstance(factor, se.cos) else se.sinh(half) ** 2
-        yield se.Integer(1), 2 * square
+        return se.Integer(1), 2 * square
     if not isinstance(factor, se.Pow) or factor.args[1] != se.Rational(1, 2):
-        return
+        return None
     base = factor.args[0]
-    for term in base.args if isinstance(base, se.Add) else ():
-        value = _side(term)
-        if value is None or not value.free_symbols <= positive:
-            continue
-        x = base - term
-        side = None if isinstance(x, se.Add) else _side(x)
-        if side is None:
-            yield value, x / (factor + value)
-        else:  # x^2 would overflow where its root does not
-            yield value, 2 * value * se.sinh(se.asinh(side / value) / 2) ** 2
+    numbers = [a for a in base.args if a.is_Number and a > 0] if isinstance(base, se.Add) else []
+    if not numbers:
+        return None
+    value, x = se.sqrt(numbers[0]), base - numbers[0]
+    side = None if isinstance(x, se.Add) else _side(x)
+    if side is None:
+        return value, x / (factor + value)
+    # x^2 would overflow where its root does not
+    return value, 2 * value * se.sinh(se.asinh(side / value) / 2) ** 2
 
 
 def _exponential(term: Any) -> tuple[Any, Any]:
@@ -199,3 +198,63 @@ def _is_part(u: Any, w: Any) -> bool:
         return False
     ratio = u / w
     return u == 0 or bool(ratio.is_Number and 0 < ratio < 1)
+
+
+def _with_tails(total: Any) -> Any:
+    """A sum that vanishes where tanh w = 1 or -1, with factors 1 - tanh w and 1 + tanh w."""
+    if not isinstance(total, se.Add):
+        return total
+    tangents = [f for term in total.args for f in _tangents(term)]
+    for tangent in dict.fromkeys(tangents):
+        terms = _in_powers(total, tangent)
+        tails, w = se.Integer(1), tangent.args[0]
+        for end in (1, -1) if terms else ():
+            while (rest := _without_root(terms, end)) is not None:
+                terms, tails = rest, tails * _tail(end, w)
+        if tails != 1:
+            return tails * se.Add(*[c * tangent**k for k, c in terms.items()])
+    return total
+
+
+def _tangents(term: Any) -> list[Any]:
+    factors = term.args if isinstance(term, se.Mul) else (term,)
+    bases = [f.args[0] if isinstance(f, se.Pow) else f for f in factors]
+    return [b for b in bases if isinstance(b, se.tanh)]
+
+
+def _in_powers(total: Any, tangent: Any) -> _Terms:
+    """The coefficients of a sum in powers of a tangent; none where it is no polynomial in it."""
+    parts: dict[int, list[Any]] = {}
+    for term in total.args:
+        power, rest = 0, [se.Integer(1)]
+        for factor in term.args if isinstance(term, se.Mul) else (term,):
+            base, exponent = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
+            if base == tangent and isinstance(exponent, se.Integer) and exponent > 0:
+                power += int(exponent)
+            else:
+                rest.append(factor)
+        coefficient = se.Mul(*rest)
+        if tangent in coefficient.atoms(se.tanh):
+            return {}
+        parts.setdefault(power, []).append(coefficient)
+    # one sum for each power: sums that grow by a term at a time would cost its square
+    return {power: se.Add(*terms) for power, terms in parts.items()}
+
+
+def _without_root(terms: _Terms, end: int) -> _Terms | None:
+    """P/(1 - end T) where P vanishes at T = end; None where it does not."""
+    if max(terms, default=0) == 0:
+        return None
+    quotient, carried = {}, se.Integer(0)
+    for k in range(max(terms) + 1):  # P = (1 - end T) Q, from the lowest power on
+        carried = (terms.get(k, se.Integer(0)) + end * carried).expand()
+        quotient[k] = carried
+    if quotient.pop(max(terms)) != 0:
+        return None
+    return {k: c for k, c in quotient.items() if c != 0}
+
+
+def _tail(end: int, w: Any) -> Any:
+    """1 - tanh w, or 1 + tanh w for the other end."""
+    size = se.Function(SIZE)(w)
+    return 2 * se.exp(-end * w - size) / (1 + se.exp(-2 * size))

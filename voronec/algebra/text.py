@@ -28,11 +28,11 @@ __all__ = [
     "FUNCTION_NAMES",
     "NOT_REAL",
     "NotAFormula",
+    "as_expression",
     "exact_number",
     "formula",
     "in_doubles",
     "read_printed",
-    "sympify",
 ]
 
 CHARACTERS = 20_000
@@ -135,7 +135,7 @@ def exact_number(text: str, place: str) -> Any:
     return read
 
 
-def sympify(thing: Any, place: str = "an expression") -> Any:
+def as_expression(thing: Any, place: str = "an expression") -> Any:
     """What SymPy makes of a number, an expression or a text; text is read by ``formula``.
 
     In place of ``sympy.sympify``, which runs text as Python, also inside lists.
@@ -254,7 +254,7 @@ class _Reader:
 
     def _name(self, token: _Token) -> _Value:
         if token.text in self.names:
-            known = sympify(self.names[token.text], self.place)
+            known = as_expression(self.names[token.text], self.place)
             try:
                 return _Value(known, in_doubles(known))
             except OverflowError:

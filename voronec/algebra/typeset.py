@@ -11,7 +11,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 
 __all__ = ["caret_text", "html_table", "latex_of", "plain_text", "symbol_latex"]
 
@@ -47,7 +47,7 @@ def latex_of(expr: Any, coordinates: Iterable[sp.Expr], velocities: Iterable[sp.
             plain[symbol] = stand_in
             bare = symbol_latex(plain_name(thing))
             names.setdefault(stand_in, f"{dots}{{{bare}}}" if dots else bare)
-    expr = sympify(expr)
+    expr = as_expression(expr)
     if isinstance(expr, sp.MatrixBase):
         expr = expr.applyfunc(lambda e: e.xreplace(plain))
     else:
@@ -60,7 +60,7 @@ def latex_of(expr: Any, coordinates: Iterable[sp.Expr], velocities: Iterable[sp.
 
 def plain_text(expr: Any) -> str:
     """An expression in one line of Python, coordinates ``x(t)`` and velocities by bare names."""
-    expr = sympify(expr)
+    expr = as_expression(expr)
     motions = expr.atoms(AppliedUndef, sp.Derivative)
     bare = {f: sp.Symbol(plain_name(f)) for f in motions if is_symbolic_name(getattr(f, "expr", f))}
     return str(expr.xreplace(bare))

@@ -23,7 +23,7 @@ from voronec.algebra.points import sample_evaluable
 from voronec.algebra.roots import domain_conditions, ring_over
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
-from voronec.algebra.text import quote, sympify
+from voronec.algebra.text import as_expression, quote
 from voronec.algebra.typeset import html_table
 from voronec.algebra.witnesses import Search
 from voronec.errors import DefinitionError, EngineLimit
@@ -117,7 +117,7 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
     for its non-negative value.  Never "equal up to 1e-6": see ``Verdict``.
     """
     door = Door()
-    a, b = sympify(a), sympify(b)
+    a, b = as_expression(a), as_expression(b)
     if a == b:
         if a.has(*_NO_NUMBERS):
             return Verdict("undecided", f"'{quote(a)}' has no value that could be equal to another")

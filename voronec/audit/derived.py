@@ -11,7 +11,7 @@ from sympy.core.function import AppliedUndef
 
 from voronec.algebra.factors import in_factors
 from voronec.algebra.normal import shorten
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.audit.comparisons import accelerations
 from voronec.audit.display import Check
 from voronec.audit.hooks import HookError, call_hook
@@ -130,7 +130,7 @@ def _first_value(part: Node, chain: Chain, study: Study) -> tuple[dict[str, int]
 
 def print_latex(value: Any, chain: Chain, study: Study) -> str:
     """A value in its shortest proved form, with the abbreviations that the formula uses."""
-    value, symbols = _fold(sympify(value), chain, study)
+    value, symbols = _fold(as_expression(value), chain, study)
     short, names = _plain_symbols(shorten([value])[0], study)
     forms = _forms(short)
     if sp.count_ops(value) <= sp.count_ops(short):  # a root may bring in what does not cancel

@@ -12,7 +12,7 @@ import sympy as sp
 
 from voronec.algebra.normal import shorten
 from voronec.algebra.signs import prove_inequality
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, prove_equal
 from voronec.audit.comparisons import Comparison, accelerations, comparisons, value_of
 from voronec.audit.display import Check, Decision
@@ -108,7 +108,7 @@ def _order_verdict(gaps: Sequence[tuple[Any, str, Any]], where: Range) -> Verdic
     """Whether all inequalities hold in a range; the first that does not decides."""
     found = []
     for left, relation, right in gaps:
-        a, b = (sympify(side).xreplace(dict(where.values)) for side in (left, right))
+        a, b = (as_expression(side).xreplace(dict(where.values)) for side in (left, right))
         found.append(prove_inequality(a, relation, b, where.positive, where.real))
         if not found[-1].proved:
             return found[-1]

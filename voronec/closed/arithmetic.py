@@ -23,7 +23,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.precision import PROOF
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import prove_equal
 from voronec.equations.program.printing import code
 from voronec.errors import DefinitionError, EngineLimit
@@ -62,7 +62,7 @@ def exact(value: Any) -> Any:
         return sp.Rational(value)
     if hasattr(value, "_mpf_"):
         return _rational(value._mpf_)
-    expr = sympify(value)
+    expr = as_expression(value)
     found = {x: _rational(x._mpf_) for x in expr.atoms(sp.Float)}
     if expr.has(sp.I):
         found |= {e: _turn(e) for e in expr.atoms(sp.Mul) if sp.I in e.args}

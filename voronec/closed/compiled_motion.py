@@ -19,7 +19,7 @@ import sympy as sp
 from voronec.algebra.memo import Memo
 from voronec.algebra.precision import SHARP
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import Function, ball, compile_expressions, exact, precise, vanishes
 from voronec.closed.fractions import Split, ascending_coefficients, split
 from voronec.declaration.quadratures import Quadratures
@@ -185,7 +185,7 @@ def _prepare(system: System, motion: Quadratures, gone: Mapping[Any, Any]) -> Pr
     rates = [e.xreplace(gone) for e in motion.integrals.values()]
     plane = motion.plane
     if plane is not None:
-        rates += [sympify(e).xreplace(gone) for e in plane.rates]
+        rates += [as_expression(e).xreplace(gone) for e in plane.rates]
     if motion.clock != 1:
         rates.append(motion.clock.xreplace(gone))
     rate = _rate_of_variable(system, motion)

@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.precision import SHARP
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import Function, ball, compile_expressions, precise
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -71,7 +71,7 @@ def split(
     """Rates and slopes over the poles, with their weights, and over other poles; ``example`` are
     values of the symbols of the level in no special position."""
     both = [
-        [_term(t, x, level, example) for t in sp.Add.make_args(sympify(e))]
+        [_term(t, x, level, example) for t in sp.Add.make_args(as_expression(e))]
         for e in (*rates, *slopes)
     ]
     quotients = [_sum(_quotient(t.above, t.below) for t in row) for row in both]
@@ -90,7 +90,7 @@ def split(
 
 def ascending_coefficients(value: Any, x: Any, degree: int) -> tuple[Any, ...]:
     """The coefficients of a polynomial, by its slopes at 0: nothing is multiplied out."""
-    found, slope = [], sympify(value)
+    found, slope = [], as_expression(value)
     for i in range(degree + 1):
         found.append(slope.xreplace({x: sp.Integer(0)}) / sp.factorial(i))
         slope = sp.diff(slope, x)

@@ -14,7 +14,7 @@ import sympy as sp
 from voronec.algebra.memo import Memo
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.compiled_motion import ascending_coefficients
 from voronec.closed.problem import InversionProblem
@@ -137,7 +137,7 @@ class InvertedMotion:
 
     def exact(self, expr: Any) -> Callable[[int], Any]:
         """An expression in constants and parameters at any number of bits, as a ball."""
-        return self.problem.exact(sympify(expr))
+        return self.problem.exact(as_expression(expr))
 
     def sign(self, expr: Any) -> int:
         """-1, 0 or 1, decided exactly; ``EngineLimit`` where no proof is found."""
@@ -145,7 +145,7 @@ class InvertedMotion:
 
     def polynomial(self, expr: Any) -> tuple[sp.Expr, ...]:
         """The coefficients of a polynomial in the variable, ascending, as expressions."""
-        degree = sp.degree(sympify(expr), self.quadratures.x) if expr else 0
+        degree = sp.degree(as_expression(expr), self.quadratures.x) if expr else 0
         return ascending_coefficients(expr, self.quadratures.x, int(max(degree, 0)))
 
     # -- parts -----------------------------------------------------------------------------

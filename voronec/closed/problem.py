@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import Function, ball, compile_expressions, exact, precise, vanishes
 from voronec.closed.compiled_motion import Prepared
 from voronec.errors import DefinitionError, EngineLimit
@@ -171,7 +171,7 @@ class InversionProblem:
         Balls of growing precision tell a sign; where the last still holds zero, algebra proves
         that the number is zero.
         """
-        read = sympify(expr)
+        read = as_expression(expr)
         return int(self._once(("sign", read), lambda: self._sign(read)))
 
     def _sign(self, expr: Any) -> int:
@@ -201,12 +201,12 @@ class InversionProblem:
     def exact_number(self, expr: Any) -> sp.Expr:
         """The exact number that an expression is."""
         meaning = {**self.prepared.motion.constants}
-        inner = sympify(expr).xreplace(meaning)
+        inner = as_expression(expr).xreplace(meaning)
         known = {s: exact(v) for s, v in self.values.items() if not callable(v)}
         return inner.xreplace(known)
 
     def _is_exact(self, expr: Any) -> bool:
-        held = sympify(expr).xreplace({**self.prepared.motion.constants}).free_symbols
+        held = as_expression(expr).xreplace({**self.prepared.motion.constants}).free_symbols
         return not any(callable(self.values.get(s)) for s in held)
 
     def _is_zero(self, value: Any, expr: Any) -> bool:

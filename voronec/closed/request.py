@@ -10,7 +10,7 @@ import sympy as sp
 from flint import arb
 
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import compile_expressions, exact
 from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.reading import expression, fixed_mapping, quote, real_number
@@ -62,7 +62,7 @@ def known_parameters(system: System, parameters: Mapping[Any, Any]) -> dict[Any,
     found = {}
     for p in system.parameters:
         value = given.get(p.symbol, p.value)
-        if value is None or not sympify(value).is_number:
+        if value is None or not as_expression(value).is_number:
             raise DefinitionError(f"parameter '{p.name}' has no value; give parameters={{...}}")
         found[p.symbol] = exact(value)
     return found

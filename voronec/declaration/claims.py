@@ -131,7 +131,7 @@ class Assertion:
         functions of the state, as in every claim.
     decide
         a function of the motions, ``voronec.equations.motions.Motions``, and of the
-        expressions, that returns a ``Verdict``.  ``motions.deciding(expressions)`` is the vector
+        expressions, that returns a ``Verdict``.  ``motions.field_for(expressions)`` is the vector
         field on which they are decided.
     """
 

@@ -13,7 +13,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import names_in, plain_name
-from voronec.algebra.text import NOT_REAL, exact_number, formula, in_doubles, sympify
+from voronec.algebra.text import NOT_REAL, as_expression, exact_number, formula, in_doubles
 from voronec.errors import DefinitionError, quote
 
 __all__ = [
@@ -40,7 +40,7 @@ def expression(thing: Any, place: str) -> sp.Expr:
 
     Numbers are accepted, and text as ``algebra.text.formula`` reads it.
     """
-    expr = _scalar(sympify(thing, place), thing, place)
+    expr = _scalar(as_expression(thing, place), thing, place)
     try:
         in_doubles(expr)
     except OverflowError:
@@ -72,7 +72,7 @@ def _parts(expr: sp.Expr) -> set[Any]:
 
 def vanishing_expression(thing: Any, place: str) -> sp.Expr:
     """An expression that vanishes; ``sympy.Eq(left, right)`` is read as left - right."""
-    read = sympify(thing, place)
+    read = as_expression(thing, place)
     if isinstance(read, sp.Equality):
         return expression(read.lhs - read.rhs, place)
     if isinstance(read, (sp.Rel, sp.logic.boolalg.Boolean)) and not isinstance(read, sp.Symbol):
@@ -88,7 +88,7 @@ def real_number(value: Any, place: str) -> sp.Expr:
     if isinstance(value, str):
         return real_text(value, place)
     try:
-        number = sympify(value)
+        number = as_expression(value)
         in_doubles(number)  # what overflows them could be too long to be computed
     except DefinitionError:
         number = None

@@ -10,7 +10,7 @@ import sympy as sp
 
 from voronec.algebra.arguments import FLAG, TEXT, require
 from voronec.algebra.symbols import is_symbolic_name, plain_name
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.reading import (
     fixed_mapping,
     quote,
@@ -96,8 +96,8 @@ class Parameter:
         What SymPy knows of the symbol itself is not among them.
         """
         found = [self.symbol > 0] if self.positive else []
-        found += [] if self.lower is None else [self.symbol >= sympify(self.lower)]
-        found += [] if self.upper is None else [self.symbol <= sympify(self.upper)]
+        found += [] if self.lower is None else [self.symbol >= as_expression(self.lower)]
+        found += [] if self.upper is None else [self.symbol <= as_expression(self.upper)]
         return tuple(c for c in found if c != sp.true)
 
     def check(self, value: Any) -> None:
@@ -105,9 +105,9 @@ class Parameter:
         number = real_number(value, f"parameter '{self.name}'")
         if self.is_positive and not number > 0:
             raise DefinitionError(f"parameter '{self.name}' = {value} must be positive")
-        if self.lower is not None and number < sympify(self.lower):
+        if self.lower is not None and number < as_expression(self.lower):
             raise DefinitionError(f"parameter '{self.name}' = {value} is below {self.lower}")
-        if self.upper is not None and number > sympify(self.upper):
+        if self.upper is not None and number > as_expression(self.upper):
             raise DefinitionError(f"parameter '{self.name}' = {value} is above {self.upper}")
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.reading import several
 from voronec.errors import DefinitionError, quote
 
@@ -67,7 +67,7 @@ class Shape:
             )
         turned = self.attitude
         if not isinstance(turned, sp.MatrixBase | list | tuple):
-            turned = turn_about(2, sympify(turned or 0, f"the attitude of {place}"))
+            turned = turn_about(2, as_expression(turned or 0, f"the attitude of {place}"))
         turned = sp.ImmutableMatrix(turned)
         if turned.shape != (3, 3):
             raise DefinitionError(f"{place} has an attitude {turned.shape}; give a 3 x 3 matrix")
@@ -116,7 +116,7 @@ class Shape:
         turned forwards by another."""
         along, down = (sp.cos(turned), -sp.sin(turned)), (-sp.sin(turned), -sp.cos(turned))
         upright = sp.Matrix([[along[0], down[0], 0], [0, 0, 1], [along[1], down[1], 0]])
-        attitude = turn_about(2, sympify(heading)) * upright
+        attitude = turn_about(2, as_expression(heading)) * upright
         return cls.disc(radius, width, **{"attitude": attitude, **placed})
 
     @classmethod
@@ -127,7 +127,7 @@ class Shape:
         for k in range(3):
             for side in UNIT:
                 unit = [a, b]
-                unit.insert(k, sympify(side))
+                unit.insert(k, as_expression(side))
                 parts = tuple(h * u for h, u in zip(halves, unit, strict=True))
                 faces.append(Patch(parts, (UNIT, UNIT)))
         return cls(tuple(faces), **placed)
@@ -167,4 +167,4 @@ def _three(values: Any, what: str) -> tuple[sp.Expr, ...]:
     parts = several(values, what, "expression")
     if len(parts) != 3:
         raise DefinitionError(f"{what} has {len(parts)} components; give three")
-    return tuple(sympify(part, what) for part in parts)
+    return tuple(as_expression(part, what) for part in parts)

@@ -19,7 +19,7 @@ from voronec.algebra.symbols import (
     time,
     velocity,
 )
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.algebra.typeset import html_table, latex_of
 from voronec.declaration.bodies import Body
 from voronec.declaration.charts import Chart
@@ -478,7 +478,7 @@ def require_possible(system: System, given: Mapping[str, Any]) -> None:
     """Refuse parameters, by name, that no body can have, decided with the exact values."""
     values = {p.symbol: given.get(p.name, p.value) for p in system.parameters}
     exact = {s: sp.Rational(x) if isinstance(x, float) else x for s, x in values.items()}
-    known = {s: sympify(x) for s, x in exact.items() if x is not None}
+    known = {s: as_expression(x) for s, x in exact.items() if x is not None}
     for words, condition in system.possible.items():
         if condition.xreplace(known) is sp.false:
             involved = [p.symbol for p in system.parameters if condition.has(p.symbol)]

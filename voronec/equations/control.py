@@ -28,7 +28,7 @@ from voronec.algebra.precision import NESTED
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.algebra.typeset import plain_text
 from voronec.algebra.verdicts import Verdict
 from voronec.equations.connection import AffineForms
@@ -217,7 +217,7 @@ class Control:
         state still has dimensions that they do not see.
         """
         self._require_still()
-        read = [self.system_field.read(sympify(y)) for y in outputs]
+        read = [self.system_field.read(as_expression(y)) for y in outputs]
         if len(read) != len(self.inputs):
             raise DefinitionError(
                 f"{len(read)} flat outputs for {len(self.inputs)} inputs; name as many"
@@ -302,7 +302,7 @@ class Control:
             raise DefinitionError(
                 f"the point gives no value to '{missing[0]}' of system '{system.name}'; add it"
             )
-        exact = {s: sympify(x) for s, x in values.items()}
+        exact = {s: as_expression(x) for s, x in values.items()}
         found = {s: se.sympify(sp.nsimplify(x, rational=True) if x.is_Float else x)
                  for s, x in exact.items()}  # fmt: skip
         held = [found.pop(s) for s in pushes.values()]
@@ -311,7 +311,7 @@ class Control:
     def _require_equilibrium(self, at: Mapping[Any, Any]) -> None:
         place = f"system '{self.system_field.system.name}'"
         for relation in self.system_field.relations:
-            value = sympify(relation.xreplace(dict(at)))
+            value = as_expression(relation.xreplace(dict(at)))
             if not value.equals(0):
                 shown = plain_text(self.system_field.door.outward(relation))
                 raise DefinitionError(
@@ -319,7 +319,7 @@ class Control:
                     "give one on it"
                 )
         for s, rate in zip(self.state, self.inner_drift, strict=True):
-            value = sympify(rate.xreplace(dict(at)))
+            value = as_expression(rate.xreplace(dict(at)))
             if value.has(sp.nan, sp.zoo, sp.oo):
                 raise DefinitionError(
                     f"{place}: d{plain_name(s)}/dt has no value at the point; give another"

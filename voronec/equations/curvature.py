@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.equations.definition import Definition
 from voronec.equations.derivation import Derivation
 
@@ -105,4 +105,4 @@ def brackets_of(
 
 
 def _array(entries: list[Any], shape: tuple[int, ...]) -> sp.ImmutableDenseNDimArray:
-    return sp.ImmutableDenseNDimArray([sympify(e) for e in entries], shape)
+    return sp.ImmutableDenseNDimArray([as_expression(e) for e in entries], shape)

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import sympy as sp
 
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.geometry import moving_names
 from voronec.declaration.system import System
 from voronec.equations.reduction import Reduction, descend
@@ -92,7 +92,7 @@ class Motions:
         coordinate, a velocity that is none of the equations, a named momentum."""
         names = moving_names(self.system.coordinates, self.system.frame)
         moving = {*names} - {*self.system.velocities}
-        return any(sympify(e).has(*moving) for e in exprs)
+        return any(as_expression(e).has(*moving) for e in exprs)
 
     def field_for(self, exprs: Sequence[sp.Expr]) -> VectorField:
         """The field on which a claim about these functions is decided: the reduced one, where they

@@ -23,7 +23,7 @@ from voronec.algebra.ring import Ring
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expression
 from voronec.algebra.tape import Tape
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.algebra.typeset import html_table, latex_of, plain_text
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
@@ -123,7 +123,7 @@ def descend(
     return Reduction(
         system=eqs.system,
         invariants=tuple(sp.Symbol(name) for name in chosen),
-        definitions=tuple(sympify(g) for g in chosen.values()),
+        definitions=tuple(as_expression(g) for g in chosen.values()),
         velocities=eqs.velocities,
         mass=sp.ImmutableMatrix(n, n, found[: n * n]),
         force=sp.ImmutableMatrix(n, 1, found[n * n : n * n + n]),
@@ -159,7 +159,7 @@ def _choose_invariants(
     names = {str(s) for s in eqs.system.known_symbols()}
     for name, meaning in chosen.items():
         require("descend", "the name of an invariant", name, TEXT)
-        chosen[name] = sympify(meaning, f"the invariant '{name}'")
+        chosen[name] = as_expression(meaning, f"the invariant '{name}'")
         if name in names:
             raise DefinitionError(f"the invariant '{name}' has the name of another symbol")
     return chosen

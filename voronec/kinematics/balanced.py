@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.claims import Case, Equation, Measure, Poisson
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
@@ -194,14 +194,14 @@ class BalancedBall:
     @property
     def contact_inertia(self) -> sp.Expr:
         """D = m R2^2."""
-        return sympify(self.ball.mass * self.radius**2)
+        return as_expression(self.ball.mass * self.radius**2)
 
     @property
     def epsilon(self) -> sp.Expr:
         """R1/(R1 + R2), and 1 on a plane."""
         if self.fixed is None:
             return sp.Integer(1)
-        return sympify(self.fixed / (self.fixed + self.radius))
+        return as_expression(self.fixed / (self.fixed + self.radius))
 
     @cached_property
     def motion(self) -> BallMotion:

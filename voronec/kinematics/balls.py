@@ -9,7 +9,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.charts import Chart
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import expression
@@ -162,7 +162,7 @@ class RollingBall:
         gamma1, gamma2, gamma3, the invariants.  A ball that does not twist, ``twists=False``,
         has the velocities omega1 and omega2, and theta in the fibre.
         """
-        momentum, height = three(rotor, "the momentum of a rotor"), sympify(potential)
+        momentum, height = three(rotor, "the momentum of a rotor"), as_expression(potential)
         names = OMEGA if twists else OMEGA[:2]
 
         def of_axes(ball: RollingBall) -> dict[str, Any]:

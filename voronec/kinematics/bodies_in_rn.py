@@ -9,7 +9,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.claims import Case, Equation, Measure
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import real_text
@@ -108,7 +108,7 @@ class BodyInRn:
         """R1/(R1 + R2), or 1."""
         if self.fixed is None:
             return sp.Integer(1)
-        return sympify(self.fixed / (self.fixed + self.radius))
+        return as_expression(self.fixed / (self.fixed + self.radius))
 
     @property
     def velocities(self) -> tuple[sp.Symbol, ...]:

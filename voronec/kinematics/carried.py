@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.claims import Equation
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.sketch import Sketch
@@ -104,7 +104,7 @@ class CarriedContact:
         n = e.cross(f)
         turned = self.contact.rolling_velocities([axis.dot(self.omega) for axis in (e, f, n)])
         known = {velocity(q): rate for q, rate in turned.items()}
-        a, b, c = (sympify(x).xreplace(known) for x in self.contact.body.frame_rates)
+        a, b, c = (as_expression(x).xreplace(known) for x in self.contact.body.frame_rates)
         pairs = (
             (o, -self.omega.cross(r + o)),
             (r, self.trace(known)),
@@ -116,7 +116,7 @@ class CarriedContact:
 
     def trace(self, known: dict[sp.Expr, sp.Expr]) -> sp.Matrix:
         """The velocity of the contact over the body, where those of (u, v) are ``known``."""
-        x, y, _ = (sympify(z).xreplace(known) for z in self.contact.body.trace_velocity)
+        x, y, _ = (as_expression(z).xreplace(known) for z in self.contact.body.trace_velocity)
         return x * self.vectors[2] + y * self.vectors[3]
 
     @property

@@ -21,7 +21,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.arguments import COUNT, MATRIX, SEQUENCE, accepts, require
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.reading import expression
 from voronec.errors import DefinitionError, quote
 
@@ -98,7 +98,7 @@ class BodyVelocity:
 
         A rigid body with the second moments a_i of its mass has J_ij = a_i + a_j."""
         turning = sum(j * w**2 for j, w in zip(moments, self.angular, strict=True))
-        return sympify(turning + mass * sum(w**2 for w in self.linear)) / 2
+        return as_expression(turning + mass * sum(w**2 for w in self.linear)) / 2
 
     @property
     def last(self) -> tuple[sp.Symbol, ...]:
@@ -195,7 +195,7 @@ def product_form(moments: Sequence[Any], vector: Sequence[Any]) -> sp.Expr:
     pairs = combinations(range(1, size + 1), 2)
     given = dict(zip(pairs, _check_count(moments, size), strict=True))
     form = given[1, 2] * given[1, 3] / given[2, 3] * vector[0] ** 2
-    return sympify(form + sum(given[1, j] * vector[j - 1] ** 2 for j in range(2, size + 1)))
+    return as_expression(form + sum(given[1, j] * vector[j - 1] ** 2 for j in range(2, size + 1)))
 
 
 @accepts(matrix=MATRIX)

@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.claims import Equation
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.shapes import Shape
@@ -92,7 +92,7 @@ class BodyOfRevolution:
     def carry(self, rates: Sequence[Any]) -> sp.Matrix:
         """``rates`` that hold velocities of the coordinates, by s, tau, n."""
         known = {velocity(q): rate for q, rate in self.rolling_velocities.items()}
-        return sp.Matrix([sympify(rate).xreplace(known) for rate in rates])
+        return sp.Matrix([as_expression(rate).xreplace(known) for rate in rates])
 
     def turning_momentum(self, omega: sp.Matrix) -> sp.Matrix:
         """I omega = A omega + (C - A)(omega, e) e."""

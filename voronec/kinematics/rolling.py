@@ -19,7 +19,7 @@ import sympy as sp
 
 from voronec.algebra.arguments import instance, require
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.shapes import Shape
 from voronec.errors import DefinitionError
 from voronec.kinematics.forms import SurfaceForms
@@ -176,7 +176,7 @@ class RollingContact:
         found = {a: step / length for a, step, length in zip(names, steps, lengths, strict=True)}
         dots = {velocity(a): rate for a, rate in found.items()}
         own, carried = self.body.frame_rates[2], self.fixed.frame_rates[2]
-        found[self.theta] = -n - sympify(own + carried).xreplace(dots)
+        found[self.theta] = -n - as_expression(own + carried).xreplace(dots)
         return found
 
     def _rotate(self, vector: Vector) -> Vector:

@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.errors import DefinitionError, quote
 
 __all__ = ["Vector", "apply_matrix", "column", "cross", "dot", "three"]
@@ -45,7 +45,7 @@ def _product(x: Any, y: Any) -> Any:
 def three(things: Any, what: str) -> Vector:
     """Three SymPy expressions out of a sequence or a matrix; ``what`` names them in errors."""
     try:
-        entries = tuple(sympify(thing) for thing in things)
+        entries = tuple(as_expression(thing) for thing in things)
     except (TypeError, DefinitionError):
         entries = ()
     if len(entries) != 3 or not all(is_scalar(e) for e in entries):

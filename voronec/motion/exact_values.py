@@ -15,7 +15,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.equations.program import Program
 from voronec.equations.program.digits import compiled_digits
 from voronec.errors import EngineLimit
@@ -35,7 +35,7 @@ def exact_number(value: Any, known: Mapping[Any, Any], bits: int) -> Any:
     if isinstance(value, float | int):
         return mpmath.mpf(value)
     digits = int(bits * 0.302) + 5
-    expr = sympify(value).xreplace({s: sp.Float(x, digits) for s, x in known.items()})
+    expr = as_expression(value).xreplace({s: sp.Float(x, digits) for s, x in known.items()})
     return mpmath.mp.make_mpf(sp.Float(expr.evalf(digits), digits)._mpf_)
 
 

@@ -17,7 +17,7 @@ import symengine as se
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.arguments import CALLABLE, FLAG, REAL, SEVERAL, TEXT, VALUES, accepts
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.attitudes import with_attitude_charts
@@ -576,7 +576,7 @@ def _refuse_unknown_functions(system: System) -> None:
     frame = system.frame.expressions if system.frame is not None else ()
     held = (system.lagrangian, *system.constraints, *system.forces.values(), *frame)
     own = {*system.coordinates, *(system.frame.ambient if system.frame is not None else ())}
-    unknown = {f for e in held for f in sympify(e).atoms(AppliedUndef)} - own
+    unknown = {f for e in held for f in as_expression(e).atoms(AppliedUndef)} - own
     if unknown:
         raise DefinitionError(
             f"system '{system.name}' holds the unknown function '{min(unknown, key=str)}', so it "

@@ -22,7 +22,7 @@ from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.tape import Tape
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.equations.definition import Definition
 from voronec.errors import DefinitionError
 
@@ -134,7 +134,7 @@ def _number(value: Any, precise: bool) -> Any:
     import sympy as sp
 
     digits = mp.mp.dps + 5
-    return mp.mpf(sp.Float(sympify(value).evalf(digits), digits)._mpf_)
+    return mp.mpf(sp.Float(as_expression(value).evalf(digits), digits)._mpf_)
 
 
 def _conditions(d: Definition) -> list[tuple[Any, ...]]:

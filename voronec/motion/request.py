@@ -12,7 +12,7 @@ import sympy as sp
 
 from voronec.algebra.arguments import SEQUENCE
 from voronec.algebra.symbols import is_symbolic_name, plain_name
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.reading import doubles, quote, several
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
@@ -66,8 +66,8 @@ def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[st
     known = vocabulary.known
     if isinstance(key, str):
         name = vocabulary.name(key, known, role)
-        return name, sympify(known[name])
-    given = sympify(key)
+        return name, as_expression(known[name])
+    given = as_expression(key)
     expr = given.xreplace(vocabulary.inputs)
     meaning = {}
     for symbol in sorted(expr.free_symbols, key=str):

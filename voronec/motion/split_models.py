@@ -25,7 +25,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.charts import Chart
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.system import System, bare
@@ -212,7 +212,7 @@ def _spell_out(
     own = {name: getattr(system, name) for name in names} | dict(changes or {})
 
     def on(expr: Any) -> Any:
-        return sympify(expr).xreplace(meaning)
+        return as_expression(expr).xreplace(meaning)
 
     return {
         "lagrangian": on(own["lagrangian"]),

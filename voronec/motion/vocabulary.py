@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
-from voronec.algebra.text import in_doubles, sympify
+from voronec.algebra.text import as_expression, in_doubles
 from voronec.declaration.claims import right_of
 from voronec.declaration.reading import expression, quote, quote_number, real_text
 from voronec.errors import DefinitionError, did_you_mean
@@ -43,7 +43,7 @@ def number(value: Any, place: str) -> float:
 
 def _double(value: Any, place: str) -> float:
     try:
-        read = real_text(value, place) if isinstance(value, str) else sympify(value, place)
+        read = real_text(value, place) if isinstance(value, str) else as_expression(value, place)
     except DefinitionError:
         if isinstance(value, str):
             raise
@@ -65,7 +65,7 @@ def held_name(key: Any, held: Iterable[str], holder: str) -> str:
 
     ``DefinitionError`` where it is not there; ``holder`` begins the message: "the section holds".
     """
-    name = key if isinstance(key, str) else label(sympify(key, "what is asked for"))
+    name = key if isinstance(key, str) else label(as_expression(key, "what is asked for"))
     known = list(held)
     if name not in known:
         raise DefinitionError(
@@ -217,11 +217,11 @@ class Vocabulary:
         """A user's expression inside the door, its invariants spelled out."""
         system = self.equations.system
         meaning = dict(zip(system.invariant_symbols, system.invariants.values(), strict=True))
-        return self.equations.door.inward(sympify(expr).xreplace(meaning))
+        return self.equations.door.inward(as_expression(expr).xreplace(meaning))
 
     def _plain(self, key: Any, role: str) -> str:
         try:
-            return plain_name(sympify(key, f"the {role}"))
+            return plain_name(as_expression(key, f"the {role}"))
         except DefinitionError:
             raise DefinitionError(
                 f"system '{self.equations.system.name}': '{quote(key)}' names no {role}; give a "

@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.algebra.typeset import latex_of, symbol_latex
 from voronec.declaration.bibliography import citation
 from voronec.declaration.claims import (
@@ -142,7 +142,7 @@ def _definition(system: System) -> Iterator[str]:
     rows = [
         [
             f"${show(p.symbol)}$",
-            "" if p.value is None else f"${sp.latex(sympify(p.value))}$",
+            "" if p.value is None else f"${sp.latex(as_expression(p.value))}$",
             p.meaning,
         ]
         for p in system.parameters

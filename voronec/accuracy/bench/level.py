@@ -12,7 +12,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.accuracy.bench.question import BenchMotion
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.claims import right_of
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.program import Program, compile_program
@@ -105,7 +105,7 @@ def lowest(question: BenchMotion) -> BenchLevel:
 
 
 def _read(field: VectorField, expr: Any) -> Any:
-    return field.read(sympify(expr))
+    return field.read(as_expression(expr))
 
 
 def _form(field: VectorField) -> FirstOrderForm:
@@ -143,4 +143,4 @@ def _value(question: BenchMotion, numbers: Mapping[str, float], name: str) -> An
 
 
 def _plain(inside: Any) -> sp.Expr:
-    return sympify(inside.xreplace({s: se.Symbol(str(s)) for s in inside.free_symbols}))
+    return as_expression(inside.xreplace({s: se.Symbol(str(s)) for s in inside.free_symbols}))

@@ -11,7 +11,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
@@ -166,15 +166,15 @@ def _expressions(system: System, wanted: Sequence[Any], names: Sequence[str]) ->
         if isinstance(key, str):
             result[name] = known.get(key, claims.get(key, sp.Symbol(key)))
         else:
-            result[name] = sympify(key)
+            result[name] = as_expression(key)
     return result
 
 
 def _angles(system: System, expressions: Mapping[str, sp.Expr]) -> frozenset[str]:
     """Outputs that are coordinates, and occur in the system as whole multiples under sines only."""
     frame = system.frame.expressions if system.frame is not None else ()
-    held = [sympify(e) for e in (system.lagrangian, *system.constraints, *frame)]
-    held += [sympify(e) for e in system.forces.values()]
+    held = [as_expression(e) for e in (system.lagrangian, *system.constraints, *frame)]
+    held += [as_expression(e) for e in system.forces.values()]
     found = set()
     for name, expr in expressions.items():
         if expr in system.coordinates and _is_only_angle(expr, held):

@@ -11,7 +11,7 @@ import sympy as sp
 
 from voronec.accuracy.hard.case import HardCase
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program
@@ -86,7 +86,7 @@ def _on_invariants(
         name = key if isinstance(key, str) else vocabulary.quantity(key)[0]
         named = vocabulary.symbols.get(name, vocabulary.claims.get(name))
         own = sp.Symbol(name) if name in system.invariants else named
-        wanted[name] = field.read(alike.get(str(key), sympify(key)) if own is None else own)
+        wanted[name] = field.read(alike.get(str(key), as_expression(key)) if own is None else own)
     return form, wanted, system.invariants
 
 
@@ -108,7 +108,7 @@ def _start(
 def _initial(name: str, meaning: Mapping[str, Any], known: Mapping[str, Any]) -> Any:
     if name not in meaning:
         return known.get(name, mpmath.mpf(0))
-    expr = sympify(meaning[name])
+    expr = as_expression(meaning[name])
     digits = {s: sp.Float(known.get(str(s), 0), DIGITS) for s in expr.free_symbols}
     return _number(expr.xreplace(digits))
 
@@ -126,7 +126,7 @@ def _number(value: Any) -> Any:
     with mpmath.workdps(DIGITS):
         if isinstance(value, float | int):
             return mpmath.mpf(value)
-        return mpmath.mpf(sp.Float(sympify(value).evalf(DIGITS), DIGITS)._mpf_)
+        return mpmath.mpf(sp.Float(as_expression(value).evalf(DIGITS), DIGITS)._mpf_)
 
 
 def _dependencies(program: Program) -> tuple[int, ...]:

@@ -19,7 +19,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.symbols import time, velocity
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.audit.latex.nodes import (
     Bound,
     Chain,
@@ -241,7 +241,7 @@ class _Reading:
             return SILENT
         try:
             value = evaluate(node, self.study, self.where)
-            return self.scale.of(sympify(value)) if value is not None else SILENT
+            return self.scale.of(as_expression(value)) if value is not None else SILENT
         except (*SENSELESS, _Silent, _Mixed):
             return SILENT  # a derived value need not be written term by term
 
@@ -254,9 +254,9 @@ def _keys(system: Any, study: Study) -> list[Any]:
         exprs += [*frame.velocities, *(frame.expressions if frame.brackets is None else ())]
     moving = [*system.coordinates, *(frame.velocities if frame is not None else ())]
     dots = {velocity(x) for x in moving} | {velocity(velocity(x)) for x in moving}
-    symbols = {s for e in exprs for s in sympify(e).free_symbols} | set(system.coordinates)
-    functions = {_name(f) for e in exprs for f in sympify(e).atoms(AppliedUndef)}
-    varied = {x for e in study.variations.values() for x in sympify(e).free_symbols}
+    symbols = {s for e in exprs for s in as_expression(e).free_symbols} | set(system.coordinates)
+    functions = {_name(f) for e in exprs for f in as_expression(e).atoms(AppliedUndef)}
+    varied = {x for e in study.variations.values() for x in as_expression(e).free_symbols}
     fresh = varied - symbols - dots - {velocity(x) for x in varied}
     fresh |= {sp.Symbol(name) for name in system.invariants} | {*study.units}
     plain = sorted((symbols | fresh | {time}) - dots, key=str)

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.algebra.typeset import caret_text, plain_text
 from voronec.algebra.verdicts import Verdict, decide_equal
 from voronec.audit.lessons.meaning_of_text import CONSTANT, Language
@@ -223,5 +223,5 @@ def _accelerations(equations: VoronecEquations, sides: list[Any]) -> dict[Any, A
         equations.velocities, Motions.of(equations).on_coordinates.accelerations, strict=True
     ):
         if velocity(v) in held or (integral and v in held):
-            found[velocity(v)] = sympify(outward(value))
+            found[velocity(v)] = as_expression(outward(value))
     return found

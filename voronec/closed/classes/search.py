@@ -19,7 +19,7 @@ import sympy as sp
 from voronec.algebra.door import Door
 from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.closed.classes.root_positions import remainder
 from voronec.closed.classes.survey import survey
 from voronec.closed.classes.trace_classes import classify
@@ -165,7 +165,7 @@ def elsewhere(closed: ClosedForm, start: Mapping[Any, Any]) -> dict[Any, Any]:
     low, high = closed.ends
     place = sp.Rational(low + (high - low) * float(SHARE)).limit_denominator(LARGEST)
     level = {s: sp.nsimplify(sp.simplify(problem.exact_number(s))) for s in motion.constants}
-    level |= {p.symbol: sympify(problem.values[p.symbol]) for p in closed.system.parameters}
+    level |= {p.symbol: as_expression(problem.values[p.symbol]) for p in closed.system.parameters}
     level |= {motion.x: place}
     solved = sp.solve(motion.meaning - place, q)
     angle = next(a for a in solved if 0 <= float(a) <= float(sp.pi))
@@ -319,7 +319,7 @@ class _Search:
             for found in solutions(wanted, {**own, **angles}, system.velocities):
                 for _ in range(100 if plain else 1):
                     free = {v: self._draw_fraction() for v in system.velocities if v not in found}
-                    solved = {v: sympify(e).xreplace(free) for v, e in found.items()}
+                    solved = {v: as_expression(e).xreplace(free) for v, e in found.items()}
                     yield {**angles, **{v: {**free, **solved}[v] for v in system.velocities}}
 
     def _draw_fraction(self) -> Any:

@@ -15,7 +15,7 @@ import sympy as sp
 from voronec.algebra.door import Door
 from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.closed.compiled_motion import motion_of, prepare
 from voronec.closed.fractions import ascending_coefficients
 from voronec.declaration.quadratures import Quadratures, Trace
@@ -104,7 +104,7 @@ class DeclaredTraces:
     def at_start(self, value: Any) -> Any:
         """A function of a level and of x, as a function of the start."""
         meaning = dict(zip(self.motion.constants, self.starting[:-2], strict=True))
-        return sympify(value).xreplace({**meaning, self.motion.x: self.place})
+        return as_expression(value).xreplace({**meaning, self.motion.x: self.place})
 
 
 def title(trace: Trace) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import ball, compile_expressions, exact, precise
 from voronec.closed.special.family import Precessions, known_parameters, precessions
 from voronec.closed.special.plane import Strip, sign_on, strips
@@ -269,7 +269,7 @@ def _points(
         for root in roots:
             if not root.is_real:
                 continue
-            known = {c: sympify(e).xreplace({free: root}) for c, e in constants.items()}
+            known = {c: as_expression(e).xreplace({free: root}) for c, e in constants.items()}
             stable = decide_stability(family.quadratures, known, dict(family.values), place).stable
             point = tuple(float(known[c]) for c in axes)
             found.append(LevelPoint((point[0], point[1]), float(place), stable, what))

@@ -14,7 +14,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.factors import in_factors
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.closed.special.family import known_parameters, precessions
 from voronec.closed.special.plane import Strip, strips
 from voronec.closed.special.stability import sign_of
@@ -80,7 +80,7 @@ def chart_of(
     """
     values = known_parameters(system, parameters or {})
     family = precessions(system, values)
-    scale = sympify(unit).xreplace(values)
+    scale = as_expression(unit).xreplace(values)
     if not (scale.is_number and sign_of(scale) > 0):
         raise DefinitionError(f"unit = {quote(unit)} is not a positive number; write one like k/A")
     x, w = family.place, family.rate

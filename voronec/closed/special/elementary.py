@@ -16,7 +16,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.normal import shorten
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.closed.request import quadratures_of, read_parameters
 from voronec.declaration.system import System
 from voronec.errors import EngineLimit
@@ -50,10 +50,10 @@ class Elementary:
 
         Both cosines of the pole are of one sign, so that the root is real.
         """
-        c, w = sympify(pole), self.weights[sympify(pole)]
+        c, w = as_expression(pole), self.weights[as_expression(pole)]
         low, high = self.centre - self.half_width - c, self.centre + self.half_width - c
         side = sp.sign(w) * sp.sign(high)
-        return side * sp.atan(sp.sqrt(low / high) * sp.tan(sympify(phase) / 2))
+        return side * sp.atan(sp.sqrt(low / high) * sp.tan(as_expression(phase) / 2))
 
 
 def elementary(system: System, parameters: Mapping[Any, Any]) -> Elementary:

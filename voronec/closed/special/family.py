@@ -20,7 +20,7 @@ import sympy as sp
 from voronec.algebra.arguments import VALUES, accepts
 from voronec.algebra.normal import shorten
 from voronec.algebra.symbols import velocity
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, prove_equal
 from voronec.closed.request import known_parameters, number, quadratures_of, read_parameters
 from voronec.closed.space import turned_upright
@@ -130,7 +130,7 @@ def linear_matrix(family: Precessions) -> sp.Matrix:
 def _on_family(family: Precessions, value: sp.Expr) -> sp.Expr:
     (angle,) = family.quadratures.meaning.free_symbols
     own = family.at_colatitude(value.xreplace(dict(family.state)))
-    return sympify(own.subs(angle, sp.acos(family.place)))
+    return as_expression(own.subs(angle, sp.acos(family.place)))
 
 
 @dataclass(frozen=True, repr=False)
@@ -174,7 +174,7 @@ class Precessions:
 
     def on(self, value: Any) -> sp.Expr:
         """An expression in the variable, constants and parameters, on the family."""
-        own = sympify(value).xreplace(dict(self.constants))
+        own = as_expression(value).xreplace(dict(self.constants))
         return short(own.xreplace(dict(self.values)))
 
     def at_colatitude(self, value: Any) -> Any:

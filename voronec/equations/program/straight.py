@@ -223,14 +223,14 @@ def _program(form: FirstOrderForm, extras: tuple[tuple[str, Any], ...]) -> Progr
     for name, expr in zip(wanted, observed, strict=True):
         _check(f"'{name}'", [expr], [*known, *names])
     derivative = _derivative(form, tuple(known))
-    extra = share_subexpressions(observed, fresh_names(known), form.stages, form.positive)
+    extra = share_subexpressions(observed, fresh_names(known), form.stages)
     if derivative.is_rough(form.parameters):
         form = with_plain_roots(form)
         derivative = _derivative(form, tuple(known))
     if extra.is_rough(form.parameters):
         form, still = with_plain_roots(form), frozenset(form.parameters)
         plain = [plain_roots(e, still) for e in observed]
-        extra = share_subexpressions(plain, fresh_names(known), form.stages, form.positive)
+        extra = share_subexpressions(plain, fresh_names(known), form.stages)
     return Program(
         time=form.time,
         coordinates=tuple(form.coordinates),
@@ -297,8 +297,7 @@ def _derivative(form: FirstOrderForm, known: tuple[Any, ...]) -> Block:
     exprs = [*form.rates, *single.values(), *(form.force[i] for i in left)]
     exprs += [e for block in blocks for e in block.expressions]
     # before sums are bracketed: what cancels in them is seen in their powers
-    exprs = stable_all(exprs, form.positive)
-    inner = stable_all((e for _, e in form.stages), form.positive)
+    exprs, inner = stable_all(exprs), stable_all(e for _, e in form.stages)
 
     def write(change: Callable[[Any], Any]) -> Block:
         fresh = fresh_names(known)
@@ -346,16 +345,13 @@ def fresh_names(known: Iterable[Any]) -> Iterator[Any]:
 
 
 def share_subexpressions(
-    exprs: Sequence[Any],
-    fresh: Iterator[Any],
-    stages: Sequence[tuple[Any, Any]] = (),
-    positive: Iterable[Any] = (),
+    exprs: Sequence[Any], fresh: Iterator[Any], stages: Sequence[tuple[Any, Any]] = ()
 ) -> Block:
     """Common subexpressions of several expressions and of the stages they need, freshly named."""
     stages = prune(stages, exprs).assignments
     if not exprs:
         return Block((), ())
-    replacements, reduced = se.cse(stable_all([*(e for _, e in stages), *exprs], positive))
+    replacements, reduced = se.cse(stable_all([*(e for _, e in stages), *exprs]))
     inner = [name for name, _ in stages]
     pending = dict([*replacements, *zip(inner, reduced, strict=False)])
     results = reduced[len(stages) :]

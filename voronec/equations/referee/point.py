@@ -13,7 +13,7 @@ import mpmath as mp
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, time
-from voronec.algebra.text import exact_number, sympify
+from voronec.algebra.text import as_expression, exact_number
 from voronec.declaration.system import System
 from voronec.equations.referee.names import rate_names
 from voronec.errors import DefinitionError
@@ -77,7 +77,7 @@ def _name(system: System, key: Any) -> str:
     if isinstance(key, str):
         return key
     try:
-        return plain_name(sympify(key))
+        return plain_name(as_expression(key))
     except DefinitionError:
         raise DefinitionError(
             f"system '{system.name}': the point has the key '{key}', which is neither a symbol "
@@ -113,7 +113,7 @@ def _read(number: Any) -> Exact | None:
         return None
     if hasattr(number, "__index__") and not isinstance(number, sp.Basic):
         return Fraction(operator.index(number))
-    value = sympify(number)
+    value = as_expression(number)
     if isinstance(value, sp.Rational):
         return Fraction(int(value.p), int(value.q))
     if isinstance(value, sp.Float):

@@ -14,7 +14,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.symbols import plain_name, time
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.algebra.typeset import plain_text
 from voronec.declaration.system import System
 from voronec.equations.curvature import curvature_of, vertical_parts
@@ -33,7 +33,7 @@ def is_general(system: System) -> bool:
     """Whether a system holds functions that nobody has given, as E(u, v); it has no numbers."""
     held = (system.lagrangian, *system.constraints, *system.forces.values())
     named = {*system.coordinates}
-    return any(e.atoms(AppliedUndef) - named for e in map(sympify, held))
+    return any(e.atoms(AppliedUndef) - named for e in map(as_expression, held))
 
 
 def random_point(system: System, seed: int = 0) -> dict[Any, Any]:
@@ -285,5 +285,5 @@ def _is_name(thing: Any) -> bool:
 
 
 def _digits(value: Any) -> str:
-    number = sympify(value)
+    number = as_expression(value)
     return str(number) if number.is_Rational else str(sp.N(number, 60))

@@ -11,7 +11,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.conditions import moved_hypotheses, split_hypotheses
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, decide_equal
 from voronec.declaration.relation import Relation, Square
 from voronec.equations.motions import Motions
@@ -238,15 +238,15 @@ def _then(first: _Chain, second: _Chain) -> _Chain:
 def _limit_parameters(first: _Chain, second: _Chain) -> dict[Any, Any]:
     """The parameters of the start of ``first`` for which those of its end follow a limit."""
     small = sp.Symbol(str(second.small))
-    values = {str(p): sympify(e) for p, e in first.parameters.items() if p.is_Symbol}
-    scaled = {str(p): sympify(e) for p, e in second.scaled.items()}
+    values = {str(p): as_expression(e) for p, e in first.parameters.items() if p.is_Symbol}
+    scaled = {str(p): as_expression(e) for p, e in second.scaled.items()}
     own = {str(p): p for p in first.start.parameters}
     ranges = (
         c
         for c in split_hypotheses(first.hypotheses)[1]
         if {*map(str, c.free_symbols)} <= own.keys()
     )
-    family = carry_back(values, scaled, small, [sympify(c) for c in ranges])
+    family = carry_back(values, scaled, small, [as_expression(c) for c in ranges])
     if family is None or not own.keys() >= family.keys():
         raise DefinitionError(
             f"the chain that comes to '{second.start.system.name}' fixes a parameter that the "

@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import prove_equal
 from voronec.declaration.relation import Limit, Relation
 from voronec.proof.relations.parameters import by_name
@@ -70,7 +70,7 @@ class Course:
 
 
 def _scaled_parameters(limit: Limit) -> dict[str, sp.Expr]:
-    return {n: _plain(sympify(v)) for n, v in by_name(limit.parameters).items()}
+    return {n: _plain(as_expression(v)) for n, v in by_name(limit.parameters).items()}
 
 
 def _plain(expr: sp.Expr) -> sp.Expr:

@@ -15,7 +15,7 @@ from voronec.algebra.angles import Angles, holds_angles
 from voronec.algebra.conditions import substituted_conditions
 from voronec.algebra.points import is_possible
 from voronec.algebra.symbols import plain_name, time
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.relation import Relation
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
@@ -176,7 +176,7 @@ class _Reader:
         if self.relation.limit is not None:
             known.add(self.relation.limit.small)
         names = {*map(plain_name, known), *formals}
-        for symbol in sympify(expr).free_symbols:
+        for symbol in as_expression(expr).free_symbols:
             if str(symbol) not in names:
                 raise DefinitionError(
                     f"relation '{self.relation.label}': {place} holds '{symbol}', which "

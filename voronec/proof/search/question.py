@@ -14,7 +14,7 @@ from voronec.algebra.conditions import substituted_conditions
 from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expression
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.declaration.claims import Corrected
 from voronec.declaration.reading import quote
 from voronec.declaration.system import System
@@ -219,7 +219,7 @@ class Question:
                 raise DefinitionError(f"{name} is {quote(number)}; give a number from 0 upward")
         motions = Motions.of(system)
         given = _functions(motions.system, functions)
-        below = [d if d == "mass" else sympify(d) for d in denominators]
+        below = [d if d == "mass" else as_expression(d) for d in denominators]
         plain = [*given.values(), *(d for d in below if d != "mass")]
         values = _values(motions.system, at)
         new = {s for v in values.values() for s in v.free_symbols}
@@ -247,7 +247,7 @@ class _Reader:
     values: Mapping[sp.Symbol, sp.Expr]
 
     def read(self, expr: sp.Expr) -> Any:
-        return self.field.read(sympify(expr).xreplace(dict(self.values)))
+        return self.field.read(as_expression(expr).xreplace(dict(self.values)))
 
     def _letter(self, value: Any, kind: str, name: str = "") -> Letter:
         meaning = self.field.door.outward(value)
@@ -296,7 +296,7 @@ class _Reader:
 
     def denominators(self, below: Sequence[Any]) -> list[Letter]:
         found: list[Letter] = []
-        longer = sum(d == "mass" or not sympify(d).is_Symbol for d in below)
+        longer = sum(d == "mass" or not as_expression(d).is_Symbol for d in below)
         for d in below:
             value = self.read(d) if d != "mass" else self._determinant()
             if not value.free_symbols & {*self.field.variables}:
@@ -338,7 +338,7 @@ def _functions(system: System, given: Mapping[str, Any]) -> dict[str, sp.Expr]:
         for one, entry in zip(names, entries, strict=True):
             if one in taken or one in found:
                 raise DefinitionError(f"the name '{one}' is taken; give the function another")
-            found[one] = sympify(entry)
+            found[one] = as_expression(entry)
     return found
 
 
@@ -364,8 +364,12 @@ def _values(system: System, at: Mapping[Any, Any]) -> dict[sp.Symbol, sp.Expr]:
                 f"system '{system.name}' has no parameter '{key}'"
                 + did_you_mean(str(key), parameters)
             )
-        found[parameters[str(key)]] = sympify(value).xreplace(
-            {s: parameters[str(s)] for s in sympify(value).free_symbols if str(s) in parameters}
+        found[parameters[str(key)]] = as_expression(value).xreplace(
+            {
+                s: parameters[str(s)]
+                for s in as_expression(value).free_symbols
+                if str(s) in parameters
+            }
         )
     for symbol, value in found.items():
         if value.free_symbols & {*found}:

@@ -18,7 +18,7 @@ import sympy as sp
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest, without
 from voronec.accuracy.bench.level import BenchLevel, lowest
 from voronec.accuracy.bench.question import BenchMotion
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.equations.program import Program, python_source
 
 __all__ = ["JITTED", "right_hand_side", "stepper_source"]
@@ -92,8 +92,8 @@ def sympy_right_hand_side(at: BenchLevel) -> Callable[..., None]:
     if sum(len(str(e)) for e in exprs) > LONGEST:
         raise NotHere("the equations are too long for SymPy")
     symbols = [field.time, *field.variables, *field.parameters]
-    names = {sympify(s): sp.Symbol(f"z{i}") for i, s in enumerate(symbols)}
-    shared, found = sp.cse([sympify(e).xreplace(names) for e in exprs])
+    names = {as_expression(s): sp.Symbol(f"z{i}") for i, s in enumerate(symbols)}
+    shared, found = sp.cse([as_expression(e).xreplace(names) for e in exprs])
     text = [sp.pycode(e, fully_qualified_modules=False) for e in found]
     places = ["t", *(f"state[{i}]" for i in range(len(field.variables)))]
     places += [f"parameters[{i}]" for i in range(len(field.parameters))]

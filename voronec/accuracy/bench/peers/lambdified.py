@@ -18,7 +18,7 @@ import sympy as sp
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest
 from voronec.accuracy.bench.level import BenchLevel, level
 from voronec.accuracy.bench.question import BenchMotion
-from voronec.algebra.text import sympify
+from voronec.algebra.text import as_expression
 from voronec.equations.vector_field import VectorField
 from voronec.errors import VoronecError
 
@@ -94,9 +94,9 @@ def _plain(at: BenchLevel) -> RightSide:
 def _lambdify(field: VectorField, exprs: Any, modules: str, cse: bool = True) -> Callable[..., Any]:
     symbols = [field.time, *field.variables, *field.parameters]
     plain = {s: sp.Symbol(f"z{i}") for i, s in enumerate(symbols)}
-    names = {sympify(s): p for s, p in plain.items()}
+    names = {as_expression(s): p for s, p in plain.items()}
     return sp.lambdify(
-        list(plain.values()), [sympify(e).xreplace(names) for e in exprs], modules, cse=cse
+        list(plain.values()), [as_expression(e).xreplace(names) for e in exprs], modules, cse=cse
     )
 
 
