@@ -4,7 +4,7 @@ SymPy expressions in and out; nothing here knows about equations of motion.
 Names load on first use.
 """
 
-from importlib import import_module
+from importlib import import_module as _import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -147,5 +147,5 @@ _HOME = {
 def __getattr__(name: str) -> Any:
     for module, names in _HOME.items():
         if name in names:
-            return getattr(import_module(f"voronec.kinematics.{module}"), name)
+            return getattr(_import_module(f"voronec.kinematics.{module}"), name)
     raise AttributeError(f"module 'voronec.kinematics' has no attribute '{name}'")
