@@ -95,7 +95,7 @@ def test_an_entry_may_stand_on_one_line_and_in_quotation_marks() -> None:
     entry = (
         "@article{K, author={Y, X and Z W}, title={A {B} c}, journal={J}, year={1999}, volume={3}}"
     )
-    assert citation(entry) == "X Y and Z W (1999). A B c. J."
+    assert citation(entry) == "X Y and Z W (1999). A B c. J 3."
     assert citation('@book{K, author = "X Y", title = "A {B}, c", year = 1999}') == (
         "X Y (1999). A B, c."
     )
