@@ -313,3 +313,11 @@ def test_an_inequality_without_ranges_is_not_called_wrong():
     assert one("x^2+1>0").verdict == "proved"
     assert one("x>0").verdict == "undecided"
     assert "which are meant" in one("x>0").method
+
+
+@pytest.mark.parametrize("printed", [r"\frac{w}{x-x}=w", r"w(x-x)^{-1}=w", r"\frac{w}{N}=w"])
+def test_what_divides_by_zero_is_a_misprint(printed):
+    study = replace(oscillator(), names={**oscillator().names, "N": sp.Integer(0)})
+    formula = one(printed, study=study)
+    assert (formula.verdict, "a denominator is zero" in formula.method) == ("misprint", True)
+    assert ("('N' is zero)" in formula.method) is ("N" in printed)

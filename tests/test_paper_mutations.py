@@ -16,6 +16,7 @@ pytestmark = pytest.mark.slow
 latex_errors = tool("papers.latex_errors")
 english_errors = tool("papers.english_errors")
 paper_trials = tool("papers.trials")
+proposals = tool("papers.proposals")
 
 
 def made(latex, kind):
@@ -137,6 +138,48 @@ def test_what_stands_in_print_is_corrected_before_errors_are_made():
     section = page(Display("$N=mx$"))
     assert section.latex(0) == "$N=ma$"
     assert outcome(section, "$N=mx$") == "noticed at the right record"
+
+
+MASS, SPRING = (sp.Symbol(name, positive=True) for name in ("mass", "stiffness"))
+
+
+def energy_page():
+    """A section on the energy of a mass on a spring, of whose letters the units are known."""
+    speed = vo.velocity(x)
+    energy = MASS * speed**2 / 2 - SPRING * x**2 / 2
+    spring = vo.System("spring", vo.Fibration((x,), ()), energy, parameters=(MASS, SPRING))
+    eqs = vo.derive(spring)
+    names = {"m": MASS, "c": SPRING, "x": x, "v": speed, "t": vo.time, "T": MASS * speed**2 / 2}
+    names |= {"V": SPRING * x**2 / 2}
+    study = Study(names, motion=Motion.of(eqs).solved(eqs), context=eqs)
+    return paper_trials.Page(
+        Section("energy", (Display("$T+V=const$"), Display("$2T=mv^2$")), lambda _: {"one": study})
+    )
+
+
+@pytest.mark.parametrize(
+    ("place", "wrong", "proposed", "kind", "why"),
+    [
+        (1, "$2T=mv^3$", "2T=mv^2", "restored", ""),
+        (1, "$2T=mv^3$", "-2T=-mv^2", "equivalent", ""),
+        (1, "$2V=cv^2$", "2V=cx^2", "another", ""),
+        (1, "$2T=mv^3$", "2T=mv^4", "senseless", "it is not proved"),
+        (1, "$2T=mv^3$", "2T=2T", "senseless", "it says nothing"),
+        (1, "$2T=mv^3$", "2T=3T-T", "senseless", "it says nothing"),
+        (1, "$2T=mv^3$", "2Tm=m^2v^2", "senseless", "it has another dimension"),
+        (1, "$2T=mv^3$", "2V+T=cx^2+mv^2-T", "senseless", "what stood there is nearer"),
+        (0, "$T+mV=const$", "T+V+m=const", "senseless", "it is not balanced"),
+    ],
+)
+def test_what_a_proposed_correction_is_worth(place, wrong, proposed, kind, why):
+    fault = energy_page().trial(place, latex_errors.Slip("letter", wrong, 0)).fault
+    found = proposals.judged(proposed, fault)
+    assert (found.kind, found.why) == (kind, why)
+
+
+def test_a_correction_is_sought_of_what_is_noticed():
+    fault = energy_page().trial(1, latex_errors.Slip("exponent", "$2T=mv^3$", 0)).fault
+    assert fault.correction() == "2T=mv^2"
 
 
 def test_every_kind_of_premise_of_a_system_is_changed():

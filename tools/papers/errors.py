@@ -8,9 +8,14 @@ An error is made on the LaTeX of the paper, which is first corrected where the a
 misprint, so that every formula is true before.  Then what depends on it is audited again.  An error
 leaves the count only if the changed formula is proved to say the same as before.  ``--only K.N``
 makes error N of section K again, ``--sentences`` changes sentences of the text in place of
-formulas, ``--corrections`` looks at the corrections that are proposed, and
+formulas, and
 with ``--least`` the exit status is 1 where a smaller share is noticed at the right record.
 ``--jobs`` says how many processes share the work; the counts do not depend on it.
+
+``--corrections`` looks at what the audit proposes to read for each formula that is noticed.  A
+proposal restores what stood there, is proved to be equivalent to it, is another true formula, or is
+senseless (``papers.proposals``).  Those of the last two kinds are printed.  The search for a
+correction has a time of its own, so that it changes nothing of what is noticed.
 """
 
 from __future__ import annotations
@@ -21,17 +26,22 @@ import multiprocessing
 import random
 import signal
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from papers.latex_errors import Slip
-from papers.trials import NOTICED, Page, Trial
+from papers.proposals import Proposal, judged
+from papers.trials import NOTICED, Fault, Page, Trial
 from voronec.audit.transcript import formulas_by_label
 from voronec.declaration.catalogue import load_paper
 
 HANG = 60
 """Seconds of CPU after which a trial is given up, and counts as undecided."""
+SEARCH = 30
+"""Seconds of CPU after which the search for a correction is given up."""
 OUTCOMES = (NOTICED, "noticed elsewhere", "undecided", "survived", "became true")
 AROUND = 30
 """Characters that are shown on each side of a change."""
@@ -41,7 +51,18 @@ TOGETHER = 60
 
 Number = tuple[int, int]
 Task = tuple[int, list[int]]
-Outcome = tuple[str, Trial]
+
+
+class Outcome(NamedTuple):
+    """The kind of an error, what became of it, and the kind of the correction, if it was sought."""
+
+    kind: str
+    outcome: str
+    proposal: str
+
+
+UNLIKE = ("another", "senseless")
+"""Kinds of proposals that are printed."""
 
 
 def main() -> int:
@@ -66,23 +87,45 @@ def main() -> int:
 def _done(chosen: argparse.Namespace, task: Task) -> tuple[list[str], list[Outcome], float]:
     """What is printed of some errors of one section, their outcomes, and the seconds of CPU."""
     section, numbers = task
-    signal.signal(signal.SIGPROF, _give_up)
     begun, lines, found = time.process_time(), list[str](), list[Outcome]()
     page = _page(chosen.paper, section)
     every = _slips(page, chosen.sentences)
     for n in numbers:
         place, slip = every[n - 1]
-        signal.setitimer(signal.ITIMER_PROF, HANG)
         try:
-            trial = page.trial(place, slip, chosen.corrections)
+            with _limit(HANG):
+                trial = page.trial(place, slip)
         except TimeoutError:
             trial = Trial("undecided", f"given up after {HANG} s")
-        finally:
-            signal.setitimer(signal.ITIMER_PROF, 0)
-        found.append((slip.kind, trial))
-        if trial.outcome != NOTICED or trial.correction == "other" or chosen.only:
+        proposal = _proposal(trial.fault) if chosen.corrections else None
+        found.append(Outcome(slip.kind, trial.outcome, proposal.kind if proposal else ""))
+        if trial.outcome != NOTICED or found[-1].proposal in UNLIKE or chosen.only:
             lines.append(_line((section, n), page, place, slip, trial))
+            lines += [f"    correction ({proposal.told}): {proposal.latex}"] if proposal else []
     return lines, found, time.process_time() - begun
+
+
+@contextmanager
+def _limit(seconds: float) -> Iterator[None]:
+    """Raise ``TimeoutError`` after some seconds of CPU."""
+    signal.signal(signal.SIGPROF, _give_up)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+
+
+def _proposal(fault: Fault | None) -> Proposal | None:
+    """What is proposed for a formula that was noticed, and what it is worth."""
+    if fault is None:
+        return None
+    try:
+        with _limit(SEARCH):
+            latex = fault.correction()
+    except TimeoutError:
+        return Proposal(f"not found within {SEARCH} s")
+    return Proposal("none found") if latex is None else judged(latex, fault)
 
 
 @cache
@@ -129,8 +172,9 @@ def _tasks(chosen: argparse.Namespace) -> list[Task]:
         drawn.setdefault(k, []).append(n)
     return [
         (k, numbers[i : i + TOGETHER])
-        for k, numbers in sorted(drawn.items(), key=lambda item: -len(item[1]))
-        for i in range(0, len(numbers), TOGETHER)
+        for i in range(0, max(map(len, drawn.values()), default=0), TOGETHER)
+        for k, numbers in sorted(drawn.items())
+        if i < len(numbers)
     ]
 
 
@@ -159,26 +203,23 @@ class _Cut:
 def _line(number: Number, page: Page, place: int, slip: Slip, trial: Trial) -> str:
     cut = _Cut.between(page.latex(place), slip.latex)
     text = f"--only {number[0]}.{number[1]}  {trial.outcome}: {slip.kind} in {page.called(place)}"
-    text += f"\n    {cut.old}\n    {cut.new}\n    {trial.said}"
-    return text + (
-        f"\n    correction ({trial.correction}): {trial.proposed}" * bool(trial.proposed)
-    )
+    return f"{text}\n    {cut.old}\n    {cut.new}\n    {trial.said}"
 
 
 def _summary(trials: list[Outcome], seconds: float) -> float:
     """Print the counts; the share that is noticed where it is."""
-    kinds = sorted({kind for kind, _ in trials})
+    kinds = sorted({trial.kind for trial in trials})
     print(f"{len(trials)} errors in {seconds:.0f} s of CPU")
     for outcome in OUTCOMES:
-        found = [kind for kind, trial in trials if trial.outcome == outcome]
+        found = [trial.kind for trial in trials if trial.outcome == outcome]
         counts = collections.Counter(found)
         told = ", ".join(f"{counts[kind]} {kind}" for kind in kinds if counts[kind])
         print(f"{len(found):6} {outcome}: {told}")
-    proposed = collections.Counter(t.correction for _, t in trials if t.correction)
-    if proposed:
-        told = ", ".join(f"{count} {kind}" for kind, count in proposed.most_common())
+    proposals = collections.Counter(trial.proposal for trial in trials if trial.proposal)
+    if proposals:
+        told = ", ".join(f"{count} {kind}" for kind, count in proposals.most_common())
         print(f"corrections: {told}")
-    counted = [trial for _, trial in trials if trial.outcome != "became true"]
+    counted = [trial for trial in trials if trial.outcome != "became true"]
     here = sum(trial.outcome == NOTICED for trial in counted)
     open_ = sum(trial.outcome == "undecided" for trial in counted)
     total = max(1, len(counted))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -15,17 +14,16 @@ from voronec.audit import Display, Section, Study, Transcript
 from voronec.audit.comparisons import value_of
 from voronec.audit.consistency import Examined
 from voronec.audit.formula import Formula
-from voronec.audit.latex.nodes import Chain, Integral, Node
-from voronec.audit.latex.reader import read
+from voronec.audit.latex.nodes import Chain, Integral, Node, Sum
 from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.record import VERDICTS
 from voronec.audit.run import Item, Work, items
 from voronec.audit.slots import Labels
-from voronec.audit.structure import holds_always, integrand, new_names
+from voronec.audit.structure import are_multiples, holds_always, integrand, new_names
 from voronec.audit.transcript import assignments
 from voronec.errors import VoronecError
 
-__all__ = ["NOTICED", "Page", "Trial", "same_claim"]
+__all__ = ["NOTICED", "Fault", "Page", "Trial", "same_claim"]
 
 FAULTS = ("convention", "misprint")
 NOTICED = "noticed at the right record"
@@ -34,15 +32,25 @@ BRACKETS = frozenset("()[]{}")
 
 @dataclass(frozen=True)
 class Trial:
-    """What became of an error; ``said`` is the verdict with its method, ``proposed`` a correction.
-
-    ``correction`` is "restored", "equivalent" (proved to say what stood there), "other" or empty.
-    """
+    """What became of an error; ``said`` is the verdict with its method, ``fault`` what is wrong."""
 
     outcome: str
     said: str = ""
-    correction: str = ""
-    proposed: str = ""
+    fault: Fault | None = None
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A false formula in its section; ``true`` are those that stood in its place before."""
+
+    work: Work
+    formula: Formula
+    true: tuple[Formula, ...]
+
+    def correction(self) -> str | None:
+        """What the audit proposes to read instead."""
+        item = Item("display", 1, (self.formula,))
+        return replace(self.work, corrects=True).examine(item)[0].record.correction
 
 
 @dataclass(frozen=True)
@@ -178,14 +186,14 @@ class Page:
         same = told(before) == told(after)
         return Trial("survived" if same else NOTICED, _told(after))
 
-    def trial(self, place: int, slip: Slip, corrections: bool = False) -> Trial:
+    def trial(self, place: int, slip: Slip) -> Trial:
         """Audit again what depends on a place, with an error in it."""
         if place >= len(self._displays):
             return self.sentence_trial(place, slip)
         try:
             work, display = self._changed(place, slip)
             pairs = self._pairs(work, place, display)
-            trial = self._judged(work, pairs, corrections) or self._elsewhere(work, place, display)
+            trial = self._judged(work, pairs) or self._elsewhere(work, place, display)
             return trial or self._survivor(work, pairs, slip)
         except SENSELESS as error:
             labels = {f"({unit.label})" for unit in self._displays[place].units}
@@ -234,9 +242,7 @@ class Page:
             return [(None, item) for item in new]
         return [(a, b) for a, b in zip(old, new, strict=True) if a.printed != b.printed]
 
-    def _judged(
-        self, work: Work, pairs: list[tuple[Item | None, Item]], corrections: bool
-    ) -> Trial | None:
+    def _judged(self, work: Work, pairs: list[tuple[Item | None, Item]]) -> Trial | None:
         """The trial, where the verdict of a record at the place itself has become worse.
 
         The formulas that bear the error are looked at first, and mostly that is enough.
@@ -248,29 +254,13 @@ class Page:
                 continue
             found = work.examine(item)
             before = "proved" if old is None else _worst(self.before(old))
-            if _worst(found) == "undecided" or (corrections and _worst(found) == "misprint"):
+            if _worst(found) == "undecided":
                 found = replace(work, corrects=True).examine(item)
             if _worst(found) in FAULTS and _worst(found) != before:
-                return self._corrected(work, old, item, found)
+                return Trial(NOTICED, _told(found), _fault(work, old, item, found))
             if _worst(found) == "undecided" != before:
                 return Trial("undecided", _told(found))
         return None
-
-    def _corrected(self, work: Work, old: Item | None, item: Item, found: list[Examined]) -> Trial:
-        """The trial of an error that is noticed, with what is said of the correction."""
-        at = next(i for i, e in enumerate(found) if e.record.verdict == _worst(found))
-        proposed = found[at].record.correction
-        said = _told(found)
-        if proposed is None or old is None or len(old.formulas) != len(item.formulas):
-            return Trial(NOTICED, said)
-        formula = old.formulas[at]
-        kind = "restored" if _bare(proposed) == _bare(formula.printed) else "other"
-        if kind == "other":
-            check = formula.display.check(formula.position)
-            study = work.bench.study(check)
-            if same_claim(formula.tree(study.vocabulary), read(proposed, study.vocabulary), study):
-                kind = "equivalent"
-        return Trial(NOTICED, said, kind, proposed)
 
     def _dependents(self, place: int, display: Display) -> Iterator[Item]:
         """The other records that rest on a place, directly or through definitions."""
@@ -298,6 +288,14 @@ class Page:
         if slip.kind != "repeated" and pairs and all(same):
             return Trial("became true", verdicts)
         return Trial("survived", verdicts)
+
+
+def _fault(work: Work, old: Item | None, item: Item, found: list[Examined]) -> Fault:
+    at = next(i for i, e in enumerate(found) if e.record.verdict == _worst(found))
+    if old is None:
+        return Fault(work, item.formulas[at], ())
+    alone = len(old.formulas) == len(item.formulas)
+    return Fault(work, item.formulas[at], old.formulas[at : at + 1] if alone else old.formulas)
 
 
 def _narrowed(old: Item | None, new: Item) -> tuple[Item | None, Item]:
@@ -332,11 +330,6 @@ def _worst(found: list[Examined]) -> str:
 def _told(found: list[Examined]) -> str:
     record = next((e.record for e in found if e.record.verdict == _worst(found)), None)
     return "no formula" if record is None else f"{record.verdict}, {record.method}"
-
-
-def _bare(latex: str) -> str:
-    """Without spacing, brackets' sizes and braces around one word."""
-    return re.sub(r"\s|\\[bB]igg?|&|\\\\|\\,|\{(?=\w\})|(?<=\{\w)\}", "", latex)
 
 
 def _same_record(old: Item, item: Item, work: Work) -> bool:
@@ -411,10 +404,15 @@ def _equal(a: Node, b: Node, study: Study, where: Mapping[str, int]) -> bool:
 def _proportional(
     old: tuple[Node, Node], new: tuple[Node, Node], study: Study, where: Mapping[str, int]
 ) -> bool:
-    """Whether left minus right has only changed by a number, before anything is put in."""
+    """Whether left minus right has only changed by a number, before anything is put in.
+
+    Where both are zero then, it must be so whatever the letters mean.
+    """
     (a, b), (c, d) = ([evaluate(part, study, where) for part in link] for link in (old, new))
     if len({getattr(x, "shape", ()) for x in (a, b, c, d)}) > 1:
         return False
     one, two = ([*gap] if hasattr(gap, "shape") else [gap] for gap in (a - b, c - d))
+    if all(prove_equal(x, 0).proved for x in one):
+        return are_multiples(*(Sum(((1, left), (-1, right))) for left, right in (old, new)))
     pairs = list(zip(one, two, strict=True))
     return any(all(prove_equal(y, k * x).proved for x, y in pairs) for k in (1, -1, 2))

@@ -416,7 +416,27 @@ def _power(node: Power, study: Study, where: Where) -> Any:
         return base.dot(base)
     if isinstance(base, sp.MatrixBase) and not exponent.is_Integer:
         raise Misprint("the power of a matrix must be an integer")
+    if base == 0 and exponent.is_negative:
+        raise _division_by_zero(node.base, study, where)
     return base**exponent
+
+
+def _quotient(node: Quotient, study: Study, where: Where) -> Any:
+    top, bottom = (evaluate(part, study, where) for part in (node.top, node.bottom))
+    if bottom == 0:
+        raise _division_by_zero(node.bottom, study, where)
+    return top / bottom
+
+
+def _division_by_zero(node: Node, study: Study, where: Where) -> Misprint:
+    return Misprint(f"a denominator is zero{_which_is_zero(node, study, where)}")
+
+
+def _which_is_zero(node: Node, study: Study, where: Where) -> str:
+    """The first name in a tree whose value is zero, in brackets; else nothing."""
+    names = (part for part in walk(node) if isinstance(part, Name))
+    zero = next((name for name in names if _known(name, study, where) == 0), None)
+    return "" if zero is None else f" ('{key_of(zero)}' is zero)"
 
 
 def _product(node: Product, study: Study, where: Where) -> Any:
@@ -447,7 +467,7 @@ _RULES: dict[type, Callable[[Any, Study, Where], Any]] = {
     Variation: _variation,
     Sum: lambda n, s, w: _add([sign * evaluate(t, s, w) for sign, t in n.terms]),
     Product: _product,
-    Quotient: lambda n, s, w: evaluate(n.top, s, w) / evaluate(n.bottom, s, w),
+    Quotient: _quotient,
     Power: _power,
     Root: lambda n, s, w: sp.root(
         evaluate(n.body, s, w), 2 if n.index is None else evaluate(n.index, s, w)

@@ -177,16 +177,27 @@ class Units:
     def is_unbalanced(self, chain: Chain, study: Study) -> bool:
         """Whether a formula certainly adds or equates what has different units."""
         try:
-            for where in assignments(chain, study):
-                spoken = [p for p in chain.parts if not names_constant(p)]
-                parts = [_Reading(self.scale, study, where).weight(p) for p in spoken]
-                known = [weight for weight in parts if weight != SILENT]
-                self.scale.agreed(known)
+            self._dimension(chain, study)
         except _Mixed:
             return True
         except SENSELESS:
             return False  # what it means is told elsewhere
         return False
+
+    def dimension(self, chain: Chain, study: Study) -> Weight | None:
+        """The weight of the sides of a balanced formula; ``None`` where nothing is known of it."""
+        try:
+            return self._dimension(chain, study)
+        except (_Mixed, *SENSELESS):
+            return None
+
+    def _dimension(self, chain: Chain, study: Study) -> Weight | None:
+        found: Weight | None = None
+        for where in assignments(chain, study):
+            spoken = [p for p in chain.parts if not names_constant(p)]
+            parts = [_Reading(self.scale, study, where).weight(p) for p in spoken]
+            found = self.scale.agreed([weight for weight in parts if weight != SILENT])
+        return found
 
 
 SILENT: Any = ()
