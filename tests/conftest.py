@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,9 @@ from command_line import Answer, Call
 
 from voronec.cli import main
 from voronec.motion.model import packs
+
+with suppress(ImportError):
+    import heyoka  # noqa: F401  # what tests compile is kept in its folder, which has room for all
 
 # A package of somebody else: its tests run where it is installed, in ``test_conformance``.
 collect_ignore = ["plugin_package"]

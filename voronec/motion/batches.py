@@ -24,6 +24,7 @@ from voronec.motion.one_by_one import (
     is_lasting,
 )
 from voronec.motion.steppers.first_step import openings, overlong_lanes
+from voronec.motion.steppers.heyoka_library import heyoka
 from voronec.motion.steppers.run import COLLAPSE, INFINITE
 from voronec.motion.steppers.units import units_of_many
 
@@ -123,8 +124,7 @@ def lanes_of(program: Program, tol: float, states: np.ndarray, values: np.ndarra
 
     Raises ``ImportError`` without heyoka, ``EngineLimit`` for a function it does not know.
     """
-    import heyoka as hy
-
+    hy = heyoka()
     width = 1
     while width < min(hy.recommended_simd_size(), len(states)):
         width *= 2
@@ -185,8 +185,7 @@ def _pieces(
     lanes: Lanes, block: np.ndarray, grid: np.ndarray, stopped: Look
 ) -> tuple[dict[int, IntegrationError], int]:
     """Fill ``block`` (width, k, n) piece by piece of the grid; what broke, by lane, and steps."""
-    import heyoka as hy
-
+    hy = heyoka()
     ta, at, piece, steps = lanes.integrator, 0, PIECE, 0
     block[:, 0] = lanes.states
     while at < len(grid) - 1:
@@ -245,8 +244,7 @@ def _one_interval(
 ) -> tuple[dict[int, IntegrationError], int]:
     """From one point of the grid to the next, where that takes very many steps, none longer than
     the lane's ``longest``."""
-    import heyoka as hy
-
+    hy = heyoka()
     ta, steps = lanes.integrator, 0
     while True:
         if stopped():

@@ -79,8 +79,12 @@ def plot_trajectory(
 
 def settle_layout(figure: Any) -> None:
     """Settle the fonts, while the style is in force, and the layout, which costs a drawing."""
+    from matplotlib import rc_context
+
     figure.get_layout_engine().execute(figure)
-    figure.set_layout_engine("none")
+    with rc_context({"figure.autolayout": False, "figure.constrained_layout.use": False}):
+        # none at all: with a placeholder of its own matplotlib draws twice to save once
+        figure.set_layout_engine(None)
 
 
 def plain_ticks(axis: Any) -> None:

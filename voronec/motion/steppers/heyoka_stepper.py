@@ -20,6 +20,7 @@ from voronec.equations.program import Program, hoist, taylor_extras, taylor_syst
 from voronec.motion.events import Event
 from voronec.motion.steppers.angle_states import angles_among
 from voronec.motion.steppers.first_step import GROWING, STRIDE, opening
+from voronec.motion.steppers.heyoka_library import heyoka
 from voronec.motion.steppers.run import (
     COLLAPSE,
     DISTANT,
@@ -187,8 +188,7 @@ class _Machine:
 
 def taylor(problem: Problem) -> Stepper:
     """The integrator, compiled; ``EngineLimit`` for a function that heyoka does not know."""
-    import heyoka as hy
-
+    hy = heyoka()
     winding = Winding.of(problem)
     events = tuple((e.name, e.direction, e.stop) for e in problem.events)
     watched = events, problem.levels if events else None, problem.walls
