@@ -106,14 +106,8 @@ SYSTEM = System(
         Parameter(R1, 2, meaning="radius of the sphere, signed"),
         Parameter(R2, 1, positive=True, meaning="radius of the ball"),
         Parameter(m, 1, positive=True, meaning="mass of ball and rotor"),
-        *(
-            Parameter(i, sp.Rational(tenths, 10), positive=True, meaning="principal moment")
-            for i, tenths in zip(inertia, (4, 4, 4), strict=True)
-        ),
-        *(
-            Parameter(k, value, meaning="momentum of the gyroscope")
-            for k, value in zip(kappa, (0, 0, 3), strict=True)
-        ),
+        *Parameter.each(inertia, ["2/5"] * 3, positive=True, meaning="principal moment"),
+        *Parameter.each(kappa, (0, 0, 3), meaning="momentum of the gyroscope"),
         Parameter(Omega, sp.Rational(1, 2), meaning="angular velocity of the sphere"),
     ),
     invariants={

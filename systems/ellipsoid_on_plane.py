@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Relation, Scene, kinematics
+from voronec import Relation, kinematics
 
 gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
 m, g, R = sp.symbols("m g R")
@@ -31,18 +31,14 @@ SYSTEM = rolling.system(
     gravity=g,
     values={m: 1, g: 1, axes: ("1", "1.2", "0.8"), inertia: ("0.4", "0.3", "0.5")},
     scenes={
-        "default": Scene(
-            initial={theta: 1, psi: 1, **dict(zip(omega, (1, 2, "1/2"), strict=True))},
-            times=(0.0, 30.0),
-            outputs=(*rolling.contact, *omega),
-            caption="The ellipsoid tumbles along the plane.",
+        "default": rolling.scene(
+            "The ellipsoid tumbles along the plane.", {theta: 1, psi: 1}, (1, 2, "1/2")
         ),
-        "spheroid": Scene(
-            initial={theta: "1/2", omega[2]: 3, omega[0]: 1},
-            parameters={axes[1]: 1, inertia[1]: "2/5"},
-            times=(0.0, 30.0),
-            outputs=(*rolling.contact, *omega),
-            caption="An ellipsoid of revolution spins about its axis while it rolls.",
+        "spheroid": rolling.scene(
+            "An ellipsoid of revolution spins about its axis while it rolls.",
+            {theta: "1/2"},
+            (1, 0, 3),
+            {axes[1]: 1, inertia[1]: "2/5"},
         ),
     },
     references=("Voronec1912", "BorisovMamaev2002"),

@@ -18,7 +18,6 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
-    Shape,
     System,
     kinematics,
     time,
@@ -46,11 +45,7 @@ SYSTEM = System(
     lagrangian=kinetic,
     constraints=(Dx * sp.sin(phi) - Dy * sp.cos(phi),),
     meanings={
-        x: "first coordinate of the blade on the plane",
-        y: "second coordinate of the blade on the plane",
-        phi: "heading of the blade, from the first axis",
-        v: "speed along the blade",
-        w: "rate of turning",
+        **kinematics.sleigh_meanings((x, y), phi, (v, w)),
         "energy, as of the momenta": "energy that the momenta have with the first mass",
         "heading": "a times the heading in the middle of the turn, where v = 0",
     },
@@ -79,13 +74,7 @@ SYSTEM = System(
             "more slowly.",
         ),
     },
-    shapes=(
-        Shape.box(
-            (0.8, 0.4, 0.1), centre=(x + a * sp.cos(phi), y + a * sp.sin(phi), 0.25), attitude=phi
-        ),
-        Shape.box((0.3, 0.04, 0.2), centre=(x, y, 0.1), attitude=phi, contact=(x, y, 0)),
-        Shape.plane(),
-    ),
+    shapes=kinematics.sleigh_shapes((x, y), phi, a),
     references=("Chaplygin1911", "NeimarkFufaev1972"),
 )
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Relation, Scene, kinematics
+from voronec import Limit, Relation, kinematics
 
 gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
 m, g, R, h = sp.symbols("m g R h")
@@ -36,18 +36,16 @@ SYSTEM = rolling.system(
         kappa: ("0.3", "-0.2", "2"),
     },
     scenes={
-        "default": Scene(
-            initial={theta: 1, psi: 1, **dict(zip(omega, (1, 2, "1/2"), strict=True))},
-            times=(0.0, 30.0),
-            outputs=(*rolling.contact, *omega),
-            caption="The gyroscope bends the path of the tumbling ellipsoid.",
+        "default": rolling.scene(
+            "The gyroscope bends the path of the tumbling ellipsoid.",
+            {theta: 1, psi: 1},
+            (1, 2, "1/2"),
         ),
-        "spheroid": Scene(
-            initial={theta: "1/2", omega[2]: 3, omega[0]: 1},
-            parameters={axes[1]: 1, inertia[1]: "2/5", kappa[0]: 0, kappa[1]: 0},
-            times=(0.0, 30.0),
-            outputs=(*rolling.contact, *omega),
-            caption="An ellipsoid of revolution spins about its axis while it rolls.",
+        "spheroid": rolling.scene(
+            "An ellipsoid of revolution spins about its axis while it rolls.",
+            {theta: "1/2"},
+            (1, 0, 3),
+            {axes[1]: 1, inertia[1]: "2/5", kappa[0]: 0, kappa[1]: 0},
         ),
     },
     references=("Voronec1912", "BorisovMamaev2002", "DragovicGajicJovanovic2020"),

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Relation, Scene, kinematics
+from voronec import Limit, Relation, kinematics
 
 gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
 m, R1, R2, h = sp.symbols("m R1 R2 h")
@@ -39,19 +39,10 @@ SYSTEM = rolling.system(
         kappa: ("0.3", "-0.2", "2"),
     },
     scenes={
-        "default": Scene(
-            initial={**start, **dict(zip(omega, (1, "1/2", 2), strict=True))},
-            times=(0.0, 30.0),
-            outputs=(*rolling.contact, *omega),
-            caption="The gyroscope steers the ellipsoid around the sphere.",
+        "default": rolling.scene(
+            "The gyroscope steers the ellipsoid around the sphere.", start, (1, "1/2", 2)
         ),
-        "inner": Scene(
-            initial={**start, omega[0]: 1, omega[2]: 2},
-            parameters={R1: -4},
-            times=(0.0, 30.0),
-            outputs=(*rolling.contact, *omega),
-            caption="Inside a sphere four times as large.",
-        ),
+        "inner": rolling.scene("Inside a sphere four times as large.", start, (1, 0, 2), {R1: -4}),
     },
     references=("Voronec1911", "Voronec1912", "BorisovMamaev2002"),
 )

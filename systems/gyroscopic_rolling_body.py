@@ -38,13 +38,9 @@ SYSTEM = body.system(
 )
 
 # A torus on an ellipsoid of revolution: what is known there, by the names there.
-R, r, a, c, A, C, w, k, h = sp.symbols("R r a c A C w k h")
+R, r, a, c, A, C, k, h = sp.symbols("R r a c A C k h")
 u, v, u1, v1, theta = body.contact.coordinates
-torus = kinematics.Surface.torus(R, r, u, v)
-ellipsoid = kinematics.SurfaceForms.revolution(u1, v1, (c**2 / (a * w**3), a / w))
-special = kinematics.BodyOfRevolution(
-    kinematics.RollingContact(torus, ellipsoid, theta), m, A, C, k
-)
+special = kinematics.TorusOnEllipsoid((R, r), (a, c), m, (A, C), k).body
 state, functions = special.as_any_body
 moments = {"I1": A, "I2": A, "I3": C, "kappa1": 0, "kappa2": 0, "kappa3": k}
 RELATIONS = (

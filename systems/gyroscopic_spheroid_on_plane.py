@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Relation, Scene, kinematics
+from voronec import Limit, Relation, kinematics
 
 omega = sp.symbols("omega1:4")
 m, g, a, c, A, C, k, h = sp.symbols("m g a c A C k h")
@@ -29,11 +29,8 @@ SYSTEM = rolling.system(
     gravity=g,
     values={m: 1, g: 1, a: 1, c: "0.8", A: "0.4", C: "0.5", k: "0.5"},
     scenes={
-        "default": Scene(
-            initial={theta: "1/2", omega[2]: 3, omega[0]: 1},
-            times=(0.0, 30.0),
-            outputs=(*rolling.contact, *omega),
-            caption="The gyroscope bends the path of the spheroid.",
+        "default": rolling.scene(
+            "The gyroscope bends the path of the spheroid.", {theta: "1/2"}, (1, 0, 3)
         ),
     },
     references=("Voronec1912", "BorisovMamaev2002"),

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Relation, Scene, kinematics
+from voronec import Limit, Relation, kinematics
 
 omega = sp.symbols("omega1:4")
 m, R1, a, c, A, C, k, h = sp.symbols("m R1 a c A C k h")
@@ -32,11 +32,10 @@ SYSTEM = rolling.system(
     rotor=(0, 0, k),
     values={m: 1, R1: 2, a: 1, c: "0.8", A: "0.4", C: "0.5", k: "0.5"},
     scenes={
-        "default": Scene(
-            initial={"chi": 1, u: 1, u1: 1, **dict(zip(omega, (1, "1/2", 3), strict=True))},
-            times=(0.0, 30.0),
-            outputs=(u, v, u1, v1, *omega),
-            caption="The gyroscope steers the spheroid around the sphere.",
+        "default": rolling.scene(
+            "The gyroscope steers the spheroid around the sphere.",
+            {"chi": 1, u: 1, u1: 1},
+            (1, "1/2", 3),
         ),
     },
     drawing={"on the spheroid": ("u", "v"), "on the sphere": ("u1", "v1")},

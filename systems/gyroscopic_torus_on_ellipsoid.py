@@ -26,53 +26,32 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Parameter, Relation, Scene, Shape, kinematics
+from voronec import Limit, Parameter, Relation, kinematics
 
-u, v, theta, u1, v1, w = sp.symbols("u v theta u1 v1 w")
-s, tau, n = quasi = sp.symbols("s tau n")
 R, r, a, c, m, A, C, k, R1, R2, h = sp.symbols("R r a c m A C k R1 R2 h")
 
-torus = kinematics.Surface.torus(R, r, u, v)
-ellipsoid = kinematics.SurfaceForms.revolution(u1, v1, (c**2 / (a * w**3), a / w))
-contact = kinematics.RollingContact(torus, ellipsoid, theta)
+torus = kinematics.TorusOnEllipsoid((R, r), (a, c), m, (A, C), k)
 
-body = kinematics.BodyOfRevolution(contact, m, A, C, k)
-around, up = a * sp.sin(u1) / w, c**2 * sp.cos(u1) / (a * w)
-touched = (around * sp.cos(v1), around * sp.sin(v1), up)
-
-SYSTEM = body.system(
+SYSTEM = torus.system(
     name="gyroscopic-torus-on-ellipsoid",
     title="Torus with a gyroscope on an ellipsoid",
     description="A torus with a gyroscope along its axis rolls without slipping over an ellipsoid "
     "of revolution.",
-    further={"slant": w},
-    relations=(a**2 * (w**2 - sp.sin(u1) ** 2) - c**2 * sp.cos(u1) ** 2,),
-    meanings={
-        w: "root of sin(u1)^2 + (c/a)^2 cos(u1)^2, which gives the curvature of the ellipsoid",
+    values={
+        R: Parameter(R, 1, lower=0, meaning="radius of the circle inside the tube"),
+        r: "1/2",
+        a: 3,
+        c: 2,
+        m: 1,
+        A: 1,
+        C: "3/2",
+        k: 2,
     },
-    parameters=(
-        Parameter(R, 1, lower=0, meaning="radius of the circle inside the tube"),
-        Parameter(r, "1/2", positive=True, meaning="radius of the tube"),
-        Parameter(a, 3, meaning="equatorial semi-axis of the ellipsoid, with its sign"),
-        Parameter(c, 2, meaning="polar semi-axis, of the same sign"),
-        Parameter(m, 1, positive=True, meaning="mass"),
-        Parameter(A, 1, positive=True, meaning="inertia about a diameter"),
-        Parameter(C, "3/2", positive=True, meaning="inertia about the axis"),
-        Parameter(k, 2, meaning="axial momentum of the gyroscope"),
-    ),
-    scenes={
-        "default": Scene(
-            initial={"chi": 1, u: 1, theta: 1, u1: sp.pi / 2, w: 1, s: 1, tau: "1/2", n: 2},
-            times=(0.0, 20.0),
-            outputs=(u, v, u1, v1, theta),
-            caption="The gyroscope turns the torus off the equator.",
-        ),
-    },
-    drawing={"on the ellipsoid, by its normal": ("u1", "v1")},
-    shapes=body.shapes(touched, Shape.ellipsoid((a, a, c), role="ground")),
+    caption="The gyroscope turns the torus off the equator.",
     references=("Neumann1899", "Voronec1911", "Voronec1912", "Demchenko1924"),
 )
 
+spin = torus.body.contact.body.frame.T * sp.Matrix(sp.symbols("omega1:4"))
 RELATIONS = (
     Relation(
         "symmetric-gyroscopic-ball-on-sphere",
@@ -80,7 +59,7 @@ RELATIONS = (
         state={
             **SYSTEM.invariants,
             "slant": 1,
-            **dict(zip(quasi, torus.frame.T * sp.Matrix(sp.symbols("omega1:4")), strict=True)),
+            **dict(zip(torus.body.spins, spin, strict=True)),
         },
         parameters={R: 0, r: R2, a: R1, c: R1, m: m, A: A, C: C, k: k},
         note="a torus about a point is a ball, and equal axes make a sphere",

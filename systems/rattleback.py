@@ -83,13 +83,9 @@ SYSTEM = System(
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(g, 1, meaning="gravity"),
-        *(
-            Parameter(q, value, positive=True, meaning="semi-axis")
-            for q, value in zip(axes, (5, 1, sp.Rational(4, 5)), strict=True)
-        ),
-        *(
-            Parameter(i, value, positive=True, meaning="moment about an axis of the surface")
-            for i, value in zip(moments, (sp.Rational(2, 5), 5, 5), strict=True)
+        *Parameter.each(axes, (5, 1, "4/5"), positive=True, meaning="semi-axis"),
+        *Parameter.each(
+            moments, ("2/5", 5, 5), positive=True, meaning="moment about an axis of the surface"
         ),
         Parameter(I12, sp.Rational(-1, 4), meaning="product of inertia: the hand"),
     ),

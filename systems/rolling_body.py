@@ -40,11 +40,8 @@ SYSTEM = body.system(
 )
 
 # A torus on an ellipsoid of revolution: what is known there, by the names there.
-R, r, a, c, A, C, w = sp.symbols("R r a c A C w")
-u, v, u1, v1, theta = body.contact.coordinates
-torus = kinematics.Surface.torus(R, r, u, v)
-ellipsoid = kinematics.SurfaceForms.revolution(u1, v1, (c**2 / (a * w**3), a / w))
-special = kinematics.BodyOfRevolution(kinematics.RollingContact(torus, ellipsoid, theta), m, A, C)
+R, r, a, c, A, C = sp.symbols("R r a c A C")
+special = kinematics.TorusOnEllipsoid((R, r), (a, c), m, (A, C)).body
 state, functions = special.as_any_body
 RELATIONS = (
     Relation(

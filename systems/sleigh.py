@@ -20,7 +20,6 @@ from voronec import (
     Measure,
     Parameter,
     Scene,
-    Shape,
     System,
     kinematics,
     velocity,
@@ -50,11 +49,7 @@ SYSTEM = System(
     lagrangian=kinetic,
     constraints=(Dx * sp.sin(phi) - Dy * sp.cos(phi),),
     meanings={
-        x: "first coordinate of the blade on the plane",
-        y: "second coordinate of the blade on the plane",
-        phi: "heading of the blade, from the first axis",
-        v: "speed along the blade",
-        w: "rate of turning",
+        **kinematics.sleigh_meanings((x, y), phi, (v, w)),
         "heading": "a times the heading in the middle of the turn, where v = 0",
     },
     parameters=(
@@ -94,12 +89,6 @@ SYSTEM = System(
         ),
     },
     bodies=(Body(m, (*centre, 0), (0, 0, J), (0, 0, Dphi), title="sleigh"),),
-    shapes=(
-        Shape.box(
-            (0.8, 0.4, 0.1), centre=(x + a * sp.cos(phi), y + a * sp.sin(phi), 0.25), attitude=phi
-        ),
-        Shape.box((0.3, 0.04, 0.2), centre=(x, y, 0.1), attitude=phi, contact=(x, y, 0)),
-        Shape.plane(),
-    ),
+    shapes=kinematics.sleigh_shapes((x, y), phi, a),
     references=("Chaplygin1911", "Caratheodory1933", "NeimarkFufaev1972"),
 )

@@ -24,7 +24,6 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
-    Shape,
     System,
     kinematics,
     time,
@@ -56,13 +55,7 @@ SYSTEM = System(
     frame=Frame.quasi({v: Dx * sp.cos(phi) + Dy * sp.sin(phi), w: Dphi}),
     lagrangian=(m * (forward**2 + across**2) + J * Dphi**2) / 2,
     constraints=(Dx * sp.sin(phi) - Dy * sp.cos(phi),),
-    meanings={
-        x: "first coordinate of the blade on the plane",
-        y: "second coordinate of the blade on the plane",
-        phi: "heading of the blade, from the first axis",
-        v: "speed along the blade",
-        w: "rate of turning",
-    },
+    meanings=kinematics.sleigh_meanings((x, y), phi, (v, w)),
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(J, sp.Rational(1, 2), positive=True, meaning="inertia about the centre of mass"),
@@ -90,13 +83,7 @@ SYSTEM = System(
             caption="The swing of the body drives the sleigh.",
         ),
     },
-    shapes=(
-        Shape.box(
-            (0.8, 0.4, 0.1), centre=(x + a * sp.cos(phi), y + a * sp.sin(phi), 0.25), attitude=phi
-        ),
-        Shape.box((0.3, 0.04, 0.2), centre=(x, y, 0.1), attitude=phi, contact=(x, y, 0)),
-        Shape.plane(),
-    ),
+    shapes=kinematics.sleigh_shapes((x, y), phi, a),
     references=("BizyaevBorisovMamaev2017", "Chaplygin1911"),
 )
 

@@ -28,7 +28,6 @@ from voronec import (
     Parameter,
     Relation,
     Scene,
-    Shape,
     System,
     kinematics,
     velocity,
@@ -76,11 +75,7 @@ SYSTEM = System(
     lagrangian=kinetic - potential,
     constraints=(Dx * sin - Dy * cos,),
     meanings={
-        x: "first coordinate of the blade on the table",
-        y: "second coordinate of the blade on the table",
-        phi: "heading of the blade, from the first axis of the table",
-        v: "speed along the blade",
-        w: "rate of turning",
+        **kinematics.sleigh_meanings((x, y), phi, (v, w), "table"),
         "Jacobi": "energy seen from the table, with the potential of the centrifugal force",
     },
     parameters=(
@@ -119,13 +114,7 @@ SYSTEM = System(
             caption="With its centre of mass before the blade, the sleigh learns to go forward.",
         ),
     },
-    shapes=(
-        Shape.box(
-            (0.8, 0.4, 0.1), centre=(x + a * sp.cos(phi), y + a * sp.sin(phi), 0.25), attitude=phi
-        ),
-        Shape.box((0.3, 0.04, 0.2), centre=(x, y, 0.1), attitude=phi, contact=(x, y, 0)),
-        Shape.plane(),
-    ),
+    shapes=kinematics.sleigh_shapes((x, y), phi, a),
     references=("BorisovMamaevBizyaev2015", "ModinVerdier2020"),
 )
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Relation, Scene, kinematics
+from voronec import Equation, Relation, kinematics
 
 gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
 m, g, a, c, A, C = sp.symbols("m g a c A C")
@@ -47,11 +47,8 @@ SYSTEM = rolling.system(
         "linear": Equation((Z, J), (-steps * m * slip * parallel * J, steps * lean / parallel * Z)),
     },
     scenes={
-        "default": Scene(
-            initial={theta: "1/2", omega[2]: 3, omega[0]: 1},
-            times=(0.0, 30.0),
-            outputs=(*rolling.contact, *omega),
-            caption="A spheroid spins about its axis while it rolls.",
+        "default": rolling.scene(
+            "A spheroid spins about its axis while it rolls.", {theta: "1/2"}, (1, 0, 3)
         ),
     },
     references=("Voronec1912", "BorisovMamaev2002"),

@@ -16,6 +16,7 @@ from voronec.kinematics import (
     RollingEllipsoid,
     Surface,
     SurfaceForms,
+    TorusOnEllipsoid,
 )
 from voronec.kinematics.carried import form_values
 
@@ -131,6 +132,33 @@ def test_a_surface_that_is_explicit_and_its_forms_give_the_same_functions():
     for name, value in functions.items():
         assert vo.prove_equal(value, other[name]).proved, name
     assert state["r3"] == b * sp.cos(u)
+
+
+def test_the_ellipsoid_below_a_torus_is_one():
+    """Its curvatures, by w, are those of x^2/r^2 + y^2/r^2 + z^2/b^2 = 1 by its normal."""
+    torus = TorusOnEllipsoid((M, M), (r, b), 1, (A, C)).body.contact
+    u1, v1 = torus.fixed.coordinates
+    root = sp.sqrt(sp.sin(u1) ** 2 + (b / r) ** 2 * sp.cos(u1) ** 2)
+    around, up = r * sp.sin(u1) / root, b**2 * sp.cos(u1) / (r * root)
+    place = (around * sp.cos(v1), around * sp.sin(v1), up)
+    assert vo.prove_equal((around / r) ** 2 + (up / b) ** 2, 1).proved
+    own, other = (
+        form_values(RollingContact(torus.body, fixed, torus.theta))
+        for fixed in (torus.fixed, Surface((u1, v1), place))
+    )
+    for name in ("k_u1", "k_v1"):
+        at = {r: 3, b: 2, sp.Symbol("w"): root.subs({r: 3, b: 2})}
+        # squares: the surface by its place has lengths with the sign of a root
+        assert vo.prove_equal(own[name].subs(at) ** 2, other[name].subs(at) ** 2).proved, name
+
+
+def test_names_that_load_on_first_use_are_listed():
+    assert set(dir(vo.kinematics)) == set(vo.kinematics.__all__)
+
+
+def test_a_torus_whose_tube_has_one_radius_is_refused():
+    with pytest.raises(DefinitionError, match="the radii of a torus are two"):
+        TorusOnEllipsoid((r,), (r, b), 1, (A, C))
 
 
 def test_the_names_of_a_body_in_three_dimensions():

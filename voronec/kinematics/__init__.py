@@ -33,11 +33,12 @@ if TYPE_CHECKING:
         contact_meanings,
         euler_meanings,
         moving_meanings,
+        sleigh_meanings,
         vector_meanings,
     )
     from voronec.kinematics.polar import cartesian_chart
     from voronec.kinematics.poles import turned_poles
-    from voronec.kinematics.revolution import BodyOfRevolution
+    from voronec.kinematics.revolution import BodyOfRevolution, TorusOnEllipsoid
     from voronec.kinematics.rolling import RollingContact
     from voronec.kinematics.rotations import Rotation
     from voronec.kinematics.rubber import RubberMotion
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
         particle_sketch,
         pinned_sketch,
         rolling_sketch,
+        sleigh_shapes,
         sleigh_sketch,
     )
     from voronec.kinematics.surfaces import Surface
@@ -67,6 +69,7 @@ __all__ = [
     "Surface",
     "SurfaceForms",
     "SymmetricBallMotion",
+    "TorusOnEllipsoid",
     "axial_rotor",
     "ball_sketch",
     "cartesian_chart",
@@ -84,6 +87,8 @@ __all__ = [
     "rolling_sketch",
     "skew",
     "skew_entries",
+    "sleigh_meanings",
+    "sleigh_shapes",
     "sleigh_sketch",
     "turned_poles",
     "uniform_field_energy",
@@ -92,60 +97,35 @@ __all__ = [
 ]
 
 _HOME = {
-    "balanced": (
-        "BalancedBall",
-        "BallMotion",
-        "SymmetricBallMotion",
-    ),
-    "balls": (
-        "RollingBall",
-        "contact_momentum",
-    ),
-    "bodies": (
-        "axial_rotor",
-        "kinetic_energy",
-        "point_velocity",
-        "uniform_field_energy",
-    ),
-    "bodies_in_rn": ("BodyInRn",),
-    "carried": ("CarriedContact",),
-    "convex": ("ConvexBody",),
-    "ellipsoids": ("RollingEllipsoid",),
-    "forms": ("SurfaceForms",),
-    "groups": (
-        "BodyVelocity",
-        "product_form",
-        "product_moments",
-        "skew",
-        "skew_entries",
-        "wedge_square",
-    ),
-    "meanings": (
-        "contact_meanings",
-        "euler_meanings",
-        "moving_meanings",
-        "vector_meanings",
-    ),
-    "polar": ("cartesian_chart",),
-    "poles": ("turned_poles",),
-    "revolution": ("BodyOfRevolution",),
-    "rolling": ("RollingContact",),
-    "rotations": ("Rotation",),
-    "rubber": ("RubberMotion",),
-    "sketches": (
-        "ball_sketch",
-        "disc_sketch",
-        "particle_sketch",
-        "pinned_sketch",
-        "rolling_sketch",
-        "sleigh_sketch",
-    ),
-    "surfaces": ("Surface",),
+    "balanced": "BalancedBall BallMotion SymmetricBallMotion",
+    "balls": "RollingBall contact_momentum",
+    "bodies": "axial_rotor kinetic_energy point_velocity uniform_field_energy",
+    "bodies_in_rn": "BodyInRn",
+    "carried": "CarriedContact",
+    "convex": "ConvexBody",
+    "ellipsoids": "RollingEllipsoid",
+    "forms": "SurfaceForms",
+    "groups": "BodyVelocity product_form product_moments skew skew_entries wedge_square",
+    "meanings": "contact_meanings euler_meanings moving_meanings sleigh_meanings vector_meanings",
+    "polar": "cartesian_chart",
+    "poles": "turned_poles",
+    "revolution": "BodyOfRevolution TorusOnEllipsoid",
+    "rolling": "RollingContact",
+    "rotations": "Rotation",
+    "rubber": "RubberMotion",
+    "sketches": "ball_sketch disc_sketch particle_sketch pinned_sketch "
+    "rolling_sketch sleigh_shapes sleigh_sketch",
+    "surfaces": "Surface",
 }
+"""Modules, and the names in them."""
 
 
 def __getattr__(name: str) -> Any:
     for module, names in _HOME.items():
-        if name in names:
+        if name in names.split():
             return getattr(_import_module(f"voronec.kinematics.{module}"), name)
     raise AttributeError(f"module 'voronec.kinematics' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -12,6 +12,7 @@ from voronec.algebra.symbols import velocity
 from voronec.declaration.charts import Chart
 from voronec.declaration.claims import Equation, Measure
 from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.scene import Scene
 from voronec.declaration.shapes import Shape
 from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
@@ -271,6 +272,24 @@ class RollingEllipsoid:
         centre = touched - turned * self.body.arm.xreplace(named)
         placed = {"centre": centre, "attitude": turned, "contact": touched}
         return Shape.ellipsoid(self.axes, **placed), ground
+
+    def scene(
+        self,
+        caption: str,
+        start: Mapping[Any, Any],
+        spin: Sequence[Any],
+        parameters: Mapping[Any, Any] | None = None,
+    ) -> Scene:
+        """30 units of time from ``start`` with omega = ``spin``: the contact and omega are shown.
+
+        Coordinates that do not stand in ``start`` begin with 0.
+        """
+        spun = zip(OMEGA, three(spin, "an angular velocity"), strict=True)
+        initial = {**start, **{w: rate for w, rate in spun if rate != 0}}
+        shown = self.contact
+        if self.surfaces is not None:
+            shown = (*self.surfaces.body.coordinates, *self.surfaces.fixed.coordinates)
+        return Scene(initial, (0.0, 30.0), parameters or {}, (*shown, *OMEGA), caption)
 
     def system(
         self,

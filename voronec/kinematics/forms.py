@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NoReturn
@@ -12,12 +12,12 @@ import sympy as sp
 from voronec.algebra.arguments import SEQUENCE, require
 from voronec.algebra.symbols import velocity
 from voronec.declaration.reading import expression
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, quote
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, cross, three
 
-__all__ = ["SurfaceForms"]
+__all__ = ["SurfaceForms", "two"]
 
 
 @dataclass(frozen=True)
@@ -52,16 +52,16 @@ class SurfaceForms:
         store = object.__setattr__
         require("the surface", "coordinates", self.coordinates, SEQUENCE)
         store(self, "coordinates", distinct_names(tuple(self.coordinates), 2, "the surface"))
-        store(self, "first", _two(self.first, "E and G"))
-        store(self, "second", _two(self.second, "D and D''"))
+        store(self, "first", two(self.first, "E and G"))
+        store(self, "second", two(self.second, "D and D''"))
         if self.lengths is None:
             store(self, "lengths", (sp.sqrt(self.first[0]), sp.sqrt(self.first[1])))
         else:
-            store(self, "lengths", _two(self.lengths, "|r_u| and |r_v|"))
+            store(self, "lengths", two(self.lengths, "|r_u| and |r_v|"))
         if self.support is not None:
             store(self, "support", three(self.support, "the support of a surface"))
         if self.bending is not None:
-            store(self, "bending", _two(self.bending, "the bendings"))
+            store(self, "bending", two(self.bending, "the bendings"))
 
     @classmethod
     def unknown(cls, u: sp.Expr, v: sp.Expr, mark: str = "") -> SurfaceForms:
@@ -97,7 +97,7 @@ class SurfaceForms:
         and the frame turns as a sphere's does.  The radii of a surface satisfy Codazzi's equation
         d(r2 sin u)/du = r1 cos u; it is taken for granted, so that they may hold any symbols.
         """
-        first, second = _two(radii, "radii")
+        first, second = two(radii, "radii")
         reach = second * sp.sin(u)
         given = None if support is None else three(support, "the support of a surface")
         return cls(
@@ -227,10 +227,12 @@ class SurfaceForms:
         return (lu, zero, zero), (zero, lv, zero)
 
 
-def _two(things: Sequence[Any], what: str) -> tuple[sp.Expr, sp.Expr]:
-    found = tuple(expression(thing, what) for thing in things)
+def two(things: Any, what: str) -> tuple[sp.Expr, sp.Expr]:
+    """Two expressions out of a sequence; ``what`` names them in errors."""
+    entries = things if isinstance(things, Iterable) else ()
+    found = tuple(expression(thing, what) for thing in entries)
     if len(found) != 2:
-        raise DefinitionError(f"a surface in lines of curvature takes two of each: {what}")
+        raise DefinitionError(f"{what} are two, got '{quote(things)}'")
     return found[0], found[1]
 
 

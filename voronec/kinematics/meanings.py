@@ -9,7 +9,13 @@ from voronec.algebra.arguments import reads
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.surfaces import Surface
 
-__all__ = ["contact_meanings", "euler_meanings", "moving_meanings", "vector_meanings"]
+__all__ = [
+    "contact_meanings",
+    "euler_meanings",
+    "moving_meanings",
+    "sleigh_meanings",
+    "vector_meanings",
+]
 
 Meanings = dict[Any, str]
 ROUND = ("colatitude of the contact", "longitude of the contact")
@@ -42,6 +48,23 @@ def moving_meanings(spins: Iterable[Any]) -> Meanings:
     """Of the angular velocity along the directions that go with the contact, (e_u, e_v, n)."""
     where = ("the direction of u", "the direction of v", "the normal")
     return {x: f"{SPIN} along {d} at the contact" for x, d in zip(spins, where, strict=True)}
+
+
+@reads("two coordinates, a heading and two velocities")
+def sleigh_meanings(
+    place: Sequence[Any], heading: Any, rates: Iterable[Any], plane: str = "plane"
+) -> Meanings:
+    """Of a sleigh: where its blade is on the ``plane``, its heading; its speed and turning."""
+    x, y = place
+    v, w = rates
+    axis = "the first axis" if plane == "plane" else f"the first axis of the {plane}"
+    return {
+        x: f"first coordinate of the blade on the {plane}",
+        y: f"second coordinate of the blade on the {plane}",
+        heading: f"heading of the blade, from {axis}",
+        v: "speed along the blade",
+        w: "rate of turning",
+    }
 
 
 @reads("a contact of kinematics")

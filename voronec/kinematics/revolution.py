@@ -13,13 +13,20 @@ from voronec.algebra.symbols import velocity
 from voronec.algebra.text import as_expression
 from voronec.declaration.claims import Equation
 from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.scene import Scene
 from voronec.declaration.shapes import Shape
 from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.kinematics.balls import OMEGA
 from voronec.kinematics.bodies import kinetic_energy
 from voronec.kinematics.carried import CARRIED, carried_vectors, form_values
-from voronec.kinematics.families import join_declarations
+from voronec.kinematics.families import (
+    Words,
+    constants,
+    join_declarations,
+    rotor_words,
+)
+from voronec.kinematics.forms import SurfaceForms, two
 from voronec.kinematics.meanings import (
     contact_meanings,
     euler_meanings,
@@ -32,11 +39,13 @@ from voronec.kinematics.sketches import carried_sketch
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import three
 
-__all__ = ["BodyOfRevolution"]
+__all__ = ["BodyOfRevolution", "TorusOnEllipsoid"]
 
 ATTITUDE = Rotation.euler("zxz", *sp.symbols("phi chi psi"))
 """Neumann's theta is no angle of Euler's."""
 SPINS, PLACE = sp.symbols("s tau n"), sp.symbols("o1:4")
+SLANT = sp.Symbol("w")
+"""The root in the curvature of an ellipsoid of revolution: a coordinate, so that none occurs."""
 
 
 @dataclass(frozen=True)
@@ -215,4 +224,83 @@ class BodyOfRevolution:
             "equations": {"momentum": Equation(self.momentum.xreplace(named), rate)},
             "integrals": {"energy": self.momentum.dot(sp.Matrix(SPINS)).xreplace(named) / 2},
             "essential": (*angles, *further.values(), *SPINS),
+        }
+
+
+@dataclass(frozen=True)
+class TorusOnEllipsoid:
+    """A torus that rolls without slipping on an ellipsoid of revolution, outer half down.
+
+    tube, axes
+        (R, r), the radii of the circle inside the tube and of the tube; (a, c), the semi-axes of
+        the ellipsoid, across its axis and along it.
+    mass, moments, rotor
+        m, (A, C) about a diameter and about the axis, and k.
+
+    With w^2 = sin^2 u1 + (c/a)^2 cos^2 u1 the radii of curvature of the ellipsoid are c^2/(a w^3)
+    and a/w; w is a coordinate, so that no root occurs.
+    """
+
+    tube: tuple[Any, Any]
+    axes: tuple[Any, Any]
+    mass: Any
+    moments: tuple[Any, Any]
+    rotor: Any = sp.Integer(0)
+
+    def __post_init__(self) -> None:
+        pairs = {
+            "tube": "the radii of a torus",
+            "axes": "the semi-axes of an ellipsoid",
+            "moments": "the moments of a torus",
+        }
+        for name, what in pairs.items():
+            object.__setattr__(self, name, two(getattr(self, name), what))
+
+    @cached_property
+    def body(self) -> BodyOfRevolution:
+        """The torus with its contact, in the coordinates u, v, theta, u1, v1."""
+        u, v, theta, u1, v1 = sp.symbols("u v theta u1 v1")
+        a, c = self.axes
+        ellipsoid = SurfaceForms.revolution(u1, v1, (c**2 / (a * SLANT**3), a / SLANT))
+        contact = RollingContact(Surface.torus(*self.tube, u, v), ellipsoid, theta)
+        return BodyOfRevolution(contact, self.mass, *self.moments, self.rotor)
+
+    def system(self, *, values: Mapping[Any, Any], caption: str, **declared: Any) -> System:
+        """The system, with ``values`` of its constants, and what is special to it.
+
+        The motion of the scene begins on the equator of the ellipsoid; ``caption`` is its own.
+        """
+        a, c = self.axes
+        u, v, u1, v1, theta = self.body.contact.coordinates
+        around, up = a * sp.sin(u1) / SLANT, c**2 * sp.cos(u1) / (a * SLANT)
+        touched = (around * sp.cos(v1), around * sp.sin(v1), up)
+        start = {"chi": 1, u: 1, theta: 1, u1: sp.pi / 2, SLANT: 1}
+        start |= dict(zip(SPINS, (1, "1/2", 2), strict=True))
+        outputs = (u, v, u1, v1, theta)
+        own = {
+            "relations": (a**2 * (SLANT**2 - sp.sin(u1) ** 2) - c**2 * sp.cos(u1) ** 2,),
+            "meanings": {
+                SLANT: "root of sin(u1)^2 + (c/a)^2 cos(u1)^2, which gives the curvature of the "
+                "ellipsoid",
+            },
+            "parameters": constants(values, self._words),
+            "scenes": {"default": Scene(start, (0.0, 20.0), {}, outputs, caption)},
+            "drawing": {"on the ellipsoid, by its normal": ("u1", "v1")},
+            "shapes": self.body.shapes(touched, Shape.ellipsoid((a, a, c), role="ground")),
+        }
+        return self.body.system(further={"slant": SLANT}, **{**own, **declared})
+
+    @property
+    def _words(self) -> Words:
+        """What its constants are."""
+        (big, small), (a, c), (equatorial, axial) = self.tube, self.axes, self.moments
+        return {
+            big: ("radius of the circle inside the tube", False),
+            small: ("radius of the tube", True),
+            a: ("equatorial semi-axis of the ellipsoid, with its sign", False),
+            c: ("polar semi-axis, of the same sign", False),
+            self.mass: ("mass", True),
+            equatorial: ("inertia about a diameter", True),
+            axial: ("inertia about the axis", True),
+            **rotor_words((0, 0, self.rotor)),
         }

@@ -12,8 +12,16 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.symbols import velocity
 from voronec.declaration.claims import Equation, Measure, Poisson
+from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.scene import Parameter, Scene
+from voronec.declaration.shapes import Shape
+from voronec.declaration.system import System
 from voronec.kinematics.balls import CYCLES, GAMMA, OMEGA, ZERO
+from voronec.kinematics.families import join_declarations
+from voronec.kinematics.meanings import vector_meanings
+from voronec.kinematics.sketches import particle_sketch
 from voronec.kinematics.vectors import Vector
 
 __all__ = ["RubberMotion"]
@@ -161,3 +169,36 @@ class RubberMotion:
             hamiltonian=self.energy,
             clock=self.reducer,
         )
+
+    def particle_system(
+        self, *, parameters: tuple[Parameter, ...], end: str, whose: str, **declared: Any
+    ) -> System:
+        """The motion in the time dtau = N dt: a particle at gamma that moves freely on a sphere,
+
+            L = Q^(1/epsilon - 2) (Omega, J Omega)/2,    Omega = gamma' x gamma / epsilon,
+
+        without constraints [EhlersKoiller2007]; its velocities are the first two of Omega.
+        ``end`` is what leaves the trace on the sphere, ``whose`` the body along whose axes all
+        vectors are.
+        """
+        place, names, weight = self.normal, self.velocities, self.form ** (1 / self.epsilon - 2)
+        spin = sp.Matrix([velocity(g) for g in place]).cross(place) / self.epsilon
+        start = {GAMMA[0]: "12/13", GAMMA[2]: "5/13", names[0]: "1/20", names[1]: "1/5"}
+        caption = f"The trace of the {end} on {whose}."
+        own = {
+            "sketch": particle_sketch(place),
+            "fibration": Fibration(place, (), (place.dot(place) - 1,)),
+            "frame": Frame.quasi(dict(zip(names, spin, strict=False))),
+            "lagrangian": weight * spin.dot(self.tensor * spin) / 2,
+            "meanings": {
+                **vector_meanings(place, "place of the particle on the unit sphere", whose),
+                **vector_meanings(names, "angular velocity in the new time", whose),
+            },
+            "parameters": parameters,
+            "equations": {"normal": self.equations["normal"]},
+            "integrals": {"energy": weight * self.momentum.dot(self.spin) / 2},
+            "measure": Measure(self.form ** (2 / self.epsilon - 3) / GAMMA[2], (*place, *names)),
+            "scenes": {"default": Scene(start, (0.0, 10.0), {}, tuple(place), caption)},
+            "shapes": (Shape.ball(0.1, centre=place, contact=place), Shape.ball(1, role="ground")),
+        }
+        return join_declarations(own, declared)

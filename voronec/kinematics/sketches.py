@@ -10,7 +10,11 @@ from dataclasses import dataclass
 from math import cos, hypot, radians, sin
 from typing import Any
 
+import sympy as sp
+
 from voronec.algebra.arguments import reads
+from voronec.declaration.reading import expression
+from voronec.declaration.shapes import Shape
 from voronec.declaration.sketch import Point, Sketch, polar
 
 __all__ = [
@@ -19,6 +23,7 @@ __all__ = [
     "particle_sketch",
     "pinned_sketch",
     "rolling_sketch",
+    "sleigh_shapes",
     "sleigh_sketch",
 ]
 
@@ -256,6 +261,17 @@ def sleigh_sketch(place: Sequence[Any], heading: Any, ahead: Any = "", left: Any
     if not ahead:
         return sketch
     return sketch.distance(at, polar(at, 1.0, course), ahead, 0.28)
+
+
+@reads("two coordinates, a heading and a length")
+def sleigh_shapes(place: Sequence[Any], heading: Any, ahead: Any) -> tuple[Shape, ...]:
+    """A sleigh as it is drawn in space: its body with the centre of mass ``ahead`` of the blade at
+    (x, y), the blade along the ``heading``, and the plane below."""
+    x, y = (expression(q, "a coordinate of a sleigh") for q in place)
+    turn, reach = expression(heading, "a heading"), expression(ahead, "a length")
+    middle = (x + reach * sp.cos(turn), y + reach * sp.sin(turn), 0.25)
+    blade = Shape.box((0.3, 0.04, 0.2), centre=(x, y, 0.1), attitude=turn, contact=(x, y, 0))
+    return Shape.box((0.8, 0.4, 0.1), centre=middle, attitude=turn), blade, Shape.plane()
 
 
 @reads("two coordinates, a heading and an angle")
