@@ -573,12 +573,16 @@ class _Sight:
 
 def _refuse_unknown_functions(system: System) -> None:
     """What holds an unknown function has no motion in numbers."""
-    frame = system.frame.expressions if system.frame is not None else ()
-    held = (system.lagrangian, *system.constraints, *system.forces.values(), *frame)
-    own = {*system.coordinates, *(system.frame.ambient if system.frame is not None else ())}
-    unknown = {f for e in held for f in as_expression(e).atoms(AppliedUndef)} - own
+    unknown = system.memo.once("unknown functions", lambda: _unknown_functions(system))
     if unknown:
         raise DefinitionError(
             f"system '{system.name}' holds the unknown function '{min(unknown, key=str)}', so it "
             "has no motion in numbers; write a formula in its place"
         )
+
+
+def _unknown_functions(system: System) -> set[Any]:
+    frame = system.frame.expressions if system.frame is not None else ()
+    held = (system.lagrangian, *system.constraints, *system.forces.values(), *frame)
+    own = {*system.coordinates, *(system.frame.ambient if system.frame is not None else ())}
+    return {f for e in held for f in as_expression(e).atoms(AppliedUndef)} - own

@@ -17,7 +17,7 @@ from voronec.equations.program import Program, compile_program
 from voronec.equations.program.digits import compiled_digits
 from voronec.motion.model import Model, SmallestModels
 from voronec.motion.observables import Branch, Watch, watch_of
-from voronec.motion.state_probe import Probe, quantities
+from voronec.motion.state_probe import Probe, mass_program, quantities
 from voronec.motion.steppers.signals import Signals
 from voronec.motion.vocabulary import Vocabulary, Wanted
 
@@ -33,7 +33,7 @@ class Modelled:
 
     ``form`` has the mass matrix of the velocities; ``event_functions`` are expressions on the model
     by the event's name; ``below`` computes on the coordinates where the model starts and what it
-    takes as constant.
+    takes as constant; ``inertia`` gives the mass matrix (``mass_program``) where it is written.
     """
 
     model: Model | None
@@ -42,6 +42,7 @@ class Modelled:
     form: Any
     event_functions: Mapping[str, Any]
     below: Program
+    inertia: Program | None = None
 
     @property
     def level(self) -> str:
@@ -96,7 +97,7 @@ class Modelled:
         self, name: str, values: Sequence[float], time: float, changing: Signals | None = None
     ) -> Probe:
         """Looks at single states of the model."""
-        return Probe(name, self.form, self.program, values, time, changing)
+        return Probe(name, self.form, self.program, values, time, changing, self.inertia)
 
 
 def make_model(
@@ -154,15 +155,17 @@ def _write(
     The model itself is left out: what is kept by a weak key must not hold the key.
     """
     watch = _watch(vocabulary, wanted, model)
+    form = replace(model.form, mass=model.cut.inertia or model.cut.mass)
     below = {f"start {x}": e for x, e in model.start.items()}
     below |= {f"frozen {x}": e for x, e in model.frozen.items()}
     return Modelled(
         model=None,
         program=Program.of(model.form, watch.expressions),
         watch=watch,
-        form=replace(model.form, mass=model.cut.inertia or model.cut.mass),
+        form=form,
         event_functions={n: model.outputs[f"event {n}"] for n in functions},
         below=quantities(vocabulary.equations.raw.form, below),
+        inertia=mass_program(form),
     )
 
 

@@ -15,7 +15,7 @@ from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.run import Halt, Suspect
 from voronec.motion.steppers.signals import Signals, values_along
 
-__all__ = ["Probe", "quantities", "quiet", "rates_along"]
+__all__ = ["Probe", "mass_program", "quantities", "quiet", "rates_along"]
 
 SINGULAR = 1e-13
 """A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
@@ -59,11 +59,18 @@ def quantities(form: Any, extras: Any) -> Program:
     return Program.of(replace(form, mass=mass, force=(zero,) * n), extras)
 
 
+def mass_program(form: Any) -> Program:
+    """A program for the entries of a form's mass matrix on and below the diagonal, row by row."""
+    n = len(form.velocities)
+    return quantities(form, {f"{i},{j}": form.mass[i][j] for i in range(n) for j in range(i + 1)})
+
+
 @dataclass(frozen=True)
 class Probe:
     """The program of a first-order form at given parameters and starting time.
 
-    ``name`` is the system's, for messages.
+    ``name`` is the system's, for messages; ``inertia`` the ``mass_program`` of the form, where it
+    is made already.
     """
 
     name: str
@@ -72,6 +79,7 @@ class Probe:
     values: Sequence[float]
     time: float
     changing: Signals | None = None
+    inertia: Program | None = None
 
     def rates(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Velocities of all coordinates (n, k) at one q (n,) and several v (m, k)."""
@@ -124,6 +132,8 @@ class Probe:
 
         def first(t: np.ndarray, states: np.ndarray) -> int | None:
             masses = self.masses(t, states) / scale
+            if not negative and _are_definite(masses):
+                return None
             masses[~np.isfinite(masses).all(axis=(1, 2))] = base / scale
             sizes = np.linalg.eigvalsh(masses)
             small = np.abs(sizes).min(axis=1) < SINGULAR * np.abs(sizes).max(axis=1)
@@ -154,9 +164,7 @@ class Probe:
 
     @cached_property
     def _mass_program(self) -> Program:
-        n = len(self.form.velocities)
-        entries = {f"{i},{j}": self.form.mass[i][j] for i in range(n) for j in range(i + 1)}
-        return quantities(self.form, entries)
+        return self.inertia or mass_program(self.form)
 
     @cached_property
     def _mass_entries(self) -> Any:
@@ -204,6 +212,19 @@ class Probe:
     def _show_state(self, state: np.ndarray) -> str:
         pairs = zip(self.program.state, state, strict=True)
         return ", ".join(f"{name} = {value:.6g}" for name, value in pairs)
+
+
+def _are_definite(masses: np.ndarray) -> bool:
+    """Whether matrices (k, n, n) are positive definite and far from singular, told in a third of
+    the time that their eigenvalues take: the least is at least det / trace^n times the largest."""
+    with np.errstate(all="ignore"):
+        try:
+            roots = np.linalg.cholesky(masses)
+        except np.linalg.LinAlgError:
+            return False
+        determinants = np.diagonal(roots, axis1=1, axis2=2).prod(axis=1) ** 2
+        traces = np.trace(masses, axis1=1, axis2=2)
+        return bool((determinants > SINGULAR * traces ** masses.shape[1]).all())
 
 
 def _smallest(scale: np.ndarray, mass: np.ndarray) -> float:
