@@ -203,6 +203,22 @@ def test_rolling_without_twist_passes_the_equator(name: str) -> None:
         assert max(run.drift.values()) < 1e-10
 
 
+def test_many_changes_of_the_split_lose_no_digits() -> None:
+    # near a great circle of the sphere one of gamma1, gamma2, gamma3 is small all the time
+    equations = vo.derive(vo.load("veselova-in-new-time"))
+    start = {
+        "gamma1": 0.9359838133388113, "gamma2": -0.04610513487315119,
+        "gamma3": 0.34901091344837026, "Omega1": -1.743, "Omega2": -0.096,
+    }  # fmt: skip
+    times = np.linspace(0.0, 64.68, 101)
+    truth = multiplier_motion(equations.system, all_velocities(equations.system, start), times)
+    for tol, drift in ((1e-10, 1e-9), (1e-13, 1e-11)):
+        run = vo.integrate(equations, times=times, initial=start, method="heyoka", tol=tol)
+        assert run.cost.switches > 100
+        assert worst(run, truth) < 5e-8, tol  # the truth drifts by 1.2e-8
+        assert max(run.drift.values()) < drift, tol
+
+
 def test_everything_wanted_comes_out_on_the_way() -> None:
     system, start = roller_racer(), MADE["roller racer"][1]
     times = np.linspace(0.0, 6.0, 61)

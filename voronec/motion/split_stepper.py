@@ -31,6 +31,7 @@ from voronec.motion.state_probe import Probe, quantities
 from voronec.motion.steppers import Halt, Problem, Run
 from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import part_at
+from voronec.motion.tolerances import FINEST
 from voronec.motion.trajectory import Cost, Trajectory, assemble_trajectory
 from voronec.motion.vocabulary import Vocabulary
 
@@ -42,6 +43,9 @@ LEAST = 1e-6
 for dependent: they lose more digits than they leave."""
 GAIN = 4.0
 """A split is left for another only where that is so many times better."""
+EARLY, BETTER = 0.5, 2.0
+"""Below the one, in units of its usual size, a divisor makes its split be left for one that is
+ready and so many times better: what a split loses grows with powers of its divisors."""
 BEFORE = 0.9
 """Where equations break down in one split, the run goes back to this part of the way there and on
 in another: next to the place all velocities of a state of that split have lost their digits."""
@@ -49,14 +53,17 @@ SHORT = 1e-6
 """A way shorter than this part of the whole is not gone back on: no split leads past its end."""
 
 
-def guard_events(guards: Sequence[Divisor]) -> tuple[tuple[Event, ...], dict[str, Any]]:
-    """Events that end a run where a divisor comes near zero, and their functions by name."""
-    names = [f"divisor {i}" for i in range(len(guards))]
+def guard_events(
+    guards: Sequence[Divisor], level: float = NEAR, direction: int = 0
+) -> tuple[tuple[Event, ...], dict[str, Any]]:
+    """Events that end a run where a divisor passes a level, in units of its usual size, and their
+    functions by name; by default where it comes near zero."""
+    names = [f"divisor {i} at {level:g}" for i in range(len(guards))]
     functions = {
-        name: g.function**2 - se.Integer(2) ** (2 * round(log2(NEAR * g.scale)))
+        name: g.function**2 - se.Integer(2) ** (2 * round(log2(level * g.scale)))
         for name, g in zip(names, guards, strict=True)
     }
-    return tuple(Event(name, name, stop=True) for name in names), functions
+    return tuple(Event(name, name, direction, stop=True) for name in names), functions
 
 
 class NearDivisor(Exception):
@@ -128,7 +135,7 @@ class SplitRun:
                 time, split = part.t[-1], best
                 continue
             done += self.take(split, part, done)
-            ended = part.stopped not in ("", *self._guards(split))
+            ended = part.stopped not in ("", *self._guards(split), *self._marks(split))
             if part.interrupted or ended or (part.halt is None and done >= len(self.grid)):
                 return self.result(part, busy)
             time, state = (
@@ -136,6 +143,9 @@ class SplitRun:
                 else (part.halt.time, part.halt.state)
             )  # fmt: skip
             wide = self.widen(split, time, state)
+            if part.stopped in self._marks(split):
+                split = self.better_split(time, wide, split)
+                continue
             best = self.best_split(time, wide, split)
             if part.halt is not None and best is split:
                 raise self.failure(split, part.halt, busy)
@@ -185,6 +195,12 @@ class SplitRun:
             return last
         return best
 
+    def better_split(self, time: Any, wide: np.ndarray, last: SplitModel) -> SplitModel:
+        """The best of the splits that are ready, if it is much better than the last one."""
+        sizes = {p: p.quality(time, wide) for p in self.splits}
+        best = max(self.splits, key=lambda p: sizes[p])
+        return best if sizes[best] > BETTER * sizes[last] else last
+
     def turn_back(
         self, split: SplitModel, part: Run, wide: np.ndarray, done: int
     ) -> tuple[Run, np.ndarray, SplitModel] | None:
@@ -226,12 +242,21 @@ class SplitRun:
     def _guards(self, split: SplitModel) -> tuple[str, ...]:
         return tuple(event.name for event in guard_events(split.guards)[0])
 
+    def _marks(self, split: SplitModel) -> tuple[str, ...]:
+        return tuple(event.name for event in self._early_events(split)[0])
+
+    def _early_events(self, split: SplitModel) -> tuple[tuple[Event, ...], dict[str, Any]]:
+        falling = -1 if self.grid[-1] >= self.grid[0] else 1
+        return guard_events(split.guards, EARLY, falling)
+
     # -- stretches --------------------------------------------------------------------------
 
     def stretch(self, split: SplitModel, time: Any, wide: np.ndarray, ahead: np.ndarray) -> Run:
         """Go on in a split until a divisor is small, or the grid ends."""
         began = perf_counter()
         guards, levels = guard_events(split.guards)
+        marks, early = self._early_events(split)
+        levels = {**levels, **early}
         functions = {**split.functions, **levels}
         state = split.narrow(float(time), wide.astype(float))
         values = self.ground.values(split.program)
@@ -239,9 +264,11 @@ class SplitRun:
         if not split.equations.system.charts:
             probe.check(state)
         problem = Problem(
-            split.program, state, values, self.tol, (*self.events, *guards),
+            split.program, state, values, self._tolerance(split),
+            (*self.events, *guards, *marks),
             quantities(split.form, functions) if functions else None, self.dense,
             probe.suspect(state), None, self._exact(split, time, wide), None, frozenset(levels),
+            brief=True,
         )  # fmt: skip
         if wide.dtype == object or self.exact:
             times = np.array([mpmath.mpf(time), *map(mpmath.mpf, ahead)], dtype=object)
@@ -253,6 +280,11 @@ class SplitRun:
         self.chosen = self.chosen or chosen
         self.prepared += perf_counter() - began
         return stepper(times)
+
+    def _tolerance(self, split: SplitModel) -> float:
+        """The tolerance in a split, finer by as much as its divisors may magnify errors."""
+        finer = max(NEAR * self.tol, FINEST) if split.guards else self.tol
+        return min(self.tol, finer)
 
     def judge(self, split: SplitModel, part: Run) -> Run:
         """A stretch up to where it went wrong, if it did; what is to be said is noted."""
@@ -300,7 +332,8 @@ class SplitRun:
         kept = self.grid[done : done + count]
         if not self.stretches:  # the first point of the grid is the start
             rows, kept = np.vstack([part.states[:1], rows]), np.append(self.grid[0], kept)
-        last = part.stopped and part.stopped not in self._guards(split)
+        own = *self._guards(split), *self._marks(split)
+        last = part.stopped and part.stopped not in own
         if last and (not count or times[-1] != ahead[count - 1]):
             rows, kept = np.vstack([rows, part.states[-1:]]), np.append(kept, part.t[-1])
         self.stretches.append(_Stretch(split, kept, rows, part))

@@ -79,7 +79,7 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
         return "flint", "the tolerance is finer than doubles"
     if not problem.program.state:
         return "scipy", "nothing moves"
-    there, compiled = METHODS["heyoka"].is_there, METHODS["numba"].is_there
+    there, compiled = METHODS["heyoka"].is_there, METHODS["numba"].is_there and not problem.brief
     if there and not (problem.tol >= FINEST and problem.program.weight > HEAVY):
         return "heyoka", "heyoka is installed"
     if not there and not compiled:

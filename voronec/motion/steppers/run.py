@@ -53,6 +53,7 @@ class Problem:
     integrator may look for them only where the ends of a step do not exclude them.  ``walls`` are
     those at which the right side ceases to hold: they count however near to the start.
     Parameters that are ``changing`` are those of the start.  ``marked`` asks for the ends of steps.
+    What is ``brief`` ends, most likely, long before its grid does: numba compiles for longer.
     ``units`` (n,) are those in which the states are measured, by default their natural ones.
     """
 
@@ -71,6 +72,7 @@ class Problem:
     walls: frozenset[str] = frozenset()
     marked: bool = False
     units: np.ndarray | None = None
+    brief: bool = False
 
     def parameters_at(self) -> Callable[[float], Sequence[Any]]:
         """The parameters at any time of a piece: those that Python gives are asked for there."""
