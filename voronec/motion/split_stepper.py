@@ -277,7 +277,7 @@ class SplitRun:
         stepper, chosen = through_charts(
             self.method, problem, times, split.equations, functions, split.form
         )
-        self.chosen = self.chosen or chosen
+        self.chosen = self.chosen or {**chosen, "tolerance": max(chosen["tolerance"], self.tol)}
         self.prepared += perf_counter() - began
         return stepper(times)
 
