@@ -143,7 +143,7 @@ class SplitRun:
                 else (part.halt.time, part.halt.state)
             )  # fmt: skip
             wide = self.widen(split, time, state)
-            if part.stopped in self._marks(split):
+            if part.halt is None and part.stopped in self._marks(split):
                 split = self.better_split(time, wide, split)
                 continue
             best = self.best_split(time, wide, split)
