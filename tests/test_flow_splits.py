@@ -219,6 +219,26 @@ def test_many_changes_of_the_split_lose_no_digits() -> None:
         assert max(run.drift.values()) < drift, tol
 
 
+def test_a_split_is_made_where_those_that_are_ready_lose_digits() -> None:
+    # two of gamma1, gamma2, gamma3 come to be small together, and large velocities with them
+    start = {
+        "gamma1": -0.9358224048678052, "gamma2": -0.2792373304847483,
+        "gamma3": -0.21508821402203587, "Omega1": -1.175, "Omega2": -1.354,
+    }  # fmt: skip
+    moments = {"epsilon": 1.1621408890295972, "J1": 1.1150745407334046,
+               "J2": 2.5833166080033196, "J3": 1.0629945006789887}  # fmt: skip
+    run, sharp = (
+        vo.integrate(
+            vo.load("rubber-ball-in-new-time"), initial=start, parameters=moments,
+            times=[0.0, 1.0, 3.94078], method=method, tol=tol,
+        )
+        for method, tol in (("scipy", 1e-13), ("flint", 1e-20))
+    )  # fmt: skip
+    assert max(run.drift.values()) < 5e-12
+    for name in ("gamma1", "gamma2", "gamma3"):
+        assert np.abs(run[name] - sharp[name].astype(float)).max() < 1e-11, name
+
+
 def test_everything_wanted_comes_out_on_the_way() -> None:
     system, start = roller_racer(), MADE["roller racer"][1]
     times = np.linspace(0.0, 6.0, 61)

@@ -46,6 +46,9 @@ GAIN = 4.0
 EARLY, BETTER = 0.5, 2.0
 """Below the one, in units of its usual size, a divisor makes its split be left for one that is
 ready and so many times better: what a split loses grows with powers of its divisors."""
+HEAVY, MANY = 200.0, 8
+"""Programs that weigh more take seconds to make ready, and a run has no more splits than so many
+before one is made that is not needed."""
 BEFORE = 0.9
 """Where equations break down in one split, the run goes back to this part of the way there and on
 in another: next to the place all velocities of a state of that split have lost their digits."""
@@ -168,20 +171,7 @@ class SplitRun:
         ready = max(self.splits, key=lambda p: sizes[p], default=None)
         if ready is not None and ready is not last and sizes[ready] > CLEAR:
             return ready
-        began = perf_counter()
-        with suppress(np.linalg.LinAlgError):
-            for equations, form in candidates(self.ground, float(time), plain):
-                if any(p.form is form for p in self.splits):
-                    continue
-                made = SplitModel.of(
-                    replace(self.ground, time=float(time)), equations, form, self.watch,
-                    self.functions, plain,
-                )  # fmt: skip
-                self.splits.append(made)
-                sizes[made] = made.quality(time, plain)
-                if sizes[made] > CLEAR:
-                    break
-        self.prepared += perf_counter() - began
+        sizes |= self.make_splits(time, plain, CLEAR)
         best = max(self.splits, key=lambda p: sizes[p], default=None)
         if best is None or (last is None and not sizes[best] > 0):
             raise IntegrationError(
@@ -196,10 +186,33 @@ class SplitRun:
         return best
 
     def better_split(self, time: Any, wide: np.ndarray, last: SplitModel) -> SplitModel:
-        """The best of the splits that are ready, if it is much better than the last one."""
+        """The best of the splits that are ready, or soon made, if it is much better than the last
+        one."""
         sizes = {p: p.quality(time, wide) for p in self.splits}
+        enough = BETTER * sizes[last]
+        soon = last.program.weight <= HEAVY and len(self.splits) < MANY
+        if soon and max(sizes.values()) <= enough:
+            sizes |= self.make_splits(time, wide.astype(float), enough)
         best = max(self.splits, key=lambda p: sizes[p])
-        return best if sizes[best] > BETTER * sizes[last] else last
+        return best if sizes[best] > enough else last
+
+    def make_splits(self, time: Any, wide: np.ndarray, enough: float) -> dict[SplitModel, float]:
+        """Splits that are made until one is good enough at a wide state, and how good they are."""
+        began, sizes = perf_counter(), {}
+        with suppress(np.linalg.LinAlgError):
+            for equations, form in candidates(self.ground, float(time), wide):
+                if any(p.form is form for p in self.splits):
+                    continue
+                made = SplitModel.of(
+                    replace(self.ground, time=float(time)), equations, form, self.watch,
+                    self.functions, wide,
+                )  # fmt: skip
+                self.splits.append(made)
+                sizes[made] = made.quality(time, wide)
+                if sizes[made] > enough:
+                    break
+        self.prepared += perf_counter() - began
+        return sizes
 
     def turn_back(
         self, split: SplitModel, part: Run, wide: np.ndarray, done: int
