@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import networkx
 import pytest
 from model_agreement import kinds
@@ -19,6 +21,15 @@ def test_the_text_names_every_variable_with_its_reason() -> None:
     assert "first integral 'axial'" in text and "theta, u1, v1" in text
     assert "no output depends on it" in text and "chosen" in text
     assert "declared integrals that can be followed: energy" in text
+
+
+def test_a_refuted_integral_is_not_followed() -> None:
+    sleigh = vo.load("sleigh")
+    speed = sleigh.velocities[0]
+    model = vo.explain(replace(sleigh, integrals={**sleigh.integrals, "speed": speed}))
+    assert model.refuted == ("speed",) and "speed" not in model.integrals
+    assert "declared integrals that are not constant, which is proved: speed" in model_text(model)
+    assert model.as_dict()["refuted"] == ["speed"]
 
 
 @pytest.mark.slow

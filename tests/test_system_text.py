@@ -292,11 +292,20 @@ def test_a_table_may_stand_in_the_scene(tmp_path: Path) -> None:
             '{ times = [0, "x"], values = [1, 2] }',
             "column 30: scenes.default.inputs.u.times, entry 2: 'x'",
         ),
+        (
+            "{ times = [0, 2, 1], values = [1, 2, 3] }",
+            "line 11, column 26: scenes.default.inputs.u.times: the times of a table must grow, "
+            "but time 3 is 1, after 2",
+        ),
+        ("{ times = [0, 1], values = [1] }", "2 times and 1 values; give as many of each"),
+        ('{ file = "back.csv" }', "line 11, column 25: scenes.default.inputs.u.file: the times"),
+        ('{ file = "u.csv", kind = "cubic" }', "a cubic table needs at least 4 instants"),
     ],
 )
 def test_a_table_that_cannot_be_read_is_refused(tmp_path: Path, table: str, message: str) -> None:
     (tmp_path / "three.csv").write_text("t,u,v\n0,1,2\n", "utf-8")
     (tmp_path / "u.csv").write_text("0,1\n1,2\n", "utf-8")
+    (tmp_path / "back.csv").write_text("0,1\n0,2\n", "utf-8")
     assert message in wrong(tmp_path, PUSHED.replace("@", table))
 
 
@@ -436,6 +445,10 @@ def test_an_empty_sketch_is_an_empty_picture(tmp_path: Path) -> None:
         ('[sketch]\nstrokes = [{ draw = "dot", at = [0, "x"] }]', "'x' is not a number"),
         ('[sketch]\nstrokes = [{ draw = "dot", at = [0, 1e9] }]', "lies outside of the drawing"),
         ('[sketch]\nstrokes = [{ draw = "text", at = [0, 1], label = "$x" }]', "is no label"),
+        (
+            f'[sketch]\nstrokes = [{{ draw = "text", at = [0, 1], label = "{"a" * 400}$" }}]',
+            "is no label",  # at once: nothing is read twice
+        ),
         (
             '[sketch]\nstrokes = [{ draw = "distance", start = [0, 1], end = [0, 1], label = "" }]',
             "to itself is not drawn",

@@ -33,7 +33,7 @@ from voronec.declaration.scene import Parameter, Scene
 from voronec.declaration.shapes import PLACED, ROLES, Shape, turn_about
 from voronec.declaration.sketch import LOOKS, Sketch
 from voronec.declaration.system import System
-from voronec.declaration.table_file import KINDS, read_table
+from voronec.declaration.table_file import KINDS, read_table, require_table
 from voronec.declaration.text_file import Item, read_toml
 from voronec.errors import DefinitionError, did_you_mean, quote
 
@@ -47,7 +47,7 @@ FIELDS = (
     "invariants", *CLAIMS, "essential", "cases", "undecided", "scenes", "shapes", "sketch",
 )  # fmt: skip
 NAME = re.compile(r"[^\W\d]\w*")
-LABEL = re.compile(r"(?:[A-Za-z]\w*|\d+(?:\.\d+)?|[\s(),.=+*/|:-])*")
+LABEL = re.compile(r"(?:[A-Za-z]\w*+|\d++(?:\.\d++)?|[\s(),.=+*/|:-])*+")
 """What may stand in a drawing: names, numbers, words."""
 SHAPES = tuple(name for name, made in vars(Shape).items() if isinstance(made, classmethod))
 STROKES = tuple(
@@ -412,13 +412,17 @@ class _Text:
         inner = item.table(("times", "values", "file", "kind"))
         kind = self._among(inner["kind"], KINDS, "kind") if "kind" in inner else "linear"
         if "file" in inner and not {"times", "values"} & inner.keys():
-            name = inner["file"]
-            path = Path(item.source.name).parent / name.text()
-            return (*self._make(name, read_table, path, "a table"), kind)
-        if {"times", "values"} != inner.keys() - {"kind"}:
+            where = inner["file"]
+            path = Path(item.source.name).parent / where.text()
+            columns = self._make(where, read_table, path, "a table")
+        elif {"times", "values"} == inner.keys() - {"kind"}:
+            where = inner["times"]
+            parts = (inner[key].several() for key in ("times", "values"))
+            columns = tuple([float(self._number(i)) for i in part] for part in parts)
+        else:
             item.wrong('expected { times = [0, 1], values = [2, 0] } or { file = "u.csv" }')
-        columns = (inner[key].several() for key in ("times", "values"))
-        return (*([float(self._number(i)) for i in column] for column in columns), kind)
+        self._make(where, require_table, *columns, kind)
+        return (*columns, kind)
 
     def _number(self, item: Item) -> Any:
         return self._make(item, exact_number, item.scalar(), item.title)

@@ -1,4 +1,5 @@
-"""A table of an input as a file: a line for each instant, its time and the value there.
+"""A table of an input: what it must hold, and how it stands in a file, a line for each instant, its
+time and the value there.
 
 Columns stand apart by commas, semicolons or tabs; where semicolons do it, a comma is a decimal
 comma, as spreadsheets of many countries write it.  A mark of the byte order is passed over, and so
@@ -8,18 +9,39 @@ is a first line that holds no number.
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
+from itertools import pairwise
 from math import isfinite
 from pathlib import Path
 
 from voronec.algebra.text import exact_number
 from voronec.errors import DefinitionError, file_errors, quote
 
-__all__ = ["KINDS", "read_table"]
+__all__ = ["KINDS", "read_table", "require_table"]
 
-KINDS = "held", "linear", "cubic"
-"""How a table goes on between two instants."""
+KINDS = {"held": 1, "linear": 2, "cubic": 4}
+"""How a table goes on between two instants, and how many instants that needs at least."""
 BYTES = 100_000_000
 """How long a file may be."""
+
+
+def require_table(times: Sequence[float], values: Sequence[float], kind: str) -> None:
+    """``DefinitionError`` unless there are as many times as values, enough of them for the kind,
+    all of them finite, and each time is later than the one before it."""
+    if len(times) != len(values) or not times:
+        raise DefinitionError(
+            f"a table has {len(times)} times and {len(values)} values; give as many of each"
+        )
+    if not all(map(isfinite, (*times, *values))):
+        raise DefinitionError("a table holds a number that is not finite; leave it out")
+    for number, (before, after) in enumerate(pairwise(times), start=2):
+        if after <= before:
+            raise DefinitionError(
+                f"the times of a table must grow, but time {number} is {after:g}, after {before:g}"
+                "; sort the rows and leave out those that stand twice"
+            )
+    if len(times) < KINDS[kind]:
+        raise DefinitionError(f"a {kind} table needs at least {KINDS[kind]} instants")
 
 
 def read_table(path: Path, place: str) -> tuple[list[float], list[float]]:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
 
 from voronec.algebra.arguments import SEVERAL, VALUES, accepts
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.verdicts import decide_zero
+from voronec.declaration.claims import right_of
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, VoronecError
 from voronec.motion.initial_state import parameter_values, start_of
 from voronec.motion.inputs import drive
 from voronec.motion.model import Model, smallest_model
@@ -68,8 +71,27 @@ def explain(
             f"system '{equations.system.name}': parameters without a start; name a scene, or give "
             "initial={...}"
         )
-    integrals = {name: vocabulary.claims[name] for name in equations.system.integrals}
-    return smallest_model(Motions.of(equations), wanted, integrals, start, thorough=True)
+    motions = Motions.of(equations)
+    refuted = _refuted_integrals(motions)
+    names = [name for name in equations.system.integrals if name not in refuted]
+    integrals = {name: vocabulary.claims[name] for name in names}
+    model = smallest_model(motions, wanted, integrals, start, thorough=True)
+    return replace(model, refuted=refuted)
+
+
+def _refuted_integrals(motions: Motions) -> tuple[str, ...]:
+    """The declared integrals whose rate along the motion is proved not to vanish."""
+    found = []
+    for name, integral in motions.system.integrals.items():
+        function = right_of(integral)
+        try:
+            field = motions.field_for([function])
+            rate = field.derivative(field.read_with_momenta(function))
+            if decide_zero(rate, field.relations).refuted:
+                found.append(name)
+        except VoronecError:  # beyond the budget: nothing is known of it
+            continue
+    return tuple(found)
 
 
 def _output_expressions(vocabulary: Vocabulary, outputs: Sequence[Any]) -> dict[str, sp.Expr]:

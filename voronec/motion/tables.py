@@ -7,10 +7,8 @@ from fractions import Fraction
 from math import inf
 from typing import Any
 
-import numpy as np
-
 from voronec.declaration.reading import doubles
-from voronec.declaration.table_file import KINDS
+from voronec.declaration.table_file import KINDS, require_table
 from voronec.errors import DefinitionError
 from voronec.motion.steppers.signals import Signal
 
@@ -43,17 +41,13 @@ class Table:
             )
         times = doubles(self.times, "the times of a table")
         values = doubles(self.values, "the values of a table")
-        if times.ndim != 1 or times.shape != values.shape or not len(times):
-            raise DefinitionError(
-                f"a table has {times.size} times and {values.size} values; give as many of each"
-            )
-        if not (np.isfinite(times).all() and np.isfinite(values).all()):
-            raise DefinitionError("a table holds a number that is not finite; leave it out")
-        if not (np.diff(times) > 0).all():
-            raise DefinitionError("the times of a table must grow from each to the next")
-        least = {"held": 1, "linear": 2, "cubic": 4}[self.kind]
-        if len(times) < least:
-            raise DefinitionError(f"a {self.kind} table needs at least {least} instants")
+        for name, array in (("times", times), ("values", values)):
+            if array.ndim != 1:
+                shape = " x ".join(map(str, array.shape)) or "a single number"
+                raise DefinitionError(
+                    f"the {name} of a table are {shape}; give a list of numbers, such as [0, 1, 2]"
+                )
+        require_table(times.tolist(), values.tolist(), self.kind)
         for name, array in (("times", times), ("values", values)):
             array.flags.writeable = False
             object.__setattr__(self, name, array)

@@ -55,7 +55,8 @@ class Model:
     ``candidates`` which levels were weighed.  ``form`` is what programs are made of, ``outputs``
     and ``integrals`` are expressions on it; ``frozen`` maps symbols that became parameters to what
     they are at the start, in coordinates and velocities, as ``start`` does for the states.
-    ``full`` is the level that was chosen, ``cut`` what is left of it.
+    ``full`` is the level that was chosen, ``cut`` what is left of it.  ``refuted`` names the
+    declared integrals that are proved not to be constant.
     """
 
     cut: Level
@@ -63,6 +64,7 @@ class Model:
     roles: tuple[Role, ...]
     candidates: tuple[Candidate, ...]
     frozen: Mapping[Any, Any] = field(default_factory=dict)
+    refuted: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         states = ", ".join(map(str, self.states))
@@ -143,6 +145,7 @@ class Model:
                 {"name": r.variable, "kind": r.kind, "why": r.why} for r in self.roles
             ],
             "integrals": list(self.integrals),
+            "refuted": list(self.refuted),
             "levels": [
                 {
                     "name": c.level, "states": c.states, "operations": c.operations,

@@ -88,14 +88,18 @@ def _levels(model: Model) -> list[str]:
 
 def _followed_integrals(model: Model, width: int) -> list[str]:
     """Which declared integrals the model can still compute."""
-    able = list(model.integrals)
-    lost = [
-        name for name in model.system.integrals if name not in {*able, *model.eliminating_integrals}
-    ]
+    instead = model.eliminating_integrals
+    able = [name for name in model.integrals if name not in instead]
+    told = {*able, *instead, *model.refuted}
+    lost = [name for name in model.system.integrals if name not in told]
     rows = [
         ("declared integrals that can be followed", able),
-        ("integrals in place of equations", model.eliminating_integrals),
-        ("integrals that need more variables", lost),
+        ("integrals in place of equations", instead),
+        (
+            "integrals that need more variables",
+            lost,
+        ),
+        ("declared integrals that are not constant, which is proved", model.refuted),
     ]
     lines = [f"{what}: {', '.join(names)}" for what, names in rows if names]
     return _wrap(lines or ["no integral is declared"], width, "  ")
