@@ -170,6 +170,33 @@ def test_what_is_not_understood(text: str, said: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "other"),
+    [
+        ("ẏ = v·sin φ", "ydot = v*sin(phi)"),
+        (r"\dot φ² = ẋ", r"\dot\phi^2 = \dot x"),
+        ("φ̈ = −Ω w", None),
+        ("v̇ = a ϕ̇²", r"\dot v = a \dot\phi^2"),
+        ("v⁻¹ ẏ = sin(φ)", r"\dot y/v = \sin\phi"),
+        (r"\left. \dot v \right. = a w^2", r"\dot v = a w^2"),
+        (r"\frac{dy}{dx} = \tan\phi", r"\dot y/\dot x = \tan\phi"),
+        (r"\frac{d x}{d\phi} = \frac{v}{w}", "xdot/phidot = v/w"),
+        (r"\frac{dL}{dv} = 0", None),
+        (r"\frac{d^2y}{dx^2} = 0", None),
+        ("é = 1", None),
+    ],
+)
+def test_letters_of_print_are_read_like_those_of_latex(text: str, other: str | None) -> None:
+    """Each means what another spelling of it means, or is refused."""
+    sleigh = vo.load("sleigh")
+    if other is None:
+        with pytest.raises(vo.DefinitionError, match=r"no symbol|is by t|not understood"):
+            vo.judge(sleigh, text)
+        return
+    one, two = vo.judge(sleigh, text), vo.judge(sleigh, other)
+    assert (one.read, one.verdict.status) == (two.read, two.verdict.status)
+
+
+@pytest.mark.parametrize(
     ("text", "ground"),
     [
         (r"\dot x\sin\phi = \dot y\cos\phi", "constraints"),

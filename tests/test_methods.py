@@ -69,6 +69,7 @@ def test_bodies_of_models_of_sympy(name: str) -> None:
     [
         ({"velocity": (1, 2)}, "the velocity of the body 'body' has 2 components; give three"),
         ({"inertia": (1, 2)}, "three principal moments"),
+        ({"torque": (0, 0, "x")}, "turns nothing, for its omega is 0"),
         ({"force": ("x +", 0, 0)}, "the force of the body 'body'"),
         ({"mass": sp.Symbol("M")}, "the body 'body' contains 'M'"),
     ],

@@ -37,8 +37,8 @@ class Body:
 
     Its kinetic energy, m v^2/2 + omega . I omega/2, belongs to the Lagrangian of the system, and
     the work of what acts on it to the forces or the potential: ``voronec methods`` proves whether
-    they fit.  Raises ``DefinitionError`` for what is no expression, and for lists that are not of
-    three.
+    they fit.  Raises ``DefinitionError`` for what is no expression, for lists that are not of
+    three, and for a torque on what does not turn.
     """
 
     mass: Any
@@ -64,6 +64,11 @@ class Body:
                 raise DefinitionError(f"the {name} {place} has {len(parts)} components; give three")
             read = tuple(expression(e, f"the {name} {place}") for e in parts)
             object.__setattr__(self, name, read)
+        if any(self.torque) and not any(self.omega):
+            raise DefinitionError(
+                f"the torque {place} turns nothing, for its omega is 0; give the omega of the "
+                "body, or leave the torque out"
+            )
 
     @property
     def expressions(self) -> tuple[sp.Expr, ...]:

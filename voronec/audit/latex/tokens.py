@@ -90,6 +90,7 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
         kind = str(match.lastgroup)
         if text in _SIZES:
             size = match.start()
+            position += source.startswith(".", position)  # a bracket that is not printed
         if kind == "space" or text in _SILENT or text in _SIZES:
             continue
         if text in _WITH_ARGUMENT:

@@ -150,7 +150,7 @@ class Language:
                 what = "variations are not read; write what holds along the motion"
                 raise complain(text, node.at[0], what)
             if isinstance(node, Derivative) and self._value_of(node.variable) not in (time, None):
-                what = "a derivative with d is by t; write \\partial, or a quotient such as dy/dx"
+                what = "a derivative with d is by t; write \\partial, or rates: \\dot y/\\dot x"
                 raise complain(text, node.at[0], what)
             if not isinstance(node, Partial) or node.body is None:
                 continue

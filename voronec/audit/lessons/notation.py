@@ -8,6 +8,7 @@ was written.
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
@@ -15,7 +16,17 @@ from voronec.audit.latex.tokens import ELEMENTARY, GREEK, Misprint, Token, compl
 
 __all__ = ["spelling_of", "words_of"]
 
-_SIGNS = str.maketrans({"\N{MINUS SIGN}": "-", "\N{MIDDLE DOT}": "*", "\N{PRIME}": "'"})
+_SIGNS = str.maketrans(
+    {
+        "\N{MINUS SIGN}": "-", "\N{MIDDLE DOT}": "*", "\N{MULTIPLICATION SIGN}": "*",
+        "\N{DOT OPERATOR}": "*", "\N{PRIME}": "'",
+    }
+)  # fmt: skip
+_DOTS = {"\N{COMBINING DOT ABOVE}": 1, "\N{COMBINING DIAERESIS}": 2}
+_LETTER = re.compile("([A-Za-z]|[\u0370-\u03ff])([\u0307\u0308]?)")
+_NO_RATIO = ("^", "t", "L", "T", "V")
+"""What does not stand behind the ``d`` of a quotient of changes."""
+_RAISED = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+")
 _BEGINNING = re.compile(r"[\s$]*(?:\\\[|\\\(|\\begin\{[a-z]+\*?\})?\s*")
 _END = re.compile(r"[\s$.,;]*(?:\\\]|\\\)|\\end\{[a-z]+\*?\})?[\s$.,;]*$")
 _SPELLED = {
@@ -51,9 +62,10 @@ def words_of(text: str, spelled: Mapping[str, str]) -> list[Token]:
     can be read in two ways, ``DefinitionError`` for a character that is not known.
     """
     source = text.translate(_SIGNS)
+    plain = "\\" not in source.replace("\\cdot", "").replace("\\times", "")
+    source = source if source.isascii() else _in_ascii(source, plain)
     start, end = _bounds(source)
     words = tokenize(source, start, end)
-    plain = "\\" not in source.replace("\\cdot", "").replace("\\times", "")
     words = [_letter(w) for w in words]
     words = _spell_words(
         source, words, _SPELLED | dict(spelled) if plain else _long(spelled), plain
@@ -65,9 +77,31 @@ def words_of(text: str, spelled: Mapping[str, str]) -> list[Token]:
     changes = (_primes, _stars, _third, _applied_to_time, _quotients, _rates, _sizes, _functions)
     for change in changes + ((_exponents,) if plain else ()):
         words = change(words)
-    words = _own_d(words) if "d" in spelled else words
+    words = _own_d(words) if "d" in spelled else _ratios(words)
     _refuse_ambiguous(source, words)
     return words
+
+
+def _in_ascii(source: str, plain: bool) -> str:
+    """Greek letters, dots above letters and raised digits as LaTeX or plain text write them."""
+
+    def letter(match: re.Match[str]) -> str:
+        name, dots = unicodedata.normalize("NFKC", match[1]), _DOTS.get(match[2], 0)
+        if not name.isascii():
+            words = unicodedata.name(name, "").replace("LAMDA", "LAMBDA").split()
+            if words[:1] != ["GREEK"] or words[-2:-1] != ["LETTER"]:
+                return match[0]
+            name = words[-1].lower() if words[1] == "SMALL" else words[-1].capitalize()
+            name = name if plain else f"\\{name} "
+        if not dots:
+            return name
+        return name + "dot" * dots if plain else f"\\{'d' * dots}ot{{{name}}}"
+
+    def raised(match: re.Match[str]) -> str:
+        return f"^{{{unicodedata.normalize('NFKC', match[0])}}}".translate(_SIGNS)
+
+    parted = unicodedata.normalize("NFD", source)  # letters, and what stands above them
+    return unicodedata.normalize("NFC", _RAISED.sub(raised, _LETTER.sub(letter, parted)))
 
 
 def _bounds(source: str) -> tuple[int, int]:
@@ -120,6 +154,27 @@ def _quotients(words: list[Token]) -> list[Token]:
     for position, word in enumerate(words):
         bare = word.text in ("d", "\\partial") and position and words[position - 1].text == "\\frac"
         found += [_sign(word, "{"), word, _sign(word, "}")] if bare else [word]
+    return found
+
+
+def _ratios(words: list[Token]) -> list[Token]:
+    r"""``\frac{dy}{dx}`` is the quotient dy/dx of two changes, unless by t or of an energy."""
+    found: list[Token] = []
+    position = 0
+    while position < len(words):
+        above = position + 1
+        below = _closing(words, above) + 1 if words[position].text == "\\frac" else above
+        begins = [[w.text for w in words[at : at + 2]] for at in (above, below)]
+        end = _closing(words, below) + 1 if begins == [["{", "d"]] * 2 else above
+        parts = words[above + 1 : below - 1], words[below + 1 : end - 1]
+        if end == above or any(len(p) < 2 or p[1].text in _NO_RATIO for p in parts):
+            found.append(words[position])
+            position += 1
+            continue
+        first, second = ([_sign(part[0], "("), *part, _sign(part[0], ")")] for part in parts)
+        at = words[position]
+        found += [_sign(at, "("), *first, _sign(at, "/"), *second, _sign(at, ")")]
+        position = end
     return found
 
 
