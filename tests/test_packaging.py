@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import json
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -27,8 +28,8 @@ pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[1]
 PLUGIN = ROOT / "tests" / "plugin_package"
 SHIPPED = (
-    "pyproject.toml", "README.md", "LICENSE", "MANIFEST.in", "CITATION.cff", "CHANGELOG.md",
-    "voronec", "systems", "docs", "tests", "tools",
+    "pyproject.toml", "setup.py", "README.md", "LICENSE", "MANIFEST.in", "CITATION.cff",
+    "CHANGELOG.md", "voronec", "systems", "docs", "tests", "tools",
 )  # fmt: skip
 
 
@@ -163,6 +164,18 @@ def test_the_source_distribution_holds_what_is_built_and_no_tests(
     assert not {name for name in names if name.startswith(("tests", "tools", "docs/systems"))}
     assert "License-Expression: MIT" in said
     assert "License ::" not in said
+    assert "Description-Content-Type: text/markdown" in said and "# Voronec" in said
+    assert "how to ... (docs/how-to/index.md)" in said and not re.search(r"\]\((?!https?:)", said)
+
+
+def test_links_of_the_readme_lead_to_the_address_of_the_project() -> None:
+    absolute = runpy.run_path(str(ROOT / "setup.py"))["absolute"]
+    text = "[a](docs/a.md#b) ![p](p.svg) [c](https://c.d/e) [LICENSE](LICENSE)"
+    assert absolute(text, "") == "a (docs/a.md#b)  [c](https://c.d/e) LICENSE"
+    assert absolute(text, "https://h.i/r/") == (
+        "[a](https://h.i/r/blob/main/docs/a.md#b) ![p](https://h.i/r/raw/main/p.svg) "
+        "[c](https://c.d/e) [LICENSE](https://h.i/r/blob/main/LICENSE)"
+    )
 
 
 def test_the_recipe_asks_for_what_the_project_asks_for() -> None:

@@ -172,11 +172,11 @@ class Language:
             value = evaluate(part, self.study)
         except UnknownName as unknown:
             raise self._unknown(unknown.name, text, tree) from None
-        except Misprint:
+        except Misprint as error:
             for node in walk(part):
                 if isinstance(node, Name) and node.sub and self._value_of(node) is None:
                     raise self._unknown(_name_of(node), text, tree) from None
-            raise
+            raise complain(text, part.at[0], f"this has no value: {error}") from None
         except DefinitionError:
             raise
         except SENSELESS as error:
