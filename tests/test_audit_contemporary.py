@@ -261,6 +261,7 @@ def test_the_printed_density_needs_a_unit_vector():
         (r"\mathbb E=", "1,1,1", "1,1,2", "misprint"),
         ("label{e3a}", r"(\omega,\gamma)=0", r"(\gamma,\gamma)=1", "misprint"),
         ("label{ChaplyginRed}", "T_x S", "T_x Q", "misprint"),
+        ("label{ChaplyginRed}", r"for\;all", r"for\;some", "misprint"),
         ("label{Jacobi2}", r"\dot\varphi_1", r"\dot g_1", "misprint"),
         (r"\longmapsto", r"(q_1,\dots,q_n),\\", r"(q_1,\dots,q_k),\\", "misprint"),
     ],
@@ -281,6 +282,9 @@ def test_integrals_that_are_listed_are_independent(kind):
     ("beginning", "before", "after", "verdict"),
     [
         ("There are", "three", "two", "misprint"),
+        ("(ii) rolling", "inner", "outer", "misprint"),
+        ("(ii) rolling", "R_1>R_2", "R_1<R_2", "misprint"),
+        ("(ii) rolling", "(ii)", "(iii)", "misprint"),
         ("the equations of motion of", "orthogonal", "parallel", "misprint"),
         ("The problem is integrable", "Euler-Jacobi", "Liouville", "undecided"),
         ("Markeev", "integrable", "nonintegrable", "misprint"),

@@ -312,7 +312,8 @@ def _narrowed(old: Item | None, new: Item) -> tuple[Item | None, Item]:
 
 
 def _quantifiers(formula: Formula) -> list[list[str]]:
-    return [[word.text for word in words] for words in formula.piece.quantifiers]
+    ranges = [[word.text for word in words] for words in formula.piece.quantifiers]
+    return [[formula.piece.said], *ranges]
 
 
 def _mended(display: Display, mends: Mapping[str, list[tuple[int, int, str]]]) -> Display:

@@ -7,6 +7,7 @@ independent of each other and of those before, wherever the constraints hold.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 from typing import Any
 
@@ -43,6 +44,7 @@ def independent_conditions(
 
 def _gradients(chain: Chain, study: Study) -> list[dict[sp.Expr, sp.Expr]]:
     """By velocities, on the constraints: the derivatives of left minus right of every equation."""
+    study, virtual = _free_variations(study)
     motion, found, dots = study.motion, [], accelerations(study)
     velocities = {x for x, rate in motion.rates.items() if rate in dots}
     velocities |= {*motion.constrained, *study.variations.values()}
@@ -52,9 +54,17 @@ def _gradients(chain: Chain, study: Study) -> list[dict[sp.Expr, sp.Expr]]:
             gap = part if first == 0 else first if part == 0 else first - part
             for value in gap if isinstance(gap, sp.MatrixBase) else [gap]:
                 symbols = value.free_symbols & velocities
-                slopes = {x: motion.restrict(sp.diff(value, x)) for x in symbols}
+                slopes = {x: motion.restrict(sp.diff(value, x).xreplace(virtual)) for x in symbols}
                 found.append({x: e.xreplace(dict(study.given)) for x, e in slopes.items()})
     return found
+
+
+def _free_variations(study: Study) -> tuple[Study, dict[sp.Expr, sp.Expr]]:
+    """A study whose variations obey no constraint, and what the constraints make of them."""
+    bound = {x: d for x, d in study.variations.items() if not isinstance(d, sp.Symbol)}
+    free = {x: sp.Symbol(f"{{variation of {x}}}") for x in bound}
+    virtual = {free[x]: d for x, d in bound.items()}
+    return replace(study, variations={**study.variations, **free}), virtual
 
 
 def _rank(rows: list[dict[sp.Expr, sp.Expr]], wanted: int, study: Study) -> Verdict:

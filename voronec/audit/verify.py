@@ -48,6 +48,7 @@ class FormulaOutcome:
 
 NOTHING = Verdict("undecided", "it claims nothing; give it a relation, or its check a value")
 EMPTY = Verdict("refuted", "it says nothing: the two sides of an equality are the same")
+SLACK = Verdict("refuted", "it says too little: the two sides of an inequality are equal")
 UNSOLVED = Verdict(
     "undecided", "it depends on accelerations that are not known; give Motion.of(eqs).solved(eqs)"
 )
@@ -71,6 +72,8 @@ def verify(chain: Chain, check: Check, study: Study) -> FormulaOutcome:
     gaps = list(_inequalities(chain, study))
     if not gaps or not finding.verdict.proved:
         return finding if finding.count or check.role == "definition" else FormulaOutcome(NOTHING)
+    if any(_are_equal(gap, study) for gap in gaps):
+        return FormulaOutcome(SLACK, None, finding.count)
     ordered = by_range(study, check.within, lambda _, where: _order_verdict(gaps, where))
     if not study.ranges and ordered.verdict.refuted:
         return FormulaOutcome(UNSIGNED)
@@ -158,6 +161,13 @@ def _inequalities(chain: Chain, study: Study) -> Iterator[tuple[Any, str, Any]]:
         if relation != "=":
             sides = (value_of(part, study, {}) for part in (left, right))
             yield next(sides), relation, next(sides)
+
+
+def _are_equal(gap: tuple[Any, str, Any], study: Study) -> bool:
+    """Whether two sides of which one is printed not to be larger are one and the same."""
+    left, relation, right = gap
+    slack = relation in ("\\le", "\\leq", "\\ge", "\\geq")
+    return slack and prove_equal(left, right, study.relations).proved
 
 
 def _unsaid(chain: Chain, study: Study) -> str:

@@ -204,6 +204,7 @@ class Body:
                 letters=SHAPES,
                 variations=variations,
                 given=surfaces.roots,
+                positive=surfaces.positive,
                 context=self,
                 note=note,
                 source=SOURCE,

@@ -169,7 +169,7 @@ class Space:
                 motion=motion,
                 labelled=frozenset({r"\mathfrak{v}"}),
                 given=self.rules,
-                positive=tuple(x for forms in self.surfaces.forms for x in forms.first),
+                positive=self.surfaces.positive,
                 context=self,
                 note=NOTE,
                 letters=STRANGE,

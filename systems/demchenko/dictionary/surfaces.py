@@ -106,6 +106,11 @@ class Surfaces:
         accelerations = {w: vo.velocity(w) for w in velocities(BASE)}
         return Motion(found | accelerations, constrained)
 
+    @property
+    def positive(self) -> tuple[sp.Expr, ...]:
+        """E, G, E_1, G_1."""
+        return tuple(x for forms in self.forms for x in forms.first)
+
     @cached_property
     def roots(self) -> dict[sp.Expr, sp.Expr]:
         """sqrt(E G) = sqrt(E) sqrt(G): the coefficients are positive."""

@@ -91,7 +91,8 @@ K_2&=M\sqrt{G_1}\big[(\epsilon s-\rho_u n)\sin \vartheta-(\epsilon\tau-\rho_v n)
 \sqrt{E_1}\delta u_1 &=-\sqrt{E}\delta u\sin\vartheta+\sqrt{G}\delta v\cos\vartheta,\\
 \sqrt{G_1}\delta v_1 &=\sqrt{E}\delta u\cos\vartheta+\sqrt{G}\delta v\sin\vartheta,\\
 \end{aligned}
-\end{equation}"""
+\end{equation}""",
+            (Check(constrains=1), Check(constrains=1)),
         ),
         Display(
             r"""$$

@@ -45,10 +45,13 @@ def epsilon_of(formula: Quoted, study: Study) -> tuple[str, Any]:
     return tree.relations[0], sp.sympify(evaluate(tree.parts[1], study))
 
 
-def configuration(study: Study, _: Range, *, surface: str, condition: Quoted) -> vo.Verdict:
+def configuration(
+    study: Study, _: Range, *, case: str, surface: str, condition: Quoted
+) -> vo.Verdict:
     """Rolling inside needs a larger sphere; a ball around the sphere is larger."""
     letters = {"inner": "$R_1=R_2+p$", "shell": "$R_1=p$ and $R_2=p+q$"}
-    name = one_of(surface, {"inner": "inner", "outer": "shell"})
+    name = one_of(case, {"ii": "inner", "iii": "shell"})
+    side = agreed(surface, {"inner": "inner", "shell": "outer"}[name], f"the surface of ({case})")
     where = NAMED[name]
     radii = {R1: -SIGNED}
     left, right = (
@@ -56,7 +59,8 @@ def configuration(study: Study, _: Range, *, surface: str, condition: Quoted) ->
     )
     relation = condition.tree(study).relations[0]
     found = vo.prove_inequality(left, relation, right, where.positive)
-    return vo.Verdict(found.status, f"for {letters[name]}, {found.method}", found.witness)
+    said = vo.Verdict(found.status, f"for {letters[name]}, {found.method}", found.witness)
+    return all_of(side, said)
 
 
 def signs(
@@ -344,14 +348,14 @@ SENTENCES = (
         unaudited=QUOTED,
     ),
     Sentence(
-        r"(ii) rolling of $\mathrm B$ over @surface:word{inner} surface of $\mathrm S$ "
+        r"(@case:word{ii}) rolling of $\mathrm B$ over @surface:word{inner} surface of $\mathrm S$ "
         "(@condition:formula{$R_1>R_2$});",
         configuration,
         "outer",
         source=RADII,
     ),
     Sentence(
-        r"(iii) rolling of $\mathrm B$ over @surface:word{outer} surface of $\mathrm S$, but "
+        r"(@case:word{iii}) rolling of $\mathrm B$ over @surface:word{outer} surface of $\mathrm S$, but "
         r"$\mathrm S$ is within $\mathrm B$ (@condition:formula{$R_1<R_2$},",
         configuration,
         "outer",

@@ -24,11 +24,13 @@ _OPEN, _CLOSE = {"(", "[", "{"}, {")", "]", "}"}
 class Piece:
     """One formula: the range of the display's source it stands in, and its quantifiers.
 
-    ``tokens`` are its words (of two lines, where the second only goes on with the first).
+    ``tokens`` are its words (of two lines, where the second only goes on with the first), ``said``
+    the words of text before its last quantifier, as "for all".
     """
 
     tokens: tuple[Token, ...]
     quantifiers: tuple[tuple[Token, ...], ...] = ()
+    said: str = ""
 
     @property
     def at(self) -> tuple[int, int]:
@@ -127,11 +129,15 @@ def _append(
     last = pieces[-1] if pieces else None
     if last and _is_quantifier(words, said):
         inside = words[1:-1] if words[0].text == "(" else words
-        pieces[-1] = Piece(last.tokens, (*last.quantifiers, inside))
+        phrase = " ".join(_SPACE.sub(" ", said[0].text).split()) if _is_text(said) else ""
+        pieces[-1] = Piece(last.tokens, (*last.quantifiers, inside), phrase)
     elif last and (words[0].text in RELATIONS or not (ended or _has_relation(words))):
-        pieces[-1] = Piece(last.tokens + words, last.quantifiers)
+        pieces[-1] = Piece(last.tokens + words, last.quantifiers, last.said)
     else:
         pieces.append(Piece(words))
+
+
+_SPACE = re.compile(r"\\[,;:! ]|~")
 
 
 def _is_quantifier(words: tuple[Token, ...], said: tuple[Token, ...]) -> bool:
