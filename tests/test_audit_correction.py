@@ -241,6 +241,13 @@ def test_a_constant_is_mended_without_numbers():
     assert found.latex == r"\frac12mw^2+\frac12cx^2=const"
 
 
+def test_a_formula_of_which_nothing_is_left_is_no_correction():
+    energy = {"E": m * w**2 / 2 + c * x**2 / 2, "F": x**2 + y, "Q": sp.Symbol("Q")}
+    study = replace(STUDY, names={**STUDY.names, **energy})
+    assert mend("F=const", study=study) is None
+    assert mend(r"\tilde E=const", study=study).latex == "E=const"
+
+
 def test_vectors_are_mended():
     names = {**STUDY.names, "s": sp.Matrix([c, m, y])}
     study = replace(STUDY, names={**names, "q": 2 * names["r"] + names["s"].cross(names["r"])})

@@ -214,6 +214,15 @@ def test_a_list_of_arguments_must_name_what_the_function_depends_on():
     assert "'E' depends on 'w'" in formula.method
 
 
+def test_a_function_is_not_printed_of_what_it_does_not_depend_on():
+    polynomial = {"Q": y**2 - m, "m": m, "y": y, "a": sp.Symbol("a")}
+    study = Study(polynomial, functions=frozenset("Q"))
+    assert one("Q(y)=yy-m", study=study).verdict == "proved"
+    formula = one("Q(a)=yy-m", study=study)
+    assert formula.verdict == "misprint"
+    assert one("Q(a)=Q(y)", study=study).verdict == "misprint"
+
+
 def test_a_check_must_ask_for_something_that_exists():
     with pytest.raises(DefinitionError, match="the role 'axiom'"):
         Check("axiom")

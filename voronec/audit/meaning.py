@@ -106,6 +106,8 @@ def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
             f"'{kind_or_key(node.function)}' depends on '{sorted(map(str, missing))[0]}', which "
             "its list of arguments leaves out"
         )
+    if listed and value.free_symbols and not listed & value.free_symbols:
+        raise Misprint(f"'{kind_or_key(node.function)}' depends on none of its arguments")
     return value
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
@@ -29,6 +30,7 @@ from voronec.errors import DefinitionError
 
 __all__ = [
     "are_multiples",
+    "bare_letter",
     "definitions_in",
     "free_indices",
     "free_names",
@@ -99,6 +101,12 @@ def marks(node: Any, study: Study, index: bool) -> set[str]:
     if hasattr(node, "at"):
         return found.union(*(marks(value, study, index) for value in vars(node).values()))
     return found
+
+
+def bare_letter(name: Name) -> str:
+    """The letter of a name without its accents and primes."""
+    bare = re.sub(r"^(?:\\[a-zA-Z]+\{)+|\}+$", "", name.head) or name.head
+    return bare.rstrip("'")
 
 
 def names_constant(part: Node) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -18,7 +17,7 @@ from voronec.audit.comparisons import Comparison, accelerations, comparisons, va
 from voronec.audit.display import Check, Decision
 from voronec.audit.hooks import HookError, call_hook
 from voronec.audit.latex.nodes import Chain, Integral, Name, Number, walk
-from voronec.audit.structure import integrand, says_nothing
+from voronec.audit.structure import bare_letter, integrand, says_nothing
 from voronec.audit.study import Range, Study, key_of
 from voronec.errors import EngineLimit
 
@@ -182,9 +181,11 @@ def _unsaid(chain: Chain, study: Study) -> str:
         return "a limit is the variable of integration, not a fixed moment"
     if integral.lower == integral.upper:
         return "the two limits are the same"
-    heads = {_letter(part) for part in _names_of(study)} - {_letter(p) for p in _names(variable)}
+    heads = {bare_letter(part) for part in _names_of(study)} - {
+        bare_letter(p) for p in _names(variable)
+    }
     for limit in _names((integral.lower, integral.upper)):
-        if _letter(limit) in heads:
+        if bare_letter(limit) in heads:
             return f"the limit '{key_of(limit)}' bears the letter of something else"
     return ""
 
@@ -201,9 +202,3 @@ def _names_of(study: Study) -> Iterator[Name]:
     """What the names of a dictionary are names of, without dots and variations."""
     for name in study.names:
         yield from _names(study.tree(name))
-
-
-def _letter(name: Name) -> str:
-    """The letter of a name without its accents and primes."""
-    bare = re.sub(r"^(?:\\[a-zA-Z]+\{)+|\}+$", "", name.head) or name.head
-    return bare.rstrip("'")

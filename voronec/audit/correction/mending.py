@@ -47,6 +47,7 @@ from voronec.audit.latex.tokens import Token, tokenize
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.structure import (
     are_multiples,
+    bare_letter,
     free_indices,
     free_names,
     holds_always,
@@ -356,9 +357,9 @@ class Correction:
 class _Case:
     """A formula to be mended; ``new`` are the names that it defines, ``terms`` what it adds.
 
-    ``cancelled`` are those that it adds and takes away again, ``shared`` the numbers by which both
-    sides of a relation are multiplied; ``empty`` says that it sets something equal to itself,
-    ``legible`` that it can be read.
+    ``letters`` are those that it has; ``cancelled`` are the terms that it adds and takes away
+    again, ``shared`` the numbers by which both sides of a relation are multiplied; ``empty`` says
+    that it sets something equal to itself, ``legible`` that it can be read.
     """
 
     printed: str
@@ -366,6 +367,7 @@ class _Case:
     study: Study
     new: frozenset[str] = frozenset()
     terms: frozenset[Node] = frozenset()
+    letters: frozenset[str] = frozenset()
     cancelled: frozenset[Node] = frozenset()
     shared: frozenset[Node] = frozenset()
     empty: bool = False
@@ -397,6 +399,8 @@ class _Case:
                 return None  # x + x is no print of 2x
             if _shared_numbers(chain) - self.shared:
                 return None  # 2a > 2b is no print of a > b
+            if self.letters and self.letters.isdisjoint(_letters(chain)):
+                return None  # nothing of the print is left
             if (
                 not new_names(chain, self.study) <= self.new
                 or _cancelling_terms(chain) - self.cancelled
@@ -454,6 +458,12 @@ def _terms(chain: Chain) -> frozenset[Node]:
     return frozenset([*sides, *(term for node in sums for _, term in node.terms)])
 
 
+def _letters(chain: Chain) -> frozenset[str]:
+    """The letters of a formula without their accents, but for the word "const"."""
+    names = (part for part in walk(chain) if isinstance(part, Name))
+    return frozenset(bare_letter(name) for name in names if not names_constant(name))
+
+
 def _cancelling_terms(chain: Chain) -> frozenset[Node]:
     """What a sum adds and takes away again."""
     sums = [part for part in walk(chain) if isinstance(part, Sum)]
@@ -494,6 +504,7 @@ def _case(printed: str, check: Check, study: Study) -> _Case:
         study,
         new=frozenset(new_names(chain, study)),
         terms=_terms(chain),
+        letters=_letters(chain),
         cancelled=_cancelling_terms(chain),
         shared=_shared_numbers(chain),
         empty=says_nothing(chain),
