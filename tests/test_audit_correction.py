@@ -95,6 +95,12 @@ def test_a_number_on_both_sides_is_no_correction():
     assert mend("x>2y>0", study=study).latex == "x>y>0"
 
 
+def test_a_power_of_both_sides_is_no_correction():
+    assert mend("(x+y)^2=P").latex == "(x+y)=P"
+    halved = replace(STUDY, names={**STUDY.names, "S": (x + y) ** 2 / 2})
+    assert mend("2S=(x+y)^3", study=halved).latex == "2S=(x+y)^2"
+
+
 def test_what_is_added_and_taken_away_again_is_no_correction():
     assert mend("Q+x-y=x") is None, "y+x-y=x is true, and says nothing of Q"
     assert mend("x+3c-c=x+2c") is None or "c-c" not in mend("x+3c-c=x+2c").latex

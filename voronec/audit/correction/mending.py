@@ -358,8 +358,9 @@ class _Case:
     """A formula to be mended; ``new`` are the names that it defines, ``terms`` what it adds.
 
     ``letters`` are those that it has; ``cancelled`` are the terms that it adds and takes away
-    again, ``shared`` the numbers by which both sides of a relation are multiplied; ``empty`` says
-    that it sets something equal to itself, ``legible`` that it can be read.
+    again, ``shared`` the numbers by which both sides of a relation are multiplied or to which both
+    are raised; ``empty`` says that it sets something equal to itself, ``legible`` that it can be
+    read.
     """
 
     printed: str
@@ -369,7 +370,7 @@ class _Case:
     terms: frozenset[Node] = frozenset()
     letters: frozenset[str] = frozenset()
     cancelled: frozenset[Node] = frozenset()
-    shared: frozenset[Node] = frozenset()
+    shared: frozenset[tuple[str, Node]] = frozenset()
     empty: bool = False
     legible: bool = False
 
@@ -398,7 +399,7 @@ class _Case:
             if _repeated_terms(chain):
                 return None  # x + x is no print of 2x
             if _shared_numbers(chain) - self.shared:
-                return None  # 2a > 2b is no print of a > b
+                return None  # 2a > 2b is no print of a > b, nor a^2 = b^2 of a = b
             if self.letters and self.letters.isdisjoint(_letters(chain)):
                 return None  # nothing of the print is left
             if (
@@ -476,13 +477,17 @@ def _repeated_terms(chain: Chain) -> frozenset[Node]:
     return frozenset(t for s in sums for sign, t in s.terms if s.terms.count((sign, t)) > 1)
 
 
-def _shared_numbers(chain: Chain) -> frozenset[Node]:
-    """Numbers by which both sides of a relation are multiplied."""
-    numbers = [
-        {f for f in part.factors if isinstance(f, Number)} if isinstance(part, Product) else set()
-        for part in chain.parts
-    ]
-    return frozenset(number for one, two in pairwise(numbers) for number in one & two)
+def _shared_numbers(chain: Chain) -> frozenset[tuple[str, Node]]:
+    """Numbers by which both sides of a relation are multiplied, and powers that both are."""
+    sides = [_outer_numbers(part) for part in chain.parts]
+    return frozenset(number for one, two in pairwise(sides) for number in one & two)
+
+
+def _outer_numbers(side: Node) -> set[tuple[str, Node]]:
+    if isinstance(side, Power):
+        return {("exponent", side.exponent)}
+    factors = side.factors if isinstance(side, Product) else ()
+    return {("factor", factor) for factor in factors if isinstance(factor, Number)}
 
 
 def _is_zero(term: Node, study: Study) -> bool:
