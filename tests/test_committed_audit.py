@@ -14,7 +14,6 @@ import pytest
 import voronec as vo
 from voronec.audit import Audit, Paper, Section
 from voronec.audit.page.article import audit_latex
-from voronec.audit.page.html import Figure, audit_page
 from voronec.audit.run import audit_section
 from voronec.audit.transcript import Transcript, formulas_by_label
 from voronec.declaration.catalogue import load_paper
@@ -74,12 +73,16 @@ def test_every_formula_and_claim_of_the_transcription_has_its_record(
     assert {r.section for r in audit.records} <= {s.title for s in paper.sections}, STALE
 
 
-def test_the_page_and_the_article_are_those_of_the_data(build: ModuleType, audit: Audit) -> None:
-    caption = vo.load(build.PAPER).scenes["default"].caption
-    page = audit_page(audit, [Figure(build.FOLDER / "trace.svg", caption)])
-    assert (build.FOLDER / "report.html").read_text("utf-8") == page, STALE
-    assert (build.FOLDER / "report.tex").read_text("utf-8") == audit_latex(audit), STALE
-    assert json.loads(json.dumps(audit.as_list())) == json.loads(
+def test_the_page_and_the_article_are_made_of_the_data(
+    build: ModuleType, audit: Audit, tmp_path: Path
+) -> None:
+    build.write_pages(tmp_path)
+    page, article = (tmp_path / name for name in ("report.html", "report.tex"))
+    assert vo.load(build.PAPER).scenes["default"].caption in page.read_text("utf-8")
+    for record in audit.records:
+        assert record.designation in page.read_text("utf-8")
+    assert article.read_text("utf-8") == audit_latex(audit)
+    assert json.loads((tmp_path / "report.json").read_text("utf-8")) == json.loads(
         (build.FOLDER / "report.json").read_text("utf-8")
     )
 

@@ -42,6 +42,8 @@ def test_the_source_links_to_nothing_outside_of_the_documentation(build, tmp_pat
     build.write_source(tmp_path / "source")
     for page in (tmp_path / "source").glob("*.md"):
         assert "](../" not in page.read_text(), page.name
+    for place in re.findall(r"\]\((audit/[^)]*)\)", (tmp_path / "source/audit.md").read_text()):
+        assert (tmp_path / "source" / place).is_file(), place
 
 
 @pytest.mark.slow

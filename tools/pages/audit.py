@@ -1,14 +1,17 @@
 """Rebuild the audit that the documentation carries: ``python tools/build.py audit``.
 
-Audits Demchenko's paper into ``docs/audit/demchenko``, as ``voronec regenerate demchenko --out
-docs/audit/demchenko`` does, and puts the counts and the errata into ``docs/audit.md``.
+Audits Demchenko's paper, keeps the records and the figure in ``docs/audit/demchenko``, and puts the
+counts and the errata into ``docs/audit.md``.  The page and the article are made of the records
+wherever they are wanted, by ``write_pages``.
 """
 
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from voronec.audit import Audit, FormulaRecord, Paper, Record
 from voronec.audit.page.phrases import (
@@ -17,16 +20,18 @@ from voronec.audit.page.phrases import (
     end_sentence,
     with_verdict,
 )
+from voronec.audit.page.report import Figure, write_audit
 from voronec.audit.page.witness_points import short
 from voronec.cli import main as voronec
-from voronec.declaration.catalogue import load_paper
+from voronec.declaration.catalogue import load, load_paper
 
-__all__ = ["FOLDER", "PAGE", "PAPER", "main", "pasted", "read_audit", "summary"]
+__all__ = ["FOLDER", "PAGE", "PAPER", "main", "pasted", "read_audit", "summary", "write_pages"]
 
 PAPER = "demchenko"
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 FOLDER = DOCS / "audit" / PAPER
 PAGE = DOCS / "audit.md"
+KEPT = ("report.json", "trace.svg")
 FROM, TO = "<!-- errata: tools/build.py audit -->", "<!-- end of errata -->"
 
 
@@ -122,9 +127,19 @@ def pasted(page: str, text: str) -> str:
     return f"{before}{FROM}\n{text}\n{TO}{rest.split(TO)[1]}"
 
 
+def write_pages(folder: Path) -> None:
+    """Write the page and the article of the records that are kept into a folder."""
+    paper = load_paper(PAPER)
+    figure = Figure(FOLDER / "trace.svg", load(PAPER).scenes["default"].caption)
+    write_audit(read_audit(FOLDER, paper), folder, [figure])
+
+
 def main() -> int:
     """Audit, write, paste; the exit status is that of the audit."""
-    status = voronec(["regenerate", PAPER, "--out", str(FOLDER)])
+    with TemporaryDirectory() as folder:
+        status = voronec(["regenerate", PAPER, "--out", folder])
+        for name in KEPT if status in (0, 1) else ():
+            shutil.copy(Path(folder) / name, FOLDER / name)
     if status in (0, 1):
         paper = load_paper(PAPER)
         audit = read_audit(FOLDER, paper)

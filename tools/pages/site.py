@@ -16,6 +16,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import voronec
+from pages import audit
 from voronec.motion.viewer.gallery import write_gallery
 
 __all__ = ["add_motions", "dead_links", "main", "reference_pages", "write_source"]
@@ -45,6 +46,8 @@ SYSTEMS = "\n```{toctree}\n:hidden:\n:glob:\n\n*\n```\n"
 """All pages beside the list of systems, for the column on the left."""
 CARRIED = "lists them; the site\ncarries them, too.\n"
 """Where the pages of motions are told of."""
+BOTH = "are made with the site, which carries both.\n"
+"""Where the page and the article of the audit are told of."""
 TIME = "The time, the symbol ``t``; also the argument of SymPy's ``dynamicsymbols``."
 
 
@@ -87,6 +90,7 @@ def write_source(source: Path) -> None:
         text = page.read_text("utf-8")
         page.write_text(OUTSIDE.sub(r"\1", text) if page.parent == source else text, "utf-8")
     _add_sketches(source / "systems")
+    _add_audit(source / "audit.md")
     index = source / "systems" / "README.md"
     index.write_text(index.read_text("utf-8") + SYSTEMS, "utf-8")
     reference = source / "reference"
@@ -97,6 +101,17 @@ def write_source(source: Path) -> None:
     _list_others(source / "index.md", "reference/*.rst", "reference/testing")
     _list_others(source / "how-to" / "index.md", "*.md", "formula")
     _list_others(source / "notebooks" / "index.md", "*.md", "search-and-prove")
+
+
+def _add_audit(page: Path) -> None:
+    """Write the page and the article of the audit, and link them on the page that tells of them."""
+    folder = page.parent / "audit" / audit.PAPER
+    audit.write_pages(folder)
+    place = folder.relative_to(page.parent).as_posix()
+    links = f"Here are [the page]({place}/report.html) and [the article]({place}/report.tex).\n"
+    text = page.read_text("utf-8")
+    assert BOTH in text, f"{page.name} does not say where the audit is"
+    page.write_text(text.replace(BOTH, BOTH + links, 1), "utf-8")
 
 
 def add_motions(page: Path, folder: Path) -> None:
