@@ -14,7 +14,7 @@ import sympy as sp
 import voronec as vo
 from voronec.algebra.arguments import COUNT, REAL, accepts
 from voronec.algebra.text import in_doubles
-from voronec.equations.program.printing import Dialect, code, text
+from voronec.equations.program.dialect import Dialect, code, text
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 
 pytestmark = pytest.mark.slow

@@ -12,7 +12,7 @@ from voronec.audit import Check, Display, Motion, Range, Section, Study, Transcr
 from voronec.audit.correction import Correction, Spare, close_brackets, correct
 from voronec.audit.correction.changes import apply_pieces
 from voronec.audit.correction.edits import single_changes
-from voronec.audit.correction.missing import repairs
+from voronec.audit.correction.omissions import repairs
 from voronec.audit.latex.vocabulary import Vocabulary
 
 pytestmark = pytest.mark.slow

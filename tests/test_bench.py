@@ -19,8 +19,8 @@ from voronec.accuracy.bench import agreement
 from voronec.accuracy.bench import runs as own
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome
 from voronec.accuracy.bench.level import level, lowest
-from voronec.accuracy.bench.peers import jitted, lambdified, physics
-from voronec.accuracy.bench.peers.handwritten import BY_HAND, start_values
+from voronec.accuracy.bench.peers import numba_dop853, physics, scipy_lambdify
+from voronec.accuracy.bench.peers.hand_programs import BY_HAND, start_values
 from voronec.accuracy.bench.record import Measured, Point
 from voronec.accuracy.bench.runs import CONTENDERS, contenders
 from voronec.accuracy.bench.work_precision_picture import plot_work_precision
@@ -109,7 +109,7 @@ def test_the_two_routes_meet_on_different_equations(ball: bench.Question) -> Non
     routes = [agreement._heyoka_route(at, ball, 30) for at in levels]
     (name, one), (other, two) = [r for r in routes if r is not None]
     assert name.endswith("coordinates") and other.endswith("invariants")
-    found = agreement.agreed(ball, [(name, one()), (other, two())], 1e-25)
+    found = agreement.agreed_reference(ball, [(name, one()), (other, two())], 1e-25)
     assert found is not None and len(found.t) == len(ball.grid)
 
 
@@ -127,11 +127,11 @@ def test_runs_that_part_are_used_up_to_there(spring: bench.Question) -> None:
     exact = dict(known(spring).values)
     wrong = {"q": exact["q"].copy(), "p": exact["p"]}
     wrong["q"][7:] += 1e-6
-    found = agreement.agreed(spring, [("a", exact), ("b", wrong)], 1e-12)
+    found = agreement.agreed_reference(spring, [("a", exact), ("b", wrong)], 1e-12)
     assert found is not None and len(found.t) == 7 and found.how == ("a", "b")
     assert "up to t = 1.5 only" in found.note
     wrong["q"][1] = np.nan
-    assert agreement.agreed(spring, [("a", exact), ("b", wrong)], 1e-12) is None
+    assert agreement.agreed_reference(spring, [("a", exact), ("b", wrong)], 1e-12) is None
 
 
 def test_a_reference_whose_routes_disagree_is_refused(
@@ -233,8 +233,8 @@ def test_a_peer_refuses_outputs_that_it_does_not_compute() -> None:
 
 def test_our_source_of_dop853_is_dop853(spring: bench.Question) -> None:
     at = lowest(spring)
-    namespace: dict[str, Any] = {"np": np, "right": jitted.right_hand_side(at.program)}
-    exec(jitted.stepper_source(len(at.start)), namespace)
+    namespace: dict[str, Any] = {"np": np, "right": numba_dop853.right_hand_side(at.program)}
+    exec(numba_dop853.stepper_source(len(at.start)), namespace)
     errors, counts = [], []
     for tol in (1e-6, 1e-9, 1e-12):
         rows = np.empty((len(spring.grid), 4))
@@ -254,11 +254,14 @@ def test_sympys_right_hand_side_is_ours(ball: bench.Question) -> None:
     ours, _ = compile_program(at.program)
     state = np.array([0.48, 0.6, 0.64, 0.5, 2.1, 0.4])  # |gamma| = 1, where forms may differ
     expected = np.array(ours(0.0, list(state), list(at.constants)))
-    for function in (jitted.sympy_right_hand_side(at), jitted.right_hand_side(at.program)):
+    for function in (
+        numba_dop853.sympy_right_hand_side(at),
+        numba_dop853.right_hand_side(at.program),
+    ):
         result = np.empty(6)
         function(0.0, state, np.array(at.constants), result)
         np.testing.assert_allclose(result, expected, rtol=1e-13, atol=1e-15)
-    for right in (make(at) for make in lambdified.RIGHT_SIDES.values()):
+    for right in (make(at) for make in scipy_lambdify.RIGHT_SIDES.values()):
         np.testing.assert_allclose(right(0.0, state), expected, rtol=1e-12, atol=1e-14)
 
 

@@ -64,7 +64,7 @@ def test_hard_cases_are_met_by_the_closed_form(equations, name):
 
 def test_references_of_hard_cases_agree_with_the_closed_form(equations):
     (case,) = (c for c in CASES if c.name == "turning-point")
-    from voronec.accuracy.hard.closed import problem
+    from voronec.accuracy.hard.case_program import problem
 
     found = _in_closed_form(case, equations, problem(case, equations))
     known = reference(case, equations)

@@ -11,7 +11,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.closed import ClosedForm
-from voronec.closed.classes.error_bounds import Bounded, compile_bounded
+from voronec.closed.classes.error_bounds import BoundedNumber, compile_with_bounds
 from voronec.closed.classes.root_discs import degrees, discs
 from voronec.closed.classes.root_positions import Tally, tally
 from voronec.closed.classes.search import exact_closed_form, find
@@ -209,7 +209,7 @@ def test_bounds_hold_the_truth_and_are_tight() -> None:
     value = (sp.sqrt(x) + sp.cos(y) ** 3 - R(1, 3)) / (x - y**2)
     dice = np.random.default_rng(5)
     points = dice.uniform(0.1, 3, (2, 50))
-    (found,) = compile_bounded((x, y), (value,))(*points)
+    (found,) = compile_with_bounds((x, y), (value,))(*points)
     for i in range(50):
         exact = value.subs({x: R(points[0, i]), y: R(points[1, i])}).evalf(40)
         assert abs(exact - R(found.mid[i])) <= R(found.err[i])
@@ -217,7 +217,7 @@ def test_bounds_hold_the_truth_and_are_tight() -> None:
 
 
 def test_exact_zeros_stay_exact() -> None:
-    zero, wide = Bounded.of(np.zeros(2)), Bounded(np.ones(2), np.full(2, 0.5))
+    zero, wide = BoundedNumber.of(np.zeros(2)), BoundedNumber(np.ones(2), np.full(2, 0.5))
     assert (zero * wide).zero.all() and (zero / wide + 0).zero.all()
     assert not (wide - wide).zero.any()
 
@@ -225,7 +225,7 @@ def test_exact_zeros_stay_exact() -> None:
 def test_discs_hold_one_root_each_or_say_that_they_do_not() -> None:
     rows = np.array([np.poly(r)[::-1] for r in ([1, 2, 3, 4], [0.5, 0.5, 1, 2])] +
                     [np.poly([1j, -1j, 0.5, 0.25])[::-1].real])  # fmt: skip
-    own = [Bounded.of(c) for c in rows.T]
+    own = [BoundedNumber.of(c) for c in rows.T]
     assert degrees(own).tolist() == [4, 4, 4]
     found = discs(own)
     assert found.known.tolist() == [True, False, True]

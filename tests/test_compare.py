@@ -13,7 +13,7 @@ from command_line import Call, refused
 
 import voronec as vo
 from voronec.declaration import catalogue
-from voronec.proof.comparison import Derived, compare, read_derivation
+from voronec.proof.comparison import StoredDerivation, compare, read_derivation
 from voronec.proof.comparison.side_by_side import read_expression
 
 pytestmark = pytest.mark.slow
@@ -23,11 +23,11 @@ OWN = [e.name for e in catalogue.entries()[0] if e.distribution == catalogue.OWN
 
 
 @cache
-def derived(name: str) -> Derived:
-    return Derived.of(vo.derive(vo.load(name)))
+def derived(name: str) -> StoredDerivation:
+    return StoredDerivation.of(vo.derive(vo.load(name)))
 
 
-def changed(name: str, group: str, entry: str, text: str) -> Derived:
+def changed(name: str, group: str, entry: str, text: str) -> StoredDerivation:
     """A stored derivation with another entry, and no values at points."""
     found = derived(name)
     groups = {**found.groups, group: {**found.groups[group], entry: text}}
@@ -42,7 +42,7 @@ def test_every_system_is_derived_as_it_is_stored(name: str) -> None:
     """A rewriting that is proved equal passes, with a note."""
     file = STORED / f"{name}.json"
     assert file.exists(), f"store it: python tools/build.py derivations {name}"
-    today = Derived.of(vo.derive(vo.load(name)))
+    today = StoredDerivation.of(vo.derive(vo.load(name)))
     if today.text() == file.read_text(encoding="utf-8"):
         return
     found = compare(read_derivation(file), today)
@@ -104,7 +104,7 @@ def test_what_is_too_long_to_store_is_compared_in_numbers() -> None:
 def test_a_group_that_is_too_long_is_not_stored(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = derived("demchenko")
     size = {k: sum(map(len, g.values())) for k, g in whole.groups.items()}
-    monkeypatch.setattr("voronec.proof.comparison.derived.LONGEST", size["mass"])
+    monkeypatch.setattr("voronec.proof.comparison.stored_derivation.LONGEST", size["mass"])
     stored = whole.compact()
     assert {*stored.groups} == {k for k, n in size.items() if n <= size["mass"]} < {*size}
     found = compare(replace(stored, equations=None), whole)
@@ -124,7 +124,7 @@ def test_motions_of_two_systems_are_compared() -> None:
     m = sp.Symbol("m")
     sleigh = vo.load("sleigh")
     heavy = replace(sleigh, lagrangian=sleigh.lagrangian.xreplace({m: 2 * m}), **NO_CLAIMS)
-    found = compare(derived("sleigh"), Derived.of(vo.derive(heavy)))
+    found = compare(derived("sleigh"), StoredDerivation.of(vo.derive(heavy)))
     assert not found.equal and max(found.deviations.values()) > 1e-2
     other = compare(derived("sleigh"), derived("vertical-disc"))
     assert not other.deviations and other.remark == "the variables differ"
@@ -141,7 +141,7 @@ NO_CLAIMS = {
 def test_what_is_stored_is_read_back(name: str) -> None:
     stored = derived(name).compact()
     data = json.loads(derived(name).text())
-    assert Derived.from_dict(data, "here") == replace(stored, equations=None)
+    assert StoredDerivation.from_dict(data, "here") == replace(stored, equations=None)
 
 
 # -- texts -----------------------------------------------------------------------------------
@@ -213,7 +213,7 @@ def test_signs_that_are_declared_are_stored_with_a_derivation() -> None:
     x, m, k = sp.symbols("x m k")
     roots = (sp.sqrt(m * k**2), k * sp.sqrt(m))
 
-    def kept(force: sp.Expr, positive: bool) -> Derived:
+    def kept(force: sp.Expr, positive: bool) -> StoredDerivation:
         system = vo.System(
             name="pulled",
             fibration=vo.Fibration((x,)),
@@ -221,11 +221,11 @@ def test_signs_that_are_declared_are_stored_with_a_derivation() -> None:
             forces={x: force},
             parameters=tuple(vo.Parameter(s, 1, positive=positive) for s in (m, k)),
         )
-        text = Derived.of(vo.derive(system)).text()
-        return Derived.from_dict(json.loads(text), "here")
+        text = StoredDerivation.of(vo.derive(system)).text()
+        return StoredDerivation.from_dict(json.loads(text), "here")
 
     known, unknown = ([kept(r, positive) for r in roots] for positive in (True, False))
     assert known[0].positive == ("m", "k") and compare(*known).equal
     assert not compare(*unknown).equal
     older = {k: v for k, v in unknown[0].as_dict().items() if k != "positive"}
-    assert Derived.from_dict(older, "here").positive == ()
+    assert StoredDerivation.from_dict(older, "here").positive == ()

@@ -326,8 +326,8 @@ def test_a_span_knows_what_lies_in_it() -> None:
 
     rows = [{0: flint.fmpq(1), 1: flint.fmpq(2)}, {1: flint.fmpq(1), 2: flint.fmpq(1)}]
     assert all(span.add(row) for row in rows) and len(span) == 2
-    assert not span.rest({0: flint.fmpq(1), 2: flint.fmpq(-2)})
-    assert span.rest({2: flint.fmpq(1)})
+    assert not span.remainder({0: flint.fmpq(1), 2: flint.fmpq(-2)})
+    assert span.remainder({2: flint.fmpq(1)})
 
 
 def test_a_bad_bracket_obstructs() -> None:

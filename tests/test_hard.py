@@ -13,7 +13,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.accuracy.hard import CASES, QUICK, HardCase, compute, every_case, reference
-from voronec.accuracy.hard.closed import problem
+from voronec.accuracy.hard.case_program import problem
 from voronec.accuracy.hard.conditioning import UNIT
 from voronec.accuracy.hard.multiprecision import reel
 from voronec.accuracy.hard.page import page

@@ -18,7 +18,7 @@ from voronec.kinematics import (
     SurfaceForms,
     TorusOnEllipsoid,
 )
-from voronec.kinematics.carried import form_values
+from voronec.kinematics.carried_contact import form_values
 
 pytestmark = pytest.mark.slow
 

@@ -13,7 +13,7 @@ import sympy as sp
 import voronec as vo
 from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, QUOTIENTS, SIZE
 from voronec.equations.program import Block, Program, compile_program
-from voronec.equations.program.printing import FUNCTIONS
+from voronec.equations.program.dialect import FUNCTIONS
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers import choice, kept_code, numba_stepper
 from voronec.motion.steppers.dop853_source import kernel_source

@@ -11,7 +11,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec import Fibration, System, velocity
-from voronec.algebra.bounded import bound_exponentials
+from voronec.algebra.bounded_exponentials import bound_exponentials
 from voronec.algebra.door import Door
 
 pytestmark = pytest.mark.slow

@@ -195,7 +195,7 @@ def test_what_cannot_be_integrated_is_played_and_said_so() -> None:
     system = vo.load("demchenko")
     both = (*system.coordinates, *system.velocities)
     page = Page(vo.integrate(system, times=[0, 1e5], outputs=both, method="closed-form"))
-    assert page.why_recorded == "the motion is longer than a page integrates"
+    assert page.recording_reason == "the motion is longer than a page integrates"
     assert page.data["recorded"] and not any(e["slides"] for e in page.data["start"])
 
 

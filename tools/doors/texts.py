@@ -13,7 +13,7 @@ from typing import Any
 import voronec as vo
 from doors.commands import Wrong
 from doors.values import HOSTILE, odd_text
-from voronec.algebra.text import as_expression, exact_number, formula, read_printed
+from voronec.algebra.text import as_expression, exact_number, formula, read_sympy_text
 from voronec.cli.mechanisms import MECHANISMS
 from voronec.cli.values import input_values, instants, outputs_of, pair, tolerance
 from voronec.declaration.bibliography import read_entries
@@ -199,7 +199,7 @@ READERS: dict[str, Callable[[str, Path], Any]] = {
     "formula": lambda text, _: formula(text, "it"),
     "number": lambda text, _: exact_number(text, "it"),
     "sympified": lambda text, _: as_expression(text),
-    "printed": lambda text, _: read_printed(text, "it"),
+    "printed": lambda text, _: read_sympy_text(text, "it"),
     "--outputs": lambda text, _: outputs_of(text),
     "--set": lambda text, _: pair("m=" + text),
     "--times": lambda text, _: instants(text),

@@ -21,8 +21,8 @@ import numpy as np
 
 import voronec as vo
 from figures.systems import chain
-from voronec.accuracy.bench.peers.jitted import right_hand_side, stepper_source
-from voronec.equations.program import Hoisted, Program, hoist, taylor_system
+from voronec.accuracy.bench.peers.numba_dop853 import right_hand_side, stepper_source
+from voronec.equations.program import HoistedProgram, Program, hoist, taylor_system
 from voronec.equations.staged_equations import lean_form
 
 RUNS = 5
@@ -38,7 +38,7 @@ TOLERANCES = {
 class Problem:
     """A program with its constants raised, numbers for all, and a start."""
 
-    raised: Hoisted
+    raised: HoistedProgram
     constants: np.ndarray
     start: np.ndarray
     span: float
@@ -107,7 +107,7 @@ def best(work: Callable[[], np.ndarray]) -> tuple[float, np.ndarray]:
     return seconds, found
 
 
-def posed(raised: Hoisted, span: float) -> Problem:
+def posed(raised: HoistedProgram, span: float) -> Problem:
     """Numbers for the parameters, all different, and a lively start."""
     dice = np.random.default_rng(0)
     given = raised.original

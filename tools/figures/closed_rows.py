@@ -15,7 +15,7 @@ import numpy as np
 import voronec as vo
 from figures.closed_motion import NAMES, Motion
 from figures.closed_references import STORE, apart, exact_start
-from figures.prepared import Prepared, turns
+from figures.prepared import CompiledMotion, turns
 from figures.table import Row
 from voronec.equations.program import Program
 
@@ -274,14 +274,14 @@ def _spent(name: str, method: str) -> float:
     return min(run.cost.cpu for run in runs)
 
 
-def _by_steps(start: Mapping[str, Mapping[str, Any]]) -> Prepared:
+def _by_steps(start: Mapping[str, Mapping[str, Any]]) -> CompiledMotion:
     """The equations in all eight coordinates and spins, ready for heyoka."""
     program = Program.of(vo.derive(vo.load("demchenko")).form)
     numbers = {**start["parameters"], **start["initial"]}
     states, values = ([float(numbers[str(x)]) for x in some] for some in (
         program.state, program.parameters
     ))  # fmt: skip
-    return Prepared.of(program, states, values)
+    return CompiledMotion.of(program, states, values)
 
 
 ROWS: dict[str, Callable[[], Iterator[Row]]] = {

@@ -14,8 +14,8 @@ import voronec as vo
 from figures.table import Row
 from voronec.accuracy.bench import ask, at_error
 from voronec.accuracy.bench.level import level
-from voronec.accuracy.bench.peers.handwritten import BY_HAND, right_side, start_values
-from voronec.accuracy.bench.peers.lambdified import RIGHT_SIDES
+from voronec.accuracy.bench.peers.hand_programs import BY_HAND, right_side, start_values
+from voronec.accuracy.bench.peers.scipy_lambdify import RIGHT_SIDES
 from voronec.accuracy.bench.question import BenchMotion
 
 __all__ = ["ROWS"]

@@ -13,7 +13,7 @@ import voronec as vo
 from figures.rows import SPAN
 from figures.table import Row
 from voronec.accuracy.bench import BenchMotion, Reference, ask, at_error, difference
-from voronec.accuracy.bench.peers.handwritten import BY_HAND, start_values
+from voronec.accuracy.bench.peers.hand_programs import BY_HAND, start_values
 from voronec.accuracy.bench.runs import contenders
 from voronec.equations.program import Program, hoist, taylor_system
 from voronec.motion.numeric_model import make_model
@@ -40,7 +40,7 @@ def turns(runs: Mapping[Any, Callable[[], Any]], count: int = TURNS) -> dict[Any
 
 
 @dataclass(frozen=True)
-class Prepared:
+class CompiledMotion:
     """A program ready for heyoka: system, start and constants."""
 
     system: list[Any]
@@ -48,7 +48,7 @@ class Prepared:
     constants: list[float]
 
     @classmethod
-    def of(cls, program: Program, start: Any, values: Any) -> Prepared:
+    def of(cls, program: Program, start: Any, values: Any) -> CompiledMotion:
         """As the engine itself hands it over."""
         raised = hoist(program)
         own = raised.program
@@ -65,7 +65,7 @@ class Prepared:
         )
 
 
-def smallest(question: BenchMotion) -> Prepared:
+def smallest(question: BenchMotion) -> CompiledMotion:
     """The smallest model of a question's outputs, as on a fine grid: angles are read off."""
     form = question.equations.raw.form
     start = np.array([question.initial[str(s)] for s in (*form.coordinates, *form.velocities)])
@@ -73,7 +73,7 @@ def smallest(question: BenchMotion) -> Prepared:
     made = make_model(
         Vocabulary.of(question.equations), wanted, {}, start, question.parameters, 0.0, False
     )
-    return Prepared.of(made.program, *made.place(start, question.parameters, 0.0))
+    return CompiledMotion.of(made.program, *made.place(start, question.parameters, 0.0))
 
 
 def _driven(integrator: Any, start: np.ndarray, span: float) -> Callable[[], None]:
@@ -119,7 +119,7 @@ def minimal() -> Iterator[Row]:
     run = contenders(["heyoka"])[0].prepare(question)
     few = smallest(question)
     program = Program.of(question.equations.form)
-    every = Prepared.of(
+    every = CompiledMotion.of(
         program,
         [question.initial[str(s)] for s in program.state],
         [question.parameters[str(p)] for p in program.parameters],
@@ -174,7 +174,7 @@ def _worst(question: BenchMotion, values: Mapping[str, Any], exact: Reference) -
 
 
 def _whole(
-    question: BenchMotion, program: Program, every: Prepared, tol: float
+    question: BenchMotion, program: Program, every: CompiledMotion, tol: float
 ) -> dict[str, np.ndarray]:
     integrator = every.integrator(tol)
     integrator.time, integrator.state[:] = 0.0, every.start

@@ -12,14 +12,14 @@ import sys
 from pathlib import Path
 
 import voronec as vo
-from voronec.proof.comparison import Derived, compare, read_derivation
+from voronec.proof.comparison import StoredDerivation, compare, read_derivation
 
 FOLDER = Path(__file__).resolve().parents[2] / "tests" / "derivations"
 
 
 def store(name: str) -> str:
     """Derive one system and store it; one line on what changed."""
-    derived = Derived.of(vo.derive(vo.load(name)))
+    derived = StoredDerivation.of(vo.derive(vo.load(name)))
     file, text = FOLDER / f"{name}.json", derived.text()
     if file.exists() and file.read_text(encoding="utf-8") == text:
         return "unchanged"

@@ -12,7 +12,7 @@ from papers.latex_errors import Slip, slips
 from voronec.algebra.verdicts import prove_equal
 from voronec.audit import Display, Section, Study, Transcript
 from voronec.audit.comparisons import value_of
-from voronec.audit.consistency import Examined
+from voronec.audit.consistency import Examination
 from voronec.audit.formula import Formula
 from voronec.audit.latex.nodes import Chain, Integral, Node, Sum
 from voronec.audit.meaning import SENSELESS, evaluate
@@ -115,14 +115,14 @@ class Page:
         return self._work(self.section, None if mended else self._spied[0])
 
     @cached_property
-    def _before(self) -> dict[int, list[Examined]]:
+    def _before(self) -> dict[int, list[Examination]]:
         return {}
 
     @cached_property
     def _items(self) -> list[Item]:
         return list(items(self._whole.transcript))
 
-    def before(self, item: Item) -> list[Examined]:
+    def before(self, item: Item) -> list[Examination]:
         """The verdicts of a record, or of some of its formulas, without an error."""
         whole = self._items[item.ordinal - 1]
         if item.ordinal not in self._before:
@@ -290,7 +290,7 @@ class Page:
         return Trial("survived", verdicts)
 
 
-def _fault(work: Work, old: Item | None, item: Item, found: list[Examined]) -> Fault:
+def _fault(work: Work, old: Item | None, item: Item, found: list[Examination]) -> Fault:
     at = next(i for i, e in enumerate(found) if e.record.verdict == _worst(found))
     if old is None:
         return Fault(work, item.formulas[at], ())
@@ -324,11 +324,11 @@ def _mended(display: Display, mends: Mapping[str, list[tuple[int, int, str]]]) -
     return display if latex == display.latex else replace(display, latex=latex)
 
 
-def _worst(found: list[Examined]) -> str:
+def _worst(found: list[Examination]) -> str:
     return max((e.record.verdict for e in found), key=VERDICTS.index, default="undecided")
 
 
-def _told(found: list[Examined]) -> str:
+def _told(found: list[Examination]) -> str:
     record = next((e.record for e in found if e.record.verdict == _worst(found)), None)
     return "no formula" if record is None else f"{record.verdict}, {record.method}"
 

@@ -22,7 +22,7 @@ import symengine as se
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.groebner import groebner_basis, reduce_by
 from voronec.algebra.ring import Ring
-from voronec.algebra.simple_zeros import compose_cleared, has_simple_zeros
+from voronec.algebra.simple_zeros import compose_on_section, has_simple_zeros
 
 __all__ = ["Branches", "Product", "Wall", "bounds_of", "has_branches", "is_plain", "product_of"]
 
@@ -147,7 +147,7 @@ class _Halves:
 
     def poly(self, given: Any) -> Any:
         """A polynomial of the ring in the half angles."""
-        return compose_cleared(given, self.values, self.below, self.context)
+        return compose_on_section(given, self.values, self.below, self.context)
 
     def expression(self, factor: Any) -> Any:
         """A factor as an expression; 1 = C^2 + S^2."""
@@ -304,7 +304,7 @@ class Branches:
             above, below, turned = (_Side(self, h, s, a, assumed, whole) for s, a in ways)
             try:
                 sides = above(self.expr), below(self.expr), turned(self.expr)
-            except _SignNeeded as needed:
+            except _UnknownSign as needed:
                 waiting += [{**assumed, needed.expr: s} for s in (1, -1)]
                 continue
             edge = any((above.inside[n] + e).expand() == 0 for n, e in below.inside.items())
@@ -312,7 +312,7 @@ class Branches:
             yield Wall(h, *sides, where, edge, whole and whole[1])
 
 
-class _SignNeeded(Exception):
+class _UnknownSign(Exception):
     """The sign of an expression decides which branch there is."""
 
     def __init__(self, expr: Any) -> None:
@@ -388,7 +388,7 @@ class _Side:
             for turn in (1, -1):
                 if (expr - turn * known).expand() == 0:
                     return se.Integer(turn * sign)
-        raise _SignNeeded(expr)
+        raise _UnknownSign(expr)
 
     def _power(self, node: Any, base: Any, exponent: Any) -> Any:
         if base == se.E:

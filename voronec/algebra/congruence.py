@@ -35,7 +35,7 @@ _INVERSE = (se.asin, se.acos, se.atan, se.atan2)
 
 
 @dataclass(frozen=True)
-class _Kept:
+class _Argument:
     """An argument as it was written and with letters, its values, and its letter."""
 
     argument: Any
@@ -56,7 +56,7 @@ class Congruence:
     """What is known of the letters."""
     changed: bool = False
     """Whether two arguments were found to be equal that are written otherwise."""
-    _kept: list[_Kept] = field(default_factory=list)
+    _kept: list[_Argument] = field(default_factory=list)
     _values: dict[Any, list[Any]] = field(default_factory=dict)
     _known: dict[Any, Any] = field(default_factory=dict)
 
@@ -124,7 +124,7 @@ class Congruence:
         others = (v for e, v in self._values.items() if e != argument)
         return mine is not None and any(_ratio(mine, v) is not None for v in others)
 
-    def _class_of(self, argument: Any) -> tuple[Any, _Kept]:
+    def _class_of(self, argument: Any) -> tuple[Any, _Argument]:
         """(c, v) for an argument that is proved to be c v; v may be new."""
         rewritten = self._rewrite(argument)
         values = self._values.get(argument, [])
@@ -143,8 +143,8 @@ class Congruence:
             self.conditions.append(letter > 0)
         return _ONE, self._keep(argument, rewritten, letter)
 
-    def _keep(self, argument: Any, lettered: Any, letter: Any) -> _Kept:
-        new = _Kept(argument, lettered, self._values.get(argument, []), letter)
+    def _keep(self, argument: Any, lettered: Any, letter: Any) -> _Argument:
+        new = _Argument(argument, lettered, self._values.get(argument, []), letter)
         if new.values:
             self._kept.append(new)
         return new

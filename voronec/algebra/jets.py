@@ -240,7 +240,7 @@ class Span:
     def __len__(self) -> int:
         return len(self._rows)
 
-    def rest(self, vector: Mapping[Any, Any]) -> dict[Any, Any]:
+    def remainder(self, vector: Mapping[Any, Any]) -> dict[Any, Any]:
         """What is left of a vector; nothing where it lies in the span."""
         left = dict(vector)
         for pivot, row in self._rows.items():
@@ -252,7 +252,7 @@ class Span:
 
     def add(self, vector: Mapping[Any, Any]) -> bool:
         """Take a vector in; whether it enlarges the span."""
-        left = self.rest(vector)
+        left = self.remainder(vector)
         if left:
             self._rows[next(iter(left))] = left
         return bool(left)

@@ -50,7 +50,7 @@ class Quotient(NamedTuple):
         return self.coefficient(1)[0] == 0
 
 
-def _tanh_rest(n: int) -> tuple[int, int]:
+def _tanh_remainder(n: int) -> tuple[int, int]:
     """That of (w - tanh w)/w^3, by the numbers of Bernoulli: -4^k (4^k - 1) B_2k/(2k)! of
     w^(2k - 4), 2k = n + 4."""
     if n % 2:
@@ -80,7 +80,7 @@ QUOTIENTS: dict[str, Quotient] = {
         lambda w: w * se.exp(w) - se.exp(w) + 1, 2, lambda n: (n + 1, factorial(n + 2))
     ),
     LOG_RATIO: Quotient(lambda w: se.log(1 + w), 1, lambda n: ((-1) ** n, n + 1), 0.25),
-    TANH_REST: Quotient(lambda w: w - se.tanh(w), 3, _tanh_rest, 0.375),
+    TANH_REST: Quotient(lambda w: w - se.tanh(w), 3, _tanh_remainder, 0.375),
     ATAN_RATIO: Quotient(se.atan, 1, lambda n: (_turning_sign(n), n + 1), 0.25),
 }  # fmt: skip
 """Functions with a value at zero that a division does not give, by name."""

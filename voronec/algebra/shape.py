@@ -22,7 +22,7 @@ from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import Fraction
 from voronec.algebra.ring import Monomial, Ring, sparse_terms
 
-__all__ = ["Turned", "expand_element", "expression", "in_differences", "operations"]
+__all__ = ["TurnedPolynomial", "expand_element", "expression", "in_differences", "operations"]
 
 
 MANY = 30_000
@@ -32,7 +32,7 @@ FEW = 40
 
 
 @dataclass(frozen=True)
-class Turned:
+class TurnedPolynomial:
     """A polynomial of a ring in which generators mean other angles than in the ring: ``angles``
     maps positions (sine, cosine) to the angle whose sine and cosine they are."""
 
@@ -49,7 +49,7 @@ class Turned:
         return found
 
 
-def in_differences(ring: Ring, poly: Any) -> Iterator[Turned]:
+def in_differences(ring: Ring, poly: Any) -> Iterator[TurnedPolynomial]:
     """A polynomial in differences and sums of its angles, where it depends on nothing else.
 
     One way for each of the angles that may stand still, shortened by going from one difference to
@@ -69,7 +69,7 @@ def in_differences(ring: Ring, poly: Any) -> Iterator[Turned]:
             for pair, angle in angles.items()
             if pair != still
         }
-        yield _relink(ring, Turned(rest, left))
+        yield _relink(ring, TurnedPolynomial(rest, left))
 
 
 def _leading_sign(angle: Any) -> tuple[int, Any]:
@@ -137,7 +137,7 @@ def _at_zero(ring: Ring, poly: Any, pair: tuple[int, int]) -> Any:
     return poly.compose(*values)
 
 
-def _relink(ring: Ring, turned: Turned) -> Turned:
+def _relink(ring: Ring, turned: TurnedPolynomial) -> TurnedPolynomial:
     """Angles a written as (a - b) + b or (a + b) - b, as long as that leaves fewer terms."""
     while True:
         shorter = min(_neighbours(ring, turned), key=lambda t: len(t.poly), default=turned)
@@ -146,7 +146,7 @@ def _relink(ring: Ring, turned: Turned) -> Turned:
         turned = shorter
 
 
-def _neighbours(ring: Ring, turned: Turned) -> Iterator[Turned]:
+def _neighbours(ring: Ring, turned: TurnedPolynomial) -> Iterator[TurnedPolynomial]:
     gens = ring.field.gens
     for one in turned.angles:
         for other in turned.angles:
@@ -157,7 +157,7 @@ def _neighbours(ring: Ring, turned: Turned) -> Iterator[Turned]:
                 values[one[0]] = s * c2 + sign * c * s2
                 angles = {**turned.angles}
                 angles[one] = angles[one] - sign * angles[other]
-                yield Turned(_reduce(ring, turned.poly.compose(*values)), angles)
+                yield TurnedPolynomial(_reduce(ring, turned.poly.compose(*values)), angles)
 
 
 FACTOR_LIMIT = 150

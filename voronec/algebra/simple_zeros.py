@@ -24,7 +24,7 @@ from voronec.algebra.groebner import groebner_basis
 from voronec.algebra.ring import Ring
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["compose_cleared", "has_simple_zeros", "is_algebraic"]
+__all__ = ["compose_on_section", "has_simple_zeros", "is_algebraic"]
 
 _TRIES = 2
 """How many sections are tried: all but a set of measure zero serve."""
@@ -110,12 +110,12 @@ class _Section:
         context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.degrevlex)
         lines, below = self._lines(context, source, {i for i, _ in rules})
         if not rules and not bound:
-            numerator = compose_cleared(poly, lines, below, context)
+            numerator = compose_on_section(poly, lines, below, context)
             meets_all = numerator.total_degree() == self._degree(poly)
             return bool(meets_all and _squarefree(numerator, [*below.values()]))
         if below:
             return False  # angles and relations together are left to other means
-        cut = [compose_cleared(p, lines, {}, context) for p in (*bound, poly)]
+        cut = [compose_on_section(p, lines, {}, context) for p in (*bound, poly)]
         if cut[-1] == 0:
             return False
         jacobian = [[p.derivative(name) for name in names] for p in cut]
@@ -209,7 +209,9 @@ def _support(polys: Sequence[Any]) -> set[int]:
     return {i for p in polys for i, degree in enumerate(p.degrees()) if degree}
 
 
-def compose_cleared(poly: Any, values: Sequence[Any], below: dict[int, Any], context: Any) -> Any:
+def compose_on_section(
+    poly: Any, values: Sequence[Any], below: dict[int, Any], context: Any
+) -> Any:
     """A polynomial on a section, times the powers of denominators that clear it."""
     if not below:
         return poly.compose(*values, ctx=context)

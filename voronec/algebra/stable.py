@@ -20,7 +20,7 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.bounded import exponential_sum
+from voronec.algebra.bounded_exponentials import exponential_sum
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, SIZE
 

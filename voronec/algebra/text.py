@@ -32,7 +32,7 @@ __all__ = [
     "exact_number",
     "formula",
     "in_doubles",
-    "read_printed",
+    "read_sympy_text",
 ]
 
 CHARACTERS = 20_000
@@ -114,7 +114,7 @@ def formula(text: str, place: str, names: Mapping[str, Any] | None = None) -> An
     return _Reader(text, place, dict(names or {})).whole()
 
 
-def read_printed(text: str, place: str, names: Mapping[str, Any] | None = None) -> Any:
+def read_sympy_text(text: str, place: str, names: Mapping[str, Any] | None = None) -> Any:
     """The expression that SymPy printed as a text, of any length.
 
     Besides what a formula holds these are unknown functions and their derivatives, such as

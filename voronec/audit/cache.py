@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from voronec.audit.consistency import Examined
+from voronec.audit.consistency import Examination
 from voronec.audit.display import Check, Display
 from voronec.audit.paper import Section
 from voronec.audit.record import FormulaRecord
@@ -109,19 +109,21 @@ class Cache:
         """The folder ``voronec/audit`` among the user's caches."""
         return cls(Store.of_user("audit").folder)
 
-    def load(self, key: str, ordinal: int) -> list[Examined] | None:
+    def load(self, key: str, ordinal: int) -> list[Examination] | None:
         """The verdicts of a unit, or ``None``."""
         try:
-            return [_read_examined(entry) for entry in Store(self.folder).load(key, str(ordinal))]
+            return [
+                _read_examination(entry) for entry in Store(self.folder).load(key, str(ordinal))
+            ]
         except (ValueError, TypeError, KeyError, AttributeError):
             return None
 
-    def store(self, key: str, ordinal: int, found: Sequence[Examined]) -> None:
+    def store(self, key: str, ordinal: int, found: Sequence[Examination]) -> None:
         """Keep the verdicts of a unit, whole or not at all."""
         Store(self.folder, KEPT).save(key, str(ordinal), [asdict(e) for e in found])
 
 
-def _read_examined(entry: dict[str, Any]) -> Examined:
+def _read_examination(entry: dict[str, Any]) -> Examination:
     rest = {name: value for name, value in entry.items() if name != "record"}
     rest["uses"], rest["given"] = tuple(rest["uses"]), tuple(rest["given"])
-    return Examined(FormulaRecord.from_dict(entry["record"]), **rest)
+    return Examination(FormulaRecord.from_dict(entry["record"]), **rest)

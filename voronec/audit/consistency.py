@@ -11,11 +11,11 @@ from voronec.audit.record import FormulaRecord
 from voronec.audit.study import key_of
 from voronec.errors import DefinitionError
 
-__all__ = ["Examined", "defined_name", "families", "with_uses"]
+__all__ = ["Examination", "defined_name", "families", "with_uses"]
 
 
 @dataclass(frozen=True)
-class Examined:
+class Examination:
     """A formula with its verdict, and what others need to know of it: plain data.
 
     called
@@ -39,7 +39,7 @@ class Examined:
     condition: bool = False
 
 
-def with_uses(examined: Examined, everything: Sequence[Examined]) -> FormulaRecord:
+def with_uses(examined: Examination, everything: Sequence[Examination]) -> FormulaRecord:
     """The record of a formula; for a definition it names the formulas that are proved with it."""
     record = examined.record
     if record.verdict != "definition" or not (examined.defines or examined.condition):
@@ -52,9 +52,9 @@ def with_uses(examined: Examined, everything: Sequence[Examined]) -> FormulaReco
     return replace(record, method=f"{record.method}; {text}")
 
 
-def _users(examined: Examined, everything: Sequence[Examined]) -> list[Examined]:
+def _users(examined: Examination, everything: Sequence[Examination]) -> list[Examination]:
     """What names the thing defined, or names what another definition makes of it."""
-    found: list[Examined] = []
+    found: list[Examination] = []
     waiting = [examined]
     while waiting:
         one = waiting.pop()

@@ -12,7 +12,7 @@ import sympy as sp
 from voronec.algebra.verdicts import Verdict
 from voronec.audit.constraints import independent_conditions
 from voronec.audit.correction import Correction, Spare, close_brackets, correct
-from voronec.audit.derived import derived_latex
+from voronec.audit.derived_latex import derived_latex
 from voronec.audit.display import Check, Decision
 from voronec.audit.formula import Formula
 from voronec.audit.hooks import HookError, call_hook
@@ -315,7 +315,7 @@ def _judge_formula(
     if bench.prints:
         derived = derived_latex(chain, formula.unit.display, check, study, proved)
     if finding.verdict.refuted:
-        return _judge_refuted(formula, chain, check, study, finding, derived, bench)
+        return _judge_refutation(formula, chain, check, study, finding, derived, bench)
     if proved and not finding.count and (unused := _unused_name(formula, chain, check, bench)):
         fault = f"it introduces '{unused}', which no other formula here has"
         mended = _made_true(formula, check, bench, fault)
@@ -434,7 +434,7 @@ def _spoken_name(letter: str) -> str:
     return letter.lstrip("\\")
 
 
-def _judge_refuted(
+def _judge_refutation(
     formula: Formula,
     chain: Chain,
     check: Check,

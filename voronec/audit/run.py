@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from voronec.audit.cache import Basis, Cache
-from voronec.audit.consistency import Examined, defined_name, families, with_uses
+from voronec.audit.consistency import Examination, defined_name, families, with_uses
 from voronec.audit.formula import Formula
 from voronec.audit.hooks import call_hook
 from voronec.audit.judge import SectionContext, judge_formula, judge_sentence
@@ -94,10 +94,10 @@ class _Shelf:
     basis: Basis
     key: str
 
-    def load(self, ordinal: int) -> list[Examined] | None:
+    def load(self, ordinal: int) -> list[Examination] | None:
         return self.cache.load(self.key, ordinal)
 
-    def store(self, ordinal: int, found: Sequence[Examined]) -> None:
+    def store(self, ordinal: int, found: Sequence[Examination]) -> None:
         if self.basis.digest() == self.key:  # else a source was edited since the audit began
             self.cache.store(self.key, ordinal, found)
 
@@ -140,7 +140,7 @@ def audit_section(
     ``labels``: the formulas of the whole paper by their labels, to which sentences may refer.
     """
     work = Work(section, formulas_by_label([section]) if labels is None else labels)
-    done: list[tuple[Item, list[Examined]]] = []
+    done: list[tuple[Item, list[Examination]]] = []
     for item in items(work.transcript):
         found = shelf.load(item.ordinal) if shelf is not None else None
         if found is None:
@@ -167,7 +167,7 @@ def items(transcript: Transcript) -> Iterator[Item]:
 
 
 def _record(
-    section: Section, item: Item, found: Sequence[Examined], everything: Sequence[Examined]
+    section: Section, item: Item, found: Sequence[Examination], everything: Sequence[Examination]
 ) -> Record:
     formulas = tuple(with_uses(e, everything) for e in found)
     return Record(item.label, section.title, item.ordinal, item.printed, formulas, item.kind)
@@ -208,19 +208,19 @@ class Work:
         bench.refuse_unknown(where)
         return bench
 
-    def examine(self, item: Item) -> list[Examined]:
+    def examine(self, item: Item) -> list[Examination]:
         """The verdicts of an item."""
         if item.sentence is not None:
-            return [Examined(judge_sentence(item.sentence, self.bench), item.designation)]
+            return [Examination(judge_sentence(item.sentence, self.bench), item.designation)]
         return [self._formula(formula, item) for formula in item.formulas]
 
-    def _formula(self, formula: Formula, item: Item) -> Examined:
+    def _formula(self, formula: Formula, item: Item) -> Examination:
         check = formula.display.check(formula.position)
         record, chain = judge_formula(formula, check, self.bench)
         marks = formula.piece.quantifiers
         texts = tuple(formula.unit.display[q[0].start : q[-1].end] for q in marks)
         record = replace(record, quantifiers=texts)
-        return Examined(
+        return Examination(
             record,
             item.designation,
             item.label,

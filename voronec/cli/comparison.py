@@ -12,7 +12,7 @@ from voronec.cli.output import print_json, progress
 from voronec.cli.subject import resolve
 
 if TYPE_CHECKING:
-    from voronec.proof.comparison import Comparison, Derived
+    from voronec.proof.comparison import Comparison, StoredDerivation
 
 __all__ = ["execute"]
 
@@ -34,15 +34,15 @@ def execute(arguments: Namespace) -> int:
     return 0 if found.equal else 1
 
 
-def _side(subject: str) -> Derived:
+def _side(subject: str) -> StoredDerivation:
     from voronec.equations.voronec_equations import derive
-    from voronec.proof.comparison import Derived, read_derivation
+    from voronec.proof.comparison import StoredDerivation, read_derivation
 
     if subject.endswith(".json"):
         return read_derivation(subject)
     system, _ = resolve(subject)
     progress(f"deriving '{system.name}'")
-    return Derived.of(derive(system))
+    return StoredDerivation.of(derive(system))
 
 
 def _lines(found: Comparison) -> Iterator[str]:

@@ -78,9 +78,9 @@ def _require_program(chosen: str | None, jacobian: bool) -> None:
 def _store(eqs: VoronecEquations, path: Path, as_json: bool) -> int:
     """Write the derivation into a file, for ``voronec compare``; an old one is replaced."""
     from voronec.declaration.whole_files import replace_file
-    from voronec.proof.comparison import Derived
+    from voronec.proof.comparison import StoredDerivation
 
-    replace_file(path, Derived.of(eqs).text())
+    replace_file(path, StoredDerivation.of(eqs).text())
     progress("")
     if as_json:
         print_json({"system": eqs.system.name, "file": str(path)})

@@ -32,7 +32,7 @@ SUFFIXES = (".svg", ".png", ".pdf")
 
 
 @dataclass(frozen=True)
-class Asked:
+class ClassRequest:
     """A class that the trace on some sphere is to have, and the paper's figure of it."""
 
     trace: str
@@ -41,19 +41,19 @@ class Asked:
 
 
 @dataclass(frozen=True)
-class Found:
+class GalleryMotion:
     """A motion of a class."""
 
-    asked: Asked
+    asked: ClassRequest
     scene: Scene
     closed: ClosedForm
 
 
 @dataclass(frozen=True)
-class Missing:
+class GalleryGap:
     """Why there is no motion of a class, or none was found."""
 
-    asked: Asked
+    asked: ClassRequest
     reason: str
 
 
@@ -81,7 +81,7 @@ def execute(arguments: Namespace) -> int:
     except KeyboardInterrupt:
         stopped = True
     progress("")
-    found = [f for f in answers if isinstance(f, Found)]
+    found = [f for f in answers if isinstance(f, GalleryMotion)]
     if not found and stopped:
         raise KeyboardInterrupt
     files = _write(system, found, target) if found else []
@@ -151,7 +151,9 @@ def _check(system: System, parameters: Any) -> None:
     held_parameters(system, parameters)
 
 
-def _search(system: System, labels: Sequence[str], parameters: Any) -> Iterator[Found | Missing]:
+def _search(
+    system: System, labels: Sequence[str], parameters: Any
+) -> Iterator[GalleryMotion | GalleryGap]:
     from voronec.closed.classes.search import find
     from voronec.closed.classes.trace_classes import LABELS
     from voronec.closed.classes.trace_polynomials import declared_traces
@@ -161,14 +163,14 @@ def _search(system: System, labels: Sequence[str], parameters: Any) -> Iterator[
         for label in labels:
             drawn = PAPER in system.references and label in LABELS
             figure = FIRST_FIGURE + LABELS.index(label) if drawn else None
-            asked = Asked(curve.title, label, figure)
+            asked = ClassRequest(curve.title, label, figure)
             progress(f"{system.name}: class {label} {curve.title} ...")
             try:
                 scene = find(system, label, curve.title, parameters)
             except DefinitionError as error:
-                yield Missing(asked, str(error))
+                yield GalleryGap(asked, str(error))
                 continue
-            yield Found(asked, scene, closed_form(system, scene))
+            yield GalleryMotion(asked, scene, closed_form(system, scene))
 
 
 def _traces(system: System) -> tuple[Any, ...]:
@@ -178,7 +180,7 @@ def _traces(system: System) -> tuple[Any, ...]:
 # -- pictures -----------------------------------------------------------------------------
 
 
-def _write(system: System, found: Sequence[Found], target: Path) -> list[Path]:
+def _write(system: System, found: Sequence[GalleryMotion], target: Path) -> list[Path]:
     """A picture of each motion on both spheres, and of all motions on the sphere of their class; or
     all of them in the one file that was named."""
     from voronec.closed.pictures.sphere_picture import traces_figure
@@ -204,7 +206,7 @@ def _write(system: System, found: Sequence[Found], target: Path) -> list[Path]:
     return [target / name for name in names]
 
 
-def _draw_motion(system: System, found: Found) -> tuple[Any, ...]:
+def _draw_motion(system: System, found: GalleryMotion) -> tuple[Any, ...]:
     """A motion on every sphere."""
     from voronec.closed.classes.trace_polynomials import title
     from voronec.closed.pictures.sphere_picture import motion_traces
@@ -215,7 +217,7 @@ def _draw_motion(system: System, found: Found) -> tuple[Any, ...]:
     return motion_traces(found.closed, titles, periods=periods)
 
 
-def _of_class(found: Found, traces: Sequence[Any]) -> Any:
+def _of_class(found: GalleryMotion, traces: Sequence[Any]) -> Any:
     """The sphere whose class was looked for."""
     return traces[list(found.closed.classes).index(found.asked.trace)]
 
@@ -229,30 +231,33 @@ def _slug(title: str) -> str:
 
 
 def _tell(
-    system: System, answers: Sequence[Found | Missing], files: Sequence[Path], as_json: bool
+    system: System,
+    answers: Sequence[GalleryMotion | GalleryGap],
+    files: Sequence[Path],
+    as_json: bool,
 ) -> None:
     if as_json:
         print_json({"system": system.name, "motions": [_data(f) for f in answers],
                     "files": [str(file) for file in files]})  # fmt: skip
         return
-    found = [f for f in answers if isinstance(f, Found)]
+    found = [f for f in answers if isinstance(f, GalleryMotion)]
     if found:
         print("\n".join(columns([_head(found[0]), *map(_row, found)])))
     for f in answers:
-        if isinstance(f, Missing):
+        if isinstance(f, GalleryGap):
             print(f.reason)
     if files:
         print(f"wrote {files[0]}" if len(files) == 1 else f"wrote {len(files)} pictures to "
               f"{files[0].parent}")  # fmt: skip
 
 
-def _head(first: Found) -> list[str]:
+def _head(first: GalleryMotion) -> list[str]:
     figure = ["figure"] if first.asked.figure is not None else []
     spheres = [part for name in first.closed.classes for part in (name, "drift")]
     return ["sphere", *figure, "class", *spheres, "period", "parameters", "start"]
 
 
-def _row(found: Found) -> list[str]:
+def _row(found: GalleryMotion) -> list[str]:
     asked = found.asked
     figure = [str(asked.figure)] if asked.figure is not None else []
     cells = []
@@ -270,10 +275,10 @@ def _values(given: Any) -> str:
     return ", ".join(f"{plain_name(k)} = {plain(v)}" for k, v in given.items())
 
 
-def _data(found: Found | Missing) -> dict[str, Any]:
+def _data(found: GalleryMotion | GalleryGap) -> dict[str, Any]:
     asked = found.asked
     data: dict[str, Any] = {"trace": asked.trace, "class": asked.label, "figure": asked.figure}
-    if isinstance(found, Missing):
+    if isinstance(found, GalleryGap):
         return {**data, "reason": found.reason}
     return {
         **data,

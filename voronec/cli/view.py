@@ -42,9 +42,13 @@ def execute(arguments: Namespace) -> int:
     if arguments.json:
         print_json({
             "system": system.name, "scene": scene, "file": str(target),
-            "bytes": len(text.encode()), "recorded": page.why_recorded,
+            "bytes": len(text.encode()), "recorded": page.recording_reason,
         })  # fmt: skip
         return 0
-    how = f"plays what was computed: {page.why_recorded}" if page.why_recorded else "integrates"
+    how = (
+        f"plays what was computed: {page.recording_reason}"
+        if page.recording_reason
+        else "integrates"
+    )
     print(f"wrote {target}, {len(text.encode()) // 1000} kB; it {how}; open it in a browser")
     return 0

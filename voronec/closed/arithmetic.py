@@ -25,7 +25,7 @@ import sympy as sp
 from voronec.algebra.precision import PROOF
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import prove_equal
-from voronec.equations.program.printing import code
+from voronec.equations.program.dialect import code
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["angle", "ball", "compile_expressions", "exact", "precise", "root", "vanishes"]

@@ -10,7 +10,7 @@ from flint import acb, ctx
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import angle, ball, compile_expressions, precise, root
 from voronec.closed.clock import clock_of
-from voronec.closed.compiled_motion import Prepared, reading_of
+from voronec.closed.compiled_motion import CompiledMotion, reading_of
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.planar_rotation import rolled_in_balls, steady_rates
 from voronec.closed.ratio import ratios
@@ -263,7 +263,7 @@ def _polynomials(form: InvertedMotion, x: Any, bits: int) -> list[Any]:
     return function([*form.problem.level(bits), x])
 
 
-def _velocities(own: Prepared, values: list[Any]) -> list[Any]:
+def _velocities(own: CompiledMotion, values: list[Any]) -> list[Any]:
     read = reading_of(own)
     made = own.memo.once("velocities", lambda: compile_expressions(read.expressions, read.symbols))
     return made(values)

@@ -26,7 +26,7 @@ from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.ratio import Polynomial, ratios
 from voronec.errors import EngineLimit
 
-__all__ = ["Clock", "Summed", "clock_of", "pieces", "reduce_by_periods", "whole_turns_off"]
+__all__ = ["Clock", "MotionIntegral", "clock_of", "pieces", "reduce_by_periods", "whole_turns_off"]
 
 
 STEP = 0.125
@@ -37,7 +37,7 @@ LARGE = 16.0
 
 
 @dataclass(frozen=True, eq=False)
-class Summed:
+class MotionIntegral:
     """Integral ``j`` of one motion."""
 
     form: InvertedMotion
@@ -111,9 +111,9 @@ class Clock:
         return len(self.form.problem.prepared.rates) - 1
 
     @cached_property
-    def sums(self) -> list[Summed]:
+    def sums(self) -> list[MotionIntegral]:
         """The integrals by another way, for those whose closed terms cancel."""
-        return [Summed(self.form, j) for j in range(self.number + 1)]
+        return [MotionIntegral(self.form, j) for j in range(self.number + 1)]
 
     # -- in doubles ------------------------------------------------------------------------
 

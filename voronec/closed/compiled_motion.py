@@ -27,7 +27,7 @@ from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 
 __all__ = [
-    "Prepared",
+    "CompiledMotion",
     "ascending_coefficients",
     "motion_of",
     "prepare",
@@ -44,7 +44,7 @@ def _nothing(_: Any) -> list[Any]:
 
 
 @dataclass(frozen=True, eq=False)
-class Prepared:
+class CompiledMotion:
     """A system's motion ready for numbers; ``gone`` are parameters whose values, exactly these,
     send poles to infinity.
 
@@ -129,7 +129,7 @@ def motion_of(system: System) -> Quadratures:
     )
 
 
-def prepare(system: System, values: Mapping[Any, Any]) -> Prepared:
+def prepare(system: System, values: Mapping[Any, Any]) -> CompiledMotion:
     """The motion of a system ready for numbers like ``values``, which give the parameters."""
     motion = motion_of(system)
     critical = motion.memo.once("critical", lambda: _critical(system, motion))
@@ -137,7 +137,7 @@ def prepare(system: System, values: Mapping[Any, Any]) -> Prepared:
     return _prepare_with(system, gone)
 
 
-def _prepare_with(system: System, gone: Mapping[Any, Any]) -> Prepared:
+def _prepare_with(system: System, gone: Mapping[Any, Any]) -> CompiledMotion:
     """The same where it is known which parameters send poles to infinity."""
     motion = motion_of(system)
     what = ("prepared", frozenset(gone.items()))
@@ -180,7 +180,7 @@ def _solution_for(factor: Any, symbols: list[Any]) -> tuple[Any, Any] | None:
     return None
 
 
-def _prepare(system: System, motion: Quadratures, gone: Mapping[Any, Any]) -> Prepared:
+def _prepare(system: System, motion: Quadratures, gone: Mapping[Any, Any]) -> CompiledMotion:
     own = tuple(p.symbol for p in system.parameters)
     rates = [e.xreplace(gone) for e in motion.integrals.values()]
     plane = motion.plane
@@ -192,7 +192,7 @@ def _prepare(system: System, motion: Quadratures, gone: Mapping[Any, Any]) -> Pr
     inputs = (*system.coordinates, *system.velocities, *own)
     poles = {c: w for c, w in motion.poles.items() if _is_finite(c, gone)}
     straight = motion.clock == 1
-    raw = Prepared(
+    raw = CompiledMotion(
         system=system,
         gone=gone,
         inputs=inputs,
@@ -264,7 +264,7 @@ def _coordinate_rate(
     return (onto[i] * normal[j][j] - onto[j] * normal[i][j]) / determinant
 
 
-def _example(raw: Prepared) -> list[Any]:
+def _example(raw: CompiledMotion) -> list[Any]:
     """Values of the symbols of a level, of a motion whose numbers are fractions of primes."""
     plain = {s: sp.Rational(sp.prime(i + 20), sp.prime(i + 41)) for i, s in enumerate(raw.inputs)}
     known = {s: e.xreplace(plain) for s, e in raw.gone.items()}
@@ -290,12 +290,12 @@ class Reading:
     velocities: tuple[Any, ...]
 
 
-def reading_of(own: Prepared) -> Reading:
+def reading_of(own: CompiledMotion) -> Reading:
     """The velocities of a prepared motion."""
     return own.memo.once("reading", lambda: _make_reading(own))
 
 
-def _make_reading(own: Prepared) -> Reading:
+def _make_reading(own: CompiledMotion) -> Reading:
     motion, symbols = own.motion, [*own.level, own.motion.x]
     meaning: dict[Any, Any] = {}
     for i, trace in enumerate(motion.traces):
@@ -328,7 +328,7 @@ def _lift(expr: Any, x: Any, moving: set[Any], kept: dict[Any, Any]) -> Any:
     return expr.func(*(_lift(a, x, moving, kept) for a in expr.args)) if expr.args else expr
 
 
-def velocities_in_doubles(own: Prepared) -> Any:
+def velocities_in_doubles(own: CompiledMotion) -> Any:
     """The velocities of the equations as a function of arrays, in the order of a reading."""
     read = reading_of(own)
     return own.memo.once(

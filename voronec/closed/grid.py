@@ -110,7 +110,7 @@ def _in_own_time(
         raise EngineLimit(
             f"system '{form.system.name}': a motion in a time of its own is not turned in space"
         )
-    seen = Timed(form, grid.ravel(), whole)
+    seen = PeriodGrid(form, grid.ravel(), whole)
     found: dict[str, np.ndarray] = {}
     coordinates = {plain_name(q): q for q in form.system.coordinates}
     for name in names:
@@ -122,7 +122,7 @@ def _in_own_time(
 
 
 @dataclass(frozen=True, eq=False)
-class Timed:
+class PeriodGrid:
     """One grid of a motion: whole periods, and the elliptic motion in the one that is left."""
 
     form: InvertedMotion

@@ -21,7 +21,7 @@ from voronec.closed.arithmetic import angle, ball
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.space import Composition, product, rotation_to, times, transpose
 from voronec.elliptic.ball_evaluation import moment_of
-from voronec.elliptic.roots import Unresolved
+from voronec.elliptic.roots import OpenDecision
 
 __all__ = [
     "DECIDED",
@@ -218,7 +218,7 @@ def _floors(passage: Passage, level: Passages, kinds: np.ndarray, winding: Any) 
         j = int(kinds[place])
         sure = certain_floor_sum(1, passage.phase + j * level.advance, arb(0))
         if sure is None:
-            raise Unresolved(winding.pole(level, passage, j))
+            raise OpenDecision(winding.pole(level, passage, j))
         found[place] = sure
     return np.asarray(found)
 
@@ -342,14 +342,14 @@ def resting_passages(form: InvertedMotion, parts: Composition, bits: int, upper:
     spin, frame = own.spin(bits), own.start(bits)[0]
     rate = sum((w * w for w in spin), ball(0)).nonnegative_part().sqrt()
     if not rate > 0:
-        raise Unresolved("the frame may be still")
+        raise OpenDecision("the frame may be still")
     turn = rotation_to([e / rate for e in times(frame, spin)], upper)
     side, height, longitude = _pole(turn, 1 if upper else -1)
     upright = own.machines[1](product(transpose(turn), frame))
     values = dict(zip(own.coordinates, upright, strict=True))
     v, c, b = (values[q] for q in (parts.longitude, parts.colatitude, parts.third))
     if not c.sin() > 0:
-        raise Unresolved("the frame may turn about the normal of the contact alone")
+        raise OpenDecision("the frame may turn about the normal of the contact alone")
     signs = [_sign(gap) for gap in (side * c.cos() - height, -height - side * c.cos())]
     borders = tuple(arb(far) / 2 for far, sign in enumerate(signs) if sign == 0)
     return Passages(
@@ -398,5 +398,5 @@ def _sign(value: arb) -> int:
     if value > 0 or value < 0:
         return 1 if value > 0 else -1
     if ctx.prec < DECIDED:
-        raise Unresolved("a turning point may lie on the border of a cap")
+        raise OpenDecision("a turning point may lie on the border of a cap")
     return 0

@@ -10,7 +10,7 @@ import sympy as sp
 from voronec.algebra.precision import SHARP
 from voronec.closed.arithmetic import ball, compile_expressions, precise
 from voronec.closed.clock import whole_turns_off
-from voronec.closed.compiled_motion import Prepared
+from voronec.closed.compiled_motion import CompiledMotion
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.space import Attitude
 
@@ -70,7 +70,7 @@ def _rolling(form: InvertedMotion, bits: int) -> tuple[Any, ...]:
     return x, y, *start, rates[x], rates[y], spin
 
 
-def _turning_angles(own: Prepared) -> dict[Any, int]:
+def _turning_angles(own: CompiledMotion) -> dict[Any, int]:
     """The angles that turn the vector in the plane, and how often each does.
 
     Where an angle alone grows and the vector turns, at any state, what the vector is made of

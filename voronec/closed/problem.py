@@ -15,7 +15,7 @@ import sympy as sp
 
 from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import Function, ball, compile_expressions, exact, precise, vanishes
-from voronec.closed.compiled_motion import Prepared
+from voronec.closed.compiled_motion import CompiledMotion
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["InversionProblem", "squarefree"]
@@ -118,7 +118,7 @@ class InversionProblem:
     sympy's), or, where only digits are known, a function of bits to a ball.
     """
 
-    prepared: Prepared
+    prepared: CompiledMotion
     values: Mapping[Any, Any]
     _kept: dict[Any, Any] = field(default_factory=dict, repr=False)
 
@@ -295,7 +295,7 @@ class InversionProblem:
     def _others(self, level: list[Any]) -> list[tuple[Any, list[Any]]]:
         from flint import acb
 
-        from voronec.elliptic.roots import Unresolved
+        from voronec.elliptic.roots import OpenDecision
 
         flat = self.prepared.fractions.foreign(list(map(acb, level)))
         count, found = len(self.prepared.others), []
@@ -303,9 +303,9 @@ class InversionProblem:
         for i, met in enumerate(self.prepared.fractions.meets):
             place = acb(flat[i])
             if not place.is_finite():
-                raise Unresolved("a pole may lie at infinity")
+                raise OpenDecision("a pole may lie at infinity")
             if not place.imag.is_zero() and place.imag.contains(0):
-                raise Unresolved("a pole may be real")
+                raise OpenDecision("a pole may be real")
             residues = flat[count + i * rows : count + (i + 1) * rows]
             row = [acb(r) if m else 0 for r, m in zip(residues, met, strict=True)]
             if place.imag.is_zero():

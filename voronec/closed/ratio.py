@@ -10,7 +10,7 @@ import sympy as sp
 
 from voronec.closed.arithmetic import Function, ball, compile_expressions, precise
 from voronec.closed.bernstein import Bernstein, bernstein
-from voronec.closed.compiled_motion import Prepared
+from voronec.closed.compiled_motion import CompiledMotion
 from voronec.closed.fractions import ascending_coefficients
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.problem import InversionProblem
@@ -25,7 +25,7 @@ class Polynomial:
     coefficients: Function
 
     @classmethod
-    def of(cls, value: Any, own: Prepared) -> Polynomial:
+    def of(cls, value: Any, own: CompiledMotion) -> Polynomial:
         """An expression as a polynomial."""
         x = own.motion.x
         degree = int(sp.degree(sp.expand(value), x)) if value.has(x) else 0
@@ -60,7 +60,7 @@ class Ratio:
     bend: Polynomial
 
     @classmethod
-    def of(cls, value: Any, own: Prepared) -> Ratio:
+    def of(cls, value: Any, own: CompiledMotion) -> Ratio:
         """An expression as a ratio of polynomials."""
         x = own.motion.x
         p, q = sp.fraction(value)
@@ -72,11 +72,11 @@ class Ratio:
         return self.above.value(problem, x, bits) / self.below.value(problem, x, bits)
 
 
-def ratios(own: Prepared) -> Sequence[Ratio]:
+def ratios(own: CompiledMotion) -> Sequence[Ratio]:
     """The cosine of each trace, and the clock."""
     return own.memo.once("ratios", lambda: _ratios(own))
 
 
-def _ratios(own: Prepared) -> Sequence[Ratio]:
+def _ratios(own: CompiledMotion) -> Sequence[Ratio]:
     given = (*(t.cosine for t in own.motion.traces), own.motion.clock)
     return [Ratio.of(e.xreplace(dict(own.gone)), own) for e in given]

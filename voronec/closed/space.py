@@ -19,7 +19,7 @@ from voronec.algebra.precision import FIRST, PROOF
 from voronec.algebra.symbols import velocity
 from voronec.algebra.verdicts import prove_equal
 from voronec.closed.arithmetic import Function, ball, compile_expressions, precise
-from voronec.closed.compiled_motion import Prepared
+from voronec.closed.compiled_motion import CompiledMotion
 from voronec.closed.problem import InversionProblem
 from voronec.declaration.quadratures import Space
 from voronec.errors import DefinitionError, EngineLimit
@@ -304,13 +304,13 @@ class Composition:
     sense: int
 
 
-def composition(own: Prepared) -> Composition | None:
+def composition(own: CompiledMotion) -> Composition | None:
     """How the coordinates in space of a motion turn its frame; proved.  None where they do not in
     this way."""
     return own.memo.once("composition", lambda: _composition(own))
 
 
-def _composition(own: Prepared) -> Composition | None:
+def _composition(own: CompiledMotion) -> Composition | None:
     space = own.motion.space
     if space is None:
         return None

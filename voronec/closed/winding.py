@@ -34,7 +34,7 @@ from voronec.closed.passages import (
 )
 from voronec.closed.space import Composition, composition, transpose
 from voronec.closed.space import times as rotated
-from voronec.elliptic.roots import Unresolved
+from voronec.elliptic.roots import OpenDecision
 from voronec.errors import EngineLimit
 
 __all__ = ["NoWholeTurns", "Winding", "passed_poles", "winding_of"]
@@ -84,7 +84,7 @@ def turnless_message(names: Sequence[Any], time: float | None, start: float = 0.
     )
 
 
-class Passed(Unresolved):
+class PolePassage(OpenDecision):
     """A passage that is one through the pole, as far as so many bits tell."""
 
     def __init__(self, time: Any) -> None:
@@ -141,7 +141,7 @@ class Winding:
             try:
                 with precise(bits):
                     resting_passages(self.form, self.parts, bits, self._upper)
-            except (Unresolved, ZeroDivisionError):
+            except (OpenDecision, ZeroDivisionError):
                 bits *= 2
             else:
                 return False
@@ -181,10 +181,10 @@ class Winding:
             raise min(open_, key=lambda doubt: abs(doubt.time))
         return totals[0], totals[1]
 
-    def pole(self, level: Passages, passage: Passage, number: int) -> Passed:
+    def pole(self, level: Passages, passage: Passage, number: int) -> PolePassage:
         """That a passage may be one through the pole."""
         time = passage.time
-        return Passed(time if level.period is None else time + number * level.period)
+        return PolePassage(time if level.period is None else time + number * level.period)
 
     def centres(self, level: Passages | None, time: arb, upright: Angles) -> Angles:
         """Angles that are continuous, and less than half a turn from the longitude and from
@@ -272,7 +272,7 @@ class Winding:
         try:
             level = self.passages(bits)
             found = self.turns(level, time, self.upright(level, moved, bits, time), plain)
-        except Unresolved as reason:
+        except OpenDecision as reason:
             if bits >= MOST:
                 raise self._refusal(reason) from None
             return dict.fromkeys(self.names, arb("nan"))
@@ -286,13 +286,13 @@ class Winding:
             with precise(bits):
                 try:
                     return work(bits)
-                except (Unresolved, ZeroDivisionError) as reason:
+                except (OpenDecision, ZeroDivisionError) as reason:
                     if bits >= MOST:
                         raise self._refusal(reason) from None
             bits *= 2
 
     def _refusal(self, reason: Exception) -> NoWholeTurns:
-        return NoWholeTurns(self.names, reason.time if isinstance(reason, Passed) else None)
+        return NoWholeTurns(self.names, reason.time if isinstance(reason, PolePassage) else None)
 
     # -- in doubles ------------------------------------------------------------------------
 
@@ -327,7 +327,7 @@ class Winding:
             return None, None
         phases = [p.phase for p in level.passages]
         if any(value.rad() > SHARP for value in (*phases, level.advance)):
-            raise Unresolved("phases are not accurate enough")
+            raise OpenDecision("phases are not accurate enough")
         return level, tally(self, level, times)
 
     def _centres(
@@ -378,7 +378,7 @@ class Winding:
                 for e in (self._phase_at_start(level, ctx.prec) + half, now + half)
             ]
             if None in ends:
-                raise Passed(time)
+                raise PolePassage(time)
             if ends[0] != ends[1]:
                 met.append(self._first_passage(level, half, float(time.mid())))
         if met:
@@ -463,5 +463,5 @@ def _met_between(constants: Any, side: int, early: float, late: float) -> float 
 def _nearest(value: arb) -> int:
     found = floor(value + arb(0.5))
     if not abs(value - found) < SURE:
-        raise Unresolved("whole turns need more bits")
+        raise OpenDecision("whole turns need more bits")
     return found

@@ -452,7 +452,7 @@ class _Text:
             return self._formula(part, local)
 
         kinds = {name: getattr(Shape, name) for name in SHAPES}
-        return self._called(item, "kind", kinds, lambda entry: readers.get(entry.name, plain))
+        return self._call_method(item, "kind", kinds, lambda entry: readers.get(entry.name, plain))
 
     def _attitude(self, item: Item) -> Any:
         """A turn about the vertical, or several about axes of the body, each after the last."""
@@ -477,10 +477,10 @@ class _Text:
         }  # fmt: skip
         for stroke in inner["strokes"].several() if "strokes" in inner else ():
             kinds = {name: getattr(sketch, name) for name in STROKES}
-            sketch = self._called(stroke, "draw", kinds, lambda entry: readers[entry.kind])
+            sketch = self._call_method(stroke, "draw", kinds, lambda entry: readers[entry.kind])
         return sketch
 
-    def _called(
+    def _call_method(
         self,
         item: Item,
         key: str,

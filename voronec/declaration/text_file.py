@@ -220,7 +220,7 @@ class _Scan:
     def _header(self, several: bool) -> Keys:
         """The keys of a table; one in an array counts as the last of its entries."""
         keys: Keys = ()
-        said = self._dotted()
+        said = self._dotted_key()
         for position, (part, start) in enumerate(said, 1):
             keys = (*keys, part)
             self._stands(keys, start)
@@ -239,7 +239,7 @@ class _Scan:
     def _key(self, base: Keys) -> Keys:
         """A dotted key; every table on the way stands where it is first named."""
         keys = base
-        for part, start in self._dotted():
+        for part, start in self._dotted_key():
             keys = (*keys, part)
             self._stands(keys, start)
         return keys
@@ -248,7 +248,7 @@ class _Scan:
         self.keys.setdefault(keys, start)
         self.values.setdefault(keys, start)
 
-    def _dotted(self) -> list[tuple[str, int]]:
+    def _dotted_key(self) -> list[tuple[str, int]]:
         """The parts of a dotted key, each with its place."""
         parts = []
         while True:

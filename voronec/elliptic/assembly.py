@@ -18,7 +18,7 @@ from voronec.elliptic.constants import Constants, Integral, Numbers, Phase, Pole
 from voronec.elliptic.lattice import ALMOST, Lattice, Place, carlson, lattice_of, turn_of
 from voronec.elliptic.roots import (
     Ends,
-    Unresolved,
+    OpenDecision,
     coefficients,
     interval,
     power,
@@ -64,7 +64,7 @@ def spot_of(lattice: Lattice, x: arb | acb | None) -> Spot:
         raise DefinitionError(f"x passes the pole {show_ball(x)}, where the integral is infinite")
     if lattice.rhombic:
         if not p < e1:
-            raise Unresolved(f"the pole {_name(x)} may be an end of the motion")
+            raise OpenDecision(f"the pole {_name(x)} may be an end of the motion")
         times = [_height(lattice, lattice.base, x), _height(lattice, lattice.far, x)]
         side = 1 if times[1].mid() < ALMOST * times[0].mid() else 0
         return Spot(side, acb(0, lattice.scale * times[side]), True)
@@ -73,7 +73,7 @@ def spot_of(lattice: Lattice, x: arb | acb | None) -> Spot:
     if p > e2 and lattice.far is not None:
         return Spot(1, acb(0, lattice.scale * _height(lattice, lattice.far, x)), True)
     if not (p > e3 and p < e2) or lattice.vertical is None:
-        raise Unresolved(f"the pole {_name(x)} may be a root of f")
+        raise OpenDecision(f"the pole {_name(x)} may be a root of f")
     # wp(t + half of the vertical period) = e3 + (e3 - e1)(e3 - e2)/(wp(t) - e3)
     q = e3 + (e3 - e1) * (e3 - e2) / (p - e3)
     time = carlson(q - e1, q - e2, q - e3)
@@ -86,7 +86,7 @@ def branch_spot(lattice: Lattice) -> Spot:
     _, e2, e3 = lattice.es
     at_third, at_second = (lattice.base.bend.overlaps(e) for e in (e3, e2))
     if (at_third and at_second) or lattice.vertical is None:
-        raise Unresolved("two roots of f may be equal")
+        raise OpenDecision("two roots of f may be equal")
     height = lattice.scale * lattice.vertical / 2
     return Spot(0 if at_third else 1, acb(0, height), True)
 
@@ -103,12 +103,12 @@ def gain_of(lattice: Lattice, alpha: arb, sign: int) -> arb | None:
 def _height(lattice: Lattice, end: Place | None, x: arb | None) -> arb:
     """The imaginary part of the first moment after that end at which the variable is ``x``."""
     if end is None:
-        raise Unresolved(f"the pole {_name(x)} may be an end of the motion")
+        raise OpenDecision(f"the pole {_name(x)} may be an end of the motion")
     p = end.wp(x)
     first, second, third = (e - p for e in lattice.es)
     height = carlson(first, second, third)
     if not height > 0:
-        raise Unresolved(f"the pole {_name(x)} may be a root of f")
+        raise OpenDecision(f"the pole {_name(x)} may be a root of f")
     return height
 
 
@@ -194,7 +194,7 @@ def _phase_part(
     ends = (lattice.base.x,) if lattice.far is None else (lattice.base.x, lattice.far.x)
     near = [side for side, end in enumerate(ends) if end.overlaps(pole.place)]
     if len(near) > 1:
-        raise Unresolved("the ends of the motion may be equal")
+        raise OpenDecision("the ends of the motion may be equal")
     if not near:
         return None
     # The trace passes through the pole at every turn at that end, and is a great circle there.
@@ -213,7 +213,7 @@ def _angle(lattice: Lattice, spot: Spot, place: arb, weight: arb, shares: tuple[
     end = lattice.side(spot.side)
     lean = weight * end.slope
     if not (lean > 0 or lean < 0):
-        raise Unresolved(f"the weight {weight.str(5)} of the pole {show_ball(place)} may be 0")
+        raise OpenDecision(f"the weight {weight.str(5)} of the pole {show_ball(place)} may be 0")
     sign = 1 if lean > 0 else -1
     alpha = sign * spot.place.imag
     zeta = lattice.sums.zeta(acb(0, alpha)).imag
@@ -231,7 +231,7 @@ def _strain_part(
     zetas = tuple(acb(0) for _ in shares)
     strain = strain_at(lattice, spot, logs, zetas)
     values = [(share / (end.x - place)).real for share in shares]
-    return Part((), (strain,), left_over(lattice, strain, values))
+    return Part((), (strain,), surplus(lattice, strain, values))
 
 
 def polynomial_part(numbers: Numbers, lattice: Lattice, coefficient: list[arb]) -> Part | None:
@@ -256,7 +256,7 @@ def polynomial_part(numbers: Numbers, lattice: Lattice, coefficient: list[arb]) 
     if not spot.imaginary:
         logs = tuple(acb(side * one / lead.sqrt()) for one in simple)
         strain = strain_at(lattice, spot, logs, zetas)
-        return Part((), (strain,), left_over(lattice, strain, values))
+        return Part((), (strain,), surplus(lattice, strain, values))
     alpha = spot.place.imag
     shares = tuple(-2 * side * one / (-lead).sqrt() for one in simple)
     turned = lattice.scale * lattice.sums.zeta(acb(0, alpha)).imag
@@ -265,7 +265,7 @@ def polynomial_part(numbers: Numbers, lattice: Lattice, coefficient: list[arb]) 
     if all(_nothing(value) for value in square):
         return Part(phases, (), tuple(values))
     strain = strain_at(lattice, spot, none, zetas)
-    return Part(phases, (strain,), left_over(lattice, strain, values))
+    return Part(phases, (strain,), surplus(lattice, strain, values))
 
 
 def cubic_part(numbers: Numbers, lattice: Lattice, linear: list[arb], lead: arb) -> Part | None:
@@ -276,7 +276,7 @@ def cubic_part(numbers: Numbers, lattice: Lattice, linear: list[arb], lead: arb)
     end: Place = lattice.side(spot.side)
     zetas = tuple(acb(-2 * lattice.scale * one / lead) for one in linear)
     strain = strain_at(lattice, spot, tuple(acb(0) for _ in linear), zetas)
-    return Part((), (strain,), left_over(lattice, strain, [one * end.x for one in linear]))
+    return Part((), (strain,), surplus(lattice, strain, [one * end.x for one in linear]))
 
 
 def strain_at(
@@ -297,7 +297,7 @@ def strain_at(
     return Strain(spot.side, spot.place, logs, zetas, gains)
 
 
-def left_over(lattice: Lattice, strain: Strain, values: list[arb]) -> tuple[arb, ...]:
+def surplus(lattice: Lattice, strain: Strain, values: list[arb]) -> tuple[arb, ...]:
     """The values of a part of the integrands at the turning point, less the strain's rates."""
     zeta, bend = lattice.sums.zeta(strain.place), lattice.sums.bend(strain.place)
     return tuple(
@@ -312,7 +312,7 @@ def _nothing(share: Any) -> bool:
 
 def _positive(value: arb, pole: Pole) -> arb:
     if not value > 0:
-        raise Unresolved(f"the pole {show_ball(pole.place)} may be a root of f")
+        raise OpenDecision(f"the pole {show_ball(pole.place)} may be a root of f")
     return value
 
 
@@ -328,7 +328,7 @@ def between_double_roots(numbers: Numbers, ends: Ends) -> dict[str, Any]:
     elif numbers.rate < 0:
         base, other = ends.upper.value, ends.lower.value
     else:
-        raise Unresolved(f"the rate {numbers.rate.str(5)} may be 0")
+        raise OpenDecision(f"the rate {numbers.rate.str(5)} may be 0")
     scale = coefficients(numbers)[4].sqrt() * abs(other - base) / 2
     start = ((numbers.place - base) / (other - numbers.place)).log() / 2
     rates, strains = _between_double_roots(numbers, base, other, scale)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from flint import acb, arb, arb_poly
 
 from voronec.elliptic.constants import Numbers
-from voronec.elliptic.roots import Ends, Unresolved, coefficients
+from voronec.elliptic.roots import Ends, OpenDecision, coefficients
 from voronec.elliptic.sums import Sums
 
 __all__ = ["ALMOST", "Lattice", "Place", "carlson", "lattice_of", "time_from", "turn_of"]
@@ -135,7 +135,7 @@ def turn_of(numbers: Numbers, ends: Ends, lattice: Lattice) -> arb:
         return -time
     if outwards < 0:
         return time
-    raise Unresolved(f"the rate {numbers.rate.str(5)} may be 0")
+    raise OpenDecision(f"the rate {numbers.rate.str(5)} may be 0")
 
 
 def time_from(lattice: Lattice, distance: arb) -> arb:
@@ -159,7 +159,7 @@ def _representation(es: tuple[arb | acb, ...]) -> tuple[Sums, arb, arb, arb]:
     vertical = _cycle(e2 - e1, e3 - e1) if rhombic else _cycle(e2 - e3, e1 - e3)
     ratio = vertical / period
     if not ratio > 0:
-        raise Unresolved("two roots of f may be equal")
+        raise OpenDecision("two roots of f may be equal")
     hyperbolic = bool(ratio.mid() < ALMOST)
     decay = 1 / ratio if hyperbolic else ratio
     power = (-arb.pi() * decay).exp()
@@ -179,7 +179,7 @@ def _cycle(x: arb | acb, y: arb | acb) -> arb:
 
 def _positive(value: arb) -> arb:
     if not value > 0:
-        raise Unresolved("two roots of f may be equal")
+        raise OpenDecision("two roots of f may be equal")
     return value
 
 

@@ -14,8 +14,8 @@ from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = [
     "Ends",
+    "OpenDecision",
     "Root",
-    "Unresolved",
     "all_roots",
     "coefficients",
     "ends_of",
@@ -114,7 +114,7 @@ MOST_BITS = 1 << 13
 Value = TypeVar("Value")
 
 
-class Unresolved(Exception):
+class OpenDecision(Exception):
     """A decision that more bits may settle; the message says which."""
 
 
@@ -179,7 +179,7 @@ def resolve(work: Callable[[int], Value], bits: int) -> Value:
             ctx.prec = bits
             try:
                 return work(bits)
-            except (Unresolved, ZeroDivisionError) as undecided:
+            except (OpenDecision, ZeroDivisionError) as undecided:
                 reason = str(undecided)
             bits *= 2
     finally:
@@ -224,7 +224,7 @@ def all_roots(numbers: Numbers) -> tuple[Root, ...]:
     real = sorted((root for root in found if root.real), key=lambda root: root.value.mid())
     for one, next_one in pairwise(real):
         if not one.value < next_one.value:
-            raise Unresolved(f"two roots near x = {one.value.str(5, radius=False)} may be equal")
+            raise OpenDecision(f"two roots near x = {one.value.str(5, radius=False)} may be equal")
     return (*real, *(root for root in found if not root.real))
 
 
@@ -253,7 +253,7 @@ def interval(numbers: Numbers) -> Ends:
         place = real.index(start)
         rises = arb_poly(coefficient).derivative()(start.value)
         if not (rises > 0 or rises < 0):
-            raise Unresolved(f"a root near x = {show_ball(start.value)} may be double")
+            raise OpenDecision(f"a root near x = {show_ball(start.value)} may be double")
         lower, upper = (place, place + 1) if rises > 0 else (place - 1, place)
     else:
         start = None
@@ -286,13 +286,13 @@ def _below(root: Root, place: arb) -> bool:
         return True
     if root.value > place:
         return False
-    raise Unresolved(f"x = {show_ball(place)} may be a root of f, with a rate that may be 0")
+    raise OpenDecision(f"x = {show_ball(place)} may be a root of f, with a rate that may be 0")
 
 
 def _start(numbers: Numbers, real: tuple[Root, ...]) -> Root:
     near = [root for root in real if root.value.overlaps(numbers.place)]
     if len(near) > 1:
-        raise Unresolved(f"two roots of f are near x = {show_ball(numbers.place)}")
+        raise OpenDecision(f"two roots of f are near x = {show_ball(numbers.place)}")
     if not near:
         raise DefinitionError(
             f"the rate is 0 where f is not: x = {show_ball(numbers.place)} is no root of f"
@@ -317,15 +317,15 @@ def _contradiction(numbers: Numbers) -> None:
 def _factor_roots(factor: tuple[arb, ...]) -> list[arb | acb]:
     """The roots of a squarefree factor, refined as far as the precision goes."""
     if factor[-1].contains(0):
-        raise Unresolved("the leading coefficient of f may be 0")
+        raise OpenDecision("the leading coefficient of f may be 0")
     polynomial = acb_poly([acb(value) for value in factor])
     # Isolating balls may be too wide for the method of Newton: then narrower ones.
     for balls in isolations(polynomial):
         try:
             return [_sharp(factor, polynomial, balls, place) for place in range(len(balls))]
-        except Unresolved:
+        except OpenDecision:
             continue
-    raise Unresolved("two roots of f may be equal")
+    raise OpenDecision("two roots of f may be equal")
 
 
 def _sharp(
@@ -337,7 +337,7 @@ def _sharp(
         return refine_root(polynomial, ball)
     others = (other for at, other in enumerate(balls) if at != place)
     if any(ball.conjugate().overlaps(other) for other in others):
-        raise Unresolved("two roots of f may be equal or complex")
+        raise OpenDecision("two roots of f may be equal or complex")
     # Its conjugate is a root in the mirrored ball, hence itself: it is real.
     return refine_root(arb_poly(list(factor)), ball.real)
 
@@ -349,15 +349,15 @@ def refine_root(polynomial: arb_poly | acb_poly, ball: arb | acb) -> arb | acb:
         middle = ball.mid()
         step = derivative(ball)
         if step.contains(0):
-            raise Unresolved("two roots of f may be equal")
+            raise OpenDecision("two roots of f may be equal")
         better = middle - polynomial(middle) / step
         if not better.overlaps(ball):
-            raise Unresolved("a root of f needs more bits")
+            raise OpenDecision("a root of f needs more bits")
         if not better.rad() * 2 < ball.rad():
             ball = better if better.rad() < ball.rad() else ball
             floor = (polynomial(middle) / derivative(middle)).rad() + _last_bit(middle)
             if ball.rad() > 16 * floor:
-                raise Unresolved("the method of Newton needs a narrower ball")
+                raise OpenDecision("the method of Newton needs a narrower ball")
             return ball
         ball = better
     return ball

@@ -13,7 +13,7 @@ from voronec.elliptic.assembly import assemble
 from voronec.elliptic.ball_evaluation import Moment, moment_of
 from voronec.elliptic.constants import Constants, Numbers, Source
 from voronec.elliptic.lattice import lattice_of, time_from
-from voronec.elliptic.roots import Unresolved, ends_of, interval, resolve
+from voronec.elliptic.roots import OpenDecision, ends_of, interval, resolve
 from voronec.errors import EngineLimit
 
 __all__ = ["Enclosed", "Solution", "accurate", "exact_time", "invert"]
@@ -75,7 +75,7 @@ class Solution:
         def work(working: int) -> Constants:
             constants = assemble(self.source(working))
             if not accurate(constants, bits):
-                raise Unresolved("the constants are not accurate enough")
+                raise OpenDecision("the constants are not accurate enough")
             return constants
 
         self._known[bits] = resolve(work, bits + GUARD)
@@ -100,7 +100,7 @@ class Solution:
                 return found
             if isinstance(t, arb) and not t.is_exact() and working > 4 * bits:
                 raise EngineLimit(f"no {digits} digits at t = {t.str(10)}: the time is a wide ball")
-            raise Unresolved(f"no {digits} digits at t = {t}")
+            raise OpenDecision(f"no {digits} digits at t = {t}")
 
         bits = int(digits * 3.33) + GUARD
         return resolve(work, bits)

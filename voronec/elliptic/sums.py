@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from flint import acb, arb, ctx
 
-from voronec.elliptic.roots import Unresolved, power
+from voronec.elliptic.roots import OpenDecision, power
 
 __all__ = ["Sums", "phase"]
 
@@ -110,7 +110,7 @@ class Sums:
     def _count(self, z: arb | acb) -> int:
         growth, decay = float(self._growth(z)), -float(self.nome.abs_upper().log())
         if not (math.isfinite(growth) and decay > 0):
-            raise Unresolved("a sum needs more bits")
+            raise OpenDecision("a sum needs more bits")
         below = ctx.prec * math.log(2) + 10
         n = 1
         while n * n / 2 * decay - 2 * (n + 1) * growth < below or n * decay < 2 * growth + 2:
@@ -139,7 +139,7 @@ def phase(sums: Sums, z: arb, alpha: arb, sign: int) -> arb:
             return arb(0)
         if z < 0:
             return -sign * arb.pi()
-        raise Unresolved("the moment is that of a passage through a pole, or very near it")
+        raise OpenDecision("the moment is that of a passage through a pole, or very near it")
     value = sums.s(acb(z, -alpha))
     if sums.kind == "trigonometric":
         turned = value * acb(0, sign) * acb(0, -sign * z).exp()
@@ -151,7 +151,7 @@ def phase(sums: Sums, z: arb, alpha: arb, sign: int) -> arb:
 def _arctangent(across: arb, along: arb) -> arb:
     """The angle in (-pi/2, pi/2) of a direction with ``along > 0``."""
     if not along > 0:
-        raise Unresolved("the angle of a pole needs more bits")
+        raise OpenDecision("the angle of a pole needs more bits")
     return (across / along).atan()
 
 

@@ -95,7 +95,7 @@ def _make_chart(equations: VoronecEquations) -> VoronecEquations | None:
         for chosen in combinations(triples, count):
             axes = f"polar axis of {', '.join(str(t.theta) for t in chosen)} turned"
             try:
-                chart = _Turned(there.definition, chosen, triples).chart
+                chart = _TurnedSystem(there.definition, chosen, triples).chart
             except EngineLimit:
                 continue
             declared = system.charts.get(own)
@@ -254,7 +254,7 @@ def _angles_of(R: Any) -> tuple[Any, Any, Any]:
 
 
 @dataclass(frozen=True)
-class _Turned:
+class _TurnedSystem:
     """A system in angles whose polar axes lie elsewhere, for one or several attitudes."""
 
     d: Definition

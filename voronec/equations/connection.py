@@ -26,7 +26,7 @@ __all__ = [
     "AffineForms",
     "EhresmannConnection",
     "FibreSolution",
-    "Undetermined",
+    "UndeterminedVelocities",
     "coordinate_lift",
     "dual_rows",
     "framed_lift",
@@ -205,7 +205,7 @@ def solve_fibre(
     return fibre, solution
 
 
-class Undetermined(DefinitionError):
+class UndeterminedVelocities(DefinitionError):
     """Velocities that the given conditions leave open; ``free`` are their positions."""
 
     def __init__(self, free: Sequence[int]) -> None:
@@ -230,7 +230,7 @@ def framed_lift(
     """The lift of quasi-velocities: constraints and definitions solved for all velocities at once.
 
     ``share`` is that of ``solve_linear``.
-    Raises ``Undetermined`` where they leave velocities open, or fix more than they may.
+    Raises ``UndeterminedVelocities`` where they leave velocities open, or fix more than they may.
     """
     n = len(frame.matrix)
     rows = [*constraints.matrix, *frame.matrix, *relations.matrix]
@@ -243,7 +243,7 @@ def framed_lift(
     own = len(rows) - len(relations.matrix)
     solution = solve_linear(rows, right, ideal, own, near, share)
     if solution.free or solution.contradictory or any(i < own for i in solution.dependent):
-        raise Undetermined(solution.free)
+        raise UndeterminedVelocities(solution.free)
     return solution.values
 
 

@@ -356,7 +356,7 @@ class _Brackets:
         for degree, level in enumerate(self._levels(), start=1):
             for kind, fields in level.items():
                 bad = kind[0] % 2 == 1 and all(n % 2 == 0 for n in kind[1:])
-                if bad and any(span.rest(field.value) for field in fields):
+                if bad and any(span.remainder(field.value) for field in fields):
                     count = ", ".join(f"{n} times g{i}" for i, n in enumerate(kind) if i and n)
                     return Verdict(
                         "undecided",
@@ -381,7 +381,7 @@ class _Brackets:
         along, vector = Span(), push.value
         while along.add(vector):
             vector = _apply_matrix(linear, vector)
-        return bool(along.rest(push.bracket(drift.bracket(push)).value))
+        return bool(along.remainder(push.bracket(drift.bracket(push)).value))
 
     def _levels(self) -> Iterator[dict[tuple[int, ...], list[FieldJet]]]:
         """Brackets by degree, and there by how often each field occurs: a basis of the jets."""

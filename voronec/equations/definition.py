@@ -14,7 +14,7 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.bounded import bound_exponentials, holds_exponentials
+from voronec.algebra.bounded_exponentials import bound_exponentials, holds_exponentials
 from voronec.algebra.conditions import condition
 from voronec.algebra.door import Door
 from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, time, velocity

@@ -15,13 +15,13 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.bounded import bound_all_exponentials
+from voronec.algebra.bounded_exponentials import bound_all_exponentials
 from voronec.algebra.normal import canonical, shortest
 from voronec.declaration.reading import quote
 from voronec.equations.connection import (
     EhresmannConnection,
     FibreSolution,
-    Undetermined,
+    UndeterminedVelocities,
     coordinate_lift,
     dual_rows,
     framed_lift,
@@ -133,7 +133,7 @@ class Derivation:
             lift = framed_lift(
                 d.constraints, d.frame, d.differentiated, d.relations, d.near, d.share
             )
-        except Undetermined as error:
+        except UndeterminedVelocities as error:
             raise _frame_error(d, error) from None
         flat = self.tidy([e for row in lift for e in row])
         width = len(d.velocities) + 1
@@ -325,7 +325,7 @@ class Derivation:
         )
 
 
-def _frame_error(d: Definition, error: Undetermined) -> DefinitionError:
+def _frame_error(d: Definition, error: UndeterminedVelocities) -> DefinitionError:
     system = d.system
     given = ", ".join(map(str, d.velocities))
     if not error.free:

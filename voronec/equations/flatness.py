@@ -30,7 +30,7 @@ Independent = Callable[[Sequence[tuple[Any, ...]]], list[int]]
 
 
 @dataclass(frozen=True)
-class _Extended:
+class _ExtendedSystem:
     """A system with integrators before some of its inputs: the rates of its ``state`` are ``drift``
     and ``fields``, one for each input."""
 
@@ -64,7 +64,7 @@ class _Extended:
 
     def prolong(
         self, rows: Sequence[tuple[Any, ...]], offsets: Sequence[Any], independent: Independent
-    ) -> _Extended:
+    ) -> _ExtendedSystem:
         """The system whose inputs are the rates of w = b + A u, rows of full rank, and what is left
         of u."""
         columns = independent(list(zip(*rows, strict=True)))
@@ -87,7 +87,7 @@ class _Extended:
             drift = canonical(drift, self.relations)
         zero, size = se.Integer(0), len(self.state)
         integrators = [(*[zero] * size, *(se.Integer(int(i == k)) for i in unit)) for k in unit]
-        return _Extended(
+        return _ExtendedSystem(
             (*self.state, *fresh),
             (*drift, *[zero for _ in unit]),
             (*integrators, *((*field, *[zero for _ in unit]) for field in moved)),
@@ -101,7 +101,9 @@ def flatness(
 ) -> Verdict:  # fmt: skip
     """Whether outputs are flat; ``independent`` gives the rows that are so at a generic point, and
     ``redundant`` variables of the state are bound by relations."""
-    system = _Extended(tuple(state), tuple(drift), tuple(map(tuple, fields)), tuple(relations))
+    system = _ExtendedSystem(
+        tuple(state), tuple(drift), tuple(map(tuple, fields)), tuple(relations)
+    )
     for _ in range(len(system.state)):
         met = [system.relative_degree(y) for y in outputs]
         found = [m for m in met if m is not None]

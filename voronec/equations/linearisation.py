@@ -274,7 +274,7 @@ def _about(
     rows = expand([*form.rates, *form.force, *mass, *own.relations], variables, point)
     k, n, width = len(own.coordinates), len(own.velocities), len(variables)
     table = [rows[k + n + i * n : k + n + (i + 1) * n] for i in range(n)]
-    _require_related(equations, [value.xreplace(late) for value, _ in rows[k + n + n * n :]])
+    _require_relations(equations, [value.xreplace(late) for value, _ in rows[k + n + n * n :]])
     kept, spread = _independent(rows[k + n + n * n :], k)
     vdot, slopes = _accelerations(table, rows[k : k + n], width)
     chained = [_chain_slopes(_row(rows[i], width), spread, k) for i in kept]
@@ -295,7 +295,7 @@ def _about(
     )
 
 
-def _require_related(equations: DerivedEquations, values: Sequence[Any]) -> None:
+def _require_relations(equations: DerivedEquations, values: Sequence[Any]) -> None:
     """Raise where a relation between the coordinates is not met at the point."""
     system = equations.system
     for relation, inner in zip(system.fibration.relations, values, strict=False):

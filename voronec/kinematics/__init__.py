@@ -8,7 +8,7 @@ from importlib import import_module as _import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from voronec.kinematics.balanced import BalancedBall, BallMotion, SymmetricBallMotion
+    from voronec.kinematics.balanced_balls import BalancedBall, BallMotion, SymmetricBallMotion
     from voronec.kinematics.balls import RollingBall, contact_momentum
     from voronec.kinematics.bodies import (
         axial_rotor,
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
         uniform_field_energy,
     )
     from voronec.kinematics.bodies_in_rn import BodyInRn
-    from voronec.kinematics.carried import CarriedContact
+    from voronec.kinematics.carried_contact import CarriedContact
     from voronec.kinematics.convex import ConvexBody
     from voronec.kinematics.ellipsoids import RollingEllipsoid
     from voronec.kinematics.forms import SurfaceForms
@@ -97,11 +97,11 @@ __all__ = [
 ]
 
 _HOME = {
-    "balanced": "BalancedBall BallMotion SymmetricBallMotion",
+    "balanced_balls": "BalancedBall BallMotion SymmetricBallMotion",
     "balls": "RollingBall contact_momentum",
     "bodies": "axial_rotor kinetic_energy point_velocity uniform_field_energy",
     "bodies_in_rn": "BodyInRn",
-    "carried": "CarriedContact",
+    "carried_contact": "CarriedContact",
     "convex": "ConvexBody",
     "ellipsoids": "RollingEllipsoid",
     "forms": "SurfaceForms",

@@ -19,7 +19,7 @@ from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 from voronec.kinematics.balls import GAMMA, OMEGA, ZERO
 from voronec.kinematics.bodies import kinetic_energy
-from voronec.kinematics.carried import carried_vectors, form_values
+from voronec.kinematics.carried_contact import carried_vectors, form_values
 from voronec.kinematics.convex import ConvexBody
 from voronec.kinematics.families import (
     FIXED_RADIUS,

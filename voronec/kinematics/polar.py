@@ -60,7 +60,7 @@ def cartesian_chart(
     if near is not None:
         require("cartesian_chart", "near", near, POINT)
     r, phi = distinct_names(tuple(polar), 2, "the polar coordinates")
-    moved = _Moved(r, phi)
+    moved = _ChartImage(r, phi)
     there, back, twin = _maps(r, phi, frame)
     changes: dict[str, Any] = {"lagrangian": moved.regular(lagrangian, "the Lagrangian")}
     if constraints:
@@ -74,7 +74,7 @@ def cartesian_chart(
     )  # fmt: skip
 
 
-class _Moved:
+class _ChartImage:
     """Functions of polar coordinates and velocities in the chart, where r means x and phi y."""
 
     def __init__(self, r: sp.Expr, phi: sp.Expr) -> None:

@@ -19,7 +19,7 @@ from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.kinematics.balls import OMEGA
 from voronec.kinematics.bodies import kinetic_energy
-from voronec.kinematics.carried import CARRIED, carried_vectors, form_values
+from voronec.kinematics.carried_contact import CARRIED, carried_vectors, form_values
 from voronec.kinematics.families import (
     Words,
     constants,

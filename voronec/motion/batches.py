@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from voronec.equations.program import Hoisted, Program, hoist, taylor_system
+from voronec.equations.program import HoistedProgram, Program, hoist, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.methods import METHODS, method_names
 from voronec.motion.one_by_one import (
     Look,
     StepSizes,
-    Stopped,
+    StopRequest,
     break_error,
     compile_method,
     is_lasting,
@@ -33,7 +33,7 @@ __all__ = [
     "SINGULAR",
     "Lanes",
     "StepSizes",
-    "Stopped",
+    "StopRequest",
     "along",
     "choose_lanes",
     "require_method",
@@ -62,7 +62,7 @@ class Lanes:
     integrator: Any
     width: int
     constants: int
-    raised: Hoisted
+    raised: HoistedProgram
     plain: Program
     scaled: tuple[int, ...]
     units: np.ndarray
@@ -190,7 +190,7 @@ def _pieces(
     block[:, 0] = lanes.states
     while at < len(grid) - 1:
         if stopped():
-            raise Stopped
+            raise StopRequest
         if (ta.time != grid[at]).any():  # a piece may end an ulp beside the grid
             ta.set_time(float(grid[at]))
         longest = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at])).tolist()
@@ -248,7 +248,7 @@ def _one_interval(
     ta, steps = lanes.integrator, 0
     while True:
         if stopped():
-            raise Stopped
+            raise StopRequest
         before = ta.time.copy()
         ta.propagate_until(float(ends[-1]), max_steps=CHUNK, max_delta_t=longest)
         lanes.note_steps()

@@ -22,7 +22,7 @@ from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.batches import Lanes, along, choose_lanes, require_method
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.motion_pool import Many, at_each, drifts, many
-from voronec.motion.one_by_one import Stopped, along_one
+from voronec.motion.one_by_one import StopRequest, along_one
 from voronec.motion.request import (  # fmt: skip
     Values,
     grid_of,
@@ -175,7 +175,7 @@ def ensemble(
         return _empty_ensemble(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
     ready = perf_counter()
     finest = tol if lanes else max(tol, FINEST)
-    filled = _Filled.empty(motions, tuple(wanted), grid, apart, finest, carrier)
+    filled = _ResultRows.empty(motions, tuple(wanted), grid, apart, finest, carrier)
     alone = _Alone(driven, inputs, single, chosen_scene, keys, method, tol, progress)
     interrupted = driven.changing is None and _run(filled, lanes, tol, jobs, progress)
     if not interrupted:
@@ -258,7 +258,7 @@ class _Alone:
 
 
 @dataclass(frozen=True, eq=False)
-class _Filled:
+class _ResultRows:
     """What the workers fill in; each writes the rows of its own starts alone."""
 
     motions: Many
@@ -284,7 +284,7 @@ class _Filled:
         apart: Apart | None,
         tol: float,
         single: str,
-    ) -> _Filled:
+    ) -> _ResultRows:
         def nothing(*shape: int) -> np.ndarray:
             return np.full(shape, np.nan)
 
@@ -406,7 +406,7 @@ class _Filled:
         )
 
 
-def _run(filled: _Filled, lanes: Lanes | None, tol: float, jobs: int, progress: Any) -> bool:
+def _run(filled: _ResultRows, lanes: Lanes | None, tol: float, jobs: int, progress: Any) -> bool:
     """All motions, block by block; whether it was stopped by hand."""
     sound = np.array(filled.motions.sound, dtype=int)
     size = BATCHES * lanes.width if lanes else TOGETHER if filled.single == "numba" else 1
@@ -455,7 +455,7 @@ def _do_work(work: Callable[[Any], None], blocks: list[Any], jobs: int) -> Itera
 
 
 def _block(
-    filled: _Filled, lanes: Lanes | None, block: np.ndarray, tol: float, halt: Event
+    filled: _ResultRows, lanes: Lanes | None, block: np.ndarray, tol: float, halt: Event
 ) -> None:
     """Some starts, one load of the lanes after another."""
     motions, width = filled.motions, lanes.width if lanes else 1
@@ -480,14 +480,14 @@ def _block(
                 filled.collapsed.extend(where[near].tolist())
             taken += steps
             over.append((where, rows, failed))
-    except Stopped:
+    except StopRequest:
         return
     finally:
         _fill_judgements(filled, over, taken, lanes is None)
 
 
 def _fill_judgements(
-    filled: _Filled,
+    filled: _ResultRows,
     over: list[tuple[np.ndarray, np.ndarray, dict[int, IntegrationError]]],
     steps: int,
     stepwise: bool,

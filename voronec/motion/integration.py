@@ -34,9 +34,9 @@ from voronec.motion.events import Crossings, Event, name_events
 from voronec.motion.fallback import Way, first_success, other_method
 from voronec.motion.inputs import drive
 from voronec.motion.methods import CLOSED
-from voronec.motion.mode_stepper import Switched, through_walls
+from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_start import Outset
-from voronec.motion.numeric_model import Modelled, make_model, whole
+from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.poles import LAST, NearPole, PoleGuard
 from voronec.motion.request import StartData, grid_of, outputs_of, scene_of
@@ -294,11 +294,11 @@ class _Request:
         return self._integrate(whole(self.vocabulary, self.outputs, self.functions), self.method)
 
     @cached_property
-    def smallest(self) -> Modelled:
+    def smallest(self) -> ProgrammedModel:
         """The smallest model."""
         return self._make_model(self.followed)
 
-    def _make_model(self, followed: bool) -> Modelled:
+    def _make_model(self, followed: bool) -> ProgrammedModel:
         outset = self.outset
         return make_model(
             self.vocabulary, self.outputs, self.functions, outset.state, outset.steady,
@@ -320,7 +320,7 @@ class _Request:
 
     def _integrate(
         self,
-        made: Modelled,
+        made: ProgrammedModel,
         method: str,
         times: np.ndarray | None = None,
         near: Any = LAST,
@@ -340,7 +340,7 @@ class _Job:
     watched."""
 
     vocabulary: Vocabulary
-    made: Modelled
+    made: ProgrammedModel
     outset: Outset
     grid: np.ndarray
     tol: float
@@ -405,7 +405,7 @@ class _Job:
 
     def _switching_stepper(
         self, method: str, problem: Problem, guard: PoleGuard | None
-    ) -> Switched | None:
+    ) -> SwitchedIntegrator | None:
         """The integrator of a problem that is not smooth, poles watched; None where it is."""
         made = self.made
         watched = problem if guard is None else guard.watch(problem, self.grid)
@@ -450,7 +450,7 @@ class _Job:
             run.steps, followed, watch.relations, made.relations, self.outset.changing,
         )  # fmt: skip
         t, states = run.t.astype(float), run.states.astype(float)
-        breach, notes = judge.breach(t, states) if smooth else judge.check_conserved(t, states)
+        breach, notes = judge.breach(t, states) if smooth else judge.check_integrals(t, states)
         form = equations.raw.form
         own = [str(x) for x in (*form.coordinates, *form.velocities)]
         if smooth and breach is None and {*own} <= {*trajectory.series, *trajectory.names}:

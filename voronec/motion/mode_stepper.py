@@ -26,7 +26,7 @@ from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.restarts import in_pieces
 from voronec.motion.steppers.run import in_parts, until
 
-__all__ = ["Switched", "through_walls"]
+__all__ = ["SwitchedIntegrator", "through_walls"]
 
 WINDOW, CRAWL = 200, 1e-8
 """So many switches that cover less than this part of the span lead nowhere."""
@@ -39,7 +39,7 @@ ZENO = "switches follow one another ever faster"
 
 
 @dataclass(frozen=True)
-class Switched:
+class SwitchedIntegrator:
     """The integrator of a problem that is not smooth, and what ``Cost`` says of it.
 
     ``corner`` are the equations with which it starts, and ``values`` those of its parameters; None
@@ -53,7 +53,7 @@ class Switched:
     roads: Crossroads
 
     @classmethod
-    def of(cls, roads: Crossroads) -> Switched:
+    def of(cls, roads: Crossroads) -> SwitchedIntegrator:
         """The way from the start of a problem."""
         problem, grid = roads.problem, roads.grid
         with mpmath.workprec(roads.working):
@@ -70,9 +70,11 @@ class Switched:
 
         return cls(run, dict(first.chosen), first.corner, values, roads)
 
-    def elsewhere(self, time: float, start: np.ndarray, parameters: Sequence[Any]) -> Switched:
+    def elsewhere(
+        self, time: float, start: np.ndarray, parameters: Sequence[Any]
+    ) -> SwitchedIntegrator:
         """The same from another start, with what was made ready for this one."""
-        return Switched.of(self.roads.elsewhere(time, start, parameters))
+        return SwitchedIntegrator.of(self.roads.elsewhere(time, start, parameters))
 
 
 def through_walls(
@@ -81,7 +83,7 @@ def through_walls(
     grid: np.ndarray,
     form: Any,
     functions: Mapping[str, Any],
-) -> Switched | None:
+) -> SwitchedIntegrator | None:
     """The integrator of a problem that is not smooth; None where it is smooth.
 
     ``form`` are the equations of the problem's program, ``functions`` those of its events by name,
@@ -110,7 +112,7 @@ def through_walls(
 
 def _through_walls(
     method: str, problem: Problem, grid: np.ndarray, form: Any, functions: Mapping[str, Any]
-) -> Switched | None:
+) -> SwitchedIntegrator | None:
     program, levels = problem.program, problem.levels
     if not program.is_rough and (levels is None or not levels.is_rough_beside):
         return None
@@ -127,7 +129,7 @@ def _through_walls(
     bits = ceil(-log2(problem.tol)) + GUARD if exact else DOUBLE
     with mpmath.workprec(2 * bits + GUARD):
         roads = Crossroads(method, problem, grid, modes, bits)
-    return Switched.of(roads)
+    return SwitchedIntegrator.of(roads)
 
 
 def _saturation(tol: float, exact: bool) -> Any:

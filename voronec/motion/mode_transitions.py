@@ -156,7 +156,7 @@ class Crossroads:
                 mode = self._along(time, state, met, along, corners)
                 if mode is not None:
                     return mode
-        rest = self._mode_of_rest(time, state, met, corners)
+        rest = self._rest_mode(time, state, met, corners)
         return STUCK.format(names) if rest is None else rest
 
     def _corners(
@@ -323,7 +323,7 @@ class Crossroads:
                 return mode
         return None
 
-    def _mode_of_rest(
+    def _rest_mode(
         self, time: Any, state: np.ndarray, met: Sequence[Surface],
         corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
     ) -> Mode | None:  # fmt: skip

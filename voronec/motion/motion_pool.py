@@ -195,7 +195,7 @@ def many(
     rhs, extras = compile_program(program)
     if not program.derivative.is_rough(program.parameters):
         # a case that does not hold may have no value, and yet the motion has
-        _mark_undefined(vocabulary, rhs, states, values, time, wrong)
+        _mark_undefined_states(vocabulary, rhs, states, values, time, wrong)
     return Many(vocabulary, basis, program, extras, states, full, values, constants, time, wrong)
 
 
@@ -271,7 +271,7 @@ def _place_on_ground(
     return np.stack(columns, axis=-1), frozen
 
 
-def _mark_undefined(
+def _mark_undefined_states(
     vocabulary: Vocabulary,
     rhs: Any,
     states: np.ndarray,

@@ -19,16 +19,16 @@ from voronec.motion.model import Model, SmallestModels
 from voronec.motion.observables import Branch, Watch, watch_of
 from voronec.motion.state_probe import Probe, mass_program, quantities
 from voronec.motion.steppers.signals import Signals
-from voronec.motion.vocabulary import Vocabulary, Wanted
+from voronec.motion.vocabulary import OutputTerms, Vocabulary
 
-__all__ = ["Modelled", "make_model", "numbers_at", "whole"]
+__all__ = ["ProgrammedModel", "make_model", "numbers_at", "whole"]
 
-_written: WeakKeyDictionary[Model, dict[Any, Modelled]] = WeakKeyDictionary()
+_written: WeakKeyDictionary[Model, dict[Any, ProgrammedModel]] = WeakKeyDictionary()
 """What was written for a model, by outputs and events, as long as that lives."""
 
 
 @dataclass(frozen=True)
-class Modelled:
+class ProgrammedModel:
     """A model made ready: its program, what is watched on it, the functions of events.
 
     ``form`` has the mass matrix of the velocities; ``event_functions`` are expressions on the model
@@ -108,7 +108,7 @@ def make_model(
     constants: Mapping[str, float],
     time: float,
     followed: bool,
-) -> Modelled:
+) -> ProgrammedModel:
     """The smallest model of the outputs and of the functions of events.
 
     ``functions`` gives those of events in the user's symbols; ``start`` (n,) is on the
@@ -148,8 +148,8 @@ def make_model(
 
 
 def _write(
-    vocabulary: Vocabulary, wanted: Wanted, model: Model, functions: Mapping[str, Any]
-) -> Modelled:
+    vocabulary: Vocabulary, wanted: OutputTerms, model: Model, functions: Mapping[str, Any]
+) -> ProgrammedModel:
     """What is the same for every start of a model: all but the branches of its angles.
 
     The model itself is left out: what is kept by a weak key must not hold the key.
@@ -158,7 +158,7 @@ def _write(
     form = replace(model.form, mass=model.cut.inertia or model.cut.mass)
     below = {f"start {x}": e for x, e in model.start.items()}
     below |= {f"frozen {x}": e for x, e in model.frozen.items()}
-    return Modelled(
+    return ProgrammedModel(
         model=None,
         program=Program.of(model.form, watch.expressions),
         watch=watch,
@@ -177,7 +177,7 @@ def numbers_at(
     return found | {se.Symbol(name): value for name, value in constants.items()} | {form.time: time}
 
 
-def _watch(vocabulary: Vocabulary, wanted: Wanted, model: Model) -> Watch:
+def _watch(vocabulary: Vocabulary, wanted: OutputTerms, model: Model) -> Watch:
     """The outputs on a model, its angles by their cosines and sines, and the integrals and
     relations that it can express."""
     level = model.cut
@@ -205,13 +205,15 @@ def _besides(vocabulary: Vocabulary, model: Model) -> dict[str, Any]:
     return found | {str(x): se.Integer(0) for x in own if str(x) in zero}
 
 
-def whole(vocabulary: Vocabulary, outputs: Sequence[Any], functions: Mapping[str, Any]) -> Modelled:
+def whole(
+    vocabulary: Vocabulary, outputs: Sequence[Any], functions: Mapping[str, Any]
+) -> ProgrammedModel:
     """The equations as they are, on coordinates and velocities."""
     form = vocabulary.equations.form
     watch = watch_of(vocabulary, outputs)
     inside = {name: vocabulary.inward(e) for name, e in functions.items()}
     states = (*form.coordinates, *form.velocities)
-    return Modelled(
+    return ProgrammedModel(
         model=None,
         program=Program.of(form, watch.expressions),
         watch=watch,

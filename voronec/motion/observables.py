@@ -13,7 +13,7 @@ import symengine as se
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.digits import compiled_digits, precision
 from voronec.motion.reactions import Multipliers
-from voronec.motion.vocabulary import Vocabulary, Wanted
+from voronec.motion.vocabulary import OutputTerms, Vocabulary
 
 __all__ = ["Branch", "Watch", "evaluate_extras", "evaluate_watch", "watch_of"]
 
@@ -66,7 +66,7 @@ class Watch:
     @classmethod
     def of(
         cls,
-        wanted: Wanted,
+        wanted: OutputTerms,
         integrals: Mapping[str, Any],
         relations: Mapping[str, Any],
         multipliers: Multipliers | None = None,

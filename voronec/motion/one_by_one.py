@@ -14,14 +14,14 @@ from voronec.motion.steppers.choice import COMPILED, STAGES
 from voronec.motion.steppers.first_step import STRIDE
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import estimated_steps
-from voronec.motion.steppers.step_loop import Halted, Stretch, Stride
+from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride
 from voronec.motion.steppers.units import units_of_many
 from voronec.motion.tolerances import FINEST
 
 __all__ = [
     "Look",
     "StepSizes",
-    "Stopped",
+    "StopRequest",
     "along_one",
     "break_error",
     "compile_method",
@@ -38,7 +38,7 @@ Look = Callable[[], bool]
 """Whether somebody asked to stop."""
 
 
-class Stopped(Exception):
+class StopRequest(Exception):
     """Somebody asked to stop; what a batch had begun is not finished."""
 
 
@@ -179,7 +179,7 @@ def _stretches(
     while time != grid[-1]:
         try:
             stretch = loop.advance()
-        except Halted as halted:
+        except IntegratorFailure as halted:
             raise break_error(str(halted), time, good) from None
         assert isinstance(stretch, Stretch)
         yield stretch
@@ -201,7 +201,7 @@ def along_one(
         for taken in fill(program, state, values, grid, tol, rows, sizes):
             steps += taken
             if stopped():
-                raise Stopped
+                raise StopRequest
     except IntegrationError as error:
         return rows, error, steps, False
     return rows, None, steps, sizes.has_collapsed(0)

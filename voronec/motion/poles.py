@@ -15,7 +15,7 @@ from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import IntegrationError
 from voronec.motion.events import Event
-from voronec.motion.numeric_model import Modelled
+from voronec.motion.numeric_model import ProgrammedModel
 from voronec.motion.state_probe import quantities, quiet
 from voronec.motion.steppers import Halt, Problem, Run
 
@@ -51,7 +51,7 @@ class PoleGuard:
     def of(
         cls,
         equations: VoronecEquations,
-        made: Modelled,
+        made: ProgrammedModel,
         start: np.ndarray,
         constants: Mapping[str, float],
         time: float,
@@ -118,7 +118,9 @@ class PoleGuard:
         )
 
 
-def _distance(equations: VoronecEquations, made: Modelled, angles: EulerAngles) -> Any | None:
+def _distance(
+    equations: VoronecEquations, made: ProgrammedModel, angles: EulerAngles
+) -> Any | None:
     """The square of the sine that vanishes at the poles, on a model; None where it has none."""
     variables = {*made.program.state, *made.program.parameters}
     if angles.theta in variables:
@@ -134,7 +136,7 @@ def _distance(equations: VoronecEquations, made: Modelled, angles: EulerAngles) 
 
 def _is_singular(
     equations: VoronecEquations,
-    made: Modelled,
+    made: ProgrammedModel,
     angles: EulerAngles,
     start: np.ndarray,
     constants: Mapping[str, float],

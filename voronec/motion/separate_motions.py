@@ -16,8 +16,8 @@ from voronec.equations.program import compile_program
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.batches import require_method
 from voronec.motion.events import Event
-from voronec.motion.mode_stepper import Switched, through_walls
-from voronec.motion.one_by_one import Stopped
+from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
+from voronec.motion.one_by_one import StopRequest
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
 
@@ -45,8 +45,8 @@ class Apart:
     method: str
     tol: float
     reason: str
-    switched: Switched
-    plane: Switched | None = field(default=None)
+    switched: SwitchedIntegrator
+    plane: SwitchedIntegrator | None = field(default=None)
 
     @classmethod
     def of(cls, motions: Many, method: str, tol: float, grid: np.ndarray) -> Apart | None:
@@ -65,7 +65,7 @@ class Apart:
     ) -> tuple[np.ndarray, IntegrationError | None, int]:
         """Motion i along a grid: states (k, n), the error that ended it, steps."""
         if stopped():
-            raise Stopped
+            raise StopRequest
         state, values = self.motions.states[i], self.motions.values[i]
         self.switched = self.switched.elsewhere(float(grid[0]), state, values.tolist())
         run = self.switched.stepper(grid)
@@ -120,7 +120,7 @@ class Apart:
 
     def _to_plane(
         self, i: int, grid: np.ndarray, state: np.ndarray, name: str, value: float, direction: int
-    ) -> Switched:
+    ) -> SwitchedIntegrator:
         """The way of motion i from a state on, with the plane as an event."""
         values = self.motions.values[i].tolist()
         if self.plane is None:
@@ -153,7 +153,7 @@ def _switching_stepper(
     motions: Many, i: int, method: str, tol: float, grid: np.ndarray,
     events: tuple[Event, ...] = (), functions: dict[str, Any] | None = None,
     state: np.ndarray | None = None,
-) -> Switched | None:  # fmt: skip
+) -> SwitchedIntegrator | None:  # fmt: skip
     form, given = motions.ground.form, functions or {}
     levels = quantities(form, given) if given else None
     start = motions.states[i] if state is None else state

@@ -137,7 +137,7 @@ def again(
     def single(time: float, state: np.ndarray) -> np.ndarray:
         left[0] -= 1
         if left[0] < 0:
-            raise _Spent
+            raise _OverBudget
         return rates(np.array([time]), state[None, :])[0]
 
     ends = []
@@ -147,7 +147,7 @@ def again(
             with np.errstate(all="ignore"):
                 while solver.status == "running":
                     solver.step()
-        except (_Spent, ValueError):
+        except (_OverBudget, ValueError):
             return None
         if solver.status != "finished" or not np.isfinite(solver.y).all():
             return None
@@ -157,7 +157,7 @@ def again(
     return np.asarray(np.abs(states[-1] - ends[0]) / allowed)
 
 
-class _Spent(Exception):
+class _OverBudget(Exception):
     """More evaluations than there were to spend."""
 
 
@@ -223,7 +223,7 @@ class Judge:
         found += disobedient(t, states, rates, self.tol, MOST)
         return min(found, key=lambda b: b.row, default=None), notes
 
-    def check_conserved(
+    def check_integrals(
         self, t: np.ndarray, states: np.ndarray
     ) -> tuple[Breach | None, tuple[str, ...]]:
         """The same of integrals and relations alone."""
@@ -250,7 +250,7 @@ class Judge:
         rows = np.unique(np.linspace(0, len(t) - 1, ROWS).astype(int))
         relations = {name: (key, "") for name, key in self.relations.items()}
         relations |= {f"{e} = 0": (f"vanishing {e}", "") for e in self.vanishing}
-        conserved = Conserved({**self.integrals, **relations}, self._extras())
+        conserved = ConservedQuantities({**self.integrals, **relations}, self._extras())
         breaches, notes = [], []
         lost = conserved.losses(t[rows], states[rows], self.tol, self.steps)
         for name, (i, change, allowed) in lost.items():
@@ -302,7 +302,7 @@ def disobedient(
 
 
 @dataclass(frozen=True)
-class Conserved:
+class ConservedQuantities:
     """Quantities that must stay: ``names`` of extra quantities of a program, and of those which
     give the size of their terms (empty where these are not known).
 
@@ -488,7 +488,9 @@ class JudgeOfMany:
         def extras(times: np.ndarray, rows: np.ndarray) -> Mapping[str, np.ndarray]:
             return _at(self.program, times, rows, np.broadcast_to(values, (len(rows), len(values))))
 
-        lost = Conserved({name: (key, key)}, extras).losses(t, states, self.tol, int(steps))
+        lost = ConservedQuantities({name: (key, key)}, extras).losses(
+            t, states, self.tol, int(steps)
+        )
         if name not in lost or not self._is_proved(name):
             return None
         row, change, allowed = lost[name]

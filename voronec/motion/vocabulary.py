@@ -18,7 +18,7 @@ from voronec.errors import DefinitionError, did_you_mean
 if TYPE_CHECKING:
     from voronec.equations.voronec_equations import VoronecEquations
 
-__all__ = ["Vocabulary", "Wanted", "held_name", "label", "number"]
+__all__ = ["OutputTerms", "Vocabulary", "held_name", "label", "number"]
 
 CONFIGURATION = "configuration"
 """The output that stands for all coordinates: what an animation needs."""
@@ -75,7 +75,7 @@ def held_name(key: Any, held: Iterable[str], holder: str) -> str:
 
 
 @dataclass(frozen=True)
-class Wanted:
+class OutputTerms:
     """Outputs spelled out.
 
     ``names`` in the order asked for, each once; what each is: ``given``, in the user's symbols,
@@ -144,7 +144,7 @@ class Vocabulary:
         traces = {title: tuple(names) for title, names in own.items() if isinstance(title, str)}
         return {CONFIGURATION: system.coordinates, **traces}
 
-    def read_outputs(self, outputs: Iterable[Any]) -> Wanted:
+    def read_outputs(self, outputs: Iterable[Any]) -> OutputTerms:
         """Outputs spelled out; where there are none, all coordinates and velocities.
 
         Each is a name, a symbol or an expression; ``reaction k``, ``configuration``, or the title
@@ -165,7 +165,7 @@ class Vocabulary:
                 spelled |= map(self.read_condition, groups.get(name, (key,)))
         given = {name: e for name, e in spelled.items() if e is not None}
         inside = {name: self.inward(e) for name, e in given.items()}
-        return Wanted(tuple(spelled), given, inside, chosen)
+        return OutputTerms(tuple(spelled), given, inside, chosen)
 
     def name(self, key: Any, among: Iterable[str], role: str) -> str:
         """The plain name of a symbol or name, which must be among some."""

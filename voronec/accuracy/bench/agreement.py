@@ -24,7 +24,7 @@ from voronec.motion import integrate
 __all__ = [
     "NEEDED",
     "Reference",
-    "agreed",
+    "agreed_reference",
     "difference",
     "precise_outputs",
     "reference",
@@ -159,7 +159,7 @@ def reference(question: BenchMotion, needed: float = NEEDED) -> Reference:
     best: Reference | None = None
     for digits in DIGITS:
         first, second = _routes(question, digits)
-        found = agreed(question, [(n, run()) for n, run in (first, second)], needed)
+        found = agreed_reference(question, [(n, run()) for n, run in (first, second)], needed)
         if found is not None and (best is None or len(found.t) > len(best.t)):
             best = found
         if best is not None and len(best.t) == len(question.grid):
@@ -184,7 +184,7 @@ def _in_closed_form(question: BenchMotion, needed: float) -> Reference | None:
     try:
         name, run = _routes(crossed, DIGITS[0])[0]
         said = f"the closed form, enclosed to {DIGITS[0] + 5} digits"
-        found = agreed(crossed, [(said, _ball_solution(crossed)), (name, run())], needed)
+        found = agreed_reference(crossed, [(said, _ball_solution(crossed)), (name, run())], needed)
         if found is None or len(found.t) < len(crossed.grid):
             return None
         if crossed is question:
@@ -207,7 +207,7 @@ def _ball_solution(question: BenchMotion) -> Mapping[str, np.ndarray]:
     return {n: trajectory[n] for n in question.outputs}
 
 
-def agreed(
+def agreed_reference(
     question: BenchMotion, runs: Sequence[tuple[str, Mapping[str, np.ndarray]]], needed: float
 ) -> Reference | None:
     """The reference that two runs make, cut where they part; None where they part at once."""

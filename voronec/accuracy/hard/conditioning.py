@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from voronec.accuracy.hard.closed import PreciseProblem
+from voronec.accuracy.hard.case_program import PreciseProblem
 from voronec.accuracy.hard.multiprecision import Passage
 
 __all__ = ["UNIT", "condition_numbers", "output_sizes", "sizes", "times"]

@@ -9,7 +9,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.accuracy.hard.closed import DIGITS, PreciseProblem
+from voronec.accuracy.hard.case_program import DIGITS, PreciseProblem
 from voronec.equations.program import taylor_extras, taylor_system
 from voronec.errors import IntegrationError
 

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from voronec.accuracy.hard.case import ARITHMETICS, HardCase
-from voronec.accuracy.hard.closed import PreciseProblem, problem
+from voronec.accuracy.hard.case_program import PreciseProblem, problem
 from voronec.accuracy.hard.conditioning import condition_numbers, output_sizes, sizes, times
 from voronec.accuracy.hard.multiprecision import Passage, Reel, reel
 from voronec.declaration.catalogue import load
@@ -79,7 +79,7 @@ def _zero(machine: Reel, place: int, t: Any, state: np.ndarray) -> tuple[Any, np
 
 
 @dataclass(frozen=True)
-class Folded:
+class OnePeriod:
     """One period of a motion, and where in which period the wanted instants lie.
 
     ``turns[j]`` whole periods lie before the j-th instant, and the rest of it is the time
@@ -117,7 +117,7 @@ class Folded:
         return result
 
 
-def fold(reel: Reel, length: Any, grid: np.ndarray) -> Folded:
+def fold(reel: Reel, length: Any, grid: np.ndarray) -> OnePeriod:
     """One period through all that is left of the wanted times when whole periods are taken off."""
     turns = [int(float(t) // float(length)) for t in grid]
     rest = [reel.number(float(t)) - n * length for t, n in zip(grid, turns, strict=True)]
@@ -125,7 +125,7 @@ def fold(reel: Reel, length: Any, grid: np.ndarray) -> Folded:
     for t in sorted([reel.number(0.0), *rest, length]):
         stops += [] if stops and stops[-1] == t else [t]
     passage = reel.follow(np.array(stops, dtype=object))
-    return Folded(passage, tuple(turns), tuple(stops.index(t) for t in rest))
+    return OnePeriod(passage, tuple(turns), tuple(stops.index(t) for t in rest))
 
 
 def _since_start(passage: Passage) -> list[np.ndarray]:

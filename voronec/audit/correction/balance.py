@@ -51,7 +51,7 @@ class _Silent(Exception):
     """Something of which no unit is known."""
 
 
-class _Mixed(Exception):
+class _UnitConflict(Exception):
     """Terms of different units are added, or a sine is taken of what has one."""
 
 
@@ -74,7 +74,7 @@ class _Scale:
     def of(self, expr: Any) -> Weight | None:
         """The weight of an expression, or the one that all entries of a matrix have."""
         if isinstance(expr, sp.MatrixBase):
-            return self.agreed(self.of(entry) for entry in expr)
+            return self.common_weight(self.of(entry) for entry in expr)
         if expr == 0:
             return None
         if expr in self.weights:
@@ -90,7 +90,7 @@ class _Scale:
 
     def _whole(self, expr: Any) -> Weight | None:
         if expr.is_Add:
-            return self.agreed(self.of(term) for term in expr.args)
+            return self.common_weight(self.of(term) for term in expr.args)
         if expr.is_Mul:
             return self.product(self.of(factor) for factor in expr.args)
         if expr.is_Pow and expr.exp.is_Rational:
@@ -112,7 +112,7 @@ class _Scale:
         below = self.product(self.power(self.of(x), n) for x, n in expr.variable_count)
         return self.product([self.of(expr.expr), self.power(below, -1)])
 
-    def agreed(self, several: Iterable[Weight | None]) -> Weight | None:
+    def common_weight(self, several: Iterable[Weight | None]) -> Weight | None:
         """The weight of terms, which must be one and the same."""
         known = [weight for weight in several if weight is not None]
         for weight in known[1:]:
@@ -171,14 +171,14 @@ class Units:
         except _Silent:
             return None
         for left, right in _rules(study, scale.weights[VARIATION], scale):
-            scale.agreed([left, right])
+            scale.common_weight([left, right])
         return cls(_solve_scale(scale, rows))
 
     def is_unbalanced(self, chain: Chain, study: Study) -> bool:
         """Whether a formula certainly adds or equates what has different units."""
         try:
             self._dimension(chain, study)
-        except _Mixed:
+        except _UnitConflict:
             return True
         except SENSELESS:
             return False  # what it means is told elsewhere
@@ -188,7 +188,7 @@ class Units:
         """The weight of the sides of a balanced formula; ``None`` where nothing is known of it."""
         try:
             return self._dimension(chain, study)
-        except (_Mixed, *SENSELESS):
+        except (_UnitConflict, *SENSELESS):
             return None
 
     def _dimension(self, chain: Chain, study: Study) -> Weight | None:
@@ -196,7 +196,7 @@ class Units:
         for where in assignments(chain, study):
             spoken = [p for p in chain.parts if not names_constant(p)]
             parts = [_Reading(self.scale, study, where).weight(p) for p in spoken]
-            found = self.scale.agreed([weight for weight in parts if weight != SILENT])
+            found = self.scale.common_weight([weight for weight in parts if weight != SILENT])
         return found
 
 
@@ -216,7 +216,7 @@ class _Reading:
         """The weight of a part; all that is added in it must agree."""
         if isinstance(node, Sum):
             terms = [self.weight(term) for _, term in node.terms]
-            found = self.scale.agreed(t for t in terms if t != SILENT)
+            found = self.scale.common_weight(t for t in terms if t != SILENT)
             return SILENT if SILENT in terms and found is None else found
         if isinstance(node, Product):
             return self._join([self.weight(factor) for factor in node.factors])
@@ -238,7 +238,7 @@ class _Reading:
         """The integrand's times that of the variable, which both limits must have."""
         variable, body = integrand(node)
         ends = [self.weight(part) for part in (variable, node.lower, node.upper) if part]
-        along = self.scale.agreed(weight for weight in ends if weight != SILENT)
+        along = self.scale.common_weight(weight for weight in ends if weight != SILENT)
         return self._join([self.weight(body), SILENT if along is None else along])
 
     def _join(self, factors: list[Weight | None]) -> Weight | None:
@@ -253,7 +253,7 @@ class _Reading:
         try:
             value = evaluate(node, self.study, self.where)
             return self.scale.of(as_expression(value)) if value is not None else SILENT
-        except (*SENSELESS, _Silent, _Mixed):
+        except (*SENSELESS, _Silent, _UnitConflict):
             return SILENT  # a derived value need not be written term by term
 
 
@@ -297,11 +297,11 @@ def _homogeneous(system: Any, scale: _Scale) -> None:
     for constraint in (*system.constraints, *system.fibration.relations):
         scale.of(constraint)
     for place, force in system.forces.items():
-        scale.agreed([energy, scale.product([scale.of(place), scale.of(force)])])
+        scale.common_weight([energy, scale.product([scale.of(place), scale.of(force)])])
     frame = system.frame
     if frame is not None and frame.brackets is None:
         for name, value in zip(frame.velocities, frame.expressions, strict=True):
-            scale.agreed([scale.of(name), scale.of(value)])
+            scale.common_weight([scale.of(name), scale.of(value)])
 
 
 def _rules(
@@ -347,4 +347,4 @@ def _common(row: Weight) -> int:
 
 def _differ(left: Weight, right: Weight) -> None:
     if left != right:
-        raise _Mixed
+        raise _UnitConflict

@@ -13,9 +13,9 @@ from dataclasses import replace
 from itertools import pairwise
 
 from voronec.audit.correction.changes import Change, Piece, Spare, insert, replace_word, without
-from voronec.audit.correction.factors import NUMBERS, left_out, own_factors, put_in, words_left_out
+from voronec.audit.correction.factors import NUMBERS, omit_parts, omit_words, own_factors, put_in
 from voronec.audit.correction.fonts import Letter, is_letter, known_fonts, letters_of, space_after
-from voronec.audit.correction.missing import differentials, relations
+from voronec.audit.correction.omissions import differentials, relations
 from voronec.audit.latex.displays import RELATIONS, script_ranges
 from voronec.audit.latex.nodes import Chain
 from voronec.audit.latex.reader import read
@@ -208,7 +208,7 @@ def single_changes(printed: str, study: Study, spare: Spare) -> list[Change]:
         _name_edits(words, study, own),
         number_edits(words, own),
         script_edits(words),
-        (*words_left_out(words), *left_out(printed, chain, words)),
+        (*omit_words(words), *omit_parts(printed, chain, words)),
         put_in(printed, chain, words, (*NUMBERS, *own_factors(printed, chain, study))),
         _font_edits(words, study),
         _letter_edits(words, list(letters_of(words))),

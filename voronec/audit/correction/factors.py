@@ -32,7 +32,7 @@ from voronec.audit.latex.nodes import (
 from voronec.audit.latex.tokens import Token
 from voronec.audit.study import Study
 
-__all__ = ["NUMBERS", "left_out", "own_factors", "put_in", "words_left_out"]
+__all__ = ["NUMBERS", "omit_parts", "omit_words", "own_factors", "put_in"]
 
 Place = tuple[int, int]
 NUMBERS = ("\\frac12", "2")
@@ -59,7 +59,7 @@ def own_factors(printed: str, chain: Chain, study: Study) -> tuple[str, ...]:
     return tuple(text for kind in found.values() for text in kind)
 
 
-def words_left_out(words: Sequence[Token]) -> Iterator[Change]:
+def omit_words(words: Sequence[Token]) -> Iterator[Change]:
     """The formula without one of its words; brackets, marks of scripts and relations stay."""
     kept = {*_GROUPS, *_GROUPS.values(), "^", "_", ",", *RELATIONS}
     for word in words:
@@ -67,7 +67,7 @@ def words_left_out(words: Sequence[Token]) -> Iterator[Change]:
             yield replace(without(word, words), paired=False)
 
 
-def left_out(printed: str, chain: Chain, words: Sequence[Token]) -> Iterator[Change]:
+def omit_parts(printed: str, chain: Chain, words: Sequence[Token]) -> Iterator[Change]:
     """The formula without a factor, then without a denominator, then without a term."""
     parts = list(_parts(chain))
     for part in parts:
@@ -86,10 +86,10 @@ def left_out(printed: str, chain: Chain, words: Sequence[Token]) -> Iterator[Cha
                 yield _alone(((*top, "1"),), part.at)
     for part in parts:
         if isinstance(part, Sum) and len(part.terms) > 1:
-            yield from _terms_left_out(part, words)
+            yield from _omit_terms(part, words)
 
 
-def _terms_left_out(node: Sum, words: Sequence[Token]) -> Iterator[Change]:
+def _omit_terms(node: Sum, words: Sequence[Token]) -> Iterator[Change]:
     signs = [_sign_before(term, words) for _, term in node.terms]
     ends = [*(sign.start for sign in signs[1:] if sign is not None), node.at[1]]
     if len(ends) != len(signs):

@@ -55,7 +55,7 @@ def newton_euler(problem: Statement) -> Method:
                 else "There are no reactions; along the velocities in use:"
             ),
         ),
-        tuple(bodies.left),
+        tuple(bodies.residual),
     )
 
 

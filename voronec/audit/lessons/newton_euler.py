@@ -141,7 +141,7 @@ class FreeBodies:
         return found
 
     @cached_property
-    def left(self) -> Vector:
+    def residual(self) -> Vector:
         """What the free balances say when the factors are put in, along the velocities in use; it
         vanishes."""
         rest = [a - f for a, f in zip(self.inertias, self.active, strict=True)]

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from voronec.audit.page.boxes import Box, read_boxes
-from voronec.audit.page.line_breaks import BINARY, RELATIONS, Broken, break_lines
+from voronec.audit.page.line_breaks import BINARY, RELATIONS, LineBreaks, break_lines
 from voronec.audit.page.marks import Marks
 from voronec.audit.page.phrases import (
     KINDS,
@@ -99,7 +99,7 @@ def _walk(box: Box) -> Iterator[Box]:
         yield from _walk(part)
 
 
-def _body(latex: str, box: Box, broken: Broken, colours: list[tuple[int, int, str]]) -> str:
+def _body(latex: str, box: Box, broken: LineBreaks, colours: list[tuple[int, int, str]]) -> str:
     """The formula with its line breaks and colours."""
     starts = [line[0].start for line in broken.lines[1:]]
     places = [(at, 1, "\\\\\n&\\quad ") for at in starts] + colours
@@ -116,7 +116,7 @@ def _bare_table(box: Box, latex: str) -> bool:
 
 
 def _colours(
-    box: Box, marks: Sequence[tuple[int, int]], command: str, broken: Broken
+    box: Box, marks: Sequence[tuple[int, int]], command: str, broken: LineBreaks
 ) -> list[tuple[int, int, str]]:
     """Where colours begin and end; they end before a line does, and begin again after."""
     breaks = [line[0].start for line in broken.lines[1:]]

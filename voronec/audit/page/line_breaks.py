@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from voronec.audit.page.boxes import Box
 
-__all__ = ["BINARY", "RELATIONS", "Broken", "break_lines", "width"]
+__all__ = ["BINARY", "RELATIONS", "LineBreaks", "break_lines", "width"]
 
 RELATIONS = frozenset("= < > ≠ ≤ ≥ ⩽ ⩾ ≡ ≈ ∼ ∈ → ↦ ⟼ ⇒ ⟺".split())
 BINARY = frozenset("+ − ± ∓ ⊕ ∧".split())
@@ -47,7 +47,7 @@ class _Item:
 
 
 @dataclass(frozen=True)
-class Broken:
+class LineBreaks:
     """The lines of a formula, and the fences that had to be opened for it."""
 
     lines: tuple[tuple[Box, ...], ...]
@@ -60,14 +60,14 @@ class Broken:
         return max(i + sum(map(width, x)) for i, x in zip(indents, self.lines, strict=True))
 
 
-def break_lines(row: Box, limit: float) -> Broken:
+def break_lines(row: Box, limit: float) -> LineBreaks:
     """The parts of a row on lines that are about ``limit`` em wide at most.
 
     A break comes before a relation, a sum's sign, or after a comma; between brackets only where
     these would not fit in half a line.
     """
     if row.kind != "row" or width(row) <= limit:
-        return Broken((row.parts if row.kind == "row" else (row,),), ())
+        return LineBreaks((row.parts if row.kind == "row" else (row,),), ())
     opened: list[Box] = []
     rest = _open(row.parts, limit / 2, 0, opened)
     lines: list[tuple[Box, ...]] = []
@@ -75,7 +75,7 @@ def break_lines(row: Box, limit: float) -> Broken:
         cut = _cut(rest, limit - (INDENT if lines else 0.0))
         lines.append(tuple(item.box for item in rest[:cut]))
         rest = rest[cut:]
-    return Broken(tuple(lines), tuple(opened))
+    return LineBreaks(tuple(lines), tuple(opened))
 
 
 def _open(parts: tuple[Box, ...], limit: float, depth: int, opened: list[Box]) -> list[_Item]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from html import escape
 
 from voronec.audit.page.boxes import Box, read_boxes
-from voronec.audit.page.line_breaks import BINARY, RELATIONS, Broken, break_lines, width
+from voronec.audit.page.line_breaks import BINARY, RELATIONS, LineBreaks, break_lines, width
 from voronec.audit.page.marks import Marks
 from voronec.errors import DefinitionError
 
@@ -70,7 +70,7 @@ class _Setter:
     mark: str
     small: bool = False
 
-    def lines(self, box: Box, broken: Broken) -> str:
+    def lines(self, box: Box, broken: LineBreaks) -> str:
         """A formula, on several lines where it is too wide."""
         if len(broken.lines) == 1:
             return self.set(box)  # a formula is a row by itself
@@ -201,7 +201,7 @@ class _Setter:
         return f'<mtable displaystyle="true">{"".join(rows)}</mtable>'
 
 
-def _shrink(broken: Broken, limit: float) -> str:
+def _shrink(broken: LineBreaks, limit: float) -> str:
     """A smaller size for what cannot be broken, as a long fraction."""
     scale = max(limit / max(broken.width, 1.0), SMALLEST)
     return f' style="font-size:{scale:.2f}em"' if scale < 1 else ""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-__all__ = ["UNIT", "Bounded", "compile_bounded"]
+__all__ = ["UNIT", "BoundedNumber", "compile_with_bounds"]
 
 UNIT = 2.0**-52
 """Twice the rounding error of one operation: it covers that of the bound's own arithmetic."""
@@ -24,7 +24,7 @@ TINY = 1e-300
 
 
 @dataclass(frozen=True)
-class Bounded:
+class BoundedNumber:
     """Numbers ``mid`` with errors of at most ``err``: arrays of one shape, or numbers."""
 
     mid: Any
@@ -33,9 +33,9 @@ class Bounded:
     __array_ufunc__ = None  # numpy's arrays leave the arithmetic to this class
 
     @classmethod
-    def of(cls, value: Any) -> Bounded:
+    def of(cls, value: Any) -> BoundedNumber:
         """A value as it is; a fraction that Python has rounded carries its rounding."""
-        if isinstance(value, Bounded):
+        if isinstance(value, BoundedNumber):
             return value
         if isinstance(value, np.ndarray):
             return cls(value.astype(float), np.zeros(value.shape))
@@ -58,27 +58,27 @@ class Bounded:
         """An upper bound of the absolute value."""
         return np.abs(self.mid) + self.err
 
-    def take(self, chosen: Any) -> Bounded:
+    def take(self, chosen: Any) -> BoundedNumber:
         """Some of the numbers."""
-        return Bounded(self.mid[chosen], self.err[chosen])
+        return BoundedNumber(self.mid[chosen], self.err[chosen])
 
-    def __neg__(self) -> Bounded:
-        return Bounded(-self.mid, self.err)
+    def __neg__(self) -> BoundedNumber:
+        return BoundedNumber(-self.mid, self.err)
 
-    def __add__(self, other: Any) -> Bounded:
-        other = Bounded.of(other)
+    def __add__(self, other: Any) -> BoundedNumber:
+        other = BoundedNumber.of(other)
         return _round_result(self.mid + other.mid, self.err + other.err)
 
-    def __mul__(self, other: Any) -> Bounded:
-        other = Bounded.of(other)
+    def __mul__(self, other: Any) -> BoundedNumber:
+        other = BoundedNumber.of(other)
         err = np.abs(self.mid) * other.err + np.abs(other.mid) * self.err + self.err * other.err
         # a factor that is exactly zero makes an exact zero: it must not become merely small
         nothing = self.zero | other.zero
         found = _round_result(self.mid * other.mid, err + TINY)
-        return Bounded(np.where(nothing, 0.0, found.mid), np.where(nothing, 0.0, found.err))
+        return BoundedNumber(np.where(nothing, 0.0, found.mid), np.where(nothing, 0.0, found.err))
 
-    def __truediv__(self, other: Any) -> Bounded:
-        other = Bounded.of(other)
+    def __truediv__(self, other: Any) -> BoundedNumber:
+        other = BoundedNumber.of(other)
         with np.errstate(divide="ignore", invalid="ignore"):
             mid = self.mid / other.mid
             room = np.abs(other.mid) - other.err
@@ -86,36 +86,36 @@ class Bounded:
             good = room > 0
         found = _round_result(np.where(good, mid, 0.0), np.where(good, err, np.inf))
         nothing = self.zero & good
-        return Bounded(np.where(nothing, 0.0, found.mid), np.where(nothing, 0.0, found.err))
+        return BoundedNumber(np.where(nothing, 0.0, found.mid), np.where(nothing, 0.0, found.err))
 
-    def __pow__(self, power: Any) -> Bounded:
+    def __pow__(self, power: Any) -> BoundedNumber:
         if power == 0.5:
             return self.sqrt()
         if power != int(power):
             return (self.sqrt()) ** (2 * power)
         if power < 0:
             return 1 / self ** (-power)
-        found = Bounded.of(1)
+        found = BoundedNumber.of(1)
         for _ in range(int(power)):
             found = found * self
         return found
 
-    def __sub__(self, other: Any) -> Bounded:
-        return self + (-Bounded.of(other))
+    def __sub__(self, other: Any) -> BoundedNumber:
+        return self + (-BoundedNumber.of(other))
 
-    def __radd__(self, other: Any) -> Bounded:
+    def __radd__(self, other: Any) -> BoundedNumber:
         return self + other
 
-    def __rsub__(self, other: Any) -> Bounded:
+    def __rsub__(self, other: Any) -> BoundedNumber:
         return (-self) + other
 
-    def __rmul__(self, other: Any) -> Bounded:
+    def __rmul__(self, other: Any) -> BoundedNumber:
         return self * other
 
-    def __rtruediv__(self, other: Any) -> Bounded:
-        return Bounded.of(other) / self
+    def __rtruediv__(self, other: Any) -> BoundedNumber:
+        return BoundedNumber.of(other) / self
 
-    def sqrt(self) -> Bounded:
+    def sqrt(self) -> BoundedNumber:
         """The root; of what may be negative, that of its positive part."""
         root = np.sqrt(np.maximum(self.mid, 0.0))
         low = np.sqrt(np.maximum(self.mid - self.err, 0.0))
@@ -125,18 +125,18 @@ class Bounded:
         return _round_result(root, np.where(np.isfinite(near), np.minimum(near, far), far))
 
 
-def _round_result(mid: Any, err: Any) -> Bounded:
+def _round_result(mid: Any, err: Any) -> BoundedNumber:
     """A result of one operation; an exact zero stays exact."""
-    return Bounded(mid, err * (1 + 8 * UNIT) + np.abs(mid) * UNIT)
+    return BoundedNumber(mid, err * (1 + 8 * UNIT) + np.abs(mid) * UNIT)
 
 
-def _wave(function: Callable[[Any], Any]) -> Callable[[Any], Bounded]:
+def _wave(function: Callable[[Any], Any]) -> Callable[[Any], BoundedNumber]:
     """A sine or a cosine; of an exact 0 the value is exact."""
 
-    def of(value: Any) -> Bounded:
-        angle = Bounded.of(value)
+    def of(value: Any) -> BoundedNumber:
+        angle = BoundedNumber.of(value)
         err = np.where(angle.zero, 0.0, np.minimum(angle.err, 2.0) + LIBRARY)
-        return Bounded(function(angle.mid), err)
+        return BoundedNumber(function(angle.mid), err)
 
     return of
 
@@ -144,18 +144,20 @@ def _wave(function: Callable[[Any], Any]) -> Callable[[Any], Bounded]:
 _FUNCTIONS = {
     "sin": _wave(np.sin),
     "cos": _wave(np.cos),
-    "sqrt": lambda value: Bounded.of(value).sqrt(),
-    "Abs": lambda value: Bounded(np.abs(Bounded.of(value).mid), Bounded.of(value).err),
+    "sqrt": lambda value: BoundedNumber.of(value).sqrt(),
+    "Abs": lambda value: BoundedNumber(
+        np.abs(BoundedNumber.of(value).mid), BoundedNumber.of(value).err
+    ),
 }
 
 
-def compile_bounded(
+def compile_with_bounds(
     arguments: Sequence[sp.Symbol], values: Sequence[sp.Expr]
-) -> Callable[..., list[Bounded]]:
-    """Expressions as a function of ``Bounded`` arguments."""
+) -> Callable[..., list[BoundedNumber]]:
+    """Expressions as a function of ``BoundedNumber`` arguments."""
     function = sp.lambdify(list(arguments), list(values), modules=[_FUNCTIONS], cse=True)
 
-    def evaluate(*given: Any) -> list[Bounded]:
-        return [Bounded.of(e) for e in function(*map(Bounded.of, given))]
+    def evaluate(*given: Any) -> list[BoundedNumber]:
+        return [BoundedNumber.of(e) for e in function(*map(BoundedNumber.of, given))]
 
     return evaluate

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.closed.classes.error_bounds import UNIT, Bounded
+from voronec.closed.classes.error_bounds import UNIT, BoundedNumber
 
 __all__ = ["Discs", "degrees", "discs"]
 
@@ -41,7 +41,7 @@ class Discs:
         return np.all(self.kind != 0, axis=1)
 
 
-def degrees(coefficients: Sequence[Bounded]) -> np.ndarray:
+def degrees(coefficients: Sequence[BoundedNumber]) -> np.ndarray:
     """The degree of each polynomial, -1 of zero, -2 where that is not certain."""
     count = len(coefficients[0].mid)
     found = np.full(count, -1)
@@ -50,7 +50,7 @@ def degrees(coefficients: Sequence[Bounded]) -> np.ndarray:
     return found
 
 
-def discs(coefficients: Sequence[Bounded]) -> Discs:
+def discs(coefficients: Sequence[BoundedNumber]) -> Discs:
     """The roots of polynomials whose leading coefficients are certainly not zero."""
     n = len(coefficients) - 1
     mids = np.stack([c.mid for c in coefficients], axis=1)

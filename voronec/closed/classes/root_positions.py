@@ -150,7 +150,7 @@ class _Search:
         self, root: Any, ends: list[Any], others: list[Any], all_roots: Any, bits: int
     ) -> Any:
         """``inside``, ``outside``, or the index of the end that the root is."""
-        from voronec.elliptic.roots import Unresolved
+        from voronec.elliptic.roots import OpenDecision
 
         lower, upper = ends
         if root > lower and root < upper:
@@ -161,13 +161,13 @@ class _Search:
         alone = not any(root.overlaps(o) for o in (*others, ends[1 - index]))
         if alone and self._is_shared(root, all_roots, bits):
             return index
-        raise Unresolved("a root of phi may be an end of the motion")
+        raise OpenDecision("a root of phi may be an end of the motion")
 
     def _is_shared(self, root: Any, all_roots: Any, bits: int) -> bool:
         """Whether a root of phi is surely a root of f, too."""
         if len(self.phi) > 3:
             raise EngineLimit("phi has degree 3 or more; equal roots are decided up to degree 2")
-        rest = self.rest
+        rest = self.quartic_remainder
         if all(self.problem.sign(e) == 0 for e in rest):
             return True
         if len(rest) == 1 or self.problem.sign(rest[1]) == 0:
@@ -183,13 +183,13 @@ class _Search:
             )
 
     @cached_property
-    def rest(self) -> tuple[Any, ...]:
+    def quartic_remainder(self) -> tuple[Any, ...]:
         """Of f by phi, up to a factor: coefficients as expressions."""
         return remainder(self.problem.prepared.quartic, self.phi)
 
     def _pole(self, end: Any, others: list[Any], bits: int) -> int:
         """The cosine at an end of the motion, where that is 1 or -1."""
-        from voronec.elliptic.roots import Unresolved
+        from voronec.elliptic.roots import OpenDecision
 
         offset, slope = self.curve.cosine
         x = self.problem.prepared.motion.x
@@ -202,7 +202,7 @@ class _Search:
             at_pole = self.problem.prepared.motion.quartic.xreplace({x: place})
             if alone and self.problem.sign(at_pole) == 0:
                 return side
-            raise Unresolved("an end of the motion may be a pole of the sphere")
+            raise OpenDecision("an end of the motion may be a pole of the sphere")
         return 0
 
 
@@ -229,10 +229,10 @@ def _isolate_roots(values: list[Any]) -> list[tuple[Any, int]]:
     """The real roots of a polynomial without multiple ones."""
     from flint import acb_poly
 
-    from voronec.elliptic.roots import Unresolved
+    from voronec.elliptic.roots import OpenDecision
 
     try:
         found = acb_poly(values).roots()
     except ValueError:
-        raise Unresolved("phi may have a multiple root") from None
+        raise OpenDecision("phi may have a multiple root") from None
     return [(r.real, 1) for r in found if r.imag.contains(0)]

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from voronec.algebra.symbols import plain_name
-from voronec.closed.classes.error_bounds import UNIT, Bounded, compile_bounded
+from voronec.closed.classes.error_bounds import UNIT, BoundedNumber, compile_with_bounds
 from voronec.closed.classes.root_discs import Discs, degrees, discs
 from voronec.closed.classes.root_positions import tally
 from voronec.closed.classes.trace_classes import label_trace
@@ -46,13 +46,13 @@ class Path:
     ``ends`` (n, 2) are the columns of the two ends; ``phi``, ``cosine``: of the trace.
     """
 
-    lower: Bounded
-    upper: Bounded
-    leading: Bounded
+    lower: BoundedNumber
+    upper: BoundedNumber
+    leading: BoundedNumber
     roots: Discs
     ends: np.ndarray
-    phi: tuple[Bounded, ...]
-    cosine: tuple[Bounded, Bounded]
+    phi: tuple[BoundedNumber, ...]
+    cosine: tuple[BoundedNumber, BoundedNumber]
 
     def take(self, chosen: Any) -> Path:
         """Some of the motions."""
@@ -72,7 +72,7 @@ class Path:
         return np.nonzero(free)[1].reshape(len(self.ends), count - 2)
 
 
-def drifts(path: Path, steps: Sequence[int] = STEPS) -> tuple[Bounded, Bounded]:
+def drifts(path: Path, steps: Sequence[int] = STEPS) -> tuple[BoundedNumber, BoundedNumber]:
     """Drift of the longitude and period of every motion; wider the nearer to a separatrix."""
     count = len(path.ends)
     found = [(np.zeros(count), np.full(count, np.inf)) for _ in range(2)]
@@ -83,16 +83,16 @@ def drifts(path: Path, steps: Sequence[int] = STEPS) -> tuple[Bounded, Bounded]:
         for (mid, err), part in zip(found, _sums(path.take(left), n), strict=True):
             mid[left], err[left] = part.mid, part.err
         left = left[(np.abs(found[0][0]) <= found[0][1])[left]]
-    return Bounded(*found[0]), Bounded(*found[1])
+    return BoundedNumber(*found[0]), BoundedNumber(*found[1])
 
 
-def _sums(path: Path, n: int) -> tuple[Bounded, Bounded]:
+def _sums(path: Path, n: int) -> tuple[BoundedNumber, BoundedNumber]:
     others = path.others
     centre = np.take_along_axis(path.roots.centre, others, axis=1)
     radius = np.take_along_axis(path.roots.radius, others, axis=1)
     middle, half = (path.lower + path.upper) * 0.5, (path.upper - path.lower) * 0.5
     angles = (np.arange(n) + 0.5) * (np.pi / n)
-    waves = Bounded(np.cos(angles)[None, :], np.full((1, n), 2.0**-50))
+    waves = BoundedNumber(np.cos(angles)[None, :], np.full((1, n), 2.0**-50))
     x = _column(middle) + _column(half) * waves
     g = -_column(path.leading)
     for k in range(centre.shape[1]):
@@ -104,34 +104,34 @@ def _sums(path: Path, n: int) -> tuple[Bounded, Bounded]:
     return _total(rate * pace, bounds[0], n), _total(pace, bounds[1], n)
 
 
-def _total(values: Bounded, bound: Any, n: int) -> Bounded:
+def _total(values: BoundedNumber, bound: Any, n: int) -> BoundedNumber:
     step = 2 * np.pi / n
     mid = np.nan_to_num(values.mid.sum(axis=1) * step)
     err = (values.err.sum(axis=1) + n * UNIT * np.abs(values.mid).sum(axis=1)) * step
     err = np.where(np.isfinite(err) & np.isfinite(bound), err * (1 + n * UNIT) + bound, np.inf)
-    return Bounded(mid, err + 4 * UNIT * np.abs(mid))
+    return BoundedNumber(mid, err + 4 * UNIT * np.abs(mid))
 
 
-def _column(value: Bounded) -> Bounded:
-    return Bounded(value.mid[:, None], value.err[:, None])
+def _column(value: BoundedNumber) -> BoundedNumber:
+    return BoundedNumber(value.mid[:, None], value.err[:, None])
 
 
-def _horner(coefficients: Sequence[Bounded], x: Bounded) -> Bounded:
+def _horner(coefficients: Sequence[BoundedNumber], x: BoundedNumber) -> BoundedNumber:
     total = coefficients[-1]
     for c in coefficients[-2::-1]:
         total = total * x + c
     return total
 
 
-def _away(x: Bounded, centre: np.ndarray, radius: np.ndarray) -> Bounded:
+def _away(x: BoundedNumber, centre: np.ndarray, radius: np.ndarray) -> BoundedNumber:
     """x - c for a real root c; for a pair of complex ones both factors at the first, none at the
     second."""
-    straight = x - _column(Bounded(centre.real, radius))
-    height = _column(Bounded(centre.imag, radius))
+    straight = x - _column(BoundedNumber(centre.real, radius))
+    height = _column(BoundedNumber(centre.imag, radius))
     pair = straight * straight + height * height
     real, first = (centre.imag == 0)[:, None], (centre.imag > 0)[:, None]
     mid = np.where(real, straight.mid, np.where(first, pair.mid, 1.0))
-    return Bounded(mid, np.where(real, straight.err, np.where(first, pair.err, 0.0)))
+    return BoundedNumber(mid, np.where(real, straight.err, np.where(first, pair.err, 0.0)))
 
 
 def _beyond(path: Path, centre: np.ndarray, radius: np.ndarray, n: int) -> tuple[Any, Any]:
@@ -292,15 +292,15 @@ def arrays(
 
 @dataclass(frozen=True)
 class _Formulas:
-    starting: Callable[..., list[Bounded]]
-    level: Callable[..., list[Bounded]]
+    starting: Callable[..., list[BoundedNumber]]
+    level: Callable[..., list[BoundedNumber]]
 
 
 @cache
 def _formulas(known: DeclaredTraces, curve: Curve) -> _Formulas:
     values = (*known.quartic, *curve.cosine, *curve.phi)
     return _Formulas(
-        compile_bounded(known.inputs, known.starting), compile_bounded(known.level, values)
+        compile_with_bounds(known.inputs, known.starting), compile_with_bounds(known.level, values)
     )
 
 
@@ -330,21 +330,21 @@ def _survey(
     return found
 
 
-def _fill(value: Bounded, count: int) -> Bounded:
+def _fill(value: BoundedNumber, count: int) -> BoundedNumber:
     mid, err = (np.broadcast_to(np.asarray(a, dtype=float), count) for a in (value.mid, value.err))
     good = np.isfinite(mid) & np.isfinite(err)
-    return Bounded(np.where(good, mid, 0.0), np.where(good, err, np.inf))
+    return BoundedNumber(np.where(good, mid, 0.0), np.where(good, err, np.inf))
 
 
 @dataclass(frozen=True)
 class _Group:
     """Motions whose f have one degree, and whose phi have one."""
 
-    quartic: list[Bounded]
-    phi: list[Bounded]
-    cosine: tuple[Bounded, Bounded]
-    place: Bounded
-    rate: Bounded
+    quartic: list[BoundedNumber]
+    phi: list[BoundedNumber]
+    cosine: tuple[BoundedNumber, BoundedNumber]
+    place: BoundedNumber
+    rate: BoundedNumber
 
     def enter(self, found: Survey, rows: np.ndarray, every_drift: bool) -> None:
         """Write what is certain into some rows of a survey."""
@@ -377,7 +377,7 @@ class _Group:
         both = np.sort([e.mid for e in edges], axis=0)
         found.lower[rows], found.upper[rows] = np.where(good, both, np.nan)
 
-    def _inside(self, low: Bounded, high: Bounded) -> tuple[np.ndarray, np.ndarray]:
+    def _inside(self, low: BoundedNumber, high: BoundedNumber) -> tuple[np.ndarray, np.ndarray]:
         """How many roots phi has between the ends, and where that is certain."""
         count = len(low.mid)
         if not self.phi:
@@ -392,7 +392,7 @@ class _Group:
         certain = np.all(~straight | inside | outside, axis=1) & roots.known
         return np.sum(straight & inside, axis=1), certain
 
-    def _off_poles(self, low: Bounded, high: Bounded) -> np.ndarray:
+    def _off_poles(self, low: BoundedNumber, high: BoundedNumber) -> np.ndarray:
         """Where neither end can be a pole of the sphere."""
         offset, slope = self.cosine
         found = np.ones(len(low.mid), dtype=bool)
@@ -403,14 +403,14 @@ class _Group:
         return found
 
 
-def _end(roots: Discs, column: np.ndarray) -> Bounded:
+def _end(roots: Discs, column: np.ndarray) -> BoundedNumber:
     pick = column[:, None]
-    return Bounded(np.take_along_axis(roots.centre, pick, axis=1)[:, 0].real,
+    return BoundedNumber(np.take_along_axis(roots.centre, pick, axis=1)[:, 0].real,
                    np.take_along_axis(roots.radius, pick, axis=1)[:, 0])  # fmt: skip
 
 
 def _ends(
-    roots: Discs, place: Bounded, rate: Bounded, leading: Bounded
+    roots: Discs, place: BoundedNumber, rate: BoundedNumber, leading: BoundedNumber
 ) -> tuple[np.ndarray, np.ndarray]:
     """The columns of the roots between which x runs (n, 2), and where that is certain.
 

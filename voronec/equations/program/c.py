@@ -17,8 +17,7 @@ from voronec.algebra.numeric_functions import (
     SINHC,
     SIZE,
 )
-from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_of, parts_of
-from voronec.equations.program.printing import (
+from voronec.equations.program.dialect import (
     FUNCTIONS,
     SLOPES,
     Dialect,
@@ -29,6 +28,7 @@ from voronec.equations.program.printing import (
     series,
     text,
 )
+from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_of, parts_of
 from voronec.equations.program.straight import Program
 
 __all__ = ["C_DIALECT", "c_source", "conditional_quotients", "remark"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from voronec.equations.program.printing import code
+from voronec.equations.program.dialect import code
 from voronec.equations.program.python import casadi_source
 from voronec.equations.program.straight import Program
 from voronec.errors import DefinitionError

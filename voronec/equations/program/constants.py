@@ -17,11 +17,11 @@ import symengine as se
 from voronec.equations.program.python import compile_program
 from voronec.equations.program.straight import Block, Program
 
-__all__ = ["Hoisted", "hoist"]
+__all__ = ["HoistedProgram", "hoist"]
 
 
 @dataclass(frozen=True)
-class Hoisted:
+class HoistedProgram:
     """A ``program`` whose further parameters ``constants`` are functions of those of the original.
 
     ``definitions`` gives them in order; each may use those before it.
@@ -73,7 +73,7 @@ def _compile(
 
 
 @lru_cache(maxsize=32)  # a run looks at the constants before it compiles with them
-def hoist(program: Program) -> Hoisted:
+def hoist(program: Program) -> HoistedProgram:
     """The program with every largest expression of parameters and numbers as one parameter.
 
     A sum whose terms share such a factor is written as factor times sum.
@@ -83,7 +83,7 @@ def hoist(program: Program) -> Hoisted:
     definitions = tuple((name, e) for e, name in lifting.names.items())
     parameters = (*program.parameters, *(name for name, _ in definitions))
     changed = replace(program, parameters=parameters, derivative=derivative, extras=extras)
-    return Hoisted(changed, program, definitions)
+    return HoistedProgram(changed, program, definitions)
 
 
 class _Lifting:

@@ -11,7 +11,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.equations.program.printing import code
+from voronec.equations.program.dialect import code
 from voronec.equations.program.python import WORDS, mpmath_source
 from voronec.equations.program.straight import Program
 

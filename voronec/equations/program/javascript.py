@@ -9,8 +9,8 @@ from typing import Any
 
 from voronec.algebra.numeric_functions import SIZE
 from voronec.equations.program.c import C_DIALECT, conditional_quotients, remark
+from voronec.equations.program.dialect import FUNCTIONS, identifiers, lines, text
 from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_of, parts_of
-from voronec.equations.program.printing import FUNCTIONS, identifiers, lines, text
 from voronec.equations.program.straight import Program
 
 __all__ = ["javascript_source"]

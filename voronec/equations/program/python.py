@@ -27,8 +27,7 @@ from voronec.algebra.numeric_functions import (
     SIZE,
     TANH_REST,
 )
-from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_of, parts_of
-from voronec.equations.program.printing import (
+from voronec.equations.program.dialect import (
     FUNCTIONS,
     SLOPES,
     Dialect,
@@ -40,6 +39,7 @@ from voronec.equations.program.printing import (
     series,
     text,
 )
+from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_of, parts_of
 from voronec.equations.program.straight import Block, Program
 
 __all__ = [

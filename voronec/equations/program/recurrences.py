@@ -35,7 +35,7 @@ from voronec.algebra.numeric_functions import (
     numeric_name,
 )
 from voronec.algebra.tape import Tape
-from voronec.equations.program.printing import code, rational, rewrite
+from voronec.equations.program.dialect import code, rational, rewrite
 from voronec.equations.program.straight import Program
 from voronec.errors import EngineLimit
 
@@ -400,7 +400,7 @@ class Recurrences:
         functions: dict[str, Any] = {"mul": mul, "isqrt": isqrt, "apply": _ball_function(bits)}
         functions["power"] = _power_function(bits)
         functions["tangent"] = _tangent(bits)
-        functions["composed"] = partial(_Composed, bits)
+        functions["composed"] = partial(_Composition, bits)
         namespace: dict[str, Any] = {"P": bits, "ONE": 1 << bits, **functions, **known}
         exec(code(self.source, filename), namespace)
         return namespace["expand"]
@@ -443,7 +443,7 @@ def _tangent(bits: int) -> Callable[[int], int]:
     return tangent
 
 
-class _Composed:
+class _Composition:
     """Coefficients of F(w) = f(w)/w^p from those of w, w^p and f(w), as they come.
 
     For small |w_0|, where to divide loses digits, F is expanded at w_0 and (w - w_0)^j put in.

@@ -30,7 +30,7 @@ from voronec.algebra.numeric_functions import (
     TANH_REST,
     numeric_name,
 )
-from voronec.equations.program.printing import rational, rewrite
+from voronec.equations.program.dialect import rational, rewrite
 from voronec.equations.program.straight import Block, Program
 from voronec.errors import EngineLimit
 
@@ -92,11 +92,11 @@ def _build(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
     """The heyoka expression of a symengine expression; ``known`` remembers what is built."""
     done = known.get(expr)
     if done is None:
-        done = known[expr] = _built(expr, known, hy)
+        done = known[expr] = _build_node(expr, known, hy)
     return done
 
 
-def _built(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
+def _build_node(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
     if expr.is_Number:
         p, q = rational(expr)
         return hy.expression(p / q)

@@ -44,7 +44,7 @@ def taylor_weight(
     ``constants`` are the symbols that do not move; assigned names that hold only those are
     constant too.  What occurs twice is counted once.
     """
-    weighing = _Weighing(constants)
+    weighing = _Walk(constants)
     total = 0.0
     for name, expr in assignments:
         total += weighing.of(se.sympify(expr))
@@ -80,7 +80,7 @@ def _power_steps(exponent: Any) -> int:
     return size.bit_length() + bin(size).count("1") - 2 + (4 if exponent < 0 else 0)
 
 
-class _Weighing:
+class _Walk:
     """One walk over expressions that share subexpressions."""
 
     def __init__(self, constants: Iterable[Any]) -> None:

@@ -82,7 +82,7 @@ class Names:
         exact = expr.xreplace({x: _decimal(x) for x in expr.atoms(sp.Float)})
         named = self._carry_out(exact).xreplace(self.letters)
         named = named.replace(sp.sinc, lambda a: sp.sin(a) / a)
-        _refuse_rest(named)
+        _refuse_others(named)
         return se.sympify(_in_cases(named))
 
     def symbol(self, thing: sp.Basic) -> Any:
@@ -135,7 +135,7 @@ def _decimal(number: sp.Float) -> sp.Rational:
     return sp.Rational(repr(double) if double and mp.isfinite(double) else str(number))
 
 
-def _refuse_rest(expr: sp.Expr) -> None:
+def _refuse_others(expr: sp.Expr) -> None:
     """Refuse whatever is neither a symbol, a number nor an elementary function."""
     for node in sp.preorder_traversal(expr):
         if isinstance(node, AppliedUndef):

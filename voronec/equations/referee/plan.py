@@ -44,7 +44,7 @@ from voronec.declaration.system import System
 from voronec.equations.referee.names import Names
 from voronec.errors import DefinitionError
 
-__all__ = ["Plan", "Sequenced", "make_plan"]
+__all__ = ["ExpressionSequence", "Plan", "make_plan"]
 
 
 Operation = Callable[..., Any]
@@ -83,7 +83,7 @@ _CONDITIONS: dict[str, Operation] = {
 _CONSTANTS: dict[Any, Operation] = {se.pi: lambda: +mp.pi, se.E: lambda: +mp.e}
 
 
-class Sequenced:
+class ExpressionSequence:
     """Several symengine expressions, ready to be evaluated at any precision of mpmath.
 
     ``names`` are the symbols they need, in the order of their slots.  An unknown function raises
@@ -243,12 +243,12 @@ class Plan:
     velocities: tuple[str, ...]
     labels: tuple[str, ...]
     exact: int
-    relations: Sequenced
-    kinematics: Sequenced
-    dynamics: Sequenced
-    bends: Sequenced
+    relations: ExpressionSequence
+    kinematics: ExpressionSequence
+    dynamics: ExpressionSequence
+    bends: ExpressionSequence
     bent: tuple[str, ...]
-    followers: Sequenced | None
+    followers: ExpressionSequence | None
 
     @property
     def occurring_names(self) -> set[str]:
@@ -258,7 +258,7 @@ class Plan:
 
 
 @dataclass(frozen=True)
-class _Entered:
+class _SymbolTable:
     """A system's symbols as the referee names them."""
 
     system: System
@@ -312,16 +312,20 @@ def make_plan(system: System) -> Plan:
         velocities=tuple(map(plain_name, system.velocities)),
         labels=tuple(labels),
         exact=exact,
-        relations=Sequenced([*relations, *(r.diff(q) for r in relations for q in inside.q)]),
-        kinematics=Sequenced([e for f in forms for e in (*f.coefficients, f.offset)]),
-        dynamics=Sequenced([*_dynamics(inside), *(-inside.drift(c) for c in bound[:exact])]),
-        bends=Sequenced([b for _, b in bends]),
+        relations=ExpressionSequence(
+            [*relations, *(r.diff(q) for r in relations for q in inside.q)]
+        ),
+        kinematics=ExpressionSequence([e for f in forms for e in (*f.coefficients, f.offset)]),
+        dynamics=ExpressionSequence(
+            [*_dynamics(inside), *(-inside.drift(c) for c in bound[:exact])]
+        ),
+        bends=ExpressionSequence([b for _, b in bends]),
         bent=tuple(label for label, _ in bends),
         followers=_followers(inside),
     )
 
 
-def _enter(system: System) -> _Entered:
+def _enter(system: System) -> _SymbolTable:
     names, frame = Names(system), system.frame
     clock = names.symbol(time)
     v = tuple(names.symbol(velocity(x)) for x in system.coordinates)
@@ -329,7 +333,7 @@ def _enter(system: System) -> _Entered:
     if frame is not None and frame.is_group:
         w = tuple(map(names.symbol, frame.ambient))
         rates = tuple(names.read(frame.rates[x]) for x in system.coordinates)
-        return _Entered(system, names, q, w, rates, clock, dict(zip(v, rates, strict=True)))
+        return _SymbolTable(system, names, q, w, rates, clock, dict(zip(v, rates, strict=True)))
     definitions = {}
     if frame is not None:
         symbols = map(names.symbol, frame.velocities)
@@ -340,10 +344,10 @@ def _enter(system: System) -> _Entered:
                 f"the definition of '{name}' contains a quasi-velocity; "
                 "write it with the velocities of the coordinates"
             )
-    return _Entered(system, names, q, v, v, clock, definitions)
+    return _SymbolTable(system, names, q, v, v, clock, definitions)
 
 
-def _dynamics(inside: _Entered) -> list[Any]:
+def _dynamics(inside: _SymbolTable) -> list[Any]:
     """The mass matrix row by row, then Q + dL/dq - (d/dt dL/dqdot without accelerations).
 
     What the forces hold of the accelerations counts as mass.
@@ -368,7 +372,7 @@ def _dynamics(inside: _Entered) -> list[Any]:
     return [*(m - x for m, x in zip(mass, pushed, strict=True)), *force]
 
 
-def _read_forces(inside: _Entered) -> tuple[list[Any], list[Any]]:
+def _read_forces(inside: _SymbolTable) -> tuple[list[Any], list[Any]]:
     """The forces without accelerations, and their slopes by each of these, row by row."""
     system, zero = inside.system, sp.Integer(0)
     applied = [inside.enter(system.forces.get(x, zero)) for x in system.directions]
@@ -383,7 +387,7 @@ def _read_forces(inside: _Entered) -> tuple[list[Any], list[Any]]:
     return [f.xreplace(dict.fromkeys(symbols, se.Integer(0))) for f in spelled], slopes
 
 
-def _group_terms(inside: _Entered, momenta: list[Any]) -> list[Any]:
+def _group_terms(inside: _SymbolTable, momenta: list[Any]) -> list[Any]:
     """C_ab^c w^b p_c of a group; zero in coordinates."""
     frame = inside.system.frame
     total = dict.fromkeys(inside.v, se.Integer(0))
@@ -398,16 +402,16 @@ def _group_terms(inside: _Entered, momenta: list[Any]) -> list[Any]:
     return list(total.values())
 
 
-def _followers(inside: _Entered) -> Sequenced | None:
+def _followers(inside: _SymbolTable) -> ExpressionSequence | None:
     """On a group, the second derivatives of the coordinates: A wdot + b, row by row."""
     if inside.qdot == inside.v:
         return None
-    return Sequenced(
+    return ExpressionSequence(
         [e for r in inside.qdot for e in (*(r.diff(w) for w in inside.v), inside.drift(r))]
     )
 
 
-def _form(inside: _Entered, label: str, expr: Any) -> Form:
+def _form(inside: _SymbolTable, label: str, expr: Any) -> Form:
     """Read an expression that is affine in the velocities, or seems not to be."""
     at_rest = {v: se.Integer(0) for v in inside.v}
     coefficients = [expr.diff(v) for v in inside.v]

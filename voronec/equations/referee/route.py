@@ -322,7 +322,7 @@ def _confirm(system: System, point: Mapping[Any, Any], digits: int) -> Multiplie
         if isinstance(before, DefinitionError) and isinstance(after, DefinitionError):
             raise DefinitionError(f"system '{system.name}': {after}")
         if isinstance(before, MultiplierSolution) and isinstance(after, MultiplierSolution):
-            settled = _agreed(before, after, digits, precision // 2)
+            settled = _later_solution(before, after, digits, precision // 2)
             if settled is not None:
                 return settled
         before = after
@@ -343,7 +343,7 @@ def _attempt(
             return error
 
 
-def _agreed(
+def _later_solution(
     before: MultiplierSolution, after: MultiplierSolution, digits: int, lower: int
 ) -> MultiplierSolution | None:
     """The later solution if the earlier one, made with ``lower`` digits, confirms it.

@@ -39,7 +39,7 @@ def relative_level(level: Level) -> Level | None:
         return None
     try:
         found = _relative_angles(level)
-        return None if found is None else _written(level, *found)
+        return None if found is None else _rewrite_level(level, *found)
     except EngineLimit:
         return None
 
@@ -71,7 +71,7 @@ def _relative_angles(level: Level) -> tuple[dict[Any, Any], dict[Any, Any]] | No
         square = flint.fmpz_mat(list(map(list, rows)))
         if abs(int(square.det())) == 1:
             names = [_total(form, angles) for form in basis]
-            fresh = {_named(e): e for e in names}
+            fresh = {_variable_of(e): e for e in names}
             variables = [*fresh, *(angles[k] for k in kept)]
             inverse = square.inv()
             turned = {
@@ -131,18 +131,18 @@ def _total(form: Sequence[int], variables: Sequence[Any]) -> Any:
     return se.Add(*[n * x for n, x in zip(form, variables, strict=True)])
 
 
-def _named(form: Any) -> Any:
+def _variable_of(form: Any) -> Any:
     """The variable that a linear form is: of one angle that angle, else one called by the form."""
     return form if form.is_Symbol else se.Symbol(str(form))
 
 
-def _written(level: Level, fresh: Mapping[Any, Any], turned: Mapping[Any, Any]) -> Level:
+def _rewrite_level(level: Level, fresh: Mapping[Any, Any], turned: Mapping[Any, Any]) -> Level:
     """The level in new variables: ``fresh`` as forms in the angles, ``turned`` the angles that are
     given up, in the new ones."""
     rate = dict(zip(level.positions, level.rates, strict=True))
     new = [x for x in fresh if x not in rate]
     kept = [q for q in level.positions if q not in turned]
-    moving = [_moving(fresh[x], rate) for x in new] + [rate[q] for q in kept]
+    moving = [_form_rate(fresh[x], rate) for x in new] + [rate[q] for q in kept]
     width = len(level.velocities)
     flat = [*moving, *level.force, *(e for row in level.mass for e in row)]
     flat = canonical([e.xreplace(dict(turned)) for e in flat], level.relations)
@@ -160,7 +160,7 @@ def _written(level: Level, fresh: Mapping[Any, Any], turned: Mapping[Any, Any]) 
     )
 
 
-def _moving(form: Any, rate: Mapping[Any, Any]) -> Any:
+def _form_rate(form: Any, rate: Mapping[Any, Any]) -> Any:
     """The rate of a linear form."""
     return se.Add(*[form.diff(q) * rate[q] for q in form.free_symbols])
 

@@ -30,12 +30,12 @@ def pictures(trajectory: MotionRecord) -> dict[str, Any]:
     if {"x", "y"} <= set(trajectory.outputs):
         found["path"] = _path(trajectory)
     if system.drawing is not None:
-        with suppress(_NotHeld):
+        with suppress(_AbsentData):
             found["drawing"] = drawing(trajectory)
     return found
 
 
-class _NotHeld(DefinitionError):
+class _AbsentData(DefinitionError):
     """A drawing shows what the trajectory does not hold."""
 
 
@@ -52,7 +52,7 @@ def drawing(trajectory: MotionRecord) -> Any:
     try:
         return own(trajectory)
     except DefinitionError as error:
-        raise _NotHeld(str(error)) from error
+        raise _AbsentData(str(error)) from error
     except Exception as error:
         what = failure(error, getattr(getattr(own, "__code__", None), "co_filename", "?"))
         name = trajectory.system.name
@@ -60,7 +60,7 @@ def drawing(trajectory: MotionRecord) -> Any:
 
 
 def _spheres(trajectory: MotionRecord, titled: Mapping[str, Any]) -> Any:
-    """The traces that a trajectory holds; ``_NotHeld`` where it is none of them."""
+    """The traces that a trajectory holds; ``_AbsentData`` where it is none of them."""
     import numpy as np
 
     from voronec.closed.pictures.sphere_picture import SphereTrace, traces_figure
@@ -75,7 +75,7 @@ def _spheres(trajectory: MotionRecord, titled: Mapping[str, Any]) -> Any:
             continue
         found.append(SphereTrace(*held, elapsed, title=title, axis=""))
     if missing is not None and not found:
-        raise _NotHeld(str(missing)) from missing
+        raise _AbsentData(str(missing)) from missing
     return traces_figure(found)
 
 

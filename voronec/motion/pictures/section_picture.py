@@ -8,7 +8,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.text import read_printed
+from voronec.algebra.text import read_sympy_text
 from voronec.algebra.typeset import symbol_latex
 from voronec.closed.pictures.style import INK, MARK, STYLE
 from voronec.errors import DefinitionError
@@ -79,7 +79,7 @@ def _label(section: Section, name: str) -> str:
         return name
     try:
         meant = dict(things) | {g: sp.Symbol(g) for g in system.invariants}
-        return f"${sp.latex(read_printed(name, 'a label', meant))}$"
+        return f"${sp.latex(read_sympy_text(name, 'a label', meant))}$"
     except DefinitionError:
         return name
 

@@ -9,7 +9,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
-from voronec.algebra.text import read_printed
+from voronec.algebra.text import read_sympy_text
 from voronec.algebra.typeset import symbol_latex
 from voronec.closed.pictures.style import INK, STYLE, WIDTH
 from voronec.errors import DefinitionError
@@ -31,7 +31,7 @@ def quantity_label(trajectory: MotionRecord, name: str) -> str:
     if name in system.integrals or name in system.invariants:
         return name
     try:
-        expr = read_printed(name, "a label", {plain_name(s): s for s in system.known_symbols()})
+        expr = read_sympy_text(name, "a label", {plain_name(s): s for s in system.known_symbols()})
     except DefinitionError:
         return name
     return f"${sp.latex(expr)}$"

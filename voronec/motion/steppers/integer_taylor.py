@@ -16,7 +16,7 @@ from voronec.equations.program import Program
 from voronec.equations.program.digits import compiled_digits
 from voronec.equations.program.recurrences import Recurrences, fixed_point, recurrences
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
-from voronec.motion.steppers.step_loop import Halted, Levels, Stride, march
+from voronec.motion.steppers.step_loop import IntegratorFailure, Levels, Stride, march
 from voronec.motion.steppers.units import SMALL, natural_units
 
 __all__ = ["digits"]
@@ -149,7 +149,7 @@ class _Walker:
         self.guess = abs(step) * int(min(room, 2.0) * 2**20) >> 20
         self.time = self.time + (step * part >> bits)
         if abs(self.time - start) < _units(self.least, bits):
-            raise Halted(COLLAPSE)
+            raise IntegratorFailure(COLLAPSE)
         self.state = polynomial.state(part)
         return Stride(
             _number(start, bits, 2 * bits), _number(self.time, bits, 2 * bits),
@@ -162,7 +162,7 @@ class _Walker:
         try:
             rows, least = self.expand(self.state, self.time, step, self.order)
         except (ValueError, ZeroDivisionError, OverflowError):
-            raise Halted(INFINITE) from None
+            raise IntegratorFailure(INFINITE) from None
         self.evaluations += 1
         eaten = 2 * (self.bits - least.bit_length())
         if eaten <= NARROW + self.wider or self.wider >= WIDEST:

@@ -20,7 +20,7 @@ from voronec.motion.steppers.dop853_source import COLLAPSED, HAPPENING, kernel_s
 from voronec.motion.steppers.kept_code import kept_function
 from voronec.motion.steppers.run import COLLAPSE, Problem, Run, Stepper
 from voronec.motion.steppers.scipy_stepper import level_function
-from voronec.motion.steppers.step_loop import Halted, Stretch, Stride, march
+from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride, march
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import FINEST
 
@@ -134,7 +134,7 @@ class Loop:
         self.happening = outcome == HAPPENING
         kept, taken = int(self.counts[4]), int(self.counts[1]) - steps - self.happening
         if outcome == COLLAPSED and not taken:
-            raise Halted(COLLAPSE)
+            raise IntegratorFailure(COLLAPSE)
         when, where = (2, 3) if self.happening else (0, 0)  # it ends before what may happen
         return Stretch(
             taken, self.rows[done : int(self.counts[0])], float(self.clock[when]),

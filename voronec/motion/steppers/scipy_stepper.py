@@ -10,7 +10,7 @@ import numpy as np
 
 from voronec.equations.program import compile_program
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
-from voronec.motion.steppers.step_loop import Halted, Levels, Stride, march
+from voronec.motion.steppers.step_loop import IntegratorFailure, Levels, Stride, march
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import FINEST
 
@@ -54,7 +54,7 @@ def estimated_steps(problem: Problem, grid: np.ndarray) -> int | None:
                     return count + 1
                 if solver.status == "failed" or not np.isfinite(solver.y).all():
                     return None
-        except Halted:
+        except IntegratorFailure:
             return None
     return TRIAL + int(abs(float(grid[-1]) - solver.t) / solver.step_size)
 
@@ -74,7 +74,7 @@ def _solver(problem: Problem, method: Callable[..., Any], grid: np.ndarray) -> A
             rates = [np.nan] * len(y)
         without = without + 1 if any(x != x for x in rates) else 0
         if without > PATIENCE:
-            raise Halted(INFINITE)
+            raise IntegratorFailure(INFINITE)
         return np.array(rates)
 
     units = natural_units(problem)
@@ -122,9 +122,9 @@ class _Solver:
         start, begin, slope = solver.t, solver.y, getattr(solver, "f", None)
         solver.step()
         if solver.status == "failed":
-            raise Halted(COLLAPSE)
+            raise IntegratorFailure(COLLAPSE)
         if not np.isfinite(solver.y).all():
-            raise Halted(INFINITE)
+            raise IntegratorFailure(INFINITE)
         kept = [solver.dense_output()] if self.dense else []
 
         def at(times: np.ndarray) -> np.ndarray:

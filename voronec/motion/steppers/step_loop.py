@@ -22,7 +22,7 @@ from voronec.motion.steppers.run import (
     until,
 )
 
-__all__ = ["Halted", "Stretch", "Stride", "Walker", "crossings", "march", "root"]
+__all__ = ["IntegratorFailure", "Stretch", "Stride", "Walker", "crossings", "march", "root"]
 
 
 LOOKS = 8
@@ -136,7 +136,7 @@ SUSPECTS = 64
 """States whose mass matrices are looked at together."""
 
 
-class Halted(Exception):
+class IntegratorFailure(Exception):
     """An integrator cannot go on, for a reason in words."""
 
 
@@ -176,7 +176,7 @@ class Walker(Protocol):
     """An integrator under way."""
 
     def advance(self) -> Stride | Stretch:
-        """The next step, or several; raises ``Halted``."""
+        """The next step, or several; raises ``IntegratorFailure``."""
 
     @property
     def evaluations(self) -> int:
@@ -226,7 +226,7 @@ class _March:
             while self.done < len(self.grid) and not self.log.stopped:
                 try:
                     stride = self.walker.advance()
-                except Halted as halted:
+                except IntegratorFailure as halted:
                     good = self.last
                     return self.result(Halt(str(halted), good.time, good.state))
                 if isinstance(stride, Stretch):

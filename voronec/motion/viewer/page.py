@@ -154,7 +154,7 @@ class Page:
         return abs(float(self.trajectory.t[-1] - self.trajectory.t[0]))
 
     @cached_property
-    def why_recorded(self) -> str:
+    def recording_reason(self) -> str:
         """Why the page plays what was computed, and does not integrate; empty where it does."""
         program, cost = self.program, self.trajectory.cost
         if self.span > LONG:
@@ -190,7 +190,7 @@ class Page:
     def data(self) -> dict[str, Any]:
         """What is particular to this motion."""
         self._require_values()
-        recorded = self.why_recorded
+        recorded = self.recording_reason
         start = self.states[0]
         bound = set().union(*map(names_in, self.system.fibration.relations), ())
         tied = {plain_name(x) for x in bound}

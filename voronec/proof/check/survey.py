@@ -27,7 +27,7 @@ def survey(entries: Mapping[str, Entry]) -> Contents:
     named = {s.value.label: s for s in squares}
     faces = []
     for square in squares_of(graph, [s.value for s in squares]):
-        at = named.get(square.label) or _Declared(beside[square.first[0]], -1, square)
+        at = named.get(square.label) or _Declaration(beside[square.first[0]], -1, square)
         ends = (square.first, square.second, square.up_to, square.name)
         faces.append(Face(square.label, at.entry.name, at.position, *ends))
     return Contents(
@@ -40,7 +40,7 @@ def survey(entries: Mapping[str, Entry]) -> Contents:
 
 
 @dataclass(frozen=True)
-class _Declared:
+class _Declaration:
     """A relation or a square, and where it stands: beside which system, at which position."""
 
     entry: Entry
@@ -48,7 +48,7 @@ class _Declared:
     value: Any
 
 
-def _edge(declared: _Declared) -> Edge:
+def _edge(declared: _Declaration) -> Edge:
     relation = declared.value
     ends = (relation.source, relation.target)
     at = (declared.entry.name, declared.position)
@@ -103,13 +103,15 @@ class _Survey:
                     found[name] = {m: _stands_for(system, entry.member_entry(m)) for m in members}
         return found, troubles
 
-    def related_members(self, edges: Sequence[_Declared]) -> list[str]:
+    def related_members(self, edges: Sequence[_Declaration]) -> list[str]:
         """The members of families at the ends of relations."""
         ends = {n for e in edges for n in (e.value.source, e.value.target)}
         return sorted(ends - {*self.systems})
 
     @cached_property
-    def declared_checks(self) -> tuple[tuple[_Declared, ...], tuple[_Declared, ...], list[Trouble]]:
+    def declared_checks(
+        self,
+    ) -> tuple[tuple[_Declaration, ...], tuple[_Declaration, ...], list[Trouble]]:
         """Relations, squares, and those of both that cannot be checked."""
         relations, squares, troubles = [], [], []
         for entry in self.with_relations():
@@ -120,8 +122,8 @@ class _Survey:
                     Trouble("relation", "RELATIONS", entry.name, entry.place, str(error))
                 )
                 continue
-            relations += [_Declared(entry, i, edge) for i, edge in enumerate(edges)]
-            squares += [_Declared(entry, i, face) for i, face in enumerate(faces)]
+            relations += [_Declaration(entry, i, edge) for i, edge in enumerate(edges)]
+            squares += [_Declaration(entry, i, face) for i, face in enumerate(faces)]
         edges_kept, wrong = self._sound(relations, self._wrong_relation)
         labels = {r.value.label: r for r in edges_kept}
         faces_kept, more = self._sound(squares, lambda s: _wrong_square(s, labels))
@@ -136,9 +138,9 @@ class _Survey:
                 seen.add(entry.place)
                 yield entry
 
-    def _sound(self, declared: Sequence[_Declared], wrong: Any) -> tuple[Any, list[Trouble]]:
+    def _sound(self, declared: Sequence[_Declaration], wrong: Any) -> tuple[Any, list[Trouble]]:
         """Those with which nothing is wrong, and the trouble with the others."""
-        kept: dict[str, _Declared] = {}
+        kept: dict[str, _Declaration] = {}
         troubles = []
         for one in declared:
             kind = type(one.value).__name__.lower()
@@ -177,7 +179,7 @@ def _stands_for(system: System, member: Entry) -> bool:
         return False
 
 
-def _wrong_square(square: Square, known: Mapping[str, _Declared]) -> str:
+def _wrong_square(square: Square, known: Mapping[str, _Declaration]) -> str:
     for label in (*square.first, *square.second, *filter(None, (square.up_to,))):
         if label not in known:
             return f"there is no relation '{label}'" + did_you_mean(label, known)

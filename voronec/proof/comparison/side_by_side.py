@@ -9,14 +9,14 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name
-from voronec.algebra.text import exact_number, read_printed
+from voronec.algebra.text import exact_number, read_sympy_text
 from voronec.algebra.typeset import html_table
 from voronec.algebra.verdicts import prove_equal
 from voronec.declaration.reading import quote
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
-from voronec.proof.comparison.derived import FACTS, Derived
+from voronec.proof.comparison.stored_derivation import FACTS, StoredDerivation
 
 __all__ = ["Comparison", "Row", "compare", "read_expression"]
 
@@ -28,7 +28,7 @@ def read_expression(text: Any) -> sp.Expr:
     """
     if not isinstance(text, str):
         raise DefinitionError(f"'{quote(text)}' is no text of an expression")
-    return read_printed(text, "a stored expression")
+    return read_sympy_text(text, "a stored expression")
 
 
 AGREEMENT = sp.Float("1e-24", 30)
@@ -104,7 +104,7 @@ class Comparison:
         }
 
 
-Side = System | VoronecEquations | Derived
+Side = System | VoronecEquations | StoredDerivation
 
 
 def compare(first: Side, second: Side) -> Comparison:
@@ -122,13 +122,13 @@ def compare(first: Side, second: Side) -> Comparison:
     return Comparison(first.name, second.name, tuple(rows), deviations, remark)
 
 
-def _derivation_of(side: Side) -> Derived:
-    if isinstance(side, Derived):
+def _derivation_of(side: Side) -> StoredDerivation:
+    if isinstance(side, StoredDerivation):
         return side
-    return Derived.of(side if isinstance(side, VoronecEquations) else derive(side))
+    return StoredDerivation.of(side if isinstance(side, VoronecEquations) else derive(side))
 
 
-def _facts(first: Derived, second: Derived) -> Iterator[Row]:
+def _facts(first: StoredDerivation, second: StoredDerivation) -> Iterator[Row]:
     for fact in FACTS:
         ours, theirs = (_show(d.facts[fact]) for d in (first, second))
         status = "identical" if ours == theirs else "different"
@@ -139,7 +139,7 @@ def _facts(first: Derived, second: Derived) -> Iterator[Row]:
     yield Row("facts", "dimension", "identical" if ours == theirs else "different", ours, theirs)
 
 
-def _dimension(d: Derived) -> int:
+def _dimension(d: StoredDerivation) -> int:
     """The dimension of the space of states."""
     facts = d.facts
     size = sum(len(facts[part]) for part in ("base", "fibre", "velocities"))
@@ -150,7 +150,7 @@ def _show(fact: Any) -> str:
     return ", ".join(map(str, fact)) if isinstance(fact, list) else str(fact)
 
 
-def _groups(first: Derived, second: Derived) -> Iterator[str]:
+def _groups(first: StoredDerivation, second: StoredDerivation) -> Iterator[str]:
     """The groups of entries that stand in the same variables on both sides."""
 
     def same(*parts: str) -> bool:
@@ -164,7 +164,7 @@ def _groups(first: Derived, second: Derived) -> Iterator[str]:
         yield "curvature"
 
 
-def _entries(first: Derived, second: Derived, group: str) -> Iterator[Row]:
+def _entries(first: StoredDerivation, second: StoredDerivation, group: str) -> Iterator[Row]:
     ours, theirs = first.groups[group], second.groups[group]
     part = "reduced" if group.startswith("reduced") else ""
     known = [*_conditions(first), *_conditions(second)]
@@ -179,7 +179,7 @@ def _entries(first: Derived, second: Derived, group: str) -> Iterator[Row]:
         yield Row(group, name, verdict.status, a, b, how)
 
 
-def _conditions(side: Derived) -> list[Any]:
+def _conditions(side: StoredDerivation) -> list[Any]:
     """What is declared of the parameters of a system, in the symbols that entries are read in."""
     signs = [read_expression(text) > 0 for text in side.positive]
     if side.equations is None:
@@ -189,7 +189,7 @@ def _conditions(side: Derived) -> list[Any]:
     return [*signs, *(c.xreplace(own) for c in system.conditions)]
 
 
-def _values(first: Derived, second: Derived) -> Iterator[Row]:
+def _values(first: StoredDerivation, second: StoredDerivation) -> Iterator[Row]:
     """Accelerations at the points of one side, which the other side knows or computes."""
     for ours, theirs in ((first, second), (second, first)):
         rows: list[Row] = []
@@ -207,7 +207,7 @@ def _values(first: Derived, second: Derived) -> Iterator[Row]:
         yield Row("accelerations", "all", "undecided", "", "", how)
 
 
-def _acceleration(side: Derived, at: Any) -> dict[str, str] | None:
+def _acceleration(side: StoredDerivation, at: Any) -> dict[str, str] | None:
     """The accelerations of one side at a point; None where it knows none there."""
     for point, stored in side.points:
         if point == at:
@@ -242,7 +242,7 @@ def _point(number: int, at: Any, stored: Any, found: Any, swapped: bool) -> Iter
         yield Row(f"acceleration at point {number}", name, status, a, b, how)
 
 
-def _motions(first: Derived, second: Derived) -> tuple[dict[str, float], str]:
+def _motions(first: StoredDerivation, second: StoredDerivation) -> tuple[dict[str, float], str]:
     """The motion of the first one's scene ``default``, integrated for both."""
     if first.equations is None or second.equations is None:
         return {}, "a stored derivation has no motions"

@@ -94,8 +94,8 @@ def _between(
     turns = {key: (a, b) for a, b, key in graph.edges(keys=True)}
     for one, other in combinations(own.courses, 2):
         first, last = turns[one[0]][1], turns[one[-1]][0]
-        tails = one[0] == other[0] and _agreed(parallel, (first, ends[1]), one[1:], other[1:])
-        heads = one[-1] == other[-1] and _agreed(parallel, (ends[0], last), one[:-1], other[:-1])
+        tails = one[0] == other[0] and _agree(parallel, (first, ends[1]), one[1:], other[1:])
+        heads = one[-1] == other[-1] and _agree(parallel, (ends[0], last), one[:-1], other[:-1])
         if tails or heads:
             own.agree.append((one, other))
     for moved in _joint_limits([*own.courses.values()]):
@@ -105,7 +105,7 @@ def _between(
             yield Square(chains[0], main[0])
 
 
-def _agreed(parallel: dict[Ends, _Parallel], ends: Ends, one: Labels, other: Labels) -> bool:
+def _agree(parallel: dict[Ends, _Parallel], ends: Ends, one: Labels, other: Labels) -> bool:
     return ends in parallel and parallel[ends].is_agreed(one, other)
 
 

@@ -54,7 +54,7 @@ class Independence:
         constant = [p for p in powers if not p.symbols]
         held += numbers if len(numbers) + len(constant) > 1 else []
         moving = [p for p in powers if p.symbols]
-        held += [p.function for p in _left(moving, held, relations)]
+        held += [p.function for p in _uncertain_powers(moving, held, relations)]
         held += [p.function for p in constant] if len(numbers) + len(constant) > 1 else []
         roots = {b: se.Pow(b, 1 / se.Integer(q)) for b, q in found.radicals.items()}
         held += [roots[b] for b in ambiguous if b in roots]
@@ -103,7 +103,9 @@ class _Power:
         return plain and whole and self.base in (se.Integer(0), se.E)
 
 
-def _left(powers: list[_Power], held: Sequence[Any], relations: Sequence[Any]) -> list[_Power]:
+def _uncertain_powers(
+    powers: list[_Power], held: Sequence[Any], relations: Sequence[Any]
+) -> list[_Power]:
     """The powers whose independence of one another and of ``held`` is not certain."""
     bound = {s for r in relations for s in r.free_symbols}
     taken = {s for e in held for s in e.free_symbols} | bound

@@ -226,13 +226,13 @@ class Normalization:
         places, parameters, weights = gradings.normalization(constants)
         return cls(tuple(places), parameters, weights)
 
-    def left(self, count: int) -> list[int]:
+    def other_places(self, count: int) -> list[int]:
         """The places of the other parameters."""
         return [i for i in range(count) if i not in self.places]
 
     def undone(self, quotient: Quotient, shift: Array, count: int) -> Quotient:
         """A function of the other parameters as one of all, homogeneous of weight ``shift``."""
-        left = self.left(count)
+        left = self.other_places(count)
         parts = []
         for terms in (quotient.numerator, quotient.denominator):
             moved: dict[Monomial, Any] = {}
@@ -265,7 +265,7 @@ def coefficients(
 ) -> list[Any]:
     """The coefficients of an integral, without common factors, inside the door."""
     count = len(probe.constants)
-    left = normalization.left(count)
+    left = normalization.other_places(count)
 
     def sample(points: Array, p: int) -> Array:
         whole = np.ones((len(points), count), dtype=np.int64)

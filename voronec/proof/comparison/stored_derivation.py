@@ -22,7 +22,7 @@ from voronec.equations.reduction import descend
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Derived", "is_general", "random_point", "read_derivation"]
+__all__ = ["StoredDerivation", "is_general", "random_point", "read_derivation"]
 
 
 POINT_DIGITS = 90
@@ -82,7 +82,7 @@ Groups = Mapping[str, Mapping[str, str]]
 
 
 @dataclass(frozen=True)
-class Derived:
+class StoredDerivation:
     """A derivation: ``facts`` on the system, ``groups`` of entries as text, values at ``points``.
 
     An entry that a group does not list is zero.  A group that is missing was too long, or beyond
@@ -99,7 +99,7 @@ class Derived:
     equations: VoronecEquations | None = field(default=None, repr=False, compare=False)
 
     @classmethod
-    def of(cls, eqs: VoronecEquations) -> Derived:
+    def of(cls, eqs: VoronecEquations) -> StoredDerivation:
         """Everything that is compared, of a system as it is derived now."""
         relations = [plain_text(r) for r in eqs.system.fibration.relations]
         groups, ideals = _groups(eqs), {"": relations}
@@ -114,7 +114,7 @@ class Derived:
             eqs,
         )
 
-    def compact(self) -> Derived:
+    def compact(self) -> StoredDerivation:
         """The compact form: without groups that are too long."""
         short = {k: g for k, g in self.groups.items() if sum(map(len, g.values())) <= LONGEST}
         return replace(self, groups=short)
@@ -136,7 +136,7 @@ class Derived:
         return json.dumps(self.compact().as_dict(), indent=1, ensure_ascii=False) + "\n"
 
     @classmethod
-    def from_dict(cls, data: Any, place: str) -> Derived:
+    def from_dict(cls, data: Any, place: str) -> StoredDerivation:
         """Read what ``as_dict`` made; ``DefinitionError`` where it is something else."""
         try:
             if data["format"] != FORMAT:
@@ -164,7 +164,7 @@ def _positive(system: System) -> Iterator[str]:
                 yield plain_text((part.gts - part.lts).xreplace(own))
 
 
-def read_derivation(path: str | Path) -> Derived:
+def read_derivation(path: str | Path) -> StoredDerivation:
     """The derivation that a file holds."""
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -172,7 +172,7 @@ def read_derivation(path: str | Path) -> Derived:
         raise DefinitionError(f"'{path}' cannot be read: {error.strerror}") from None
     except ValueError as error:
         raise DefinitionError(f"'{path}' is not JSON: {error}") from None
-    return Derived.from_dict(data, f"'{path}'")
+    return StoredDerivation.from_dict(data, f"'{path}'")
 
 
 def _facts(eqs: VoronecEquations) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.stages import needed_stages, primitive
-from voronec.equations.program.factoring import bracket_sums, spread_products
+from voronec.equations.program.factors import bracket_sums, spread_products
 from voronec.equations.program.parts import arguments_of
 from voronec.equations.program.straight import Block, Choice, Program, fresh_names, nest_sums
 from voronec.equations.program.weight import operation_count
@@ -41,7 +41,7 @@ def shorten_program(program: Program) -> Program:
     for begin, change in product((block, _without_monomials(block)), _changes(block)):
         changed = [(name, change(se.sympify(e))) for name, e in begin.assignments]
         results = [change(se.sympify(e)) for e in begin.results]
-        found.append(_Sharing(changed, results, known).block(fresh_names(known)))
+        found.append(_SharedParts(changed, results, known).block(fresh_names(known)))
     shortest = min(found, key=lambda b: operation_count(b.expressions))
     return replace(program, derivative=shortest)
 
@@ -50,12 +50,12 @@ def _changes(block: Block) -> Iterator[Callable[[Any], Any]]:
     """What is tried with every right side; the shortest program counts."""
     yield se.sympify
     for choice in (min, max) if block.operations <= MANY else ():
-        nest, bracket = (partial(f, choice=choice) for f in (_nested, bracket_sums))
+        nest, bracket = (partial(f, choice=choice) for f in (_nest, bracket_sums))
         yield from (nest, bracket, partial(_in_turn, (spread_products, nest)))
         yield partial(_in_turn, (spread_products, nest, bracket))
 
 
-def _nested(expr: Any, choice: Choice) -> Any:
+def _nest(expr: Any, choice: Choice) -> Any:
     return nest_sums(expr, (), choice)
 
 
@@ -78,7 +78,7 @@ def _without_monomials(block: Block) -> Block:
     return Block(tuple(kept), tuple(se.sympify(e).xreplace(meaning) for e in block.results))
 
 
-class _Sharing:
+class _SharedParts:
     """Expressions as products {factor: exponent} and sums {term: number}, by names of their own.
 
     What is named is a product without a number, a sum of such, a root, or another function.
@@ -100,7 +100,7 @@ class _Sharing:
         self._share_terms()
         self._share_factors()
 
-    def _named(self, table: dict[Any, Any], key: Any, value: Any) -> Any:
+    def _name_for(self, table: dict[Any, Any], key: Any, value: Any) -> Any:
         """The name of something, the same for the same."""
         if key not in self._names:
             self._names[key] = next(self._fresh)
@@ -113,7 +113,7 @@ class _Sharing:
             return ONE
         if len(left) == 1 and next(iter(left.values())) == 1:
             return next(iter(left))
-        return self._named(self.products, frozenset(left.items()), left)
+        return self._name_for(self.products, frozenset(left.items()), left)
 
     def _read(self, expr: Any) -> tuple[Any, Any]:
         """An expression as a number times a name; the name is 1 for numbers."""
@@ -132,7 +132,7 @@ class _Sharing:
             for term in total.args:
                 c, name = self._read(term)
                 terms[name] = terms.get(name, 0) + c
-            return number, self._named(self.sums, total, terms)
+            return number, self._name_for(self.sums, total, terms)
         if isinstance(expr, se.Mul):
             number, powers = ONE, Counter[Any]()
             for factor in expr.args:
@@ -147,7 +147,7 @@ class _Sharing:
             c, name = self._read(base)
             return c**exponent, self._product({name: exponent})
         args = [c * name for c, name in map(self._read, expr.args)]
-        return ONE, self._named(self.others, expr, (expr.func, args))
+        return ONE, self._name_for(self.others, expr, (expr.func, args))
 
     def _share_factors(self) -> None:
         """Name pairs of factors that several products hold, most first."""
@@ -174,7 +174,7 @@ class _Sharing:
             inner = {first: ONE, second: ratio}
             name = next((s for s, terms in self.sums.items() if terms == inner), None)
             if name is None:
-                name = self._named(self.sums, first + ratio * second, inner)
+                name = self._name_for(self.sums, first + ratio * second, inner)
             for held, terms in [*self.sums.items()]:
                 if held != name and (first, second, ratio) in _term_pairs(terms):
                     rest = {s: c for s, c in terms.items() if s not in inner}

@@ -25,7 +25,7 @@ Change = Callable[[Any], Any]
 def bracket_sums(expr: Any, choice: Any = min) -> Any:
     """An expression whose sums, inner ones first, are nested, or products of the factors that they
     have over Q, functions counted as letters, where that takes fewer operations."""
-    return _changed(se.sympify(expr), se.Add, lambda total: _shortest(total, choice), {})
+    return _rewrite(se.sympify(expr), se.Add, lambda total: _shortest(total, choice), {})
 
 
 def spread_products(expr: Any) -> Any:
@@ -33,14 +33,14 @@ def spread_products(expr: Any) -> Any:
 
     Products of two sums stay: written out, their terms may cancel, and digits are lost.
     """
-    return _changed(se.sympify(expr), se.Mul, _spread, {})
+    return _rewrite(se.sympify(expr), se.Mul, _spread, {})
 
 
-def _changed(expr: Any, kind: type, change: Change, memo: dict[Any, Any]) -> Any:
+def _rewrite(expr: Any, kind: type, change: Change, memo: dict[Any, Any]) -> Any:
     if not expr.args or expr.is_Number:
         return expr
     if expr not in memo:
-        inner = expr.func(*[_changed(a, kind, change, memo) for a in expr.args])
+        inner = expr.func(*[_rewrite(a, kind, change, memo) for a in expr.args])
         memo[expr] = change(inner) if isinstance(inner, kind) else inner
     return memo[expr]
 
@@ -58,11 +58,11 @@ def _shortest(total: Any, choice: Any) -> Any:
     forms = [total, nest_sums(total, (), choice)]
     flat = se.expand(total)
     if isinstance(flat, se.Add) and len(flat.args) <= WIDEST:
-        forms += _factored(flat)
+        forms += _factor_forms(flat)
     return min(forms, key=lambda e: operation_count([e]))
 
 
-def _factored(total: Any) -> list[Any]:
+def _factor_forms(total: Any) -> list[Any]:
     """A sum as a product of factors, each of them nested; none where it has one factor, or is no
     polynomial over Q."""
     terms = [factor_exponents(t) for t in total.args]

@@ -29,7 +29,7 @@ from voronec.errors import VoronecError
 __all__ = [
     "BY_HAND",
     "HANDWRITTEN",
-    "Handwritten",
+    "HandProgram",
     "ball",
     "demchenko",
     "right_side",
@@ -44,7 +44,7 @@ Values = Mapping[str, float]
 
 
 @dataclass(frozen=True)
-class Handwritten:
+class HandProgram:
     """``equations``: pairs (variable, right side) of heyoka; ``start`` takes the values of our
     variables by name to the state (n,), ``back`` takes states (k, n) to outputs, among them those
     that are ``offered`` for comparison."""
@@ -55,7 +55,7 @@ class Handwritten:
     offered: tuple[str, ...]
 
 
-def ball(moments: Sequence[float], D: float, epsilon: float) -> Handwritten:
+def ball(moments: Sequence[float], D: float, epsilon: float) -> HandProgram:
     """A ball of principal moments I rolling on a plane (epsilon = 1) or on a sphere.
 
         Gdot = G x omega,   gammadot = epsilon gamma x omega,
@@ -87,10 +87,10 @@ def ball(moments: Sequence[float], D: float, epsilon: float) -> Handwritten:
         return dict(zip(NORMAL + SPIN, [*g.T, *w.T], strict=True))
 
     variables, rates = [*G, *gamma], [*_cross(G, omega), *turning]
-    return Handwritten(list(zip(variables, rates, strict=True)), start, back, NORMAL + SPIN)
+    return HandProgram(list(zip(variables, rates, strict=True)), start, back, NORMAL + SPIN)
 
 
-def demchenko(p: Values) -> Handwritten:
+def demchenko(p: Values) -> HandProgram:
     """Demchenko's ball, whose inertia A is spherical, with the axis of its gyroscope k along e3.
 
     With J = A + D, c = gamma x G and the spin (gamma, omega) = ((gamma, G) - k gamma3) / A,
@@ -130,27 +130,27 @@ def demchenko(p: Values) -> Handwritten:
         g = rows[:, 3:].T
         return {"u": np.arctan2(np.hypot(g[0], g[1]), -g[2]), "v": np.arctan2(-g[1], -g[0])}
 
-    return Handwritten(list(zip([*G, *gamma], rates, strict=True)), start, back, ("u",))
+    return HandProgram(list(zip([*G, *gamma], rates, strict=True)), start, back, ("u",))
 
 
 def _cross(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
     return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
 
 
-def _on_plane(p: Values) -> Handwritten:
+def _on_plane(p: Values) -> HandProgram:
     return ball([p["I1"], p["I2"], p["I3"]], p["m"] * p["R"] ** 2, 1.0)
 
 
-def _homogeneous(p: Values) -> Handwritten:
+def _homogeneous(p: Values) -> HandProgram:
     return ball([p["A"]] * 3, p["m"] * p["R"] ** 2, 1.0)
 
 
-def _on_sphere(p: Values) -> Handwritten:
+def _on_sphere(p: Values) -> HandProgram:
     moments = [p["I1"], p["I2"], p["I3"]]
     return ball(moments, p["m"] * p["R2"] ** 2, p["R1"] / (p["R1"] + p["R2"]))
 
 
-BY_HAND: dict[str, Callable[[Values], Handwritten]] = {
+BY_HAND: dict[str, Callable[[Values], HandProgram]] = {
     "chaplygin-ball": _on_plane,
     "homogeneous-ball": _homogeneous,
     "ball-on-sphere": _on_sphere,
@@ -180,7 +180,7 @@ Rows = Callable[[float], tuple[int, int, np.ndarray]]
 
 
 def _prepare(
-    question: BenchMotion, by: Callable[[Handwritten, np.ndarray, np.ndarray], Rows]
+    question: BenchMotion, by: Callable[[HandProgram, np.ndarray, np.ndarray], Rows]
 ) -> Run:
     if question.system.name not in BY_HAND:
         raise NotHere("nobody has written this system by hand")
@@ -207,7 +207,7 @@ def _prepare(
     return run
 
 
-def _by_heyoka(program: Handwritten, start: np.ndarray, grid: np.ndarray) -> Rows:
+def _by_heyoka(program: HandProgram, start: np.ndarray, grid: np.ndarray) -> Rows:
     """Taylor's method; what is compiled for a tolerance is kept."""
     import heyoka as hy
 
@@ -224,7 +224,7 @@ def _by_heyoka(program: Handwritten, start: np.ndarray, grid: np.ndarray) -> Row
     return rows
 
 
-def _by_scipy(program: Handwritten, start: np.ndarray, grid: np.ndarray) -> Rows:
+def _by_scipy(program: HandProgram, start: np.ndarray, grid: np.ndarray) -> Rows:
     """DOP853 on plain numbers: the same equations, common subexpressions shared."""
     from scipy.integrate import solve_ivp
 
@@ -239,7 +239,7 @@ def _by_scipy(program: Handwritten, start: np.ndarray, grid: np.ndarray) -> Rows
     return rows
 
 
-def right_side(program: Handwritten) -> Callable[[float, np.ndarray], list[float]]:
+def right_side(program: HandProgram) -> Callable[[float, np.ndarray], list[float]]:
     """The equations as a good hand gives them to scipy: ``lambdify`` to ``math`` with ``cse``."""
     import heyoka as hy
     import sympy as sp
