@@ -40,6 +40,8 @@ PRECISIONS = {
     },
 }  # fmt: skip
 OUTCOMES = ("done", "singular", "stuck", "budget", "ambiguous")
+NEWTON = 50
+"""Steps of Newton's method to a relation at most: what a start is off stays so all along."""
 
 
 class Unsupported(Exception):
@@ -281,8 +283,10 @@ class Referee:
     def onto_relations(self, q: Sequence[Any], p: Sequence[Any]) -> list[Any]:
         """Redundant coordinates moved onto their relations."""
         q = [mp.mpf(x) for x in q]
-        for _ in range(6 if self.mechanics.relations else 0):
+        for _ in range(NEWTON if self.mechanics.relations else 0):
             values, slopes = self._relations(q, p)
+            if max(map(abs, values)) < 4 * mp.eps:
+                break
             A, b = mp.matrix(slopes), mp.matrix(values)
             q = [x - d for x, d in zip(q, A.T * mp.lu_solve(A * A.T, b), strict=True)]
         return q
