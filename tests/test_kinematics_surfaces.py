@@ -173,11 +173,11 @@ def test_dynamicsymbols_are_symbols_like_others():
     [
         (
             lambda: Surface((u, v), SURFACES["sphere"].position, (R, R)),
-            r"\|r_v\| = R of the surface is not right: its square must be R\*\*2\*sin\(u\)\*\*2",
+            r"\|r_v\| = R of the surface is wrong: its square must be R\*\*2\*sin\(u\)\*\*2",
         ),
         (
             lambda: Surface((u, v), SURFACES["skew plane"].position, area=2),
-            r"the area = 2 of the surface is not right: its square must be 1 ",
+            r"the area = 2 of the surface is wrong: its square must be 1 ",
         ),
         (lambda: Surface((u, v), (u + v, 2 * u + 2 * v, 0)), "is not a surface"),
         (lambda: Surface((u, v), (sp.cos(u), sp.sin(u), 0)), "is not a surface"),

@@ -43,6 +43,11 @@ def results() -> dict[str, Any]:
         "comparison": vo.compare(sleigh, vo.load("vertical-disc")),
         "reduction": vo.descend(vo.load("chaplygin-ball")),
         "closed form": vo.closed_form(vo.load("demchenko")),
+        "methods": vo.by_methods(sleigh),
+        "judgement": vo.judge(sleigh, r"\dot v = a w^2"),
+        "lesson": vo.lesson(sleigh),
+        "large curvature": vo.derive(vo.load("bicycle")).curvature,
+        "brackets": vo.derive(vo.load("bicycle")).brackets,
         "precessions": vo.precessions(vo.load("demchenko")),
     }
 
@@ -72,6 +77,9 @@ def test_tables_of_a_notebook_say_what_was_found(results: dict[str, Any]) -> Non
         "closed form": ("period", "between"),
         "ensemble": ("3 motions", "drift of energy"),
         "model": ("quadrature", "follows from others"),
+        "methods": ("Chaplygin and Hamel", "proved"),
+        "curvature": ("A[0, 0, 1]", "cos(phi)^(-2)"),
+        "large curvature": ("nonzero", "characters"),
     }
     for name, words in expected.items():
         table = results[name]._repr_html_()

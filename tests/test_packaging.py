@@ -179,7 +179,7 @@ def test_links_of_the_readme_lead_to_the_address_of_the_project() -> None:
 
 
 def test_the_recipe_asks_for_what_the_project_asks_for() -> None:
-    recipe = (ROOT / "conda" / "meta.yaml").read_text()
+    recipe = (ROOT / "conda" / "recipe.yaml").read_text()
     asked = dict(re.findall(r"^    - ([\w.-]+) >=([\d.]+)$", recipe, re.MULTILINE))
     called = {"matplotlib": "matplotlib-base", "symengine": "python-symengine"}
     called["heyoka"] = "heyoka.py"

@@ -84,7 +84,8 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     listed = sorted(set(known))
     near = difflib.get_close_matches(name, listed, n=3, cutoff=0.5)
     near = near or difflib.get_close_matches(name.lower(), listed, n=3, cutoff=0.5)
-    near += [other for other in listed if name and name.lower() in other and other not in near]
+    part = name.lower() if len(name) > 1 else ""
+    near += [other for other in listed if part and part in other and other not in near]
     if near:
         return f"; did you mean {' or '.join(map(repr, near))}?"
     return f"; there are: {', '.join(listed) or 'none'}"

@@ -149,7 +149,7 @@ def _cases(a: Any, b: Any, relations: Sequence[Any]) -> Iterator[tuple[Any, Any,
             at[se.sign(u)] = se.Integer(0) if vanishes else u / se.sqrt(u**2)
             more += [u] if vanishes else []
         if more and any(n.args and isinstance(n, se.sign) for u in more for n in nodes([u])):
-            raise EngineLimit("a sign stands under a sign")
+            raise EngineLimit("a sign function stands inside another one")
         left, right = a.xreplace(at), b.xreplace(at)
         if not (more and _has_no_value([left, right])):  # 1/sign(u) is not defined where u = 0
             yield left, right, [*relations, *more]

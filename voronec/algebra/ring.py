@@ -166,7 +166,7 @@ class Ring:
         if isinstance(expr, HYPERBOLIC):
             return self._hyperbolic(expr)
         if not isinstance(expr, se.Pow):
-            raise EngineLimit(f"'{expr}' is none of the quantities that are computed with")
+            raise EngineLimit(f"'{expr}' is not one of the quantities of this computation")
         base, exponent = expr.args
         if base == se.E or not exponent.is_Number:
             return self._symbolic_power(base, exponent)

@@ -195,7 +195,7 @@ class Tape:
 def _rational(number: Any) -> Any:
     if isinstance(number, se.Rational):  # Integer is a Rational
         return flint.fmpq(int(number.p), int(number.q))
-    raise EngineLimit(f"the number '{number}' is not rational; write decimals at the door")
+    raise EngineLimit(f"the number '{number}' is not rational; write it as a fraction or a decimal")
 
 
 def _sum(*values: Any) -> Any:

@@ -279,7 +279,7 @@ class Clock:
             found.append(total)
         value = found[0] / found[1]
         if not value > 0:
-            raise EngineLimit("the clock of the motion is not seen to be positive")
+            raise EngineLimit("the clock of the motion could not be shown to be positive")
         return value
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import sympy as sp
+from sympy.utilities.iterables import flatten
 
 from voronec.algebra.text import as_expression
+from voronec.algebra.typeset import caret_text, html_table
 from voronec.equations.definition import Definition
 from voronec.equations.derivation import Derivation
 
@@ -22,6 +25,8 @@ __all__ = [
 ]
 
 Outward = Callable[[Any], sp.Expr]
+LONGEST = 200
+"""How many characters of a formula a notebook shows."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,15 @@ class Curvature:
     def __getitem__(self, index: tuple[int, int, int]) -> sp.Expr:
         return self.space[index]
 
+    def __repr__(self) -> str:
+        return f"Curvature({_sizes(space=self.space, time=self.time)})"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the entries that are not zero, of each pair one."""
+        return html_table(
+            repr(self), [*_entries("A", self.space, True), *_entries("A", self.time, False)]
+        )
+
 
 @dataclass(frozen=True)
 class Brackets:
@@ -50,6 +64,34 @@ class Brackets:
 
     c: sp.ImmutableDenseNDimArray
     B: sp.ImmutableDenseNDimArray
+
+    def __repr__(self) -> str:
+        return f"Brackets({_sizes(c=self.c, B=self.B)})"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the entries that are not zero, of each pair one."""
+        return html_table(repr(self), [*_entries("c", self.c, True), *_entries("B", self.B, True)])
+
+
+def _sizes(**tables: sp.ImmutableDenseNDimArray) -> str:
+    """The shape of each table, and how many of its entries are not zero."""
+    return ", ".join(
+        f"{name} {' x '.join(map(str, table.shape))}: {sum(e != 0 for e in flatten(table))} nonzero"
+        for name, table in tables.items()
+    )
+
+
+def _entries(
+    letter: str, table: sp.ImmutableDenseNDimArray, skew: bool
+) -> Iterator[tuple[str, str]]:
+    """Indices and formulas of entries that are not zero; a long one is told by its size alone."""
+    for index in product(*map(range, table.shape)):
+        entry = table[index]
+        if entry == 0 or (skew and index[1] > index[2]):
+            continue
+        text = caret_text(entry)
+        length = f"{len(text)} characters"
+        yield f"{letter}[{', '.join(map(str, index))}]", text if len(text) <= LONGEST else length
 
 
 def vertical_parts(d: Derivation) -> dict[tuple[int, int], list[Any]]:

@@ -45,7 +45,7 @@ def require_no_jump_of_lagrangian(
         jumping = [*([jump] if moving else []), *momenta]
         if any(_differs(e, wall, conditions) for e in jumping):
             raise DefinitionError(
-                f"{place}: the Lagrangian jumps where {wall} = 0, which is a blow; use a "
+                f"{place}: the Lagrangian jumps where {wall} = 0, which is an impact; use a "
                 "continuous one, or a force of finite size"
             )
 

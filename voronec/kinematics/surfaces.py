@@ -304,5 +304,5 @@ def _check(name: str, length: Any, square: Any) -> None:
         return
     why = f"{verdict.witness}" if verdict.refuted else verdict.method
     raise DefinitionError(
-        f"{name} = {length} of the surface is not right: its square must be {square} ({why})"
+        f"{name} = {length} of the surface is wrong: its square must be {square} ({why})"
     )

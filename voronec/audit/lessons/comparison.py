@@ -7,6 +7,7 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.typeset import html_table
 from voronec.algebra.verdicts import Verdict
 from voronec.audit.lessons.statement import Statement
 from voronec.equations.voronec_equations import equation_rows
@@ -55,6 +56,20 @@ class Comparison:
     methods: tuple[Method, ...]
     equalities: tuple[Equality, ...]
     seconds: float
+
+    def __repr__(self) -> str:
+        names = ", ".join(method.name for method in self.methods)
+        return f"Comparison({self.problem.equations.system.name!r}, {names}: {self._outcome})"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the verdict on each equality."""
+        rows = [(f"{e.left} and {e.right}", e.verdict.status) for e in self.equalities]
+        name = self.problem.equations.system.name
+        return html_table(f"{name} by {len(self.methods)} methods", rows)
+
+    @property
+    def _outcome(self) -> str:
+        return "proved to agree" if self.proved else "not proved to agree"
 
     @property
     def proved(self) -> bool:

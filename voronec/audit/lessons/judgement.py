@@ -60,6 +60,9 @@ class Judgement:
         """Whether neither a proof nor such a state was found."""
         return self.verdict.undecided
 
+    def __repr__(self) -> str:
+        return f"Judgement({self.system.name!r}, {self.text!r}: {self.verdict.status})"
+
     def lines(self) -> list[str]:
         """What is asked, what is done, what comes out."""
         title = f": {self.system.title}" if self.system.title else ""

@@ -71,6 +71,9 @@ class Lesson:
         """The system."""
         return self.equations.system
 
+    def __repr__(self) -> str:
+        return f"Lesson({self.system.name!r}, {len(self.parts)} steps: {self.verdict.status})"
+
     def lines(self) -> list[str]:
         """Numbered steps: what is done, the formula with its number, what comes out."""
         lines = [_title(self)]

@@ -170,7 +170,9 @@ def _print_call(name: str, args: Iterable[Any], dialect: Dialect, names: Mapping
 def rational(number: Any) -> tuple[int, int]:
     """Numerator and denominator of an exact number."""
     if not isinstance(number, se.Rational):
-        raise EngineLimit(f"the number '{number}' is not rational; write decimals at the door")
+        raise EngineLimit(
+            f"the number '{number}' is not rational; write it as a fraction or a decimal"
+        )
     return int(number.p), int(number.q)
 
 

@@ -299,7 +299,7 @@ def _normalized_vector(rates: Array, free: int, p: int) -> Array:
     others = [j for j in range(rates.shape[1]) if j != free]
     vectors, last = kernel(rates[:, [*others, free]], p)
     if last != [len(others)]:
-        raise EngineLimit("an integral modulo a prime is none for all parameters")
+        raise EngineLimit("an integral found modulo a prime is not one for all parameters")
     found = np.zeros(rates.shape[1], dtype=np.int64)
     found[[*others, free]] = vectors[0]
     return found
