@@ -98,7 +98,7 @@ MEANT = {
         {"fibration": Fibration((x, phi), (y,), relations=(sp.Integer(1),))}, ["relation 1"],
     ),
     "Heaviside": (
-        {"lagrangian": KINETIC + sp.Heaviside(x)}, ["the Lagrangian", "jumps where x = 0", "blow"],
+        {"lagrangian": KINETIC + sp.Heaviside(x)}, ["the Lagrangian", "jumps where x = 0", "impact"],
     ),
     "DiracDelta": (
         {"lagrangian": KINETIC + sp.DiracDelta(x)}, ["the Lagrangian", "DiracDelta", "elementary"],
