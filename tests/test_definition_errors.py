@@ -98,7 +98,8 @@ MEANT = {
         {"fibration": Fibration((x, phi), (y,), relations=(sp.Integer(1),))}, ["relation 1"],
     ),
     "Heaviside": (
-        {"lagrangian": KINETIC + sp.Heaviside(x)}, ["the Lagrangian", "jumps where x = 0", "impact"],
+        {"lagrangian": KINETIC + sp.Heaviside(x)},
+        ["the Lagrangian", "jumps where x = 0", "impact"],
     ),
     "DiracDelta": (
         {"lagrangian": KINETIC + sp.DiracDelta(x)}, ["the Lagrangian", "DiracDelta", "elementary"],
