@@ -101,6 +101,41 @@ def test_a_power_of_both_sides_is_no_correction():
     assert mend("2S=(x+y)^3", study=halved).latex == "2S=(x+y)^2"
 
 
+def test_a_number_in_a_product_of_vectors_is_not_balanced_by_one_outside():
+    names = {**STUDY.names, "q": sp.Matrix([y, w, x]), "S": x * y + y * w + w * x}
+    study = replace(STUDY, names=names)
+    assert mend("S=(r,2q)", study=study).latex == "S=(r,q)"
+
+
+def test_an_index_that_stands_twice_in_a_name_is_no_correction():
+    names = {**STUDY.names, "g_{ij}": lambda i, j: sp.Symbol(f"g{i}{j}")}
+    names["h_{ij}"] = lambda i, j: -sp.Symbol(f"g{i}{j}")
+    study = replace(STUDY, names=names)
+    assert mend("h_{jj}=-g_{ij}", study=study).latex == "h_{ij}=-g_{ij}"
+    assert mend("h_{ii}=-g_{ij}", study=study).latex == "h_{ij}=-g_{ij}"
+
+
+def test_a_function_beside_itself_is_no_correction():
+    study = replace(STUDY, names={**STUDY.names, "F": x**2 + y}, functions=frozenset("F"))
+    assert mend("FF(x,y)=(x^2+y)^1", study=study).latex == "F(x,y)=(x^2+y)^1"
+    assert mend("FF(x,y)=(x^2+y)(x^2+x)", study=study) is None
+
+
+def test_a_quotient_of_a_number_and_a_differential_is_no_correction():
+    study = replace(STUDY, names={**STUDY.names, "K": x + y})
+    assert mend(r"\frac{M}{dt}=K", study=study) is None
+    assert mend(r"\frac{dy}{dt}=w", study=study).latex == r"\frac{dx}{dt}=w"
+
+
+def test_what_the_display_says_already_is_no_correction():
+    study = replace(STUDY, names={**STUDY.names, "P_0": x + 2 * y, "P_1": x + y})
+    display = Display(r"\[ P_0=x+2y, \quad P_1=x+2y \]")
+    section = Section("s", (display,), lambda _: {"only": study})
+    _, wrong = Transcript(section).formulas()
+    spare = Spare.of(Transcript(section), study)
+    assert correct(wrong, Check(), study, spare).latex == "P_1=x+y"
+
+
 def test_what_is_added_and_taken_away_again_is_no_correction():
     assert mend("Q+x-y=x") is None, "y+x-y=x is true, and says nothing of Q"
     assert mend("x+3c-c=x+2c") is None or "c-c" not in mend("x+3c-c=x+2c").latex

@@ -58,17 +58,16 @@ def _senseless(new: Chain, latex: str, fault: Fault, study: Study) -> str:
     units = Units.of(study)
     if units is not None and units.is_unbalanced(new, study):
         return "it is not balanced"
-    if not fault.true:
-        return ""
-    dimensions = (
-        [units.dimension(true.tree(study.vocabulary), study) for true in fault.true]
-        if units
-        else []
-    )
-    if units is not None and units.dimension(new, study) not in dimensions:
+    trees = [(true.printed, true.tree(study.vocabulary)) for true in fault.true]
+    stood = [(latex, tree) for latex, tree in trees if verify(tree, check, study).verdict.proved]
+    if not stood:
+        return ""  # what stood there is true under a convention only
+    if units is not None and units.dimension(new, study) not in [
+        units.dimension(tree, study) for _, tree in stood
+    ]:
         return "it has another dimension"
     wrong = fault.formula.printed
-    if _distance(latex, wrong) > min(_distance(true.printed, wrong) for true in fault.true):
+    if _distance(latex, wrong) > min(_distance(true, wrong) for true, _ in stood):
         return "what stood there is nearer"
     return ""
 

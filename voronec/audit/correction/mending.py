@@ -30,16 +30,24 @@ from voronec.audit.correction.slots import Slot
 from voronec.audit.display import Check
 from voronec.audit.formula import Formula
 from voronec.audit.latex.nodes import (
+    POINT,
+    Bound,
+    Call,
     Chain,
+    Cross,
     Derivative,
+    Differential,
     Integral,
+    Listing,
     Name,
     Node,
     Number,
     Partial,
     Power,
     Product,
+    Quotient,
     Sum,
+    Wedge,
     walk,
 )
 from voronec.audit.latex.reader import read
@@ -359,8 +367,8 @@ class _Case:
 
     ``letters`` are those that it has; ``cancelled`` are the terms that it adds and takes away
     again, ``shared`` the numbers by which both sides of a relation are multiplied or to which both
-    are raised; ``empty`` says that it sets something equal to itself, ``legible`` that it can be
-    read.
+    are raised, ``beside`` the other formulas of its display; ``empty`` says that it sets something
+    equal to itself, ``legible`` that it can be read.
     """
 
     printed: str
@@ -371,6 +379,7 @@ class _Case:
     letters: frozenset[str] = frozenset()
     cancelled: frozenset[Node] = frozenset()
     shared: frozenset[tuple[str, Node]] = frozenset()
+    beside: frozenset[str] = frozenset()
     empty: bool = False
     legible: bool = False
 
@@ -388,6 +397,8 @@ class _Case:
 
     def proof_of(self, latex: str) -> str | None:
         """How a formula is proved that says something and leaves no new name open."""
+        if "".join(latex.split()) in self.beside:
+            return None  # the display says it already
         try:
             chain = read(latex, self.study.vocabulary)
             if says_nothing(chain) or any(holds_always(*link) for link in pairwise(chain.parts)):
@@ -402,6 +413,8 @@ class _Case:
                 return None  # 2a > 2b is no print of a > b, nor a^2 = b^2 of a = b
             if self.letters and self.letters.isdisjoint(_letters(chain)):
                 return None  # nothing of the print is left
+            if _is_misspelled(chain, self.study):
+                return None  # B_ii where B_ij is meant, f f(x)
             if (
                 not new_names(chain, self.study) <= self.new
                 or _cancelling_terms(chain) - self.cancelled
@@ -442,7 +455,7 @@ def correct(
     if check.decide is not None:
         return None
     printed = formula.printed
-    case = _case(printed, check, study)
+    case = replace(_case(printed, check, study), beside=_formulas_beside(formula))
     if case.empty:
         return None  # what it should have said cannot be seen
     spare = spare or Spare()
@@ -457,6 +470,13 @@ def _terms(chain: Chain) -> frozenset[Node]:
     sums = [part for part in walk(chain) if isinstance(part, Sum)]
     sides = () if Number("0") in chain.parts else chain.parts
     return frozenset([*sides, *(term for node in sums for _, term in node.terms)])
+
+
+def _formulas_beside(formula: Formula) -> frozenset[str]:
+    """The other formulas of the display, without spacing."""
+    units = formula.display.units
+    texts = [unit.display[slice(*piece.at)] for unit in units for piece in unit.pieces]
+    return frozenset("".join(text.split()) for text in texts) - {"".join(formula.printed.split())}
 
 
 def _letters(chain: Chain) -> frozenset[str]:
@@ -486,8 +506,45 @@ def _shared_numbers(chain: Chain) -> frozenset[tuple[str, Node]]:
 def _outer_numbers(side: Node) -> set[tuple[str, Node]]:
     if isinstance(side, Power):
         return {("exponent", side.exponent)}
-    factors = side.factors if isinstance(side, Product) else ()
-    return {("factor", factor) for factor in factors if isinstance(factor, Number)}
+    return {("factor", factor) for factor in _factors(side) if isinstance(factor, Number)}
+
+
+def _factors(node: Node) -> Iterator[Node]:
+    """The factors of products of all kinds, and of what a sum sign adds."""
+    inner: tuple[Node, ...] = ()
+    if isinstance(node, Bound):
+        inner = (node.body,)
+    elif isinstance(node, (Cross, Wedge)):
+        inner = (node.left, node.right)
+    elif isinstance(node, Product):
+        inner = node.factors
+    elif isinstance(node, Listing) and node.bracket != POINT:
+        inner = node.items
+    else:
+        yield node
+    for factor in inner:
+        yield from _factors(factor)
+
+
+def _is_misspelled(chain: Chain, study: Study) -> bool:
+    """Whether a name has an index twice, or stands bare beside its value at some arguments, or
+    something is divided by a differential that is none itself."""
+    for part in walk(chain):
+        if isinstance(part, Name):
+            letters = [x.head for x in (*part.sub, *part.sup) if study.is_index(x)]
+            if len(set(letters)) < len(letters):
+                return True
+        if isinstance(part, Product):
+            called = {x.function for x in part.factors if isinstance(x, Call)}
+            if not called.isdisjoint(part.factors):
+                return True
+        if isinstance(part, Quotient) and _is_small(part.bottom) and not _is_small(part.top):
+            return True
+    return False
+
+
+def _is_small(node: Node) -> bool:
+    return any(isinstance(part, Differential) for part in walk(node))
 
 
 def _is_zero(term: Node, study: Study) -> bool:
