@@ -111,6 +111,7 @@ class Door:
         return done
 
     def _translate(self, expr: Any) -> Any:
+        """One node of an expression in symengine, its arguments brought in before it."""
         if isinstance(expr, sp.Symbol):
             return self.admit(expr)
         if isinstance(expr, sp.Rational):

@@ -306,6 +306,7 @@ NOTHING_LESS = Verdict("proved", "")
 def _judge_formula(
     formula: Formula, chain: Chain, check: Check, study: Study, bench: SectionContext
 ) -> FormulaRecord:
+    """The verdict on one formula: what is derived, then whether it says more than is known."""
     printed = formula.printed
     if check.role == "condition" and check.value is None and check.truth is None:
         return FormulaRecord(printed, "definition", "a condition")

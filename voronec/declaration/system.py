@@ -238,10 +238,7 @@ class System:
             ("forces", "the force on", "coordinate: force"),
             ("invariants", "invariant", "'name': expression"),
         ):
-            values = fixed_mapping(getattr(self, name), name, entry)
-            quoted = {k: plain_name(k) if is_symbolic_name(k) else quote(k) for k in values}
-            read = {k: expression(v, f"{one} '{quoted[k]}'") for k, v in values.items()}
-            store(name, fixed_mapping(read, name, entry))
+            store(name, _expressions_of(getattr(self, name), name, one, entry))
         if not self.on_group:
             forces = along_coordinates(self.forces, self.coordinates, self.frame)
             store("forces", fixed_mapping(forces, "forces", "coordinate: force"))
@@ -263,20 +260,9 @@ class System:
                     f"motion is '{quote(self.motion)}'; write Quadratures(variable={{...}}, ...)"
                 )
             store("motion", self.motion.with_titles(self.drawing))
-        shapes = several(self.shapes, "shapes", "Shape.ball(radius, centre=(x, y, z))", Shape)
-        for shape in shapes:
-            if not isinstance(shape, Shape):
-                raise DefinitionError(
-                    f"shapes holds '{quote(shape)}'; write Shape.ball(radius, centre=(x, y, z))"
-                )
-        store("shapes", tuple(shapes))
-        bodies = several(self.bodies, "bodies", "Body(mass, velocity, inertia, omega)", Body)
-        for body in bodies:
-            if not isinstance(body, Body):
-                raise DefinitionError(
-                    f"bodies holds '{quote(body)}'; write Body(mass, velocity, inertia, omega)"
-                )
-        store("bodies", tuple(bodies))
+        shape, body = "Shape.ball(radius, centre=(x, y, z))", "Body(mass, velocity, inertia, omega)"
+        store("shapes", _several_of(self.shapes, "shapes", Shape, shape))
+        store("bodies", _several_of(self.bodies, "bodies", Body, body))
         store("inputs", self._all_inputs())
         meanings = fixed_mapping(self.meanings, "meanings", "coordinate: 'in words'")
         named = {k if isinstance(k, str) else plain_name(k): v for k, v in meanings.items()}
@@ -419,6 +405,23 @@ class System:
         rates = tuple(velocity(u) for u in self.inputs)
         known = (*self.coordinates, *dots, *frame, *parameters, *self.inputs, *rates, time)
         return tuple(dict.fromkeys(known))
+
+
+def _several_of(given: Any, name: str, kind: type, entry: str) -> tuple[Any, ...]:
+    """Values of one class; the message of an error says how one is written."""
+    found = tuple(several(given, name, entry, kind))
+    for value in found:
+        if not isinstance(value, kind):
+            raise DefinitionError(f"{name} holds '{quote(value)}'; write {entry}")
+    return found
+
+
+def _expressions_of(given: Any, name: str, one: str, entry: str) -> Mapping[Any, sp.Expr]:
+    """A mapping to expressions, of which ``one`` says in messages what each is."""
+    values = fixed_mapping(given, name, entry)
+    quoted = {k: plain_name(k) if is_symbolic_name(k) else quote(k) for k in values}
+    read = {k: expression(v, f"{one} '{quoted[k]}'") for k, v in values.items()}
+    return fixed_mapping(read, name, entry)
 
 
 def _all_of(things: Any, place: str, kind: type, entry: str) -> Mapping[str, Any]:

@@ -90,6 +90,7 @@ class _Text:
     """Of definitions: how long they are where everything in them is written out."""
 
     def system(self) -> System:
+        """The system that the text declares, names before the formulas that hold them."""
         top = self.top = self.root.table(FIELDS)
         for key in ("name", "coordinates", "lagrangian"):
             if key not in top:

@@ -499,6 +499,7 @@ class Crossroads:
     def _make_mode(
         self, corners: tuple[Corner, ...], sides: Mapping[Wall, int], along: tuple[Surface, ...]
     ) -> Mode | None:
+        """The smooth problem on ``sides`` of all walls, or along some; None where none is there."""
         corner, given = corners[0], self.problem
         functions = {**corner.functions, **self._levels(corner, sides, along)}
         program, turns = corner.program, {}

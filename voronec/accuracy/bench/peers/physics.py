@@ -87,6 +87,7 @@ def model_text(setting: Setting, step: float, mass: float, radius: float, moment
 
 
 def _prepare(question: BenchMotion, setting: Setting) -> Run:
+    """A run of MuJoCo with steps of a given length; ``NotHere`` for what it cannot do."""
     name = question.system.name
     if name not in MOMENTS:
         raise NotHere(f"only for a ball on a plane: {', '.join(MOMENTS)}")
