@@ -146,3 +146,10 @@ def test_both_wheels_touch_the_ground_at_the_start_of_every_scene(scene: str) ->
     values |= {s: start.get(s, 0) for s in system.coordinates}
     for name in ("rear contact", "front contact"):
         assert abs(sp.N(system.integrals[name].xreplace(values), DIGITS)) < 1e-30
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_bicycle_on_its_side_has_no_motion(side: int) -> None:
+    flat = {"phi": float(side * sp.pi / 2), "speed": 1.0}
+    with pytest.raises(vo.DefinitionError, match="no motion exists"):
+        vo.integrate(vo.load("bicycle"), initial=flat, times=[0, 0.1], project=True)

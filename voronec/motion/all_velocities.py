@@ -136,7 +136,8 @@ class _Conditions:
         conditions, frame = ground.rows(ground.time, wide, constants)
         if not all(mpmath.isfinite(x) for x in (*conditions.ravel(), *frame.ravel())):
             raise DefinitionError(
-                f"system '{system.name}': the constraints are not defined at the initial point"
+                f"system '{system.name}': the constraints are not defined at the initial point, "
+                "where no motion exists in these coordinates; start elsewhere"
             )
         dots = system.directions if d.group is not None else map(velocity, system.coordinates)
         names = [plain_name(x) for x in dots]
