@@ -21,9 +21,13 @@ import numpy as np
 
 import voronec as vo
 from figures.systems import chain
+from voronec.accuracy.bench import ask
+from voronec.accuracy.bench.level import lowest
 from voronec.accuracy.bench.peers.numba_dop853 import right_hand_side, stepper_source
 from voronec.equations.program import HoistedProgram, Program, hoist, taylor_system
 from voronec.equations.staged_equations import lean_form
+from voronec.motion.steppers import Problem as Motion
+from voronec.motion.steppers.numba_stepper import compiled_dop853
 
 RUNS = 5
 FINEST = 1e-16
@@ -58,7 +62,7 @@ def main() -> int:
     reader.add_argument("--json", action="store_true")
     given = reader.parse_args()
     record = measured(given.links, given.blades, given.span)
-    print(json.dumps(record, indent=2) if given.json else shown(record))
+    print(json.dumps(record) if given.json else shown(record))
     return 0
 
 
@@ -115,6 +119,37 @@ def posed(raised: HoistedProgram, span: float) -> Problem:
     places = 0.3 * dice.normal(size=len(given.coordinates))
     speeds = 0.4 * dice.normal(size=len(given.velocities))
     return Problem(raised, np.array(raised.values(values)), np.concatenate([places, speeds]), span)
+
+
+def chain_problem() -> Problem:
+    """The chain that is measured by default."""
+    return posed(hoist(Program.of(lean_form(vo.derive(chain()).raw))), 20.0)
+
+
+def bicycle_problem() -> Problem:
+    """The bicycle of the catalogue over its own span."""
+    question = ask(vo.load("bicycle"))
+    at = lowest(question)
+    raised = hoist(at.program)
+    return Problem(raised, np.array(raised.values(list(at.constants))), at.state, question.span)
+
+
+def against_numba(problem: Problem) -> dict[str, list[tuple[float, float]]]:
+    """(error, seconds) at the end of a span: ``ours``, the method `numba`, and by ``hand``."""
+    hand, original = by_numba(problem), problem.raised.original
+    values, grid = problem.constants[: len(original.parameters)], np.array([0.0, problem.span])
+
+    def ours(tol: float) -> Callable[[], np.ndarray]:
+        run = compiled_dop853(Motion(original, problem.start, list(values), tol))
+        return lambda: run(grid).states[-1]
+
+    _, exact = best(ours(2.3e-14))
+    pairs: dict[str, list[tuple[float, float]]] = {"ours": [], "hand": []}
+    for tol in (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12):
+        for name, work in {"ours": ours(tol), "hand": partial(hand, tol)}.items():
+            seconds, state = best(work)
+            pairs[name].append((float(np.abs(state - exact).max()), seconds))
+    return pairs
 
 
 def by_heyoka(problem: Problem) -> Callable[[float], np.ndarray]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 import voronec as vo
+from figures.extent import EXTENT
 from figures.table import Row
 from voronec.accuracy.bench import ask, at_error
 from voronec.accuracy.bench.level import level
@@ -22,7 +23,6 @@ __all__ = ["ROWS"]
 
 BALL = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
 ERROR = 1e-9
-STARTS = 1000
 FEW = 3
 """So many starts stand for all of them in the loop over scipy."""
 TOLS = (1e-9, 1e-10, 1e-11, 1e-12)
@@ -70,7 +70,7 @@ def drift() -> Iterator[Row]:
     """Every integral over T = 1e5, from several starts."""
     ball = vo.derive(vo.load("ball-on-sphere"))
     names = tuple(ball.system.integrals)
-    spans = (1e2, 1e3, 1e4, 1e5)
+    spans = tuple(EXTENT.long * share for share in (1e-3, 1e-2, 1e-1, 1.0))
     changes = {name: np.zeros((8, len(spans))) for name in names}
     dice = np.random.default_rng(5)
     for row in range(8):
@@ -89,7 +89,7 @@ def drift() -> Iterator[Row]:
         growth[name] = float(np.polyfit(np.log(spans), typical, 1)[0])
     said = ", ".join(f"{name} t^{power:.2f}" for name, power in growth.items())
     yield Row(
-        "T = 1e5, every integral of the ball on a sphere, 8 starts, tolerance 1e-16",
+        f"T = {EXTENT.long:g}, every integral of the ball on a sphere, 8 starts, tolerance 1e-16",
         "relative drift under 1e-12, growing no faster than t^0.6",
         f"{worst:.1e} at worst; {said}",
         worst < 1e-12 and max(growth.values()) <= 0.6,
@@ -99,10 +99,10 @@ def drift() -> Iterator[Row]:
 
 def ensembles() -> Iterator[Row]:
     """A thousand starts on one core, against a loop over scipy."""
-    end, dice = 100.0, np.random.default_rng(2)
+    end, dice = EXTENT.many, np.random.default_rng(2)
     grid = np.linspace(0, end, 11)
     ball = vo.derive(vo.load("ball-on-sphere"))
-    spins = {name: 1 + 0.3 * dice.normal(size=STARTS) for name in BALL[3:]}
+    spins = {name: 1 + 0.3 * dice.normal(size=EXTENT.starts) for name in BALL[3:]}
     exact = _ensemble(ball, {n: x[:FEW] for n, x in spins.items()}, grid, 1e-16)[0]
     pairs, whole = [], np.inf
     for tol in TOLS:
@@ -110,17 +110,17 @@ def ensembles() -> Iterator[Row]:
         pairs.append((_apart(found, exact), running))
         if pairs[-1][0] <= ERROR:
             whole = min(whole, all_of_it)
-    ours = at_error(pairs, ERROR).seconds or np.nan
+    ours, count = at_error(pairs, ERROR).seconds or np.nan, EXTENT.starts
     question = ask(ball, time=end)
     for kind, about in WAYS.items():
         theirs = at_error(_loop(question, kind, spins, grid, exact), ERROR).seconds or np.nan
         for what, seconds, asked in (("running", ours, 800), ("whole call", whole, 600)):
-            ratio = theirs * STARTS / FEW / seconds
+            ratio = theirs * count / FEW / seconds
             yield Row(
-                f"ensemble of {STARTS} starts, T = {end:g}, error {ERROR:g}, one core, {what}, "
+                f"ensemble of {count} starts, T = {end:g}, error {ERROR:g}, one core, {what}, "
                 f"against a loop over scipy's DOP853 (timed over {FEW} starts): {about}",
                 f"{asked} times faster",
-                f"{ratio:.0f} times ({theirs / FEW:.3g} s / {1e3 * seconds / STARTS:.3g} ms per "
+                f"{ratio:.0f} times ({theirs / FEW:.3g} s / {1e3 * seconds / count:.3g} ms per "
                 "start)",
                 bool(ratio >= asked),
                 "eight lanes of one core give about three times the speed of one motion",
@@ -179,8 +179,6 @@ def _loop(
 
 CROSSINGS = 100
 """Over so many crossings errors are compared."""
-PLENTY = 8_000
-"""So many are timed."""
 
 
 def sections() -> Iterator[Row]:
@@ -224,9 +222,9 @@ def _seconds_a_point(ball: Any, tol: float, starts: int) -> float:
     for _ in range(2):
         told: list[tuple[float, float]] = []
         note = partial(_note, told)
-        _crossings(ball, tol, PLENTY // starts, starts, note)
+        _crossings(ball, tol, EXTENT.crossings // starts, starts, note)
         (first, then), (last, now) = told[0], told[-1]
-        best = min(best, (now - then) / ((last - first) * PLENTY))
+        best = min(best, (now - then) / ((last - first) * EXTENT.crossings))
     return best
 
 

@@ -16,14 +16,15 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from figures import many, prepared, rows, setup
+from figures import calls, many, prepared, rows, setup
+from figures.extent import EXTENT
 from figures.rows import ball, measured, rows_of
 from figures.table import Row, runs, table
 from voronec.accuracy.bench import Bench
 from voronec.accuracy.bench.work_precision_picture import plot_work_precision
 from voronec.motion.pictures.run_pictures import save
 
-ROWS = {**rows.ROWS, **prepared.ROWS, **many.ROWS, **setup.ROWS}
+ROWS = {**calls.ROWS, **rows.ROWS, **prepared.ROWS, **many.ROWS, **setup.ROWS}
 CURVE = "curve"
 """The plot and the table of methods."""
 CURVES = (
@@ -130,7 +131,10 @@ def main() -> int:
     parser.add_argument("rows", nargs="*", metavar="ROW", help=f"of {', '.join(names)}")
     parser.add_argument("--page", type=Path, help="put them on a page with those measured before")
     parser.add_argument("--json", action="store_true", help="print the rows as JSON")
+    parser.add_argument("--short", action="store_true", help="see only that all rows run")
     options = parser.parse_args()
+    if options.short:
+        EXTENT.shorten()
     unknown = [name for name in options.rows if name not in names]
     if unknown:
         parser.error(f"there is no row '{unknown[0]}'; rows are {', '.join(names)}")

@@ -15,7 +15,7 @@ from voronec.motion.steppers.first_step import STRIDE
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride
-from voronec.motion.steppers.units import units_of_many
+from voronec.motion.steppers.units import natural_units, units_of_many
 from voronec.motion.tolerances import FINEST
 
 __all__ = [
@@ -175,7 +175,8 @@ def _stretches(
     from voronec.motion.steppers.numba_stepper import Loop, compiled_loop
 
     problem = Problem(program, state, values.tolist(), tol, dense=dense, marked=True)
-    loop, time, good = Loop.of(compiled_loop(program), problem, grid), float(grid[0]), state
+    loop = Loop.of(compiled_loop(program), problem, grid, natural_units(problem))
+    time, good = float(grid[0]), state
     while time != grid[-1]:
         try:
             stretch = loop.advance()

@@ -134,6 +134,7 @@ OWN = (
     _own("heyoka", "ours: Taylor method, smallest model", "heyoka", COARSE_TO_FINE, False),
     _own("heyoka-full", "ours: Taylor method, all coordinates", "heyoka", COARSE_TO_FINE, True),
     _own("scipy", "ours: scipy's DOP853, smallest model", "scipy", ROUNDED, False),
+    _own("numba", "ours: DOP853 compiled, smallest model", "numba", ROUNDED, False),
     _own("lsoda", "ours: scipy's LSODA, smallest model", "lsoda", ROUNDED[:-1], False),
     _own(CLOSED, "ours: the motion in closed form, evaluated", CLOSED, (1e-16,), False),
     _own("flint", "ours: Taylor method in any precision", "flint", (EXACT,), False),

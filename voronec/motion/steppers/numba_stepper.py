@@ -45,9 +45,10 @@ def compiled_dop853(problem: Problem) -> Stepper:
     ``ImportError`` without numba.
     """
     drive = compiled_loop(problem.program, problem.levels if problem.events else None)
+    units = natural_units(problem)  # of a short run they would take most of the time
 
     def run(grid: np.ndarray) -> Run:
-        loop = Loop.of(drive, problem, grid)
+        loop = Loop.of(drive, problem, grid, units)
         with np.errstate(all="ignore"):
             return march(problem, grid, loop, level_function(problem))
 
@@ -97,15 +98,17 @@ class Loop:
     happening: bool = field(default=False)
 
     @classmethod
-    def of(cls, drive: Callable[..., int], problem: Problem, grid: np.ndarray) -> Loop:
-        """At the start of a problem, whatever went before."""
+    def of(
+        cls, drive: Callable[..., int], problem: Problem, grid: np.ndarray, units: np.ndarray
+    ) -> Loop:
+        """At the start of a problem, whatever went before; ``units`` (n,) are those of states."""
         n, given = len(problem.start), [float(x) for x in problem.parameters]
         states = np.zeros((5, n))
         states[0] = problem.start
         finest, held = max(problem.tol, FINEST), problem.program.derivative.symbols
         # nothing depends on a quadrature: its size loosens no tolerance
         relative = [finest if s in held else 0.0 for s in problem.program.state]
-        scales = np.array([finest * natural_units(problem), relative])
+        scales = np.array([finest * units, relative])
         coarse = np.array([e.name in problem.coarse for e in problem.events], dtype=np.int64)
         known = hoist(problem.program).values(given)
         return cls(

@@ -1,0 +1,104 @@
+"""Rows of the table of figures: whole calls in processes of their own, caches of their own."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from figures.extent import EXTENT
+from figures.table import Row
+
+__all__ = ["ROWS", "in_process"]
+
+CALL = """
+import json, sys
+from time import process_time
+name, method, tried = sys.argv[1:]
+if method == "numba":
+    sys.modules["heyoka"] = None
+import voronec as vo
+system, again = vo.load(name), []
+for _ in range(int(tried)):
+    began = process_time()
+    vo.integrate(system, times=10, tol=1e-11, method=method)
+    again.append(process_time() - began)
+    first = process_time() if len(again) == 1 else first
+print(json.dumps([first, min(again[1:])]))
+"""
+SECOND = {"ball-on-sphere": 5, "demchenko": 12, "rattleback": 15}
+"""Milliseconds that a second call may take."""
+
+
+def in_process(cache: str, *words: str) -> Any:
+    """What a fresh Python says last, as JSON, when it keeps caches in a folder."""
+    # what numba and Python themselves keep is part of an installation that has run before
+    environment = os.environ | {"XDG_CACHE_HOME": cache}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    done = subprocess.run(
+        [sys.executable, *words], capture_output=True, text=True, check=True, env=environment
+    )
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def calls() -> Iterator[Row]:
+    """From ``vo.integrate(system, ...)`` to the trajectory, and from nothing to it."""
+    for name, allowed in SECOND.items():
+        with tempfile.TemporaryDirectory() as cache:
+            in_process(cache, "-c", CALL, name, "auto", "2")
+            found = [
+                in_process(cache, "-c", CALL, name, "auto", str(20 * EXTENT.turns))
+                for _ in range(EXTENT.processes)
+            ]
+        first, second = np.min(found, axis=0)
+        yield Row(
+            f"whole call, {name}, T = 10, second call in a process",
+            f"{allowed} ms",
+            f"{1e3 * second:.1f} ms of CPU",
+            bool(1e3 * second <= allowed),
+            "the run itself takes a tenth of it; the rest reads what is asked, looks whether the "
+            "motion obeys the equations, and evaluates outputs and integrals on the grid",
+        )
+        yield Row(
+            f"whole call, {name}, T = 10, first in a process whose disk knows it, imports included",
+            "0.4 s",
+            f"{first:.2f} s of CPU",
+            bool(first <= 0.4),
+            "to import SymPy, NumPy and heyoka takes 0.4 s on this machine, and a system is "
+            "declared in SymPy",
+        )
+
+
+def numba_calls() -> Iterator[Row]:
+    """The method ``numba`` where heyoka is not installed."""
+    with tempfile.TemporaryDirectory() as cache:
+        ever = in_process(cache, "-c", CALL, "ball-on-sphere", "numba", "2")[0]
+        later = min(
+            in_process(cache, "-c", CALL, "ball-on-sphere", "numba", "2")[0]
+            for _ in range(EXTENT.processes)
+        )
+    yield Row(
+        "method `numba`, heyoka not installed, ball-on-sphere, T = 10: first call ever, imports "
+        "included",
+        "10 s",
+        f"{ever:.1f} s of CPU",
+        bool(ever <= 10),
+        "the integrator and the program are compiled as one function for each model",
+    )
+    yield Row(
+        "method `numba`, heyoka not installed, ball-on-sphere, T = 10: first call in a later "
+        "process, imports included",
+        "0.5 s",
+        f"{later:.2f} s of CPU",
+        bool(later <= 0.5),
+        "to import SymPy, NumPy and numba takes longer than that",
+    )
+
+
+ROWS: dict[str, Callable[[], Iterator[Row]]] = {"calls": calls, "numba-calls": numba_calls}
