@@ -146,7 +146,8 @@ def against_numba(problem: Problem) -> dict[str, list[tuple[float, float]]]:
     _, exact = best(ours(2.3e-14))
     pairs: dict[str, list[tuple[float, float]]] = {"ours": [], "hand": []}
     for tol in (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12):
-        for name, work in {"ours": ours(tol), "hand": partial(hand, tol)}.items():
+        works: dict[str, Callable[[], np.ndarray]] = {"ours": ours(tol), "hand": partial(hand, tol)}
+        for name, work in works.items():
             seconds, state = best(work)
             pairs[name].append((float(np.abs(state - exact).max()), seconds))
     return pairs
