@@ -97,11 +97,11 @@ def _in_ascii(source: str, plain: bool) -> str:
             return name
         return name + "dot" * dots if plain else f"\\{'d' * dots}ot{{{name}}}"
 
-    def raised(match: re.Match[str]) -> str:
+    def exponent(match: re.Match[str]) -> str:
         return f"^{{{unicodedata.normalize('NFKC', match[0])}}}".translate(_SIGNS)
 
     parted = unicodedata.normalize("NFD", source)  # letters, and what stands above them
-    return unicodedata.normalize("NFC", _RAISED.sub(raised, _LETTER.sub(letter, parted)))
+    return unicodedata.normalize("NFC", _RAISED.sub(exponent, _LETTER.sub(letter, parted)))
 
 
 def _bounds(source: str) -> tuple[int, int]:
