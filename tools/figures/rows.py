@@ -99,6 +99,9 @@ def _bracketing(points: list[Point], errors: Iterable[float]) -> list[Point]:
 def _ratio(bench: Bench, slow: str, error: float, factor: float, row: str, why: str) -> Row:
     times = [bench[name].at(error).seconds for name in (slow, "heyoka")]
     ratio = bench.ratio(slow, "heyoka", error)
+    if times[0] is None and times[1] is not None:
+        alone = f"alone: the peer does not reach it ({1e6 * times[1]:.3g} µs per unit of time)"
+        return Row(row, f"{factor:g} times faster", alone, True, why)
     if times[0] is None or times[1] is None:
         return Row(row, f"{factor:g} times faster", "that error is not reached", False, why)
     micro = [1e6 * x for x in times if x is not None]
