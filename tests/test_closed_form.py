@@ -255,3 +255,14 @@ def test_events_and_many_motions_are_not_for_the_closed_form(ball):
         vo.ensemble(
             ball, scene="default", starts=[{}, {"v": 1}], times=[0, 1], method="closed-form"
         )
+
+
+def test_the_last_motion_is_kept_and_no_other_is_taken_for_it(ball):
+    first = vo.closed_form(ball, initial=START)
+    assert vo.closed_form(ball, initial=START) is first
+    other = vo.closed_form(ball, initial={**START, "s": 0.5})
+    assert other.at([0.0])["s"][0] == 0.5
+    again = vo.closed_form(ball, initial=START)
+    assert again is not first and again.at([3.0])["u"][0] == first.at([3.0])["u"][0]
+    heavier = vo.closed_form(ball, initial=START, parameters={"M": 3})
+    assert heavier.at([3.0])["u"][0] != first.at([3.0])["u"][0]

@@ -138,7 +138,22 @@ def _form(system: System, given: Mapping[str, Any], initial: Mapping[str, Any]) 
                 f"system '{system.name}': initial value '{plain_name(q)}' = {value} is not finite"
             )
         values[q] = value
-    return _check(InversionProblem(prepare(system, values), values))
+    return _last(system, values)
+
+
+def _last(system: System, values: Mapping[Any, Any]) -> ClosedForm:
+    """The motion with these values: the last of a system is kept, with all that was computed of
+    it, which takes longer than to evaluate it."""
+    if not all(isinstance(x, int | float | sp.Expr) for x in values.values()):
+        return _check(InversionProblem(prepare(system, values), values))
+    key = frozenset((symbol, type(x).__name__, x) for symbol, x in values.items())
+    kept: dict[Any, ClosedForm] = system.memo.once("last closed form", dict)
+    found = kept.get(key)
+    if found is None:
+        found = _check(InversionProblem(prepare(system, values), values))
+        kept.clear()
+        kept[key] = found
+    return found
 
 
 def _check(problem: InversionProblem) -> ClosedForm:
