@@ -1,5 +1,7 @@
 """Very many times at once: by tables of one period, as good as one by one."""
 
+from copy import copy
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -20,9 +22,10 @@ PERIODIC = {
 }
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def ball():
-    return vo.load("demchenko")
+    """A system that keeps no motion of another test."""
+    return copy(vo.load("demchenko"))
 
 
 @pytest.fixture
