@@ -132,6 +132,9 @@ def _ratio(one: Any, other: Any) -> Any | None:
     """The number by which one sum is a multiple of another; None where there is none."""
     if not (isinstance(one, se.Add) and isinstance(other, se.Add)):
         return None
+    # To expand large sums for every pair of them takes minutes.
+    if len(one.args) != len(other.args) or one.free_symbols != other.free_symbols:
+        return None
     for term in other.args:
         ratio = one.args[0] / term
         if ratio.is_Number and (one - ratio * other).expand() == 0:
