@@ -38,12 +38,17 @@ def test_links_that_lead_nowhere_are_found(build, tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_the_source_links_to_nothing_outside_of_the_documentation(build, tmp_path: Path) -> None:
     build.write_source(tmp_path / "source")
     for page in (tmp_path / "source").glob("*.md"):
         assert "](../" not in page.read_text(), page.name
-    for place in re.findall(r"\]\((audit/[^)]*)\)", (tmp_path / "source/audit.md").read_text()):
-        assert (tmp_path / "source" / place).is_file(), place
+    for page, count in (("audit", 3), ("closed-form", 16)):
+        text = (tmp_path / "source" / f"{page}.md").read_text()
+        places = re.findall(rf"\]\(({page}/[^)]*)\)", text)
+        assert len(set(places)) == count
+        for place in places:
+            assert (tmp_path / "source" / place).is_file(), place
 
 
 @pytest.mark.slow

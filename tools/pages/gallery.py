@@ -1,7 +1,8 @@
 """Make the pictures of docs/closed-form.md: ``python tools/build.py gallery [NAME ...]``.
 
-Without names all of them: the classes of traces, found and drawn, the phase portrait, the stability
-charts, the bifurcation sets, and films as strips.
+Without names all that the repository carries: the sheets of classes of traces, the phase portrait,
+the stability charts, the bifurcation sets, and films as strips.  ``class-A`` to ``class-E2`` show a
+motion of one class on both spheres; the site makes them.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ FOLDER = Path(__file__).resolve().parents[2] / "docs" / "closed-form"
 BALL, SPHERE = "on the ball", "on the sphere"
 FIGURES = dict(zip(LABELS, range(4, 13), strict=True))
 """Class -> the figure of the paper."""
+CLASSES = {f"class-{label}": label for label in LABELS}
+"""Picture of a class -> its label.  The site makes them; the repository carries none."""
 LARGEST = 150_000
 SHELL = {"A": "7/10"}
 """A shell has its mass beyond R2."""
@@ -60,20 +63,19 @@ MASSES = "$R_2 = M = 1$; $A = 2/5$, of shells $7/10$"
 def main() -> int:
     """Write the pictures whose names begin as the words of the command say."""
     names = sys.argv[1:]
-    FOLDER.mkdir(exist_ok=True)
     system = vo.load("demchenko")
-    for name, make in _pictures(system).items():
-        if not names or any(name.startswith(n) for n in names):
-            size = _write(name, make())
+    for name, make in pictures(system).items():
+        if any(name.startswith(n) for n in names) if names else name not in CLASSES:
+            size = write_picture(make(), FOLDER / f"{name}.svg")
             print(f"{name}.svg: {size} bytes", flush=True)
     return 0
 
 
-def _pictures(system: vo.System) -> dict[str, Callable[[], Any]]:
+def pictures(system: vo.System) -> dict[str, Callable[[], Any]]:
     """Name -> what makes the figure."""
     made: dict[str, Callable[[], Any]] = {}
-    for label in LABELS:
-        made[f"class-{label}"] = partial(class_figure, system, label)
+    for name, label in CLASSES.items():
+        made[name] = partial(class_figure, system, label)
     made |= {
         "classes-on-the-ball": partial(sheet, system, BALL),
         "classes-on-the-sphere": partial(sheet, system, SPHERE),
@@ -87,8 +89,8 @@ def _pictures(system: vo.System) -> dict[str, Callable[[], Any]]:
     return made
 
 
-def _write(name: str, figure: Any) -> int:
-    """Numbers of paths are kept to a hundredth of a point."""
+def write_picture(figure: Any, path: Path) -> int:
+    """The size of the file; numbers of paths are kept to a hundredth of a point."""
     stream = io.BytesIO()
     save(figure, stream, ".svg")
     text = re.sub(
@@ -97,8 +99,8 @@ def _write(name: str, figure: Any) -> int:
         stream.getvalue().decode(),
     )
     if len(text) > LARGEST:
-        raise SystemExit(f"{name}.svg has {len(text)} bytes, more than {LARGEST}")
-    (FOLDER / f"{name}.svg").write_text(text, encoding="utf-8")
+        raise SystemExit(f"{path.name} has {len(text)} bytes, more than {LARGEST}")
+    path.write_text(text, encoding="utf-8")
     return len(text)
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import voronec
-from pages import audit
+from pages import audit, gallery
 from voronec.motion.viewer.gallery import write_gallery
 
 __all__ = ["add_motions", "dead_links", "main", "reference_pages", "write_source"]
@@ -48,6 +48,8 @@ CARRIED = "lists them; the site\ncarries them, too.\n"
 """Where the pages of motions are told of."""
 BOTH = "are made with the site, which carries both.\n"
 """Where the page and the article of the audit are told of."""
+CLASSES = "are made with the site, which shows them.\n"
+"""Where the pictures of the classes of traces are told of."""
 TIME = "The time, the symbol ``t``; also the argument of SymPy's ``dynamicsymbols``."
 
 
@@ -91,6 +93,7 @@ def write_source(source: Path) -> None:
         page.write_text(OUTSIDE.sub(r"\1", text) if page.parent == source else text, "utf-8")
     _add_sketches(source / "systems")
     _add_audit(source / "audit.md")
+    _add_classes(source / "closed-form.md")
     index = source / "systems" / "README.md"
     index.write_text(index.read_text("utf-8") + SYSTEMS, "utf-8")
     reference = source / "reference"
@@ -112,6 +115,20 @@ def _add_audit(page: Path) -> None:
     text = page.read_text("utf-8")
     assert BOTH in text, f"{page.name} does not say where the audit is"
     page.write_text(text.replace(BOTH, BOTH + links, 1), "utf-8")
+
+
+def _add_classes(page: Path) -> None:
+    """Draw a motion of each class of traces, and link the pictures on their page."""
+    pictures = gallery.pictures(voronec.load("demchenko"))
+    folder = page.parent / "closed-form"
+    for name in gallery.CLASSES:
+        gallery.write_picture(pictures[name](), folder / f"{name}.svg")
+    shown = [f"[{label}]({folder.name}/{name}.svg)" for name, label in gallery.CLASSES.items()]
+    text = page.read_text("utf-8")
+    assert CLASSES in text, f"{page.name} does not say where the classes are"
+    page.write_text(
+        text.replace(CLASSES, f"{CLASSES}Here they are: {', '.join(shown)}.\n", 1), "utf-8"
+    )
 
 
 def add_motions(page: Path, folder: Path) -> None:
