@@ -12,12 +12,16 @@ import sympy as sp
 import voronec as vo
 from voronec.closed import ClosedForm
 from voronec.closed.classes.error_bounds import BoundedNumber, compile_with_bounds
-from voronec.closed.classes.root_discs import degrees, discs
-from voronec.closed.classes.root_positions import Tally, tally
 from voronec.closed.classes.search import exact_closed_form, find
-from voronec.closed.classes.survey import classify_many, survey
-from voronec.closed.classes.trace_classes import LABELS, classify, label_of
-from voronec.closed.classes.trace_polynomials import declared_traces
+from voronec.closed.classes.survey import classify_many, degrees, discs, survey
+from voronec.closed.classes.trace_classes import (
+    LABELS,
+    Tally,
+    classify,
+    declared_traces,
+    label_of,
+    tally,
+)
 from voronec.motion.closed_form import closed_form
 
 pytestmark = pytest.mark.slow

@@ -16,7 +16,7 @@ from voronec.closed.arithmetic import (
     root,
     vanishes,
 )
-from voronec.closed.rotation_numbers import Turn, _fraction
+from voronec.closed.inverted_motion import Turn, _fraction
 
 pytestmark = pytest.mark.slow
 

@@ -11,7 +11,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.closed.special import elementary, linear_matrix, precessions, remarkable
-from voronec.closed.special.family import upright
+from voronec.closed.special.precessions import upright
 
 pytestmark = pytest.mark.slow
 

@@ -11,9 +11,8 @@ from test_elliptic_inversion import SHAPES
 from test_elliptic_limits import MULTIPLE
 
 from voronec.elliptic import Integral, Numbers, Pole, invert
-from voronec.elliptic.doubles import doubles_of
+from voronec.elliptic.doubles import doubles_of, parts
 from voronec.elliptic.many_times import BLOCK, Sample
-from voronec.elliptic.reduction import parts
 from voronec.errors import DefinitionError, EngineLimit
 
 ALL = SHAPES | {name: source for name, (_, source) in MULTIPLE.items()}

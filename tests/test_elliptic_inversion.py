@@ -6,7 +6,7 @@ from flint import acb, arb, ctx
 
 from voronec.elliptic import ends_of, invert
 from voronec.elliptic.roots import power
-from voronec.elliptic.sums import Sums
+from voronec.elliptic.theta_balls import Sums
 
 pytestmark = pytest.mark.slow
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from voronec.audit.lessons.lesson import lesson
     from voronec.audit.lessons.methods import by_methods
     from voronec.closed import ClosedForm
-    from voronec.closed.special.family import Precessions, precessions
+    from voronec.closed.special.precessions import Precessions, precessions
     from voronec.declaration.bodies import Body
     from voronec.declaration.catalogue import load, names
     from voronec.declaration.charts import Chart

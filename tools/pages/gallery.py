@@ -27,7 +27,7 @@ from voronec.closed.pictures.sphere_picture import motion_traces, traces_figure
 from voronec.closed.pictures.stability_picture import stability_figure
 from voronec.closed.special.bifurcation import bifurcation_set
 from voronec.closed.special.chart import chart_of
-from voronec.closed.special.family import precessions, quadratures_of
+from voronec.closed.special.precessions import precessions, quadratures_of
 from voronec.motion.pictures.rolling_animation import film_strip, rolling_of
 from voronec.motion.pictures.run_pictures import save
 

@@ -145,7 +145,7 @@ def _labels(only: str | None) -> tuple[str, ...]:
 def _check(system: System, parameters: Any) -> None:
     """Refuse what can have no motion at all, before any search."""
     from voronec.closed.classes.search import held_parameters
-    from voronec.closed.classes.trace_polynomials import declared_traces
+    from voronec.closed.classes.trace_classes import declared_traces
 
     declared_traces(system)
     held_parameters(system, parameters)
@@ -155,8 +155,7 @@ def _search(
     system: System, labels: Sequence[str], parameters: Any
 ) -> Iterator[GalleryMotion | GalleryGap]:
     from voronec.closed.classes.search import find
-    from voronec.closed.classes.trace_classes import LABELS
-    from voronec.closed.classes.trace_polynomials import declared_traces
+    from voronec.closed.classes.trace_classes import LABELS, declared_traces
     from voronec.motion.closed_form import closed_form
 
     for curve in declared_traces(system).curves:
@@ -208,7 +207,7 @@ def _write(system: System, found: Sequence[GalleryMotion], target: Path) -> list
 
 def _draw_motion(system: System, found: GalleryMotion) -> tuple[Any, ...]:
     """A motion on every sphere."""
-    from voronec.closed.classes.trace_polynomials import title
+    from voronec.closed.classes.trace_classes import title
     from voronec.closed.pictures.sphere_picture import motion_traces
 
     longitudes = {plain_name(t.longitude): title(t) for t in _traces(system)}

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from voronec.closed.closed_form import ClosedForm
     from voronec.closed.compiled_motion import prepare
+    from voronec.closed.inverted_motion import Turn
     from voronec.closed.problem import InversionProblem
-    from voronec.closed.rotation_numbers import Turn
 
 __all__ = ["ClosedForm", "InversionProblem", "Turn", "prepare"]
 
 _HOME = {
     "ClosedForm": "closed_form",
     "InversionProblem": "problem",
-    "Turn": "rotation_numbers",
+    "Turn": "inverted_motion",
     "prepare": "compiled_motion",
 }
 

@@ -21,9 +21,8 @@ import sympy as sp
 
 from voronec.algebra.precision import FIRST, SHARP
 from voronec.closed.arithmetic import ball, precise
-from voronec.closed.bernstein import Bernstein, evaluate_form, inner
 from voronec.closed.inverted_motion import InvertedMotion
-from voronec.closed.ratio import Polynomial, ratios
+from voronec.closed.ratio import Bernstein, Polynomial, evaluate_form, inner, ratios
 from voronec.errors import EngineLimit
 
 __all__ = ["Clock", "MotionIntegral", "clock_of", "pieces", "reduce_by_periods", "whole_turns_off"]
@@ -237,8 +236,8 @@ class Clock:
     def _enclose(self, t: Any, digits: int, bits: int) -> Any:
         """tau as a ball: from the middle m of a ball near it, t(tau) - t(m) = clock (tau - m) with
         a value of the clock between the two."""
-        from voronec.elliptic.ball_evaluation import nearest
         from voronec.elliptic.solution import exact_time
+        from voronec.elliptic.theta_balls import nearest
 
         with precise(bits + 64):
             time, solution = exact_time(t), self.form.solution

@@ -15,9 +15,8 @@ from voronec.algebra.symbols import plain_name
 from voronec.algebra.typeset import html_table
 from voronec.closed.balls import enclose_state
 from voronec.closed.grid import sample_coordinates
-from voronec.closed.inverted_motion import InvertedMotion
-from voronec.closed.request import exact_instant
-from voronec.closed.rotation_numbers import Turn, turns_of
+from voronec.closed.inverted_motion import InvertedMotion, Turn, turns_of
+from voronec.closed.problem import exact_instant
 from voronec.declaration.reading import several
 from voronec.errors import DefinitionError
 

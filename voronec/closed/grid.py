@@ -14,11 +14,11 @@ from voronec.algebra.precision import SHARP
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.balls import resting_values
-from voronec.closed.bernstein import evaluate_form
 from voronec.closed.clock import clock_of, pieces, whole_turns_off
 from voronec.closed.compiled_motion import reading_of, velocities_in_doubles
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.planar_rotation import place_on_grid, steady_rates
+from voronec.closed.ratio import evaluate_form
 from voronec.closed.rounded_constants import rounded_constants
 from voronec.closed.upright_view import BLOCK, UprightView, read_circles, wrap_angle
 from voronec.closed.winding import winding_of

@@ -1,9 +1,13 @@
-"""One motion whose elliptic integral is inverted: what all its evaluations begin with."""
+"""One motion whose elliptic integral is inverted: what all its evaluations begin with.
+
+What angles grow by in a period, and whether that is likely a rational part of a whole turn.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -12,7 +16,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.memo import Memo
-from voronec.algebra.precision import GENERIC
+from voronec.algebra.precision import GENERIC, SHARP
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import ball, precise
@@ -23,7 +27,7 @@ from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.system import System
 from voronec.errors import EngineLimit
 
-__all__ = ["InvertedMotion"]
+__all__ = ["InvertedMotion", "Turn", "turns_of"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -208,3 +212,49 @@ class InvertedMotion:
             size = self.exact(plane.length)(bits)
             first, second = (self.exact(e)(bits) / size for e in plane.direction)
             return first, second
+
+
+DIGITS = 50
+"""To so many a rational fraction is recognised."""
+MOST = 1000
+"""Denominators up to this."""
+
+
+@dataclass(frozen=True)
+class Turn:
+    """What an angle grows by in a period.
+
+    ``advance`` in radians; ``fraction`` is a fraction whose denominator is at most 1000 and with
+    which advance / (2 pi) agrees to 50 digits: the curve is likely closed then, which is no proof.
+    """
+
+    advance: float
+    fraction: Fraction | None = None
+
+
+def turns_of(form: InvertedMotion) -> dict[str, Turn]:
+    """The turns of all angles by name; none where there is no period."""
+    if form.rests:
+        return {}
+    with precise(SHARP):
+        advances = form.solution.constants(SHARP).advances
+        if advances is None:
+            return {}
+        pairs = zip(form.quadratures.angles, advances, strict=False)
+        return {plain_name(q): _turn(a) for q, a in pairs}
+
+
+def _turn(advance: Any) -> Turn:
+    fraction = _fraction(advance)
+    if fraction is not None:  # the advance is that of the fraction, to the last bit of a double
+        advance = 2 * ball(1).pi() * fraction.numerator / fraction.denominator
+    return Turn(float(advance), fraction)
+
+
+def _fraction(advance: Any) -> Fraction | None:
+    whole = advance / (2 * ball(1).pi())
+    mantissa, exponent = whole.mid().man_exp()
+    middle = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+    near = middle.limit_denominator(MOST)
+    off = abs(whole - ball(near.numerator) / near.denominator)
+    return near if off < ball(10) ** -DIGITS else None

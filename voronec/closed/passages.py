@@ -20,8 +20,8 @@ from flint import arb, ctx
 from voronec.closed.arithmetic import angle, ball
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.space import Composition, product, rotation_to, times, transpose
-from voronec.elliptic.ball_evaluation import moment_of
 from voronec.elliptic.roots import OpenDecision
+from voronec.elliptic.theta_balls import moment_of
 
 __all__ = [
     "DECIDED",

@@ -10,9 +10,9 @@ from typing import Any
 import sympy as sp
 
 from voronec.closed.arithmetic import ball, precise
-from voronec.closed.bernstein import Bernstein, bernstein, round_numbers
 from voronec.closed.compiled_motion import ascending_coefficients, reading_of
 from voronec.closed.inverted_motion import InvertedMotion
+from voronec.closed.ratio import Bernstein, bernstein, round_numbers
 
 __all__ = ["RoundedConstants", "rounded_constants"]
 

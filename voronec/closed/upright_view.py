@@ -12,10 +12,10 @@ import sympy as sp
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.balls import enclose_state
-from voronec.closed.bernstein import evaluate_form
 from voronec.closed.compiled_motion import reading_of, velocities_in_doubles
 from voronec.closed.inverted_motion import InvertedMotion
-from voronec.closed.request import exact_instant
+from voronec.closed.problem import exact_instant
+from voronec.closed.ratio import evaluate_form
 from voronec.closed.rounded_constants import rounded_constants
 from voronec.closed.winding import winding_of
 

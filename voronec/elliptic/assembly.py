@@ -13,7 +13,6 @@ from typing import Any
 
 from flint import acb, arb
 
-from voronec.elliptic.ball_evaluation import moment_of
 from voronec.elliptic.constants import Constants, Integral, Numbers, Phase, Pole, Strain
 from voronec.elliptic.lattice import ALMOST, Lattice, Place, carlson, lattice_of, turn_of
 from voronec.elliptic.roots import (
@@ -25,6 +24,7 @@ from voronec.elliptic.roots import (
     show_ball,
     value_at,
 )
+from voronec.elliptic.theta_balls import moment_of
 from voronec.errors import DefinitionError
 
 __all__ = ["assemble", "at_rest", "degree", "description"]

@@ -13,7 +13,7 @@ from flint import acb, arb, arb_poly
 
 from voronec.elliptic.constants import Numbers
 from voronec.elliptic.roots import Ends, OpenDecision, coefficients
-from voronec.elliptic.sums import Sums
+from voronec.elliptic.theta_balls import Sums
 
 __all__ = ["ALMOST", "Lattice", "Place", "carlson", "lattice_of", "time_from", "turn_of"]
 

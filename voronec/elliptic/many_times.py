@@ -11,9 +11,18 @@ from typing import Any
 import numpy as np
 from flint import ctx
 
-from voronec.elliptic.arguments import PIECE, Arguments, Rows, matrix
-from voronec.elliptic.doubles import BITS, Course, Doubles, doubles_of
-from voronec.elliptic.reduction import Reduction, two_product
+from voronec.elliptic.doubles import (
+    BITS,
+    PIECE,
+    Arguments,
+    Course,
+    Doubles,
+    Reduction,
+    Rows,
+    doubles_of,
+    matrix,
+    two_product,
+)
 from voronec.elliptic.theta_polynomials import Angle, horner
 from voronec.errors import DefinitionError
 

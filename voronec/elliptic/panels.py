@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from voronec.elliptic.arguments import Rows, matrix
+from voronec.elliptic.doubles import Reduction, Rows, matrix
 from voronec.elliptic.many_times import Stretch
-from voronec.elliptic.reduction import Reduction
 
 __all__ = ["Panels"]
 

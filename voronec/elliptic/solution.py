@@ -10,10 +10,10 @@ from typing import Any
 from flint import acb, arb, ctx, fmpq
 
 from voronec.elliptic.assembly import assemble
-from voronec.elliptic.ball_evaluation import Moment, moment_of
 from voronec.elliptic.constants import Constants, Numbers, Source
 from voronec.elliptic.lattice import lattice_of, time_from
 from voronec.elliptic.roots import OpenDecision, ends_of, interval, resolve
+from voronec.elliptic.theta_balls import Moment, moment_of
 from voronec.errors import EngineLimit
 
 __all__ = ["Enclosed", "Solution", "accurate", "exact_time", "invert"]

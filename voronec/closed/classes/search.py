@@ -20,14 +20,17 @@ from voronec.algebra.door import Door
 from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression
-from voronec.closed.classes.root_positions import remainder
 from voronec.closed.classes.survey import survey
-from voronec.closed.classes.trace_classes import classify
-from voronec.closed.classes.trace_polynomials import Curve, DeclaredTraces, declared_traces
+from voronec.closed.classes.trace_classes import (
+    Curve,
+    DeclaredTraces,
+    classify,
+    declared_traces,
+    remainder,
+)
 from voronec.closed.closed_form import ClosedForm
 from voronec.closed.compiled_motion import prepare
-from voronec.closed.problem import InversionProblem
-from voronec.closed.request import read_parameters
+from voronec.closed.problem import InversionProblem, read_parameters
 from voronec.closed.space import turned_upright
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_possible

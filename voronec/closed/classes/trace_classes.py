@@ -1,4 +1,4 @@
-r"""The class of a trace: what kind of curve a contact draws on a sphere, decided exactly.
+"""The class of a trace: what kind of curve a contact draws on a sphere, decided exactly.
 
 x runs between two neighbouring roots of f = (dx/dt)^2, so that the contact runs between two
 parallels of the sphere; the *upper* one has the larger cosine.  The longitude's rate is
@@ -28,21 +28,59 @@ on the sphere.  ``asymptotic to the upper parallel`` (``lower parallel``, ``both
 never reached; what the rest of the curve is follows in brackets where it is not A.
 
 Where the sphere is that of a vector constant in space, the classes are those about its direction.
+
+Where the roots of phi lie among the ends of a motion, decided exactly.
+
+Balls of growing precision tell numbers apart.  Where they do not, algebra says whether the numbers
+are equal: whether f and phi have a root in common is read off the remainder of f by phi, and
+whether an end is a pole of the sphere off the value of f there.
+
+The traces of a declared motion as polynomials in its variable x.
+
+    (dx/dtau)^2 = f(x),   cosine = offset + slope x,   d(longitude)/dtau = phi(x)/(1 - cosine^2)
+
+Everything about the class of a trace is in the roots of f and of phi.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache, cached_property
 from typing import Any
 
-from voronec.algebra.symbols import plain_name
-from voronec.closed.classes.root_positions import Tally, tally
-from voronec.closed.classes.trace_polynomials import Curve, declared_traces
-from voronec.closed.inverted_motion import InvertedMotion
-from voronec.closed.rotation_numbers import DIGITS, turns_of
+import sympy as sp
 
-__all__ = ["LABELS", "TraceClass", "classify", "label_of", "label_trace"]
+from voronec.algebra.door import Door
+from voronec.algebra.normal import canonical
+from voronec.algebra.precision import FIRST
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import as_expression
+from voronec.closed.arithmetic import precise
+from voronec.closed.compiled_motion import motion_of, prepare
+from voronec.closed.fractions import ascending_coefficients
+from voronec.closed.inverted_motion import DIGITS, InvertedMotion, turns_of
+from voronec.closed.problem import InversionProblem
+from voronec.declaration.quadratures import Quadratures, Trace
+from voronec.declaration.system import System
+from voronec.errors import DefinitionError, EngineLimit
+
+__all__ = [
+    "LABELS",
+    "Curve",
+    "DeclaredTraces",
+    "Tally",
+    "TraceClass",
+    "classify",
+    "declared_traces",
+    "label_of",
+    "label_trace",
+    "remainder",
+    "tally",
+    "title",
+]
+
 
 LABELS = ("A", "B", "C1", "C2", "D1", "D2", "D3", "E1", "E2")
 """The classes of the paper's figures, 4 to 12 in this order."""
@@ -202,3 +240,349 @@ def _towards(limits: Any, met: Any, poles: Any) -> str:
     if poles[end]:
         return f"the {name} pole"
     return f"a point of the {name} parallel" if met[end] else f"the {name} parallel"
+
+
+@dataclass(frozen=True)
+class Tally:
+    """What is counted of one trace; pairs are (lower end of x, upper end of x).
+
+    rest, flat, still
+        x stays where it is; the cosine does not depend on x; phi vanishes, at x where that is at
+        rest, identically otherwise.
+    inner
+        (place, multiplicity) of the roots of phi strictly between the ends.
+    ends
+        places of the ends.
+    met
+        whether phi vanishes at the end.
+    poles
+        the cosine there, 1 or -1; 0 where it is neither.
+    limits
+        whether the end is a multiple root of f.
+    tilt
+        sign of the cosine's slope.
+    """
+
+    rest: bool = False
+    flat: bool = False
+    still: bool = False
+    inner: tuple[tuple[float, int], ...] = ()
+    ends: tuple[float, float] = (float("nan"), float("nan"))
+    met: tuple[bool, bool] = (False, False)
+    poles: tuple[int, int] = (0, 0)
+    limits: tuple[bool, bool] = (False, False)
+    tilt: int = 1
+
+
+def tally(problem: InversionProblem, curve: Curve) -> Tally | None:
+    """The counts of a trace; None where its cosine has no value on this level."""
+    if not all(problem.exact(c)(FIRST).is_finite() for c in curve.cosine):
+        return None
+    search = _Search(problem, curve)
+    if problem.rests:
+        return search.at_rest()
+    return search.between()
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    problem: InversionProblem
+    curve: Curve
+
+    @cached_property
+    def phi(self) -> tuple[Any, ...]:
+        """The coefficients up to the last that is not zero."""
+        found = list(self.curve.above)
+        while found and self.problem.sign(found[-1]) == 0:
+            found.pop()
+        return tuple(found)
+
+    @cached_property
+    def double(self) -> bool:
+        """Whether phi, of degree 2, is a square."""
+        c, b, a = self.phi
+        return self.problem.sign(b**2 - 4 * a * c) == 0
+
+    def at_rest(self) -> Tally:
+        """x is a multiple root of f and stays there."""
+        motion = self.problem.prepared.motion
+        x, (offset, slope) = motion.meaning, self.curve.cosine
+        cosine = offset + slope * x
+        pole = next((s for s in (1, -1) if self.problem.sign(cosine - s) == 0), 0)
+        still = pole != 0 or self.problem.sign(self.curve.above_at(x)) == 0
+        place = float(self.problem.place(FIRST))
+        return Tally(rest=True, still=still, ends=(place, place), poles=(pole, pole),
+                     tilt=self.problem.sign(slope) or 1)  # fmt: skip
+
+    def between(self) -> Tally:
+        """x runs between two roots of f, or towards them."""
+        from voronec.elliptic.roots import ends_of, resolve
+
+        source, slope = self.problem.source, self.curve.cosine[1]
+        tilt = self.problem.sign(slope)
+
+        def attempt(bits: int) -> Tally:
+            ends = ends_of(source, bits)
+            pair = (ends.lower, ends.upper)
+            others = [r.value for r in ends.roots if r not in pair and r.real]
+            at = self._roots(bits)
+            poles = tuple(self._pole(e.value, others, bits) if tilt else 0 for e in pair)
+            inner, met = [], [False, False]
+            for root, times in at:
+                where = self._where(root, [e.value for e in pair], others, at, bits)
+                if where == "inside":
+                    inner.append((float(root), times))
+                elif where in (0, 1):
+                    met[int(where)] = True
+            return Tally(
+                flat=tilt == 0, still=not self.phi, inner=tuple(inner),
+                ends=(float(pair[0].value), float(pair[1].value)), met=(met[0], met[1]),
+                poles=(poles[0], poles[1]), limits=(pair[0].times > 1, pair[1].times > 1),
+                tilt=tilt or 1,
+            )  # fmt: skip
+
+        return resolve(attempt, FIRST)
+
+    def _values(self, expressions: Sequence[Any], bits: int) -> list[Any]:
+        return [self.problem.exact(e)(bits) for e in expressions]
+
+    def _roots(self, bits: int) -> list[tuple[Any, int]]:
+        """The real roots of phi, ascending, and their multiplicities."""
+        if len(self.phi) < 2:
+            return []
+        values = self._values(self.phi, bits)
+        with precise(bits):
+            if len(values) == 2:
+                return [(-values[0] / values[1], 1)]
+            if len(values) == 3:
+                c, b, a = values
+                if self.double:
+                    return [(-b / (2 * a), 2)]
+                if self.problem.sign(self.phi[1] ** 2 - 4 * self.phi[2] * self.phi[0]) < 0:
+                    return []
+                root = (b * b - 4 * a * c).sqrt()
+                pair = [(-b - root) / (2 * a), (-b + root) / (2 * a)]
+                return [(r, 1) for r in (pair if a > 0 else pair[::-1])]
+            return _isolate_roots(values)
+
+    def _where(
+        self, root: Any, ends: list[Any], others: list[Any], all_roots: Any, bits: int
+    ) -> Any:
+        """``inside``, ``outside``, or the index of the end that the root is."""
+        from voronec.elliptic.roots import OpenDecision
+
+        lower, upper = ends
+        if root > lower and root < upper:
+            return "inside"
+        if root < lower or root > upper:
+            return "outside"
+        index = 0 if root.overlaps(lower) else 1
+        alone = not any(root.overlaps(o) for o in (*others, ends[1 - index]))
+        if alone and self._is_shared(root, all_roots, bits):
+            return index
+        raise OpenDecision("a root of phi may be an end of the motion")
+
+    def _is_shared(self, root: Any, all_roots: Any, bits: int) -> bool:
+        """Whether a root of phi is surely a root of f, too."""
+        if len(self.phi) > 3:
+            raise EngineLimit("phi has degree 3 or more; equal roots are decided up to degree 2")
+        rest = self.quartic_remainder
+        if all(self.problem.sign(e) == 0 for e in rest):
+            return True
+        if len(rest) == 1 or self.problem.sign(rest[1]) == 0:
+            return False
+        (p0, p1, p2), (r0, r1) = self.phi, rest
+        if self.problem.sign(p2 * r0**2 - p1 * r0 * r1 + p0 * r1**2) != 0:
+            return False
+        below, above = self._values(rest, bits)
+        with precise(bits):
+            place = -below / above
+            return [place.overlaps(r) for r, _ in all_roots].count(True) == 1 and bool(
+                place.overlaps(root)
+            )
+
+    @cached_property
+    def quartic_remainder(self) -> tuple[Any, ...]:
+        """Of f by phi, up to a factor: coefficients as expressions."""
+        return remainder(self.problem.prepared.quartic, self.phi)
+
+    def _pole(self, end: Any, others: list[Any], bits: int) -> int:
+        """The cosine at an end of the motion, where that is 1 or -1."""
+        from voronec.elliptic.roots import OpenDecision
+
+        offset, slope = self.curve.cosine
+        x = self.problem.prepared.motion.x
+        for side in (1, -1):
+            place = (side - offset) / slope
+            (value,) = self._values([place], bits)
+            if not value.overlaps(end):
+                continue
+            alone = not any(value.overlaps(o) for o in others)
+            at_pole = self.problem.prepared.motion.quartic.xreplace({x: place})
+            if alone and self.problem.sign(at_pole) == 0:
+                return side
+            raise OpenDecision("an end of the motion may be a pole of the sphere")
+        return 0
+
+
+def remainder(quartic: Sequence[Any], phi: Sequence[Any]) -> tuple[Any, ...]:
+    """Coefficients of the remainder of one polynomial by another, up to a factor."""
+    names, formulas = _remainder(len(phi) - 1)
+    meaning = dict(zip(names, (*quartic, *phi), strict=True))
+    return tuple(e.xreplace(meaning) for e in formulas)
+
+
+@cache
+def _remainder(degree: int) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """Symbols of a quartic and of a polynomial of some degree, and the pseudo-remainder."""
+    x = sp.Symbol("x")
+    above, below = sp.symbols("f0:5"), sp.symbols(f"p0:{degree + 1}")
+    rest = sp.prem(
+        sum(c * x**i for i, c in enumerate(above)), sum(c * x**i for i, c in enumerate(below)), x
+    )
+    poly = sp.Poly(rest, x)
+    return (*above, *below), tuple(poly.coeff_monomial(x**i) for i in range(degree))
+
+
+def _isolate_roots(values: list[Any]) -> list[tuple[Any, int]]:
+    """The real roots of a polynomial without multiple ones."""
+    from flint import acb_poly
+
+    from voronec.elliptic.roots import OpenDecision
+
+    try:
+        found = acb_poly(values).roots()
+    except ValueError:
+        raise OpenDecision("phi may have a multiple root") from None
+    return [(r.real, 1) for r in found if r.imag.contains(0)]
+
+
+DEGREE = 4
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One trace: coefficients, ascending, functions of a level (constants and parameters).
+
+    ``phi`` is the longitude's rate times 1 - cosine^2; ``above`` the same without a denominator,
+    which has no roots and is all that counts where only roots do; ``cosine`` is (offset, slope).
+    """
+
+    trace: Trace
+    phi: tuple[Any, ...]
+    above: tuple[Any, ...]
+    cosine: tuple[Any, Any]
+
+    @property
+    def title(self) -> str:
+        """What the trace is called."""
+        return title(self.trace)
+
+    def above_at(self, x: Any) -> Any:
+        """``above`` at a place: 0 where phi vanishes."""
+        return sum((c * x**i for i, c in enumerate(self.above)), sp.Integer(0))
+
+
+@dataclass(frozen=True, eq=False)
+class DeclaredTraces:
+    """A system's motion, read for its traces.
+
+    inputs
+        symbols of a start: coordinates, velocities, parameters.
+    level
+        symbols of a level: parameters, constants.
+    starting
+        the constants, then x and dx/dtau, as functions of the inputs.
+    quartic
+        coefficients of f, ascending.
+    """
+
+    system: System
+    inputs: tuple[Any, ...]
+    level: tuple[Any, ...]
+    starting: tuple[Any, ...]
+    quartic: tuple[Any, ...]
+    curves: tuple[Curve, ...]
+
+    @property
+    def motion(self) -> Quadratures:
+        """The declaration."""
+        return motion_of(self.system)
+
+    @property
+    def place(self) -> Any:
+        """The variable as a function of a start."""
+        return self.starting[-2]
+
+    @property
+    def rate(self) -> Any:
+        """Its rate as a function of a start."""
+        return self.starting[-1]
+
+    def curve(self, name: str | None) -> Curve:
+        """The trace of a title, or of a coordinate; the first unless told."""
+        from voronec.errors import did_you_mean
+
+        if name is None:
+            return self.curves[0]
+        for curve in self.curves:
+            trace = curve.trace
+            if name in (curve.title, plain_name(trace.colatitude), plain_name(trace.longitude)):
+                return curve
+        known = [c.title for c in self.curves]
+        raise DefinitionError(
+            f"system '{self.system.name}' has no trace '{name}'{did_you_mean(name, known)}"
+        )
+
+    def at_start(self, value: Any) -> Any:
+        """A function of a level and of x, as a function of the start."""
+        meaning = dict(zip(self.motion.constants, self.starting[:-2], strict=True))
+        return as_expression(value).xreplace({**meaning, self.motion.x: self.place})
+
+
+def title(trace: Trace) -> str:
+    """What a trace is called: its title in the system's drawing, else by its coordinates."""
+    return trace.title or f"({plain_name(trace.colatitude)}, {plain_name(trace.longitude)})"
+
+
+def declared_traces(system: System) -> DeclaredTraces:
+    """The traces of a system; ``DefinitionError`` where it declares no motion, or no trace."""
+    motion = motion_of(system)
+    return motion.memo.once("traces", lambda: _read(system, motion))
+
+
+def _read(system: System, motion: Quadratures) -> DeclaredTraces:
+    if not motion.traces:
+        raise DefinitionError(
+            f"system '{system.name}': its motion declares no traces; write "
+            "traces=(Trace(u, v, cosine),)"
+        )
+    own = tuple(p.symbol for p in system.parameters)
+    inputs = (*system.coordinates, *system.velocities, *own)
+    starting = (*motion.constants.values(), motion.meaning, prepare(system, {}).rate)
+    quartic = ascending_coefficients(motion.quartic, motion.x, DEGREE)
+    curves = tuple(_curve(motion, trace) for trace in motion.traces)
+    return DeclaredTraces(system, inputs, (*own, *motion.constants), starting, quartic, curves)
+
+
+def _curve(motion: Quadratures, trace: Trace) -> Curve:
+    x = motion.x
+    if trace.longitude not in motion.integrals:
+        raise DefinitionError(
+            f"the longitude '{plain_name(trace.longitude)}' of a trace has no rate; "
+            "add it to the integrals of the motion"
+        )
+    door = Door()
+    raw = motion.integrals[trace.longitude] * (1 - trace.cosine**2)
+    value = door.outward(canonical([door.inward(raw)], ())[0])
+    above, below = sp.fraction(sp.together(value))
+    if below.has(x):
+        raise DefinitionError(
+            f"the rate of '{plain_name(trace.longitude)}' is no polynomial over 1 - cosine^2 of "
+            "its trace; such a trace is not classified"
+        )
+    rows = ascending_coefficients(above, x, DEGREE)
+    while len(rows) > 1 and rows[-1] == 0:
+        rows = rows[:-1]
+    offset, slope = ascending_coefficients(trace.cosine, x, 1)
+    return Curve(trace, tuple(c / below for c in rows), rows, (offset, slope))

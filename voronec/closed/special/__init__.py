@@ -5,9 +5,14 @@ from __future__ import annotations
 from voronec.closed.special.bifurcation import BifurcationSet, bifurcation_set
 from voronec.closed.special.chart import StabilityChart, chart_of
 from voronec.closed.special.elementary import Elementary, elementary
-from voronec.closed.special.elimination import Branch
-from voronec.closed.special.ends import End
-from voronec.closed.special.family import Precessions, essential_rates, linear_matrix, precessions
+from voronec.closed.special.precessions import (
+    Branch,
+    End,
+    Precessions,
+    essential_rates,
+    linear_matrix,
+    precessions,
+)
 from voronec.closed.special.pseudo_regular import PseudoRegular, pseudo_regular
 from voronec.closed.special.remarkable import Remarkable, remarkable
 from voronec.closed.special.stability import Stability

@@ -17,8 +17,8 @@ import sympy as sp
 
 from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import ball, compile_expressions, exact, precise
-from voronec.closed.special.family import Precessions, known_parameters, precessions
 from voronec.closed.special.plane import Strip, sign_on, strips
+from voronec.closed.special.precessions import Precessions, known_parameters, precessions
 from voronec.closed.special.stability import decide_stability
 from voronec.declaration.reading import expression, fixed_mapping, quote
 from voronec.declaration.system import System

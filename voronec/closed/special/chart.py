@@ -15,8 +15,8 @@ import sympy as sp
 
 from voronec.algebra.factors import in_factors
 from voronec.algebra.text import as_expression
-from voronec.closed.special.family import known_parameters, precessions
 from voronec.closed.special.plane import Strip, strips
+from voronec.closed.special.precessions import known_parameters, precessions
 from voronec.closed.special.stability import sign_of
 from voronec.declaration.reading import quote
 from voronec.declaration.system import System

@@ -17,7 +17,7 @@ import sympy as sp
 
 from voronec.algebra.normal import shorten
 from voronec.algebra.text import as_expression
-from voronec.closed.request import quadratures_of, read_parameters
+from voronec.closed.problem import quadratures_of, read_parameters
 from voronec.declaration.system import System
 from voronec.errors import EngineLimit
 

@@ -22,7 +22,7 @@ from voronec.algebra.factors import in_factors
 from voronec.algebra.normal import shorten
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import exact
-from voronec.closed.request import known_parameters, quadratures_of, read_parameters
+from voronec.closed.problem import known_parameters, quadratures_of, read_parameters
 from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.reading import expression, fixed_mapping, quote
 from voronec.declaration.system import System

@@ -16,7 +16,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.verdicts import Verdict, prove_equal
-from voronec.closed.special.family import Precessions, essential_rates
+from voronec.closed.special.precessions import Precessions, essential_rates
 from voronec.errors import EngineLimit
 
 __all__ = ["Remarkable", "remarkable"]

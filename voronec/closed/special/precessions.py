@@ -5,11 +5,18 @@ these are three equations for the constants of the motion, and each is linear in
 those before it are solved; so the whole family is rational in x and w.
 
 Another route than the quartic: nothing here uses it.
+
+Motions at a pole: the contact stays where the variable has an end of its range.
+
+There f(c) = -4 w^2 with the weight w of the pole c, so w = 0 and f'(c) = 0; both are linear in a
+constant, and one constant is left.
+
+The constants of a motion with constant x, by three equations, each linear in one of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -18,20 +25,13 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.arguments import VALUES, accepts
+from voronec.algebra.factors import in_factors
 from voronec.algebra.normal import shorten
 from voronec.algebra.symbols import velocity
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, prove_equal
-from voronec.closed.request import known_parameters, number, quadratures_of, read_parameters
+from voronec.closed.problem import known_parameters, number, quadratures_of, read_parameters
 from voronec.closed.space import turned_upright
-from voronec.closed.special.elimination import (
-    Branch,
-    branches_of,
-    linear_in,
-    short,
-    solve_constants,
-)
-from voronec.closed.special.ends import End, ends_of
 from voronec.closed.special.stability import Stability, decide_stability
 from voronec.declaration.quadratures import Quadratures, Space
 from voronec.declaration.reading import quote
@@ -42,12 +42,18 @@ from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = [
     "Branch",
+    "End",
     "Precessions",
     "at_rest",
+    "branches_of",
+    "ends_of",
     "essential_rates",
+    "linear_in",
     "linear_matrix",
     "precessions",
     "scene_of",
+    "short",
+    "solve_constants",
     "upright",
 ]
 
@@ -331,3 +337,192 @@ def _fresh(system: System, quadratures: Quadratures) -> sp.Symbol:
     taken = {str(s) for _, e, _ in quadratures.expressions() for s in e.free_symbols}
     taken |= {p.name for p in system.parameters}
     return next(sp.Symbol(n) for n in ("w", "w_0", "w_00") if n not in taken)
+
+
+@dataclass(frozen=True)
+class End:
+    """The ball turns about the normal at a pole; the contact rests on both surfaces.
+
+    place
+        1 or -1.
+    free
+        the velocity that may have any value, or a constant where no velocity is linear in it.
+    constants
+        constant of the motion -> its value.
+    second, third
+        derivatives of the quartic there; x has an inner side only, so the motion is stable where
+        the first that is not zero makes f negative inside.
+    """
+
+    place: sp.Expr
+    free: Any
+    constants: Mapping[sp.Symbol, sp.Expr]
+    second: sp.Expr
+    third: sp.Expr
+
+
+def ends_of(quadratures: Quadratures, values: Mapping[Any, sp.Expr]) -> tuple[End, ...]:
+    """The motions at 1 and at -1, where these are poles of the integrals."""
+    found = []
+    for place, weight in quadratures.poles.items():
+        if place in (1, -1):
+            end = _end(quadratures, place, weight.xreplace(dict(values)), values)
+            found += [end] if end is not None else []
+    return tuple(sorted(found, key=lambda end: -end.place))
+
+
+def _end(
+    quadratures: Quadratures, place: sp.Expr, weight: sp.Expr, values: Mapping[Any, sp.Expr]
+) -> End | None:
+    x = quadratures.x
+    f = quadratures.quartic.xreplace(dict(values))
+    names = [c for c in quadratures.constants if f.has(c)]
+    constants: dict[sp.Symbol, sp.Expr] = {}
+    for equation in (weight, sp.diff(f, x).xreplace({x: place})):
+        above = sp.numer(sp.together(equation.xreplace(constants)))
+        linear = [c for c in names if c not in constants and sp.degree(above, c) == 1]
+        if not linear:
+            return None
+        # the last of them: its coefficient is simplest where constants come by their degree
+        value = in_factors(sp.solve(above, linear[-1])[0])
+        constants = {c: in_factors(e.xreplace({linear[-1]: value})) for c, e in constants.items()}
+        constants[linear[-1]] = value
+    (free,) = [c for c in names if c not in constants]
+    constants[free] = free
+    spin, level = _velocity(quadratures, place, constants, values, free)
+    constants = {c: in_factors(constants[c].xreplace({free: level})) for c in names}
+    slopes = [sp.diff(f, x, order).xreplace({x: place}) for order in (2, 3)]
+    second, third = (in_factors(e.xreplace(constants)) for e in slopes)
+    return End(place, spin, MappingProxyType(constants), second, third)
+
+
+def _velocity(
+    quadratures: Quadratures,
+    place: sp.Expr,
+    constants: Mapping[sp.Symbol, sp.Expr],
+    values: Mapping[Any, sp.Expr],
+    free: sp.Symbol,
+) -> tuple[Any, sp.Expr]:
+    """A velocity that is linear in the free constant there, and the constant by it."""
+    for name, expr in quadratures.velocities.items():
+        here = (
+            expr.xreplace({quadratures.x: place}).xreplace(dict(constants)).xreplace(dict(values))
+        )
+        if free in here.free_symbols and not here.has(sp.Derivative, sp.sin):
+            slope = sp.diff(here, free)
+            if slope and not slope.has(free):
+                return name, sp.solve(here - name, free)[0]
+    return free, free
+
+
+@dataclass(frozen=True)
+class Branch:
+    """Precessions that the family leaves out: x and w are fixed there, and ``free`` is not.
+
+    Where the coefficient of the last constant and the rest of its equation both vanish, that
+    constant may have any value.
+    """
+
+    place: sp.Expr
+    rate: sp.Expr
+    free: sp.Symbol
+    constants: Mapping[sp.Symbol, sp.Expr]
+
+
+def solve_constants(
+    quartic: sp.Expr, rate: sp.Expr, x: sp.Symbol, constants: Sequence[sp.Symbol]
+) -> tuple[dict[sp.Symbol, sp.Expr], sp.Expr, sp.Expr, sp.Symbol] | None:
+    """The constants by three equations; of the last one its coefficient and its rest, too."""
+    equations = [rate, quartic, sp.diff(quartic, x)]
+    if len(constants) != len(equations):
+        return None
+    found: dict[sp.Symbol, sp.Expr] = {}
+    left = list(constants)
+    for equation in equations:
+        above = _above(equation.xreplace(found))
+        linear = [c for c in left if sp.degree(above, c) == 1]
+        if not linear:
+            return None
+        # A coefficient without x vanishes for no place: such a constant is solved for first.
+        constant = min(linear, key=lambda c: sp.diff(above, c).has(x))
+        poly = sp.Poly(above, constant)
+        slope, rest = poly.nth(1), poly.nth(0)
+        value = short(-rest / slope)
+        found = {c: short(e.xreplace({constant: value})) for c, e in found.items()}
+        found[constant] = value
+        left.remove(constant)
+    common = sp.gcd(slope, rest)
+    order = {c: found[c] for c in constants}
+    return order, sp.cancel(slope / common), sp.cancel(rest / common), constant
+
+
+def branches_of(
+    rate: sp.Expr,
+    quartic: sp.Expr,
+    x: sp.Symbol,
+    found: Mapping[sp.Symbol, sp.Expr],
+    linear: tuple[sp.Expr, sp.Expr, sp.Symbol],
+) -> tuple[Branch, ...]:
+    """Where the coefficient of the last constant vanishes with the rest of its equation."""
+    slope, rest, last = linear
+    (w,) = rate.free_symbols & slope.free_symbols - {x, *found} - quartic.free_symbols or {None}
+    if w is None:
+        return ()
+    branches = []
+    for factor, _ in sp.factor_list(slope)[1]:
+        for value in sp.roots(factor, w) if factor.has(w) else ():
+            for place in sp.roots(_above(rest.xreplace({w: value})), x):
+                branches += _branch(
+                    rate.xreplace({w: value}), quartic, (x, place), value, last, found
+                )
+    return tuple(branches)
+
+
+def _branch(
+    rate: sp.Expr,
+    quartic: sp.Expr,
+    at: tuple[sp.Symbol, sp.Expr],
+    w: sp.Expr,
+    last: Any,
+    names: Any,
+) -> list[Branch]:
+    """The constants there, but for ``last``; none outside the range of x."""
+    x, place = at
+    if place.is_number and not -1 < place < 1:
+        return []
+    values: dict[sp.Symbol, sp.Expr] = {last: last}
+    for equation in (rate, quartic):
+        here = _above(equation.xreplace(values).xreplace({x: place}))
+        constant = next((c for c in names if c not in values and sp.degree(here, c) == 1), None)
+        if constant is None:
+            return []
+        values[constant] = short(sp.solve(here, constant)[0])
+    return [Branch(place, w, last, MappingProxyType(values))]
+
+
+def short(value: sp.Expr) -> sp.Expr:
+    """The shortest proved form."""
+    (found,) = shorten([value])
+    return found
+
+
+def linear_in(value: sp.Expr, symbol: sp.Symbol, square: sp.Expr) -> sp.Expr:
+    """A rational function of a symbol whose square is known, the denominator without it."""
+    parts = []
+    for part in sp.fraction(sp.together(short(value))):
+        terms = sp.Poly(sp.expand(part), symbol).as_dict().items()
+        even, odd = (
+            sp.Add(*(c * square ** (n // 2) for (n,), c in terms if n % 2 == side))
+            for side in (0, 1)
+        )
+        parts.append((short(even), short(odd)))
+    (a, b), (c, d) = parts
+    if d == 0:
+        return short(a / c) + short(b / c) * symbol
+    below = short(c**2 - d**2 * square)
+    return short((a * c - b * d * square) / below) + short((b * c - a * d) / below) * symbol
+
+
+def _above(value: sp.Expr) -> sp.Expr:
+    """The numerator in lowest terms."""
+    return sp.expand(sp.fraction(sp.together(short(value)))[0])
