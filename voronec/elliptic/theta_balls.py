@@ -7,11 +7,9 @@ A motion at one time, as rigorous balls.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
-from flint import acb, arb, ctx
+from flint import acb, arb
 
 from voronec.elliptic.constants import Constants, Phase, Strain
 from voronec.elliptic.roots import OpenDecision, power
@@ -19,18 +17,16 @@ from voronec.elliptic.roots import OpenDecision, power
 __all__ = ["Moment", "Sums", "moment_of", "nearest", "phase", "reduce_time", "strain_gain"]
 
 
-Term = Callable[[int], arb | acb]
-Power = Callable[[int], int]
-ONE = arb(1)
-
-
 @dataclass(frozen=True)
 class Sums:
     """The functions s, its derivative and c of ``voronec.elliptic.constants``.
 
+    Theta functions, of an imaginary argument where the kind is hyperbolic; what they tend to where
+    the nome is 0.
+
     Attributes:
         kind: as there.
-        nome: as there.
+        nome: as there, the square of the nome of the theta functions.
         partner: as there.
     """
 
@@ -44,10 +40,7 @@ class Sums:
             return z
         if self.kind == "exponential":
             return (z / 2).exp()
-        odd = _sin if self.kind == "trigonometric" else _sinh
-        # |sin kz| <= k |z| exp(k growth), so that the rest is small beside a small sum
-        small = ONE.min(z.abs_upper())
-        return self._sum(z, lambda n: (-1) ** n * odd((2 * n + 1) * z), _triangle, small)
+        return self._theta(1, z, 0)
 
     def slope(self, z: arb | acb) -> arb | acb:
         """The derivative of s."""
@@ -55,8 +48,7 @@ class Sums:
             return z * 0 + 1
         if self.kind == "exponential":
             return (z / 2).exp() / 2
-        even = _cos if self.kind == "trigonometric" else _cosh
-        return self._sum(z, lambda n: (-1) ** n * (2 * n + 1) * even((2 * n + 1) * z), _triangle)
+        return self._theta(1, z, 1)
 
     def zeta(self, z: arb | acb) -> arb | acb:
         """``s'/s``."""
@@ -66,11 +58,7 @@ class Sums:
         """The derivative of ``s'/s``."""
         if self.kind == "rational":
             return -1 / (z * z)
-        odd, turns = (_sin, -1) if self.kind == "trigonometric" else (_sinh, 1)
-        second = self._sum(
-            z, lambda n: turns * (-1) ** n * (2 * n + 1) ** 2 * odd((2 * n + 1) * z), _triangle
-        )
-        return second / self.s(z) - power(self.zeta(z), 2)
+        return self._theta(1, z, 2) / self.s(z) - power(self.zeta(z), 2)
 
     def c(self, z: arb | acb) -> arb | acb:
         """The partner."""
@@ -78,12 +66,7 @@ class Sums:
             return z * 0 + 1
         if self.partner == "inverse":
             return (-z / 2).exp()
-        if self.partner == "theta4":
-            return self._sum(
-                z, lambda n: (-1) ** n * (2 if n else 1) * _cosh(2 * n * z), lambda n: n * n
-            )
-        even = _cos if self.kind == "trigonometric" else _cosh
-        return self._sum(z, lambda n: even((2 * n + 1) * z), _triangle)
+        return self._theta(4 if self.partner == "theta4" else 2, z, 0)
 
     def fall(self, z: arb | acb) -> arb | acb:
         """The derivative of c."""
@@ -91,48 +74,31 @@ class Sums:
             return z * 0
         if self.partner == "inverse":
             return -(-z / 2).exp() / 2
-        if self.partner == "theta4":
-            return self._sum(z, lambda n: (-1) ** n * 4 * n * _sinh(2 * n * z), lambda n: n * n)
-        odd, turns = (_sin, -1) if self.kind == "trigonometric" else (_sinh, 1)
-        return self._sum(z, lambda n: turns * (2 * n + 1) * odd((2 * n + 1) * z), _triangle)
+        return self._theta(4 if self.partner == "theta4" else 2, z, 1)
 
-    def _sum(self, z: arb | acb, term: Term, power: Power, small: arb = ONE) -> arb | acb:
-        """Sum of ``nome^(power/2)`` times the term, and a ball for the rest of the series."""
+    def _theta(self, number: int, z: arb | acb, order: int) -> arb | acb:
+        """A derivative of theta1 or theta2 over ``2 q^(1/4)``, or of theta4; over i for sinh."""
+        turn = acb(1) if self.kind == "trigonometric" else acb(0, 1)
+        place = turn * z
         if self.nome.is_zero():
-            return term(0)
-        count = self._count(z)
-        total = z * 0
-        for n in range(count):
-            total += _nome_power(self.nome, power(n)) * term(n)
-        tail = arb(0, (small * self._bound(z, count)).upper())
-        return total + (acb(tail, tail) if isinstance(z, acb) else tail)
+            value = _limit(number, place, order)
+        else:
+            # q^2 is the nome, so that q is imaginary where that is negative: tau = 1/2 + ...
+            decay = abs(self.nome).log() / (2 * arb.pi())
+            tau = acb(arb(0) if self.nome > 0 else arb(0.5), -decay)
+            value = acb.modular_theta(place / arb.pi(), tau, order)[number - 1] / arb.pi() ** order
+            if number != 4:
+                value /= 2 * (acb(0, 1) * arb.pi() * tau / 4).exp()
+        value *= turn ** (order - 1 if number == 1 else order)
+        return value if isinstance(z, acb) else value.real
 
-    def _growth(self, z: arb | acb) -> arb:
-        """An upper bound of the exponent by which sin z or sinh z grows."""
-        if isinstance(z, acb):
-            part = z.imag if self.kind == "trigonometric" else z.real
-            return part.abs_upper()
-        return arb(0) if self.kind == "trigonometric" else z.abs_upper()
 
-    def _count(self, z: arb | acb) -> int:
-        growth, decay = float(self._growth(z)), -float(self.nome.abs_upper().log())
-        if not (math.isfinite(growth) and decay > 0):
-            raise OpenDecision("a sum needs more bits")
-        below = ctx.prec * math.log(2) + 10
-        n = 1
-        while n * n / 2 * decay - 2 * (n + 1) * growth < below or n * decay < 2 * growth + 2:
-            n += 1
-        return n
-
-    def _bound(self, z: arb | acb, count: int) -> arb:
-        """The rest from ``count`` on: twice its first term, at least, in absolute value.
-
-        Each term is below ``2 (2n+1)^2 |r|^(n^2/2) exp((2n+1) growth)``; the ratio of two
-        successive ones is below ``(25/9) |r|^n exp(2 growth) < 1/2``, by the choice of ``count``.
-        """
-        size = self.nome.abs_upper()
-        first = _nome_power(size, count * count) * ((2 * count + 1) * self._growth(z)).exp()
-        return (4 * (2 * count + 1) ** 2 * first).upper()
+def _limit(number: int, z: acb, order: int) -> acb:
+    """What :meth:`Sums._theta` has at nome 0: a derivative of sin, cos or 1."""
+    if number == 4:
+        return acb(0 if order else 1)
+    sine, cosine = z.sin(), z.cos()
+    return (sine, cosine, -sine, -cosine)[(order + (number == 2)) % 4]
 
 
 def phase(sums: Sums, z: arb, alpha: arb, sign: int) -> arb:
@@ -160,31 +126,6 @@ def _arctangent(across: arb, along: arb) -> arb:
     if not along > 0:
         raise OpenDecision("the angle of a pole needs more bits")
     return (across / along).atan()
-
-
-def _nome_power(nome: arb, halves: int) -> arb:
-    """``nome^(halves/2)``; a half power only of a positive nome."""
-    return nome ** (halves // 2) if halves % 2 == 0 else nome.sqrt() ** halves
-
-
-def _triangle(n: int) -> int:
-    return n * (n + 1)
-
-
-def _sin(z: arb | acb) -> arb | acb:
-    return z.sin()
-
-
-def _cos(z: arb | acb) -> arb | acb:
-    return z.cos()
-
-
-def _sinh(z: arb | acb) -> arb | acb:
-    return z.sinh()
-
-
-def _cosh(z: arb | acb) -> arb | acb:
-    return z.cosh()
 
 
 @dataclass(frozen=True)
