@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 import voronec as vo
 from voronec.equations.attitudes import with_attitude_charts
 from voronec.equations.motions import Motions
-from voronec.motion.model.denominators import with_positive_denominators
+from voronec.motion.model.level import with_positive_denominators
 from voronec.proof.relations.charts import check_charts
 
 pytestmark = pytest.mark.slow

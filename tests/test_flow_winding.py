@@ -8,8 +8,8 @@ import symengine as se
 
 import voronec as vo
 from voronec.equations.program import Block
-from voronec.motion.steppers.angle_states import _angles
 from voronec.motion.steppers.heyoka_stepper import Winding
+from voronec.motion.steppers.units import _angles
 
 pytestmark = pytest.mark.slow
 

@@ -11,7 +11,7 @@ import sympy as sp
 from model_agreement import agreed, kinds, names
 
 import voronec as vo
-from voronec.motion.pictures.model_text import model_text
+from voronec.motion.explanation import model_text
 
 # -- what is zero ----------------------------------------------------------------------------------
 

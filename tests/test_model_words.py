@@ -9,8 +9,8 @@ import pytest
 from model_agreement import kinds
 
 import voronec as vo
+from voronec.motion.explanation import model_text
 from voronec.motion.pictures.model_picture import boxes, model_figure
-from voronec.motion.pictures.model_text import model_text
 
 # -- what is said of it ----------------------------------------------------------------------------
 

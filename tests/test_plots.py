@@ -12,8 +12,7 @@ from matplotlib._pylab_helpers import Gcf
 
 import voronec as vo
 from voronec.closed.pictures.style import INK, PALE
-from voronec.motion.pictures.run_pictures import drawing, pictures
-from voronec.motion.pictures.time_plots import plot_trajectory, quantity_label
+from voronec.motion.pictures.run_pictures import drawing, pictures, plot_trajectory, quantity_label
 
 pytestmark = pytest.mark.slow
 

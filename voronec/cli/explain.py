@@ -32,8 +32,7 @@ def execute(arguments: Namespace) -> int:
     folder = None if arguments.out is None else wanted_folder(arguments.out)
     system, _ = resolve(arguments.system)
     parameters, initial = split_values(system, pairs)
-    from voronec.motion.explanation import explain
-    from voronec.motion.pictures.model_text import model_text
+    from voronec.motion.explanation import explain, model_text
 
     scene = arguments.scene or first_scene(system)
     progress(f"{system.name}: weighing the levels of the equations ...")

@@ -142,7 +142,7 @@ def input_values(texts: Iterable[str]) -> dict[str, Any]:
 def _table(path: str, kind: str, place: str) -> Any:
     """The table that a file holds."""
     from voronec.declaration.table_file import read_table
-    from voronec.motion.tables import Table
+    from voronec.motion.inputs import Table
 
     times, values = read_table(Path(path), place)
     try:

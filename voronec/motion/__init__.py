@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from voronec.motion.ensembles import Ensemble, ensemble
     from voronec.motion.events import Crossings, Event
+    from voronec.motion.inputs import Table
     from voronec.motion.integration import integrate
     from voronec.motion.sections import Section, section
-    from voronec.motion.tables import Table
     from voronec.motion.trajectory import Cost, Trajectory
 
 __all__ = [
@@ -32,7 +32,7 @@ _HOME = {
     "events": ("Crossings", "Event"),
     "integration": ("integrate",),
     "sections": ("Section", "section"),
-    "tables": ("Table",),
+    "inputs": ("Table",),
     "trajectory": ("Cost", "Trajectory"),
 }
 

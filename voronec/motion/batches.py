@@ -23,8 +23,7 @@ from voronec.motion.one_by_one import (
     compile_method,
     is_lasting,
 )
-from voronec.motion.steppers.first_step import openings, overlong_lanes
-from voronec.motion.steppers.heyoka_library import heyoka
+from voronec.motion.steppers.heyoka_stepper import heyoka, openings, overlong_lanes
 from voronec.motion.steppers.run import COLLAPSE, INFINITE
 from voronec.motion.steppers.units import units_of_many
 

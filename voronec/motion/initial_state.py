@@ -1,11 +1,21 @@
-"""Where a motion starts: parameters, and an initial state on the constraints.
+"""Where motions start, one or many at once: parameters, and initial states on the constraints.
+
+Where a motion starts: parameters, and an initial state on the constraints.
 
 Data off the constraints are refused with their residual, or, on request, moved onto them.
+
+Velocities at the start: conditions on the velocities v that they must meet.
+
+Many starts read at once: the steps of ``start_of`` on arrays.
+
+What needs more than numbers - texts and expressions, starts that give different things, redundant
+coordinates - and starts that do not fit are left to ``start_of``, one by one, which says what is
+wrong with them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -13,25 +23,31 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.symbols import names_in, plain_name
+from voronec.algebra.symbols import names_in, plain_name, velocity
 from voronec.declaration.reading import fixed_mapping, quote, texts_read
 from voronec.declaration.system import require_possible
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
-from voronec.motion.velocity_conditions import CONSISTENT, Rates, changes, meet_conditions
 from voronec.motion.vocabulary import Vocabulary, number
 
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
 
 __all__ = [
+    "CONSISTENT",
+    "NoFrame",
+    "Rates",
     "Relations",
     "Start",
+    "changes",
     "coordinates_of",
+    "independent",
+    "meet_conditions",
     "name_values",
     "numbers_of",
     "parameter_values",
     "start_of",
+    "starts_in_arrays",
 ]
 
 
@@ -252,3 +268,250 @@ def numbers_of(
             )
         result[name] = number(value, place)
     return result
+
+
+CONSISTENT = 1e-9
+"""How far initial data may lie off the constraints, relative to their size."""
+ROUNDING = 1e-13
+"""A smaller relative change is none."""
+UNDEFINED = "system '{}': the velocities are not defined at the initial point"
+
+
+class NoFrame(DefinitionError):
+    """The velocities v of the equations determine nothing at the initial point."""
+
+
+Rates = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Coordinates (n,) and velocities (m, k) to the velocities of all coordinates (n, k)."""
+
+
+def meet_conditions(
+    vocabulary: Vocabulary,
+    q: np.ndarray,
+    v: np.ndarray,
+    conditions: Mapping[str, float],
+    rates: Rates,
+    project: bool,
+) -> tuple[np.ndarray, list[str]]:
+    """The velocities that meet the conditions, and what is to be said of them; those that no
+    condition involves stay."""
+    if not conditions:
+        return v, []
+    own = [plain_name(x) for x in vocabulary.equations.system.velocities]
+    order, rows, right = _pose_conditions(vocabulary, q, conditions, rates)
+    chosen = independent(rows)
+    involved = np.abs(rows).max(axis=0) > CONSISTENT * np.abs(rows).max(initial=0.0)
+    if len(chosen) > involved.sum():  # beside rates that are as good as infinite
+        raise NoFrame(UNDEFINED.format(vocabulary.equations.system.name))
+    if len(chosen) < involved.sum():
+        names = [name for name, i in zip(own, involved, strict=True) if i]
+        raise DefinitionError(
+            f"system '{vocabulary.equations.system.name}': the initial velocities do not determine "
+            f"{', '.join(names)}; give more velocities, or these themselves"
+        )
+    result = v.copy()
+    result[involved] = np.linalg.solve(rows[chosen][:, involved], right[chosen])
+    for name in set(own) & set(order):
+        result[own.index(name)] = conditions[name]
+    excess = rows @ result - right
+    if np.abs(excess).max() <= CONSISTENT * (1.0 + max(map(abs, conditions.values()))):
+        return result, []
+    if not project:
+        raise _inconsistent(vocabulary, order, conditions, excess)
+    result[involved] = np.linalg.lstsq(rows[:, involved], right, rcond=None)[0]
+    for name in set(own) & set(order):  # what was met but for rounding is met
+        if abs(result[own.index(name)] - conditions[name]) <= ROUNDING * abs(conditions[name]):
+            result[own.index(name)] = conditions[name]
+    wanted, excess = np.array([conditions[name] for name in order]), rows @ result - right
+    return result, [
+        f"the initial velocities were moved by {np.linalg.norm(excess):.3g} onto the constraints "
+        f"({changes(order, wanted, wanted + excess)})"
+    ]
+
+
+def _pose_conditions(
+    vocabulary: Vocabulary, q: np.ndarray, conditions: Mapping[str, float], rates: Rates
+) -> tuple[list[str], np.ndarray, np.ndarray]:
+    """The conditions in order: their names, and rows @ v = right."""
+    system = vocabulary.equations.system
+    own = [plain_name(x) for x in system.velocities]
+    dots = [plain_name(velocity(x)) for x in system.coordinates]
+    n = len(own)
+    order = list(dict.fromkeys(name for name in (*own, *dots) if name in conditions))
+    if set(order) <= set(own):
+        rows = np.eye(n)[[own.index(name) for name in order]]
+        return order, rows, np.array([conditions[name] for name in order])
+    # rates are affine in v: their values at 0 and at the unit vectors tell them
+    values = rates(q, np.hstack([np.zeros((n, 1)), np.eye(n)]))
+    linear, offset = values[:, 1:] - values[:, :1], values[:, 0]
+    if not np.isfinite(values).all():
+        raise NoFrame(UNDEFINED.format(system.name))
+    posed = [np.eye(n)[own.index(k)] if k in own else linear[dots.index(k)] for k in order]
+    right = [conditions[k] - (0.0 if k in own else offset[dots.index(k)]) for k in order]
+    return order, np.array(posed), np.array(right)
+
+
+def changes(names: Iterable[str], old: np.ndarray, new: np.ndarray) -> str:
+    """What was moved, from where to where."""
+    triples = zip(names, old.tolist(), new.tolist(), strict=True)
+    return ", ".join(
+        f"{name} from {a:.6g} to {b:.6g}"
+        for name, a, b in triples
+        if abs(a - b) > ROUNDING * (abs(a) + abs(b))
+    )
+
+
+def independent(rows: np.ndarray) -> list[int]:
+    """Positions of the first rows that are linearly independent."""
+    chosen: list[int] = []
+    for i in range(len(rows)):
+        scaled = [rows[j] / (np.linalg.norm(rows[j]) or 1.0) for j in (*chosen, i)]
+        if np.linalg.matrix_rank(np.array(scaled), tol=CONSISTENT) == len(scaled):
+            chosen.append(i)
+    return chosen
+
+
+def _inconsistent(
+    vocabulary: Vocabulary, order: list[str], conditions: Mapping[str, float], excess: np.ndarray
+) -> DefinitionError:
+    worst = int(np.argmax(np.abs(excess)))
+    name = order[worst]
+    value = float(conditions[name])
+    return DefinitionError(
+        f"system '{vocabulary.equations.system.name}': the initial velocities are off the "
+        f"constraints: '{name}' = {value:.12g}, where the others give {value + excess[worst]:.12g} "
+        f"(residual {abs(excess[worst]):.3g}); correct '{name}', leave it out, or give project=True"
+    )
+
+
+RatesOfMany = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Coordinates (s, n) and velocities (m, k) to the velocities of all coordinates (s, n, k)."""
+
+
+def starts_in_arrays(
+    vocabulary: Vocabulary,
+    scene: Mapping[str, Any],
+    starts: Sequence[Mapping[Any, Any]],
+    parameters: Mapping[str, np.ndarray],
+    rates: RatesOfMany,
+) -> np.ndarray:
+    """Coordinates, then velocities v, of each start (s, n + m); rows of nan where it is left over.
+
+    ``scene`` has initial values by plain name, ``parameters`` arrays (s,).
+    """
+    system = vocabulary.equations.system
+    names = [plain_name(q) for q in system.coordinates]
+    left = np.full((len(starts), len(names) + len(system.velocities)), np.nan)
+    if system.fibration.relations or not starts:
+        return left
+    still = {name: float(x[0]) for name, x in parameters.items() if (x == x[0]).all()}
+    try:
+        known = list(name_values(vocabulary, starts[0], "initial value"))
+        columns = dict(zip(known, _columns(starts), strict=True))
+        before = numbers_of(vocabulary, scene, still)
+    except (DefinitionError, ValueError, TypeError, OverflowError):
+        return left
+    old = {name: np.full(len(starts), x) for name, x in before.items()}
+    nothing = np.zeros(len(starts))
+    q = np.stack([{**old, **columns}.get(name, nothing) for name in names], axis=-1)
+    v = np.zeros((len(starts), len(system.velocities)))
+    good = np.isfinite(q).all(axis=1)
+    for part in (old, columns):
+        conditions = {name: x for name, x in part.items() if name not in names}
+        if conditions and good.any():
+            v = _meet_conditions(vocabulary, q, v, conditions, rates, good)
+    left[good] = np.hstack([q, v])[good]
+    return left
+
+
+def _columns(starts: Sequence[Mapping[Any, Any]]) -> list[np.ndarray]:
+    """What starts give, key by key (s,); ``ValueError`` where that are not the same numbers."""
+    keys = list(starts[0])
+    if any(list(given) != keys for given in starts):
+        raise ValueError
+    rows = [[given[key] for given in starts] for key in keys]
+    if not all(isinstance(x, float | int) for row in rows for x in row):
+        raise ValueError
+    return [np.array(row, dtype=float) for row in rows]
+
+
+def _meet_conditions(
+    vocabulary: Vocabulary,
+    q: np.ndarray,
+    v: np.ndarray,
+    conditions: Mapping[str, np.ndarray],
+    rates: RatesOfMany,
+    good: np.ndarray,
+) -> np.ndarray:
+    """Velocities (s, m) that meet conditions, as ``met`` finds them; starts for which it would do
+    something else than for the first, or refuse them, are no longer ``good``."""
+    own = [plain_name(x) for x in vocabulary.equations.system.velocities]
+    order, rows, right = _pose_conditions_of_many(vocabulary, q, conditions, rates)
+    good &= np.isfinite(rows).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
+    if not good.any():
+        return v
+    rows, right = np.where(good[:, None, None], rows, 0.0), np.where(good[:, None], right, 0.0)
+    first = int(np.argmax(good))
+    chosen = independent(rows[first])
+    good &= _as_independent(rows, chosen)
+    sizes = np.abs(rows).max(axis=1)
+    involved = sizes > CONSISTENT * sizes.max(axis=1, keepdims=True, initial=0.0)
+    good &= (involved == involved[first]).all(axis=1)
+    which = involved[first]
+    if len(chosen) != which.sum():
+        good[:] = False
+        return v
+    found, at = v.copy(), np.flatnonzero(good)
+    solved = np.linalg.solve(rows[at][:, chosen][:, :, which], right[at][:, chosen, None])[..., 0]
+    found[np.ix_(at, which)] = solved
+    for name in set(own) & set(order):
+        found[:, own.index(name)] = conditions[name]
+    excess = np.abs(np.einsum("skn,sn->sk", rows, found) - right).max(axis=1)
+    size = 1.0 + np.max([np.abs(x) for x in conditions.values()], axis=0)
+    good &= excess <= CONSISTENT * size
+    return found
+
+
+def _as_independent(rows: np.ndarray, chosen: list[int]) -> np.ndarray:
+    """For which of some sets of rows (s, k, n) the same ones are chosen as independent."""
+    lengths = np.linalg.norm(rows, axis=2, keepdims=True)
+    scaled = rows / np.where(lengths == 0, 1.0, lengths)
+    if len(chosen) == rows.shape[1]:  # then those before each one are independent, too
+        return np.asarray(np.linalg.matrix_rank(scaled, tol=CONSISTENT) == len(chosen))
+    same = np.ones(len(rows), dtype=bool)
+    for i in range(rows.shape[1]):
+        before = [j for j in chosen if j < i]
+        rank = np.linalg.matrix_rank(scaled[:, [*before, i]], tol=CONSISTENT)
+        same &= (rank == len(before) + 1) == (i in chosen)
+    return same
+
+
+def _pose_conditions_of_many(
+    vocabulary: Vocabulary,
+    q: np.ndarray,
+    conditions: Mapping[str, np.ndarray],
+    rates: RatesOfMany,
+) -> tuple[list[str], np.ndarray, np.ndarray]:
+    """The conditions in order: their names, and rows (s, k, n) @ v = right (s, k)."""
+    system = vocabulary.equations.system
+    own = [plain_name(x) for x in system.velocities]
+    dots = [plain_name(velocity(x)) for x in system.coordinates]
+    order = list(dict.fromkeys(name for name in (*own, *dots) if name in conditions))
+    unit, right = np.eye(len(own)), np.stack([conditions[k] for k in order], axis=-1)
+    if set(order) <= set(own):
+        rows = unit[[own.index(k) for k in order]]
+        return order, np.broadcast_to(rows, (len(q), *rows.shape)), right
+    values = rates(q, np.hstack([np.zeros((len(own), 1)), unit]))
+    linear, offset = values[:, :, 1:] - values[:, :, :1], values[:, :, 0]
+    posed = [
+        np.broadcast_to(unit[own.index(k)], (len(q), len(own)))
+        if k in own
+        else linear[:, dots.index(k)]
+        for k in order
+    ]
+    for i, k in enumerate(order):
+        if k not in own:
+            right[:, i] -= offset[:, dots.index(k)]
+    # a rate that has no value spoils the start, whether it is asked for or not
+    right[~np.isfinite(values).all(axis=(1, 2))] = np.nan
+    return order, np.stack(posed, axis=1), right

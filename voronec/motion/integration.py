@@ -25,8 +25,6 @@ from voronec.equations.program import Program
 from voronec.equations.program.digits import precision
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
-from voronec.motion.all_velocities import WideStart
-from voronec.motion.angle_branches import Untold, require_branches
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import Divisor
@@ -35,19 +33,19 @@ from voronec.motion.fallback import Way, first_success, other_method
 from voronec.motion.inputs import drive
 from voronec.motion.methods import CLOSED
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
-from voronec.motion.motion_start import Outset
+from voronec.motion.motion_start import Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.poles import LAST, NearPole, PoleGuard
 from voronec.motion.request import StartData, grid_of, outputs_of, scene_of
 from voronec.motion.singular_directions import charted_directions
-from voronec.motion.soundness import Breach, Judge
+from voronec.motion.soundness import Breach, Judge, Untold, require_branches
 from voronec.motion.split_models import NEAR, SplitGround
 from voronec.motion.split_stepper import NearDivisor, SplitRun, guard_events, without_guards
 from voronec.motion.state_probe import Probe, quantities
 from voronec.motion.steppers import Problem, Run, Stepper
 from voronec.motion.steppers.choice import is_exact
-from voronec.motion.steppers.signals import Signals, in_kind
+from voronec.motion.steppers.run import Signals, in_kind
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory, make_trajectory
 from voronec.motion.vocabulary import Vocabulary

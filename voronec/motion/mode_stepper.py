@@ -23,8 +23,7 @@ from voronec.motion.mode_transitions import DOUBLE, GUARD, PAST, Crossroads, Mod
 from voronec.motion.modes import Corner, Modes, Surface
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.choice import is_exact
-from voronec.motion.steppers.restarts import in_pieces
-from voronec.motion.steppers.run import in_parts, until
+from voronec.motion.steppers.run import in_parts, in_pieces, until
 
 __all__ = ["SwitchedIntegrator", "through_walls"]
 

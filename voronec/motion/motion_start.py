@@ -1,21 +1,42 @@
-"""Where one motion sets out: its start on the coordinates, in doubles and in any precision."""
+"""Where one motion sets out: in doubles and in any precision, with all velocities.
+
+Where one motion sets out: its start on the coordinates, in doubles and in any precision.
+
+All velocities at the start, where the declared ones need not be a frame.
+
+    A w + a = 0,    F w + f = v,    w_k = what is given of it
+
+is solved for w, in doubles and, by refinement, in any precision.
+
+Parameters and initial data in any precision: values given exactly are used exactly.
+
+Doubles stay the doubles they are.  The velocities start from those found in doubles, and are moved
+until the conditions on them hold to the last digit.
+
+Parameters that are zero and leave a velocity without inertia: its acceleration is 0/0.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import mpmath
 import numpy as np
+import sympy as sp
 
+from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.text import as_expression
 from voronec.equations.attitudes import with_attitude_charts
 from voronec.equations.program import Program
+from voronec.equations.program.digits import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, IntegrationError
-from voronec.motion.all_velocities import WideStart
-from voronec.motion.exact_values import Exactly
-from voronec.motion.inertia import require_inertia
+from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.initial_state import (
+    CONSISTENT,
+    NoFrame,
+    Rates,
     Start,
     coordinates_of,
     numbers_of,
@@ -32,11 +53,10 @@ from voronec.motion.singular_directions import (
 )
 from voronec.motion.split_models import NEAR, SplitGround
 from voronec.motion.state_probe import Probe, quantities
-from voronec.motion.steppers.signals import Signals
-from voronec.motion.velocity_conditions import CONSISTENT, NoFrame, Rates
+from voronec.motion.steppers.run import Signals
 from voronec.motion.vocabulary import Vocabulary
 
-__all__ = ["Outset", "rates_at"]
+__all__ = ["Exactly", "Outset", "WideStart", "exact_number", "rates_at", "require_inertia"]
 
 
 def rates_at(
@@ -166,3 +186,351 @@ class Outset:
             given.initial, start.state, bool(start.notes),
         )  # fmt: skip
         return cls(start.state, constants, start.notes, exactly, changing, framed)
+
+
+DETERMINED = 1e-9
+"""Conditions whose least singular value is below this part of the largest leave w open."""
+ROUNDS = 40
+"""Each round of refinement gains the digits of a double, where conditions are not too bad."""
+
+
+@dataclass(frozen=True)
+class WideStart:
+    """The start of a motion on the coordinates and all their velocities.
+
+    ``rows`` are positions of the linear conditions that hold, ``targets`` the names of the
+    velocities in them whose values are given, after the constraints and relations.
+    """
+
+    vocabulary: Vocabulary
+    ground: SplitGround
+    given: StartData
+    wide: np.ndarray
+    targets: tuple[str, ...]
+
+    @classmethod
+    def of(
+        cls, vocabulary: Vocabulary, ground: SplitGround, given: StartData, project: bool
+    ) -> WideStart:
+        """Solve what is given; ``DefinitionError`` where it determines nothing, or contradicts."""
+        old, new = (
+            numbers_of(vocabulary, part, ground.constants)
+            for part in (given.scene_initial, given.initial)
+        )
+        q, _ = coordinates_of(vocabulary, {**old, **new}, ground.constants, ground.time, project)
+        system = ground.home.system
+        names = {plain_name(x) for x in system.coordinates}
+        later = {k: x for k, x in new.items() if k not in names}
+        earlier = {k: x for k, x in old.items() if k not in names and k not in later}
+        own = {plain_name(v): 0.0 for v in system.velocities}
+        earlier = {**{k: x for k, x in own.items() if k not in later}, **earlier}
+        found = _Conditions.at(ground, q)
+        w = found.solve(later, earlier)
+        wide = np.concatenate([q, w])
+        all_given = {**old, **later}
+        held = tuple(k for k in all_given if k not in names and found.holds(k, all_given[k], w))
+        missed = [k for k in later if k not in held]
+        if missed and not project and found.blind.shape[1] and missed[0] in own:
+            raise DefinitionError(
+                f"system '{system.name}': no velocities of the coordinates have '{missed[0]}' = "
+                f"{later[missed[0]]:.12g}, since these are singular at the initial point; start "
+                "beside it"
+            )
+        if missed and not project:
+            raise DefinitionError(
+                f"system '{system.name}': the initial velocities are off the constraints: "
+                f"'{missed[0]}' = {later[missed[0]]:.12g} (residual "
+                f"{found.residual(missed[0], later[missed[0]], w):.3g}); correct '{missed[0]}', "
+                "leave it out, or give project=True"
+            )
+        spare = tuple(k for k in own if k not in held and found.holds(k, 0.0, w))
+        return cls(vocabulary, ground, given, wide, (*held, *spare))
+
+    @property
+    def home(self) -> np.ndarray:
+        """Coordinates and the declared velocities v, which are functions of w everywhere."""
+        count = len(self.ground.home.definition.coordinates)
+        q, w = self.wide[:count], self.wide[count:]
+        found = _Conditions.at(self.ground, q)
+        return np.concatenate([q, found.frame[:, :-1] @ w + found.frame[:, -1]])
+
+    def exact(self, bits: int) -> tuple[np.ndarray, Mapping[str, Any]]:
+        """The same, and the parameters by name, as mpmath's numbers."""
+        with mpmath.workprec(bits):
+            system, ground = self.ground.home.system, self.ground
+            constants = {name: mpmath.mpf(x) for name, x in ground.constants.items()}
+            for parameter in system.parameters:
+                value = self.given.parameters.get(parameter.name, parameter.value)
+                if value is not None:
+                    constants[parameter.name] = exact_number(value, {}, bits)
+            known = {self.vocabulary.symbols[name]: x for name, x in constants.items()}
+            given = {
+                name: exact_number(value, known, bits)
+                for name, value in {**self.given.scene_initial, **self.given.initial}.items()
+            }
+            names = [plain_name(x) for x in system.coordinates]
+            q = [given.get(name, mpmath.mpf(0)) for name in names]
+            w = [mpmath.mpf(float(x)) for x in self.wide[len(names) :]]
+            found = _Conditions.at(ground, np.array(q, dtype=object), constants)
+            return np.array([*q, *found.refine(w, self.targets, given)], dtype=object), constants
+
+
+@dataclass(frozen=True)
+class _Conditions:
+    """The conditions at one point: rows of constraints and relations, and of the frame, each with
+    its offset; names of velocities w and v.  ``blind`` (N, k) are directions that are no motion."""
+
+    system: Any
+    conditions: np.ndarray
+    frame: np.ndarray
+    dots: list[str]
+    own: list[str]
+    blind: np.ndarray
+
+    @classmethod
+    def at(cls, ground: SplitGround, q: np.ndarray, constants: Any = None) -> _Conditions:
+        """The conditions at coordinates q, of doubles or mpmath's numbers."""
+        d, system = ground.home.definition, ground.home.system
+        rest = (
+            np.array([q[0] * 0] * len(d.dots), dtype=q.dtype) if len(q) else np.zeros(len(d.dots))
+        )
+        wide = np.concatenate([q, rest])
+        conditions, frame = ground.rows(ground.time, wide, constants)
+        if not all(mpmath.isfinite(x) for x in (*conditions.ravel(), *frame.ravel())):
+            raise DefinitionError(
+                f"system '{system.name}': the constraints are not defined at the initial point, "
+                "where no motion exists in these coordinates; start elsewhere"
+            )
+        dots = system.directions if d.group is not None else map(velocity, system.coordinates)
+        names = [plain_name(x) for x in dots]
+        own = [plain_name(v) for v in system.velocities]
+        return cls(system, conditions, frame, names, own, blind_directions(ground, wide))
+
+    def row(self, name: str) -> np.ndarray:
+        """The row of a velocity by name, with its offset."""
+        if name in self.own:
+            return np.asarray(self.frame[self.own.index(name)])
+        if name not in self.dots:
+            raise DefinitionError(
+                f"system '{self.system.name}': '{name}' cannot be given where the frame is "
+                "singular; give velocities of its group"
+            )
+        found = np.zeros(len(self.dots) + 1)
+        found[self.dots.index(name)] = 1.0
+        return found
+
+    def solve(self, given: Mapping[str, float], otherwise: Mapping[str, float]) -> np.ndarray:
+        """The w that meet the constraints and what is given, and, as far as these leave it open,
+        the rest."""
+        left, right = self._pose(self.conditions, given)
+        further, wanted = self._pose(self.conditions[:0], otherwise)
+        ways = open_beyond(np.vstack([left, further]), self.blind)
+        if np.abs(ways).max(initial=0.0) > POLE:
+            free = self.dots[int(np.argmax(np.abs(ways).max(axis=1)))]
+            raise DefinitionError(
+                f"system '{self.system.name}': the velocities {', '.join(self.own)} are no frame "
+                "at the initial point, and do not determine the motion; give velocities of "
+                f"coordinates, such as '{free}'"
+            )
+        found = np.linalg.pinv(left, DETERMINED) @ right
+        _, sizes, basis = np.linalg.svd(left)
+        free_ways = basis[int((sizes > DETERMINED * sizes.max(initial=0.0)).sum()) :].T
+        rest = np.linalg.pinv(further @ free_ways, DETERMINED) @ (wanted - further @ found)
+        return np.asarray(found + free_ways @ rest)
+
+    def _pose(self, first: np.ndarray, given: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of unit length and right sides: left w = right."""
+        rows = np.vstack([first, *(self.row(k)[None, :] for k in given)]).astype(float)
+        right = np.concatenate([np.zeros(len(first)), [*given.values()]]) - rows[:, -1]
+        sizes = np.linalg.norm(rows[:, :-1], axis=1)
+        sizes[sizes == 0] = 1.0
+        return rows[:, :-1] / sizes[:, None], right / sizes
+
+    def residual(self, name: str, value: float, w: np.ndarray) -> float:
+        """How far a given velocity is from that of w."""
+        row = self.row(name)
+        return float(abs(row[:-1].astype(float) @ w + float(row[-1]) - value))
+
+    def holds(self, name: str, value: float, w: np.ndarray) -> bool:
+        """Whether w has the velocity given."""
+        return self.residual(name, value, w) <= CONSISTENT * (1.0 + np.abs(w).max(initial=0.0))
+
+    def refine(self, w: list[Any], names: tuple[str, ...], given: Mapping[str, Any]) -> list[Any]:
+        """w moved until the conditions hold to the last digit."""
+        rows = np.vstack([self.conditions, *(self.row(k)[None, :] for k in names)])
+        wanted = [mpmath.mpf(0)] * len(self.conditions)
+        wanted += [given.get(k, mpmath.mpf(0)) for k in names]
+        inverse = np.linalg.pinv(rows[:, :-1].astype(float))
+        found = np.array(w, dtype=object)
+        for _ in range(ROUNDS):
+            gap = np.array(wanted, dtype=object) - rows[:, -1] - rows[:, :-1].dot(found)
+            if max(map(abs, gap), default=0) <= mpmath.eps * 8 * (1 + max(map(abs, found))):
+                break
+            found = found + inverse.dot(gap)
+        return list(found)
+
+
+HOLDS = 1e-8
+"""A condition that the start in doubles meets this well is one that it was made to meet."""
+
+
+def exact_number(value: Any, known: Mapping[Any, Any], bits: int) -> Any:
+    """A value as mpmath's number, with ``bits``; ``known`` gives symbols that it may contain."""
+    if isinstance(value, mpmath.mpf):
+        return value
+    if isinstance(value, float | int):
+        return mpmath.mpf(value)
+    digits = int(bits * 0.302) + 5
+    expr = as_expression(value).xreplace({s: sp.Float(x, digits) for s, x in known.items()})
+    return mpmath.mp.make_mpf(sp.Float(expr.evalf(digits), digits)._mpf_)
+
+
+@dataclass(frozen=True)
+class Exactly:
+    """What was given, and the start in doubles that came of it."""
+
+    vocabulary: Vocabulary
+    program: Program
+    time: float
+    parameters: Mapping[str, Any]
+    scene: Mapping[str, Any]
+    initial: Mapping[str, Any]
+    start: np.ndarray
+    projected: bool
+
+    def constants(self, bits: int) -> dict[str, Any]:
+        """The parameters by name."""
+        result = {}
+        for parameter in self.vocabulary.equations.system.parameters:
+            value = self.parameters.get(parameter.name, parameter.value)
+            if value is not None:
+                result[parameter.name] = exact_number(value, {}, bits)
+        return result
+
+    def problem(self, bits: int) -> tuple[np.ndarray, list[Any]]:
+        """The start (n,), and the values of the program's parameters."""
+        with mpmath.workprec(bits):
+            constants = self.constants(bits)
+            values = [constants.get(str(p), mpmath.nan) for p in self.program.parameters]
+            start = np.array([mpmath.mpf(x) for x in self.start], dtype=object)
+            if self.projected:
+                return start, values
+            old, new = (self._numbers(part, constants, bits) for part in (self.scene, self.initial))
+            names = [plain_name(q) for q in self.vocabulary.equations.system.coordinates]
+            for i, name in enumerate(names):
+                start[i] = {**old, **new}.get(name, mpmath.mpf(0))
+            conditions = {k: x for k, x in {**old, **new}.items() if k not in names}
+            return self._meet_conditions(start, len(names), conditions, values, {*new}), values
+
+    def _numbers(
+        self, given: Mapping[str, Any], constants: Mapping[str, Any], bits: int
+    ) -> dict[str, Any]:
+        known = {self.vocabulary.symbols[name]: x for name, x in constants.items()}
+        return {name: exact_number(value, known, bits) for name, value in given.items()}
+
+    def _meet_conditions(
+        self,
+        start: np.ndarray,
+        n: int,
+        conditions: Mapping[str, Any],
+        values: Any,
+        strict: set[str],
+    ) -> np.ndarray:
+        """The start with velocities that meet all conditions which it meets in doubles."""
+        system = self.vocabulary.equations.system
+        own = [plain_name(x) for x in system.velocities]
+        dots = [plain_name(velocity(q)) for q in system.coordinates]
+        rates, _ = compiled_digits(self.program)
+        asked = not {*conditions} <= {*own}  # at poles of angles their rates are infinite
+
+        def residuals(state: np.ndarray) -> list[Any]:
+            try:
+                slopes = rates(self.time, list(state), values)[:n] if asked else ()
+            except ZeroDivisionError:
+                raise EngineLimit(
+                    f"system '{system.name}': velocities of coordinates do not tell the start to "
+                    f"many digits at a pole of these; give {', '.join(own)}"
+                ) from None
+            found = dict(zip(dots, slopes, strict=asked))
+            found |= zip(own, state[n:], strict=True)
+            return [found[name] for name in conditions]
+
+        wanted = list(conditions.values())
+        first = residuals(start)
+        scale = 1 + max(map(abs, wanted), default=0)
+        held = [
+            name in strict or abs(a - b) < HOLDS * scale
+            for name, a, b in zip(conditions, first, wanted, strict=True)
+        ]
+        if not any(held):
+            return start
+        inverse = np.linalg.pinv(_slopes(residuals, start, n)[held])
+        for _ in range(ROUNDS):
+            gap = np.array([b - a for a, b in zip(residuals(start), wanted, strict=True)])[held]
+            if max(map(abs, gap)) <= scale * mpmath.eps * 8:
+                break
+            start = start.copy()
+            start[n:] += inverse.dot(gap)
+        return start
+
+
+def _slopes(reached: Callable[[np.ndarray], list[Any]], start: np.ndarray, n: int) -> np.ndarray:
+    """Slopes of conditions by the velocities, entries from n on; they are affine in these, so unit
+    steps tell them."""
+    first, columns = reached(start), []
+    for j in range(n, len(start)):
+        step = start.copy()
+        step[j] += 1
+        columns.append([a - b for a, b in zip(reached(step), first, strict=True)])
+    return np.array(columns, dtype=float).T
+
+
+PLACES, AWAY = 3, 0.3
+"""At the start and so many places about it, so far apart, the mass matrix is looked at."""
+SINGULAR = 1e-12
+"""The least eigenvalue of a singular mass matrix, in units of its largest."""
+
+
+def require_inertia(
+    equations: VoronecEquations, constants: Mapping[str, float], state: np.ndarray, time: float
+) -> None:
+    """Refuse parameters that are zero where they make the mass matrix singular everywhere.
+
+    ``state`` (n,) is the start on the coordinates.  Each of the equations mass * vdot = force may
+    then be cancelled before the parameter is put in, or after: the answers differ, so there is
+    none.  A matrix that is singular at the start alone is another matter: charts may help.  What
+    was found regular stays so, and is kept with the equations.
+    """
+    zero = [p.name for p in equations.system.parameters if constants.get(p.name) == 0]
+    regular = equations.memo.once("regular without", set)
+    if not zero or not equations.system.velocities or frozenset(zero) in regular:
+        return
+    if not _singular(equations, constants, state, time):
+        regular.add(frozenset(zero))
+        return
+    guilty = [
+        name for name in zero if not _singular(equations, {**constants, name: 1.0}, state, time)
+    ]
+    if not guilty and _singular(equations, {**constants, **dict.fromkeys(zero, 1.0)}, state, time):
+        return  # that is not their fault
+    named = ", ".join(f"{name} = 0" for name in guilty or zero)
+    raise DefinitionError(
+        f"system '{equations.system.name}': for {named} the mass matrix is singular everywhere, so "
+        "the accelerations are 0/0; give other values, or leave out what has no inertia"
+    )
+
+
+def _singular(
+    equations: VoronecEquations, constants: Mapping[str, float], state: np.ndarray, time: float
+) -> bool:
+    """Whether the mass matrix is singular at the start and about it."""
+    form = equations.raw.form
+    values = [constants.get(str(p), np.nan) for p in form.parameters]
+    probe = Probe(equations.system.name, form, quantities(form, {}), values, time)
+    random = np.random.default_rng(0)  # any numbers will do, the same every time
+    about = state + AWAY * random.standard_normal((PLACES, len(state)))
+    masses = probe.masses(np.full(PLACES + 1, time), np.vstack([state, about]))
+    if not np.isfinite(masses).all():
+        return False
+    sizes = np.abs(np.linalg.eigvalsh(masses))
+    return bool((sizes.min(axis=1) <= SINGULAR * sizes.max(axis=1)).all())

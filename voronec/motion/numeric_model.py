@@ -18,7 +18,7 @@ from voronec.equations.program.digits import compiled_digits
 from voronec.motion.model import Model, SmallestModels
 from voronec.motion.observables import Branch, Watch, watch_of
 from voronec.motion.state_probe import Probe, mass_program, quantities
-from voronec.motion.steppers.signals import Signals
+from voronec.motion.steppers.run import Signals
 from voronec.motion.vocabulary import OutputTerms, Vocabulary
 
 __all__ = ["ProgrammedModel", "make_model", "numbers_at", "whole"]

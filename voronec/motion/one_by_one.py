@@ -11,7 +11,7 @@ import numpy as np
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.choice import COMPILED, STAGES
-from voronec.motion.steppers.first_step import STRIDE
+from voronec.motion.steppers.heyoka_stepper import STRIDE
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride

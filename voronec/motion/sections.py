@@ -1,9 +1,15 @@
-"""Poincare sections: the points at which motions of one system pass through a surface."""
+"""Poincare sections: the points at which motions of one system pass through a surface.
+
+Sections of motions whose inputs change in time by tables or functions: each by ``integrate``.
+
+Lanes of a batch know no such inputs; where they change, a run starts anew, and passages through the
+surface are events on the way.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 from types import MappingProxyType
 from typing import Any
@@ -13,6 +19,7 @@ import sympy as sp
 
 from voronec.algebra.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import formula
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.motions import Motions
@@ -20,19 +27,28 @@ from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.batches import choose_lanes
-from voronec.motion.driven_sections import DrivenPassages, driven_passages
 from voronec.motion.ensembles import ensemble
+from voronec.motion.events import Event
 from voronec.motion.inputs import drive
+from voronec.motion.integration import integrate
 from voronec.motion.motion_pool import Many, at_each, drifts, many
 from voronec.motion.request import Values, outputs_of, quantity, scene_of, spread_starts
 from voronec.motion.section_passages import Passages, Watch, pass_lanes, pass_one_by_one
 from voronec.motion.separate_motions import Apart
 from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.steppers.scipy_stepper import FINEST
-from voronec.motion.trajectory import Cost
+from voronec.motion.trajectory import Cost, Trajectory
 from voronec.motion.vocabulary import Vocabulary, held_name, number
 
-__all__ = ["Section", "Surface", "section", "starts_alike", "suggest_surface"]
+__all__ = [
+    "DrivenPassages",
+    "Section",
+    "Surface",
+    "driven_passages",
+    "section",
+    "starts_alike",
+    "suggest_surface",
+]
 
 
 EQUAL = 1e-12
@@ -550,3 +566,96 @@ def _drift(
         np.maximum.at(largest, start, np.abs(found[key] - first[key][start]))
         result[name] = drifts(largest, first[key])
     return result
+
+
+PLANE = "the plane of the section"
+STEP = 1e-6
+"""The step of difference quotients, in units of the time that a motion is followed."""
+LOOKS = 2001
+"""Instants at which the largest rate of the plane's quantity is seen."""
+
+
+@dataclass
+class DrivenPassages:
+    """What was found of several motions: rows (start, t, outputs, speed), in their order, the
+    largest rate of the plane's quantity, how each ended, and what went wrong."""
+
+    rows: list[tuple[int, float, np.ndarray, float]] = field(default_factory=list)
+    fastest: list[float] = field(default_factory=list)
+    ends: list[str] = field(default_factory=list)
+    errors: dict[int, VoronecError] = field(default_factory=dict)
+    drift: dict[str, list[float]] = field(default_factory=dict)
+    cost: Cost | None = None
+    steps: int = 0
+    interrupted: bool = False
+
+
+def driven_passages(
+    system: System, plane: Any, value: float, direction: int, outputs: Sequence[str],
+    starts: Sequence[Values], parameters: Mapping[Any, Any], crossings: int, until: float | None,
+    progress: Callable[[float], Any] | None, **options: Any,
+) -> DrivenPassages:  # fmt: skip
+    """The passages of motions from several starts, up to the time ``until``."""
+    if until is None:
+        raise DefinitionError(
+            f"system '{system.name}': inputs that change in time by a table or a function are "
+            "followed up to an instant; give until="
+        )
+    known = {plain_name(s): s for s in system.known_symbols()}
+    quantity = formula(plane, "the plane", known) if isinstance(plane, str) else plane
+    level = quantity - sp.Rational(value)
+    event = Event(level, PLANE, direction)
+    found = DrivenPassages()
+    for i, start in enumerate(starts):
+        own = {k: x[i] if isinstance(x, np.ndarray) else x for k, x in parameters.items()}
+        try:
+            run = integrate(
+                system, times=[_begin(options), until], initial=start, parameters=own,
+                outputs=[*outputs, level], events=(event,), dense=True, **options,
+            )  # fmt: skip
+        except KeyboardInterrupt:
+            found.interrupted = True
+            break
+        except IntegrationError as error:
+            found.errors[i] = error
+            _note(found, i, error.trajectory, crossings, "failed", len(outputs))
+            continue
+        end = f"no more crossings up to t = {until:.6g}"
+        _note(found, i, run, crossings, end, len(outputs))
+        if progress is not None:
+            progress((i + 1) / len(starts))
+    return found
+
+
+def _begin(options: Mapping[str, Any]) -> float:
+    scene = options.get("scene")
+    return 0.0 if scene is None else float(scene.times[0])
+
+
+def _note(
+    found: DrivenPassages, i: int, run: Trajectory | None, crossings: int, end: str, width: int
+) -> None:
+    """Take in what one motion shows."""
+    if run is None or PLANE not in run.events:
+        found.ends.append(end)
+        found.fastest.append(np.inf)
+        return
+    names = run.outputs[:width]
+    level = run.outputs[width]
+    passed = run.events[PLANE]
+    count = min(len(passed), crossings)
+    h = STEP * abs(float(run.t[-1]) - float(run.t[0]))
+    fine = np.linspace(float(run.t[0]), float(run.t[-1]), LOOKS)
+    rates = np.abs(np.diff(run.at(fine)[level])) / np.diff(fine)
+    points = np.stack([passed[name] for name in names], axis=-1)
+    for k in range(count):
+        t = float(passed.t[k])
+        sides = run.at([max(t - h, fine[0]), min(t + h, fine[-1])])
+        speed = float(np.diff(sides[level])[0] / np.diff(sides.t)[0])
+        found.rows.append((i, t, points[k], speed))
+    found.fastest.append(float(rates.max()))
+    found.ends.append("complete" if count == crossings else end)
+    found.cost = run.cost
+    found.steps += run.cost.steps
+    for name, drift in run.drift.items():
+        found.drift.setdefault(name, []).append(float(drift))

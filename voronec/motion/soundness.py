@@ -9,11 +9,13 @@ coordinates those that were derived first, in another form and by other code.
 over nine neighbouring instants t_0, ..., t_8.  The integral is that of the polynomial through the
 nine rates; how fast the coefficients of its expansion in Legendre polynomials fall says how far it
 can be trusted.  Nothing of the integrator that found the states is used.
+
+Whether angles that are read off on a grid are certain to be on their branches.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -32,9 +34,20 @@ from voronec.errors import VoronecError
 from voronec.motion.divisors import usual_size
 from voronec.motion.model.special import is_many_valued
 from voronec.motion.observables import evaluate_extras
-from voronec.motion.steppers.signals import Signals, values_along
+from voronec.motion.steppers.run import Run, Signals, values_along
+from voronec.motion.trajectory import Trajectory
 
-__all__ = ["WIDTH", "Breach", "Judge", "JudgeOfMany", "Rates", "Windows", "again"]
+__all__ = [
+    "WIDTH",
+    "Breach",
+    "Judge",
+    "JudgeOfMany",
+    "Rates",
+    "Untold",
+    "Windows",
+    "again",
+    "require_branches",
+]
 
 
 WIDTH = 9
@@ -564,3 +577,44 @@ def _at(
         name: np.broadcast_to(np.asarray(x, dtype=float), t.shape)
         for name, x in zip(program.names, found, strict=True)
     }
+
+
+PER_STEP = 4
+"""So many points of the grid in a step, on the average, tell the branches of angles apart; nowhere
+may two be farther apart than the shortest step between them."""
+SWING = np.pi / 2
+"""What an angle may turn by from one point to the next; where it is more, a pole is near."""
+
+
+class Untold(Exception):
+    """Branches of angles could not be told: these are to be integrated."""
+
+
+def require_branches(trajectory: Trajectory, names: Iterable[str], run: Run) -> None:
+    """Raise ``Untold`` where the integrator's own steps do not tell branches apart.
+
+    Within a step a motion is nearly a polynomial: what turns by more than half a turn between two
+    points that are nearer to each other than the steps there has come near its pole.
+    """
+    angles = [trajectory[name].astype(float) for name in names]
+    if not angles or run.steps == 0:
+        return
+    if len(trajectory) < PER_STEP * run.steps or not is_resolved(trajectory.t, run.ends):
+        raise Untold
+    if any(np.abs(np.diff(angle)).max(initial=0.0) > SWING for angle in angles):
+        raise Untold
+
+
+def is_resolved(grid: np.ndarray, ends: Iterable[float]) -> bool:
+    """Whether no two neighbours on a grid are farther apart than the shortest step between them."""
+    marks = np.abs(np.array([grid[0], *ends], dtype=float) - float(grid[0]))
+    times = np.abs(grid.astype(float) - float(grid[0]))
+    lengths = np.diff(marks)
+    if not lengths.size:
+        return False
+    lengths[-1] = max(lengths[-1], *lengths[-2:])  # the last step ends where the grid does
+    first = np.searchsorted(marks, times[:-1], side="right") - 1
+    last = np.searchsorted(marks, times[1:], side="left") - 1
+    first, last = (np.clip(place, 0, lengths.size - 1) for place in (first, last))
+    shortest = np.minimum(lengths[first], lengths[last])
+    return bool((np.diff(times) <= shortest).all() and (last - first <= 1).all())

@@ -20,10 +20,10 @@ import symengine as se
 
 from voronec.algebra.symbols import plain_name
 from voronec.errors import IntegrationError
-from voronec.motion.all_velocities import WideStart
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import Divisor
 from voronec.motion.events import Crossings, Event
+from voronec.motion.motion_start import WideStart
 from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.soundness import Judge
 from voronec.motion.split_models import CLEAR, NEAR, SplitGround, SplitModel, candidates

@@ -12,8 +12,7 @@ import symengine as se
 
 from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
-from voronec.motion.steppers.run import Halt, Suspect
-from voronec.motion.steppers.signals import Signals, values_along
+from voronec.motion.steppers.run import Halt, Signals, Suspect, values_along
 
 __all__ = ["Probe", "mass_program", "quantities", "quiet", "rates_along"]
 

@@ -181,7 +181,7 @@ class Trajectory:
 
         Raises ``DefinitionError`` for a name that the trajectory does not hold.
         """
-        from voronec.motion.pictures.time_plots import plot_trajectory
+        from voronec.motion.pictures.run_pictures import plot_trajectory
 
         return plot_trajectory(self, names, self.system.title or self.system.name)
 

@@ -31,7 +31,7 @@ STAGES = {
     "checks": (
         "/voronec/motion/soundness", "/voronec/motion/state_probe", "/voronec/motion/poles",
         "/voronec/motion/split_models", "/voronec/motion/divisors",
-        "/voronec/motion/angle_branches", "/voronec/motion/singular_directions",
+        "/voronec/motion/singular_directions",
     ),
     "run": ("/voronec/motion/steppers/", "/voronec/motion/chart_stepper", "/scipy/"),
     "reading": ("/voronec/declaration/", "/voronec/motion/"),

@@ -7,6 +7,17 @@ Levels are proved to be equivalent: coordinates, invariants, and momenta in the 
 Where two functions of the invariants are a = r cos(q), b = r sin(q), with r free of the angle q,
 the angle is atan2(b, a) up to a half turn; and r itself, the root of a^2 + b^2 up to its sign, is
 one more function to read others off, such as the colatitude u from cos(u) and r = sin(u).
+
+Which variables the rates of which others hold: what a scene needs of a level.
+
+On normal forms that is exact.  Velocities that the mass matrix couples are solved for together, so
+each stands for the whole block.
+
+Denominators without cancellation: on the relations, sums of squares in place of differences.
+
+The normal form of an angle's rate on the Poisson vector has the denominator (1 + z) (z - 1), which
+near a pole, z = 1 - 1e-14, is all rounding.  On |(x, y, z)|^2 = 1 it is -(x^2 + y^2), whose terms
+cannot cancel.
 """
 
 from __future__ import annotations
@@ -27,15 +38,22 @@ from voronec.equations.motions import Motions
 from voronec.equations.reduction import in_invariants
 from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit, VoronecError
-from voronec.motion.model.denominators import with_positive_denominators
 
 __all__ = [
     "Angle",
     "Level",
+    "blocks",
+    "closure",
     "coordinates_level",
+    "cyclic",
+    "dependence",
+    "holds",
     "invariants_level",
     "is_finite",
+    "needed_variables",
     "recovered_angles",
+    "restrict",
+    "with_positive_denominators",
 ]
 
 
@@ -355,3 +373,171 @@ def _express_outputs(
         if not fresh:
             raise EngineLimit("an output has no expression in the invariants")
         kept += fresh
+
+
+Sources = Mapping[Any, tuple[Any, ...]]
+"""The variables that the rate of each variable holds."""
+
+
+def blocks(level: Level) -> list[list[int]]:
+    """Positions of velocities that the mass matrix couples, block by block."""
+    mass, left = level.mass, [*range(len(level.velocities))]
+    coupled = {i: [j for j in left if mass[i][j] != 0 or mass[j][i] != 0] for i in left}
+    found = []
+    while left:
+        block = closure(coupled, left[:1])
+        found.append(sorted(block))
+        left = [i for i in left if i not in block]
+    return found
+
+
+def dependence(level: Level) -> Sources:
+    """What the rate of each variable of a level holds."""
+    found = {
+        q: tuple(holds(level, [rate])) for q, rate in zip(level.positions, level.rates, strict=True)
+    }
+    for block in blocks(level):
+        inside = [level.mass[i][j] for i in block for j in block]
+        inside += [level.force[i] for i in block]
+        own = [level.velocities[i] for i in block]
+        shared = own if len(own) > 1 else []
+        sources = tuple(dict.fromkeys([*holds(level, inside), *shared]))
+        found |= dict.fromkeys(own, sources)
+    return found
+
+
+def holds(level: Level, exprs: Iterable[Any]) -> list[Any]:
+    """The variables of a level on which expressions depend, those inside stages included."""
+    stages = dict(level.stages)
+    seen: set[Any] = set()
+    stack = [s for e in exprs for s in e.free_symbols]
+    while stack:
+        symbol = stack.pop()
+        if symbol not in seen:
+            seen.add(symbol)
+            if symbol in stages:
+                stack.extend(stages[symbol].free_symbols)
+    return [x for x in level.variables if x in seen]
+
+
+def needed_variables(level: Level, sources: Sources) -> list[Any]:
+    """The smallest closed set of variables on which the outputs depend."""
+    exprs = [*level.outputs.values()]
+    for angle in level.angles.values():
+        exprs += [angle.cosine, angle.sine]
+    closed = closure(sources, holds(level, exprs))
+    return [x for x in level.variables if x in closed]
+
+
+def cyclic(sources: Sources, kept: Sequence[Any]) -> set[Any]:
+    """The variables that take part in a cycle of dependence; the others are quadratures."""
+    inside = {x: tuple(y for y in sources[x] if y in kept) for x in kept}
+    return {x for x in kept if x in closure(inside, inside[x])}
+
+
+def closure(sources: Mapping[Any, Sequence[Any]], roots: Iterable[Any]) -> set[Any]:
+    """The roots, and all on which they depend."""
+    found: set[Any] = set()
+    stack = [*roots]
+    while stack:
+        x = stack.pop()
+        if x not in found:
+            found.add(x)
+            stack += sources[x]
+    return found
+
+
+def restrict(level: Level, kept: Iterable[Any]) -> Level:
+    """The level with some of its variables; the rest must not occur in what is kept."""
+    held = set(kept)
+    at = [i for i, q in enumerate(level.positions) if q in held]
+    moving = [i for i, v in enumerate(level.velocities) if v in held]
+    usable = {*held, *level.parameters, level.time}
+    stages = []
+    for name, expr in level.stages:
+        if expr.free_symbols <= usable:
+            stages.append((name, expr))
+            usable.add(name)
+    return replace(
+        level,
+        positions=tuple(level.positions[i] for i in at),
+        velocities=tuple(level.velocities[i] for i in moving),
+        rates=tuple(level.rates[i] for i in at),
+        mass=tuple(tuple(level.mass[i][j] for j in moving) for i in moving),
+        force=tuple(level.force[i] for i in moving),
+        relations=tuple(r for r in level.relations if r.free_symbols <= usable),
+        integrals={n: e for n, e in level.integrals.items() if e.free_symbols <= usable},
+        stages=tuple(stages),
+    )
+
+
+def with_positive_denominators(expr: Any, relations: Sequence[Any]) -> Any:
+    """An expression with denominators that equal a sum of squares, where ``relations`` vanish,
+    written as that sum."""
+    expanded = [r for r in map(se.expand, relations) if _constant(r) != 0]
+    return _rewrite(expr, expanded, {}) if expanded else expr
+
+
+def _rewrite(expr: Any, relations: Sequence[Any], done: dict[Any, Any]) -> Any:
+    if not expr.args:
+        return expr
+    if expr not in done:
+        found = expr.func(*[_rewrite(a, relations, done) for a in expr.args])
+        if isinstance(found, se.Mul | se.Pow):
+            found = _divide(found, relations)
+        done[expr] = found
+    return done[expr]
+
+
+def _divide(product: Any, relations: Sequence[Any]) -> Any:
+    """A product, with single factors and pairs of its denominator replaced."""
+    factors = product.args if isinstance(product, se.Mul) else (product,)
+    below = {
+        f.args[0]: int(-f.args[1])
+        for f in factors
+        if isinstance(f, se.Pow) and isinstance(f.args[1], se.Integer) and f.args[1] < 0
+    }
+    for count in (1, 2):
+        for bases in combinations([b for b in below if isinstance(b, se.Add)], count):
+            power = min((below[b] for b in bases), default=0)
+            sign, squares = _as_squares(se.Mul(*bases), relations) if power else (1, None)
+            if squares is not None:
+                product = product * se.Mul(*bases) ** power * sign**power / squares**power
+                below = {b: n - power * (b in bases) for b, n in below.items()}
+    return product
+
+
+def _as_squares(divisor: Any, relations: Sequence[Any]) -> tuple[int, Any | None]:
+    """The sign and the sum of squares that a divisor is where the relations vanish, if it is one:
+    a multiple of a relation takes its constant term away."""
+    poly = se.expand(divisor)
+    size = _constant(poly)
+    for relation in relations:
+        found = se.expand(poly - size / _constant(relation) * relation)
+        # a sum of all the squares never vanishes: then nothing cancels as it is
+        vanishes = found.free_symbols < relation.free_symbols
+        for sign in (1, -1) if size != 0 and found != 0 and vanishes else ():
+            if _is_positive(se.expand(sign * found)):
+                return sign, se.expand(sign * found)
+    return 1, None
+
+
+def _constant(poly: Any) -> Any:
+    """The constant term of an expanded polynomial, a number."""
+    terms = poly.args if isinstance(poly, se.Add) else (poly,)
+    return se.Add(*[t for t in terms if t.is_Number])
+
+
+def _is_positive(poly: Any) -> bool:
+    """Whether every term is a positive number times even powers of symbols."""
+    terms = poly.args if isinstance(poly, se.Add) else (poly,)
+    return all(_is_square(f) for t in terms for f in (t.args if isinstance(t, se.Mul) else (t,)))
+
+
+def _is_square(factor: Any) -> bool:
+    if factor.is_Number:
+        return bool(factor > 0)
+    if not isinstance(factor, se.Pow) or not factor.args[0].is_Symbol:
+        return False
+    power = factor.args[1]
+    return isinstance(power, se.Integer) and power > 0 and int(power) % 2 == 0

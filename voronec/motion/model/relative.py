@@ -23,8 +23,7 @@ import symengine as se
 from voronec.algebra.generators import linear_terms
 from voronec.algebra.normal import canonical, shortest
 from voronec.errors import EngineLimit
-from voronec.motion.model.dependence import closure, dependence
-from voronec.motion.model.level import Level
+from voronec.motion.model.level import Level, closure, dependence
 
 __all__ = ["relative_level"]
 

@@ -11,9 +11,13 @@ import symengine as se
 from voronec.algebra.normal import canonical
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import EngineLimit
-from voronec.motion.model.denominators import with_positive_denominators
-from voronec.motion.model.dependence import blocks, restrict
-from voronec.motion.model.level import Level, is_finite
+from voronec.motion.model.level import (
+    Level,
+    blocks,
+    is_finite,
+    restrict,
+    with_positive_denominators,
+)
 
 __all__ = [
     "at_zero",

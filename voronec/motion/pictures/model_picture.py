@@ -17,8 +17,7 @@ import numpy as np
 from voronec.algebra.typeset import symbol_latex
 from voronec.closed.pictures.style import FAINT, INK, PALE, SOFT, STYLE
 from voronec.motion.model import Model
-from voronec.motion.model.dependence import dependence
-from voronec.motion.model.level import Level
+from voronec.motion.model.level import Level, dependence
 from voronec.motion.pictures.layered_layout import Layout, layered_layout
 
 __all__ = ["Box", "boxes", "model_figure", "show_name"]

@@ -1,11 +1,21 @@
-"""The pictures of a motion: its outputs against the time, its path, the system's own drawing."""
+"""The pictures of a motion: its outputs against the time, its path, the system's own drawing.
+
+Figures for a paper: quantities against the time.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+import numpy as np
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.text import read_sympy_text
+from voronec.algebra.typeset import symbol_latex
+from voronec.closed.pictures.style import INK, STYLE, WIDTH
 from voronec.declaration.plugin_files import failure
 from voronec.errors import DefinitionError
 
@@ -14,7 +24,15 @@ if TYPE_CHECKING:
 
     from voronec.motion.pictures.motion_record import MotionRecord
 
-__all__ = ["drawing", "pictures", "save"]
+__all__ = [
+    "drawing",
+    "pictures",
+    "plain_ticks",
+    "plot_trajectory",
+    "quantity_label",
+    "save",
+    "settle_layout",
+]
 
 
 def pictures(trajectory: MotionRecord) -> dict[str, Any]:
@@ -23,7 +41,6 @@ def pictures(trajectory: MotionRecord) -> dict[str, Any]:
     ``plot``, of all outputs; ``path``, where there are outputs ``x`` and ``y``; ``drawing``, where
     the system has one and the trajectory holds what it shows.
     """
-    from voronec.motion.pictures.time_plots import plot_trajectory
 
     system = trajectory.system
     found = {"plot": plot_trajectory(trajectory, title=system.title or system.name)}
@@ -61,7 +78,6 @@ def drawing(trajectory: MotionRecord) -> Any:
 
 def _spheres(trajectory: MotionRecord, titled: Mapping[str, Any]) -> Any:
     """The traces that a trajectory holds; ``_AbsentData`` where it is none of them."""
-    import numpy as np
 
     from voronec.closed.pictures.sphere_picture import SphereTrace, traces_figure
 
@@ -92,12 +108,10 @@ def save(figure: Any, target: Path | BinaryIO, suffix: str = "") -> None:
 
 def _path(trajectory: MotionRecord) -> Any:
     """The curve (x, y) in its plane; the dot is its start."""
-    import numpy as np
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     from voronec.closed.pictures.style import INK, MARK, STYLE
-    from voronec.motion.pictures.time_plots import plain_ticks, settle_layout
 
     x, y = trajectory["x"], trajectory["y"]
     with rc_context(STYLE):
@@ -114,3 +128,102 @@ def _path(trajectory: MotionRecord) -> Any:
         plain_ticks(panel.yaxis)
         settle_layout(figure)
     return figure
+
+
+def quantity_label(trajectory: MotionRecord, name: str) -> str:
+    """The mathtext of a quantity's name: ``thetadot`` becomes a dotted theta."""
+    system = trajectory.system
+    for thing in (*system.coordinates, *system.velocities):
+        if name == plain_name(thing):
+            return f"${symbol_latex(name)}$"
+        if name == plain_name(velocity(thing)):
+            return rf"$\dot{{{symbol_latex(plain_name(thing))}}}$"
+    if name in system.integrals or name in system.invariants:
+        return name
+    try:
+        expr = read_sympy_text(name, "a label", {plain_name(s): s for s in system.known_symbols()})
+    except DefinitionError:
+        return name
+    return f"${sp.latex(expr)}$"
+
+
+LARGEST = 1e300
+"""Beyond this the limits of a panel would be no doubles."""
+
+
+def plot_trajectory(
+    trajectory: MotionRecord, names: Sequence[str] | None = None, title: str | None = None
+) -> Any:
+    """Quantities against the time, one panel each, on one time axis.
+
+    ``names`` are what ``trajectory[...]`` understands, by default its outputs.  Returns a
+    matplotlib ``Figure``; save it as SVG or PDF for print.
+    """
+    from matplotlib import rc_context
+
+    from voronec.closed.pictures.notebook_figure import NotebookFigure
+
+    shown = tuple(trajectory.outputs if names is None else names)
+    if not shown:
+        raise DefinitionError("there is nothing to plot; name outputs")
+    columns = 1 if len(shown) <= 5 else 2
+    rows = -(-len(shown) // columns)
+    with rc_context(STYLE):
+        height = 1.15 if rows < 5 else 0.95
+        figure = NotebookFigure(figsize=(WIDTH, 0.5 + height * rows), layout="constrained")
+        panels = figure.subplots(rows, columns, sharex=True, squeeze=False)
+        for place, panel in enumerate(panels.T.flat):
+            if place >= len(shown):
+                panel.set_visible(False)
+                continue
+            _curve(panel, trajectory, shown[place])
+            lowest = place % rows == rows - 1 or place == len(shown) - 1
+            panel.tick_params(labelbottom=lowest)
+        figure.align_ylabels()
+        figure.supxlabel("$t$", fontsize=10)
+        if title:
+            figure.suptitle(title, fontsize=10)
+        settle_layout(figure)
+    return figure
+
+
+def settle_layout(figure: Any) -> None:
+    """Settle the fonts, while the style is in force, and the layout, which costs a drawing."""
+    from matplotlib import rc_context
+
+    figure.get_layout_engine().execute(figure)
+    with rc_context({"figure.autolayout": False, "figure.constrained_layout.use": False}):
+        # none at all: with a placeholder of its own matplotlib draws twice to save once
+        figure.set_layout_engine(None)
+
+
+def plain_ticks(axis: Any) -> None:
+    """Digits at the ticks of an axis are text: only a power of ten above it is a formula, and to
+    typeset each takes longer than the motion."""
+    from matplotlib.ticker import ScalarFormatter
+
+    class Digits(ScalarFormatter):
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            label: str = super().__call__(x, pos)
+            return label.removeprefix("$\\mathdefault{").removesuffix("}$")
+
+    axis.set_major_formatter(Digits(useMathText=True))
+
+
+def _curve(panel: Any, trajectory: MotionRecord, name: str) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    values = trajectory[name]
+    panel.plot(trajectory.t, values, color=INK, linewidth=0.9)
+    panel.set_ylabel(quantity_label(trajectory, name))
+    panel.margins(x=0)
+    plain_ticks(panel.xaxis)
+    plain_ticks(panel.yaxis)
+    panel.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
+    panel.spines[["top", "right"]].set_visible(False)
+    known = np.asarray(values, dtype=float)
+    known = known[np.abs(known) < LARGEST]  # an output may have a pole on the way
+    size = np.abs(known).max(initial=0.0)
+    if len(known) and np.ptp(known) <= 1e-9 * size:
+        # a constant is a level line, not magnified rounding
+        panel.set_ylim(known[0] - 0.5 * (size or 1.0), known[0] + 0.5 * (size or 1.0))

@@ -19,8 +19,7 @@ import numpy as np
 
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.motion.methods import CLOSED, METHODS, method_names
-from voronec.motion.steppers.restarts import in_pieces
-from voronec.motion.steppers.run import Problem, Stepper
+from voronec.motion.steppers.run import Problem, Stepper, in_pieces
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.tolerances import EXACT, FINEST
 

@@ -4,10 +4,21 @@ A step of Taylor's method is as long as the largest state allows: one angle of 1
 the tolerance of all the others by 1e5.  But where the right-hand side does not hold a state at all
 (a quadrature), or holds it under sines and cosines only (an angle), what has grown can be taken
 out of it between steps and added to the results: the motion of the others is the same.
+
+First steps of heyoka's integrators, where their own would be far too long.
+
+heyoka takes the length of a step from the last two Taylor coefficients, which vanish at once where
+the start is special: x'' = 1 - x^2 from rest at 0 has those of t^2, t^6, t^10, ... alone.
+
+heyoka, with what it compiles kept in a folder that stays small.
+
+On its first use in a process heyoka sums up the sizes of all programs that it keeps on disk, which
+takes 0.4 s where they are 1.2 GB (2500 programs); by default it lets them grow to 20 GB.
 """
 
 from __future__ import annotations
 
+import sys
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -16,11 +27,9 @@ from typing import Any
 import numpy as np
 import symengine as se
 
+from voronec.declaration.whole_files import user_cache
 from voronec.equations.program import Program, hoist, taylor_extras, taylor_system
 from voronec.motion.events import Event
-from voronec.motion.steppers.angle_states import angles_among
-from voronec.motion.steppers.first_step import GROWING, STRIDE, opening
-from voronec.motion.steppers.heyoka_library import heyoka
 from voronec.motion.steppers.run import (
     COLLAPSE,
     DISTANT,
@@ -33,9 +42,18 @@ from voronec.motion.steppers.run import (
     Ticker,
     in_parts,
 )
-from voronec.motion.steppers.units import natural_units
+from voronec.motion.steppers.units import angles_among, natural_units
 
-__all__ = ["Winding", "taylor"]
+__all__ = [
+    "GROWING",
+    "STRIDE",
+    "Winding",
+    "heyoka",
+    "opening",
+    "openings",
+    "overlong_lanes",
+    "taylor",
+]
 
 
 TURN = 2 * np.pi
@@ -505,3 +523,114 @@ def _join_stretches(stretches: list[Any], states: np.ndarray) -> Any:
     ends = [s.bounds[1] for s in stretches]
     order = 1.0 if not ends or ends[-1] >= stretches[0].bounds[0] else -1.0
     return lambda times: in_parts(ends, order, stretches, times, states)
+
+
+SPARSE = 2.0
+"""A step so many times longer than the other coefficients allow is not to be trusted."""
+STRIDE = 4.0
+"""A step so many times the mean of the others of its chunk may have been made too long by
+coefficients that vanish; then the chunk is looked at step by step.  So is each chunk of a run that
+began with such a step, since a motion comes back."""
+GROWING = 1.5
+"""Of these, only such are looked at as are so many times longer than the step before."""
+
+
+def opening(coefficients: np.ndarray, taken: float, tol: float) -> float:
+    """The length of a step whose Taylor coefficients are (n, order + 1), where the one ``taken`` is
+    too long; else infinite.
+
+    It goes by the latter half of them: the radius of convergence that each suggests, times
+    tol^(1/order).
+    """
+    sizes = np.abs(coefficients).max(axis=0).tolist()
+    scale, order = max(1.0, sizes[0]), len(sizes) - 1
+    later = ((k, sizes[k] / scale) for k in range(order // 2, order + 1))
+    radii = [size ** (-1.0 / k) for k, size in later if size > 0]
+    length = min(radii, default=np.inf) * tol ** (1.0 / order)
+    return float(length if abs(taken) > SPARSE * length else np.inf)
+
+
+def _openings(coefficients: np.ndarray, taken: np.ndarray, tol: float) -> np.ndarray:
+    """The same of several steps (k,), with coefficients (n, order + 1, k)."""
+    sizes = np.abs(coefficients).max(axis=0)
+    sizes = sizes / np.fmax(1.0, sizes[0])
+    order = len(sizes) - 1
+    powers = -1.0 / np.arange(order // 2, order + 1)[:, None]
+    later = sizes[order // 2 :]
+    sound = np.where(later > 0, later, 0.0)  # to a negative power: infinite
+    with np.errstate(divide="ignore"):
+        lengths = (sound**powers).min(axis=0) * tol ** (1.0 / order)
+    return np.where(np.abs(taken) > SPARSE * lengths, lengths, np.inf)
+
+
+def openings(integrator: Any, spans: np.ndarray) -> np.ndarray:
+    """Such lengths for all lanes of a batch integrator, no step going beyond ``spans``; it stands
+    afterwards where it stood."""
+    times, state = [part.copy() for part in integrator.dtime], integrator.state.copy()
+    integrator.step(max_delta_t=spans.tolist(), write_tc=True)
+    taken = np.array([length for _, length in integrator.step_res])
+    found = _openings(integrator.tc, taken, integrator.tol)
+    integrator.set_dtime(*times)
+    integrator.state[:] = state
+    return found
+
+
+def overlong_lanes(
+    integrator: Any, begin: tuple[np.ndarray, ...], state: np.ndarray, stride: np.ndarray
+) -> np.ndarray:
+    """Which lanes (width,) of a batch integrator took a step that was made too long, from
+    ``begin`` (its ``dtime``) and ``state`` (n, width) to where it stands, and stands afterwards.
+
+    Lanes of which one step is more than ``stride`` (width,) times the others are gone over again.
+    """
+    ends, there = tuple(part.copy() for part in integrator.dtime), integrator.state.copy()
+    width = len(ends[0])
+    taken, longest = (
+        np.array([abs(result[k]) for result in integrator.propagate_res]) for k in (3, 2)
+    )
+    span = np.abs(ends[0] - begin[0])
+    others = (span - longest) / np.maximum(taken - 1, 1)
+    suspect, found = (taken > 1) & (longest > stride * others), np.zeros(width, dtype=bool)
+    if not suspect.any() or not np.isfinite(there).all():
+        return found
+    integrator.set_dtime(*begin)
+    integrator.state[:] = state
+    before = np.full(width, np.inf)
+    for _ in range(int(taken[suspect].max())):
+        left = ends[0] - integrator.time
+        # a lane that has arrived, or whose motion ends on the way, stands still
+        still = (left == 0) | ~np.isfinite(left)
+        integrator.step(max_delta_t=np.where(still, SPECK, left).tolist(), write_tc=True)
+        for lane in np.flatnonzero(suspect & ~found):
+            length = abs(integrator.step_res[lane][1])
+            if length > GROWING * before[lane]:
+                tol, tc = integrator.tol, integrator.tc[:, :, lane]
+                found[lane] = opening(tc, length, tol) < np.inf
+            before[lane] = length
+    integrator.set_dtime(*ends)
+    integrator.state[:] = there
+    return found
+
+
+ROOM = 64 * 2**20
+"""So many bytes of compiled programs stay on disk, those of some 130 models; what nobody used for
+longest gives way."""
+
+
+def heyoka() -> Any:
+    """The module; ``ImportError`` where it is not installed.
+
+    Who loads heyoka before has it keep its programs where and as long as that one likes.
+    """
+    is_ours = "heyoka" not in sys.modules
+    import heyoka as hy
+
+    if is_ours:
+        folder, state = user_cache("heyoka"), hy.llvm_state
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            state.set_diskcache_path(folder)
+            state.set_diskcache_limit(ROOM)
+        except (OSError, RuntimeError):  # nobody can write there
+            state.set_diskcache_enabled(False)
+    return hy

@@ -1,17 +1,29 @@
-"""What every integrator takes and gives: a problem and a grid of times in, a run out."""
+"""What every integrator takes and gives: a problem and a grid of times in, a run out.
+
+Parameters that change in time, and runs that go from one change to the next.
+
+Runs whose parameters change at known instants: each piece begins where the last one ended.
+
+No step goes over a change, so every method keeps its order, and a jump is met exactly.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from bisect import bisect_right
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
+from math import inf
 from time import perf_counter
 from typing import Any
 
+import mpmath
 import numpy as np
 
-from voronec.equations.program import Program
+from voronec.equations.program import Program, compile_program
+from voronec.errors import DefinitionError
 from voronec.motion.events import Event
-from voronec.motion.steppers.signals import Signals
 
 __all__ = [
     "COLLAPSE",
@@ -22,10 +34,16 @@ __all__ = [
     "Log",
     "Problem",
     "Run",
+    "Signal",
+    "Signals",
     "Stepper",
     "Ticker",
     "cut_at_singularity",
+    "in_kind",
+    "in_pieces",
+    "values_along",
 ]
+
 
 COLLAPSE = "the step size collapsed"
 INFINITE = "the state is no longer finite"
@@ -250,3 +268,283 @@ def until(crossings: Mapping[str, Any], start: Any, end: Any) -> dict[str, Any]:
         early = np.array([abs(x - start) <= abs(end - start) for x in t], dtype=bool)
         kept[name] = t[early], states[early]
     return kept
+
+
+def in_kind(numbers: np.ndarray, kind: Any) -> np.ndarray:
+    """Exact numbers (k,) as doubles, or, where ``kind`` says objects, as mpmath's at the precision
+    in force."""
+    if np.dtype(kind).kind == "O":
+        return np.array([exact_mpf(x) for x in numbers], dtype=object)
+    return numbers.astype(float)
+
+
+def exact_mpf(number: Any) -> Any:
+    """An mpmath number at the precision in force."""
+    if isinstance(number, Fraction):
+        return mpmath.mpf(number.numerator) / number.denominator
+    return mpmath.mpf(number)
+
+
+@dataclass(frozen=True)
+class Signal:
+    """An input as a polynomial about an instant, its coefficients the values of ``parameters``:
+    those of the input and of its rates up to ``degree``, and then, above degree 0, the instant.
+
+    Either ``instants`` begin ``pieces``, each with its coefficients, or ``functions`` of the time
+    give them at every instant.  Values are known from ``first`` to ``last``; ``kind`` says in words
+    what it was given as.
+    """
+
+    name: str
+    degree: int
+    kind: str
+    parameters: tuple[str, ...] = ()
+    first: float = -inf
+    last: float = inf
+    instants: tuple[Fraction, ...] = ()
+    pieces: tuple[tuple[Fraction, ...], ...] = ()
+    functions: tuple[Callable[[float], Any], ...] = ()
+
+    @classmethod
+    def of_functions(cls, name: str, functions: tuple[Callable[[float], Any], ...]) -> Signal:
+        """A function of Python's, with as many of its rates as are given."""
+        return cls(name, len(functions) - 1, "a function of Python's", functions=functions)
+
+    def mend(self, rate: str) -> str:
+        """What would bring a rate that is lacking."""
+        if self.functions:
+            return f"inputs={{'{rate}': ...}} beside it, or an expression of t"
+        return "a table of a smoother kind, or an expression of t"
+
+    def on_piece(self, start: float, end: float) -> dict[str, Any]:
+        """The parameters between two instants with no other between them."""
+        k = bisect_right(self.instants, Fraction(start) / 2 + Fraction(end) / 2) - 1
+        k = min(max(k, 0), len(self.pieces) - 1)
+        numbers = (*self.pieces[k], *([self.instants[k]] if self.degree else []))
+        return dict(zip(self.parameters, numbers, strict=True))
+
+    def at(self, instant: float) -> dict[str, Any]:
+        """The parameters at an instant; at a jump, those after it."""
+        if not self.functions:
+            return self.on_piece(instant, instant)
+        numbers = [self._number(f, instant) for f in self.functions]
+        return dict(zip(self.parameters, [*numbers, instant][: len(self.parameters)], strict=True))
+
+    def along(self, times: np.ndarray) -> dict[str, np.ndarray]:
+        """The same at instants (k,), an array (k,) for each parameter."""
+        if self.functions:
+            rows = [[*self.at(t).values()] for t in times.tolist()]
+        else:
+            last = len(self.pieces) - 1
+            places = np.clip(np.searchsorted(self._starts, times, side="right") - 1, 0, last)
+            since = [(t,) if self.degree else () for t in self.instants]
+            rows = [[*self.pieces[k], *since[k]] for k in places]
+        table = np.array(rows, dtype=object).reshape(len(times), len(self.parameters))
+        return dict(zip(self.parameters, table.T, strict=True))
+
+    @cached_property
+    def _starts(self) -> np.ndarray:
+        return np.array(list(map(float, self.instants)))
+
+    def _number(self, function: Callable[[float], Any], instant: float) -> float:
+        place = f"the input '{self.name}' at t = {instant:.12g}"
+        try:
+            value = float(function(instant))
+        except Exception as error:  # whatever a user's function raises is told as his
+            raise DefinitionError(f"{place}: {type(error).__name__}: {error}") from error
+        if not np.isfinite(value):
+            raise DefinitionError(f"{place} is {value}, which is not finite")
+        return value
+
+
+@dataclass(frozen=True)
+class Signals:
+    """The parameters that change in time."""
+
+    signals: tuple[Signal, ...]
+
+    @property
+    def names(self) -> set[str]:
+        """What they are called."""
+        return {p for signal in self.signals for p in signal.parameters}
+
+    @property
+    def python_signal(self) -> Signal | None:
+        """The first one that Python has to be asked for."""
+        return next((s for s in self.signals if s.functions), None)
+
+    @property
+    def functional(self) -> Signals | None:
+        """Those alone that Python has to be asked for; None where there are none."""
+        found = tuple(s for s in self.signals if s.functions)
+        return Signals(found) if found else None
+
+    def knots(self, start: float, end: float) -> list[float]:
+        """The instants of change strictly between two others, in the order of a run."""
+        found = {float(t) for s in self.signals for t in s.instants}
+        low, high = min(start, end), max(start, end)
+        return sorted((t for t in found if low < t < high), reverse=end < start)
+
+    def on(self, start: float, end: float) -> dict[str, Any]:
+        """The values with which a run from one instant to the next change begins."""
+        found: dict[str, Any] = {}
+        ahead = [*self.knots(start, end), end][0]
+        for signal in self.signals:
+            found |= signal.at(start) if signal.functions else signal.on_piece(start, ahead)
+        return found
+
+    def values_at(self, instant: float) -> dict[str, Any]:
+        """The values that Python gives at an instant."""
+        signals = (s for s in self.signals if s.functions)
+        return {name: x for s in signals for name, x in s.at(instant).items()}
+
+    def without_rates(self, names: Iterable[str]) -> Signal | None:
+        """The first function of Python's among parameters that is given without its rate."""
+        own = {*names}
+        return next(
+            (s for s in self.signals if s.functions and not s.degree and own & {*s.parameters}),
+            None,
+        )
+
+    def along(self, times: np.ndarray) -> dict[str, np.ndarray]:
+        """The values at instants (k,), an array (k,) for each parameter, exact where they are."""
+        found: dict[str, np.ndarray] = {}
+        for signal in self.signals:
+            found |= signal.along(np.asarray(times, dtype=float))
+        return found
+
+
+def values_along(
+    changing: Signals | None, names: Iterable[str], values: Iterable[Any], times: np.ndarray
+) -> list[Any]:
+    """Parameters by name at times (k,): those that change as arrays (k,), the others as numbers."""
+    along = {} if changing is None else changing.along(times)
+    pairs = zip(names, values, strict=True)
+    return [in_kind(along[n], times.dtype) if n in along else np.float64(x) for n, x in pairs]
+
+
+def in_pieces(make: Callable[[Problem], Stepper], problem: Problem, anew: bool) -> Stepper:
+    """The stepper of a problem with ``changing`` parameters: made once, or ``anew`` for each piece,
+    where it asks for its numbers ``exact`` when it is made."""
+    changing, names = problem.changing, [str(p) for p in problem.program.parameters]
+    assert changing is not None
+    given = list(problem.parameters)
+    left = changing if changing.python_signal is not None else None
+    own = replace(
+        problem, start=problem.start.copy(), parameters=given, progress=None, changing=left
+    )
+    once = None if anew else make(own)
+
+    def on_piece(state: np.ndarray, times: np.ndarray) -> Run:
+        values = changing.on(float(times[0]), float(times[-1]))
+        given[:] = [float(values.get(n, x)) for n, x in zip(names, given, strict=True)]
+        own.start[:] = state.astype(float)
+        if once is not None:
+            return once(times)
+
+        def exact(bits: int) -> tuple[np.ndarray, Sequence[Any]]:
+            first, known = problem.exact(bits) if problem.exact else (state, problem.parameters)
+            with mpmath.workprec(bits):
+                numbers = [exact_mpf(values.get(n, x)) for n, x in zip(names, known, strict=True)]
+            return (first if state is problem.start else state), numbers
+
+        return make(replace(own, exact=exact))(times)
+
+    return lambda grid: _run_in_pieces(problem, grid, on_piece)
+
+
+def _run_in_pieces(
+    problem: Problem, grid: np.ndarray, on_piece: Callable[[np.ndarray, np.ndarray], Run]
+) -> Run:
+    """Piece after piece, up to the end of the grid; ``on_piece`` goes on from a state (n,)."""
+    assert problem.changing is not None
+    parts: list[Run] = []
+    state, time = problem.start, grid[0]
+    order = 1.0 if grid[-1] >= grid[0] else -1.0
+    for end in [*problem.changing.knots(float(grid[0]), float(grid[-1])), float(grid[-1])]:
+        inside = grid[(order * grid > order * time) & (order * grid < order * end)]
+        times = [time, *inside, *([end] if end != time else [])]
+        parts.append(on_piece(state, np.array(times)))
+        last = parts[-1]
+        if last.halt is not None or last.interrupted or last.stopped:
+            break
+        time, state = end, last.states[-1]
+        if end != float(grid[-1]):
+            parts[-1] = last = _with_jumps(problem, last, (float(last.t[0]), end, float(grid[-1])))
+            if last.stopped:
+                break
+        if problem.progress is not None:
+            problem.progress(float((end - grid[0]) / ((grid[-1] - grid[0]) or 1.0)))
+    return _join_runs(parts, grid, problem)
+
+
+def _with_jumps(problem: Problem, part: Run, times: tuple[float, float, float]) -> Run:
+    """A piece with the events whose functions jump through zero at its end, with what changes;
+    ``times`` are its ends, and the end of the run."""
+    levels, changing = problem.levels, problem.changing
+    if levels is None or changing is None or not problem.events:
+        return part
+    first, end, later = times
+    ahead = [t for t in changing.knots(end, later) if t != end]
+    state, given = part.states[-1], list(map(str, levels.parameters))
+    own = dict(zip(map(str, problem.program.parameters), problem.parameters, strict=True))
+    sides = []
+    for values in (changing.on(first, end), changing.on(end, ahead[0] if ahead else later)):
+        known = {**own, **values}
+        numbers = [float(known[name]) for name in given]
+        found = compile_program(levels)[1](end, [float(x) for x in state], numbers)
+        sides.append(dict(zip(levels.names, map(float, found), strict=True)))
+    crossings, stopped = dict(part.crossings), ""
+    order = 1 if later >= first else -1
+    for event in problem.events:
+        before, after = (side[event.name] for side in sides)
+        wanted = event.direction == 0 or (after > before) == (event.direction * order > 0)
+        if before * after < 0 and wanted:
+            t, states = crossings[event.name]
+            moment = np.array([part.t[-1]], dtype=part.t.dtype)
+            crossings[event.name] = np.append(t, moment), np.vstack([states, state])
+            stopped = stopped or (event.name if event.stop else "")
+    return replace(part, crossings=crossings, stopped=stopped)
+
+
+def _join_runs(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
+    """One run of several; the instants between them are left out where nobody asked for them."""
+    last, times, rows = parts[-1], [], []
+    for i, part in enumerate(parts):
+        asked = np.isin(part.t.astype(float), grid)
+        asked[0] = i == 0
+        if part is last and (last.stopped or last.interrupted):
+            asked[-1] = asked[-1] or i == 0 or len(part.t) > 1
+        times.append(part.t[asked])
+        rows.append(part.states[asked])
+    crossings = {
+        name: (
+            np.concatenate([part.crossings[name][0] for part in parts]),
+            np.concatenate([part.crossings[name][1] for part in parts]),
+        )
+        for name in last.crossings
+    }
+    return replace(
+        last,
+        t=np.concatenate(times),
+        states=np.vstack(rows),
+        steps=sum(part.steps for part in parts),
+        evaluations=sum(part.evaluations for part in parts),
+        crossings=crossings,
+        switches=sum(part.switches for part in parts),
+        held=any(part.held for part in parts),
+        prepared=sum(part.prepared for part in parts),
+        notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
+        inside=_inside(parts) if problem.dense else None,
+        ends=tuple(end for part in parts for end in part.ends),
+    )
+
+
+def _inside(parts: Sequence[Run]) -> Callable[[np.ndarray], np.ndarray] | None:
+    """States at any times reached, from the dense output of each part."""
+    functions = [part.inside for part in parts]
+    if any(f is None for f in functions):
+        return None
+    ends = [part.t[-1] for part in parts]
+    order = 1.0 if ends[-1] >= parts[0].t[0] else -1.0
+    return lambda times: in_parts(ends, order, functions, times, parts[0].states)
