@@ -11,9 +11,10 @@ import numpy as np
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.choice import COMPILED, STAGES
+from voronec.motion.steppers.dop853_source import SHARE
 from voronec.motion.steppers.heyoka_stepper import STRIDE
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
-from voronec.motion.steppers.scipy_stepper import estimated_steps
+from voronec.motion.steppers.scipy_stepper import Pace, estimated_steps
 from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride
 from voronec.motion.steppers.units import natural_units, units_of_many
 from voronec.motion.tolerances import FINEST
@@ -145,13 +146,13 @@ def strides(
             # a trial step left the domain: the method then tries a shorter one
             return np.full(len(y), np.nan)
 
-    finest = max(tol, FINEST)
+    finest, pace = max(SHARE * tol, FINEST), Pace()
     least = finest * units_of_many(program, state[None], values[None])[0]
     solver = DOP853(derivative, span[0], state, span[1], rtol=finest, atol=least)
     while solver.status == "running":
         good, reached = solver.y.copy(), float(solver.t)
         with np.errstate(all="ignore"):
-            solver.step()
+            pace.step(solver)
         if solver.status == "failed":
             raise break_error(COLLAPSE, reached, good)
         if not np.isfinite(solver.y).all():

@@ -16,7 +16,13 @@ import numpy as np
 
 from voronec.equations.program import Program, hoist, scalar_source
 from voronec.motion.steppers import dop853_source
-from voronec.motion.steppers.dop853_source import COLLAPSED, HAPPENING, kernel_source
+from voronec.motion.steppers.dop853_source import (
+    COLLAPSED,
+    FIRST_GROWTH,
+    HAPPENING,
+    SHARE,
+    kernel_source,
+)
 from voronec.motion.steppers.kept_code import kept_function
 from voronec.motion.steppers.run import COLLAPSE, Problem, Run, Stepper
 from voronec.motion.steppers.scipy_stepper import level_function
@@ -70,7 +76,7 @@ class Loop:
     """The compiled loop under way.
 
     clock
-        the time, the length of the next step, and when the last one began.
+        the time, the length of the next step, when the last one began, and by what it could grow.
     counts
         points of the grid that are done, steps, evaluations, whether the last trial was rejected,
         and steps that are kept.
@@ -105,7 +111,7 @@ class Loop:
         n, given = len(problem.start), [float(x) for x in problem.parameters]
         states = np.zeros((5, n))
         states[0] = problem.start
-        finest, held = max(problem.tol, FINEST), problem.program.derivative.symbols
+        finest, held = max(SHARE * problem.tol, FINEST), problem.program.derivative.symbols
         # nothing depends on a quadrature: its size loosens no tolerance
         relative = [finest if s in held else 0.0 for s in problem.program.state]
         scales = np.array([finest * units, relative])
@@ -113,8 +119,9 @@ class Loop:
         known = hoist(problem.program).values(given)
         return cls(
             drive, problem, grid, np.empty((len(grid), n)),
-            np.array([float(grid[0]), 0.0, float(grid[0])]), np.array([1, 0, 0, 0, 0]), states,
-            np.zeros((PARTS, n)), scales, (coarse, np.array(known), np.array(given)),
+            np.array([float(grid[0]), 0.0, float(grid[0]), FIRST_GROWTH]),
+            np.array([1, 0, 0, 0, 0]), states, np.zeros((PARTS, n)), scales,
+            (coarse, np.array(known), np.array(given)),
         )  # fmt: skip
 
     def advance(self) -> Stride | Stretch:

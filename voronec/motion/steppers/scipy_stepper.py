@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from voronec.equations.program import compile_program
+from voronec.motion.steppers.dop853_source import FIRST_GROWTH, SHARE, growth
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
 from voronec.motion.steppers.step_loop import IntegratorFailure, Levels, Stride, march
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import FINEST
 
-__all__ = ["dop853", "estimated_steps", "lsoda"]
+__all__ = ["Pace", "dop853", "estimated_steps", "lsoda"]
 
 PATIENCE = 300
 """So many evaluations in turn without a value lead nowhere; scipy would go on for ever."""
+SHORTENED = 0.95
+"""A step shorter than this part of what was tried first was rejected, or ends the run."""
 TRIAL = 12
 """Steps after which the rest is estimated; the first ones are shorter than those that follow."""
 
@@ -26,7 +29,7 @@ def dop853(problem: Problem) -> Stepper:
     """The Runge-Kutta method of order eight of Dormand and Prince."""
     from scipy.integrate import DOP853
 
-    return _stepper(problem, DOP853)
+    return _stepper(replace(problem, tol=SHARE * problem.tol), DOP853)
 
 
 def lsoda(problem: Problem) -> Stepper:
@@ -110,17 +113,39 @@ def level_function(problem: Problem) -> Levels:
     return function
 
 
+@dataclass
+class Pace:
+    """How long the steps of scipy's Runge-Kutta methods are: smoothed by ``growth``.
+
+    ``last`` is by how much longer than the last step the next one could be.
+    """
+
+    last: float = field(default=FIRST_GROWTH)
+
+    def step(self, solver: Any) -> None:
+        """One step of a solver; those of other methods stay as scipy has them."""
+        tried = getattr(solver, "h_abs", None)
+        solver.step()
+        if tried is None or solver.status == "failed":
+            return
+        length = solver.step_size
+        factor = solver.h_abs / length
+        solver.h_abs = length * growth(factor, self.last, length < SHORTENED * tried)
+        self.last = factor
+
+
 @dataclass(frozen=True)
 class _Solver:
     """One of scipy's solvers under way."""
 
     solver: Any
     dense: bool
+    pace: Pace = field(default_factory=Pace)
 
     def advance(self) -> Stride:
         solver = self.solver
         start, begin, slope = solver.t, solver.y, getattr(solver, "f", None)
-        solver.step()
+        self.pace.step(solver)
         if solver.status == "failed":
             raise IntegratorFailure(COLLAPSE)
         if not np.isfinite(solver.y).all():
