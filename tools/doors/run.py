@@ -165,7 +165,10 @@ def _watch_text() -> None:
 
     def watched(code: str, *rest: Any) -> Any:
         frames = traceback.extract_stack()  # SymPy reads numbers and units of its own so
-        if not any(f.name == "nsimplify" or "units" in f.filename for f in frames):
+        own = any(f.name == "nsimplify" or "units" in f.filename for f in frames)
+        # ``progress=sympy.sin``: what the caller's own function does with our words is its affair
+        last = [f.line or "" for f in frames if "/voronec/" in f.filename][-1:]
+        if not own and not any(line.startswith(("progress(", "tell(")) for line in last):
             RAN.append(code[:80])
         return run(code, *rest)
 
