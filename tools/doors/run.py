@@ -168,7 +168,7 @@ def _watch_text() -> None:
         own = any(f.name == "nsimplify" or "units" in f.filename for f in frames)
         # ``progress=sympy.sin``: what the caller's own function does with our words is its affair
         last = [f.line or "" for f in frames if "/voronec/" in f.filename][-1:]
-        if not own and not any(line.startswith(("progress(", "tell(")) for line in last):
+        if not own and last != ["return function(*args)"]:
             RAN.append(code[:80])
         return run(code, *rest)
 
