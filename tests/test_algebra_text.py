@@ -161,7 +161,6 @@ def test_the_package_holds_no_way_to_run_text():
     programs = {
         "declaration/plugin_files.py",
         "equations/program/casadi_function.py",
-        "equations/program/digits.py",
         "equations/program/python.py",
         "equations/program/recurrences.py",
         "closed/arithmetic.py",

@@ -11,9 +11,8 @@ from voronec import velocity
 from voronec.audit import Check, Display, Motion, Range, Section, Study, Transcript
 from voronec.audit.correction import Correction, correct
 from voronec.audit.correction.changes import Change, Spare, apply_pieces
-from voronec.audit.correction.edits import single_changes
+from voronec.audit.correction.edits import repairs, single_changes
 from voronec.audit.correction.mending import Search
-from voronec.audit.correction.omissions import repairs
 from voronec.audit.formula import Formula
 from voronec.audit.latex.reader import read
 from voronec.audit.structure import are_multiples

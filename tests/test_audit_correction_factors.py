@@ -11,8 +11,7 @@ from voronec import velocity
 from voronec.audit import Check, Display, Motion, Range, Section, Study, Transcript
 from voronec.audit.correction import Correction, Spare, close_brackets, correct
 from voronec.audit.correction.changes import apply_pieces
-from voronec.audit.correction.edits import single_changes
-from voronec.audit.correction.omissions import repairs
+from voronec.audit.correction.edits import repairs, single_changes
 from voronec.audit.latex.vocabulary import Vocabulary
 
 pytestmark = pytest.mark.slow

@@ -13,9 +13,8 @@ from latex_shape import complaints
 from voronec import DefinitionError
 from voronec.audit import Audit, FormulaRecord, Record
 from voronec.audit.page.html import audit_page, record_html
-from voronec.audit.page.phrases import clauses, gist
+from voronec.audit.page.phrases import clauses, gist, readable, short
 from voronec.audit.page.report import Figure, audit_table, write_audit
-from voronec.audit.page.witness_points import readable, short
 from voronec.cli import main as voronec
 from voronec.cli.files import wanted_folder
 

@@ -22,7 +22,7 @@ from voronec import (
     velocity,
 )
 from voronec.equations.motions import Motions
-from voronec.proof.cases import specialise
+from voronec.proof.claims import specialise
 
 pytestmark = pytest.mark.slow
 

@@ -15,8 +15,7 @@ import voronec as vo
 from voronec import Fibration, Frame, Measure, System, kinematics, prove_equal, velocity
 from voronec.declaration.claims import right_of
 from voronec.equations.motions import Motions
-from voronec.proof.cases import specialise
-from voronec.proof.claims import check_claims
+from voronec.proof.claims import check_claims, specialise
 from voronec.proof.measures import defect, measured_field
 
 NOTHING = {

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from command_line import Call, refused
 
-from voronec.accuracy.hard import CASES, run
+from voronec.accuracy.hard import CASES, trial
 from voronec.accuracy.hard.trial import TOLERANCES
 
 pytestmark = pytest.mark.slow
@@ -59,7 +59,7 @@ def test_another_method_that_misses_is_shown_and_no_failure(
 
 
 def test_ctrl_c_keeps_the_finished_rows(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
-    true, seen = run.attempt, []
+    true, seen = trial.attempt, []
 
     def attempt(case: Any, *rest: Any) -> Any:
         seen.append(case.name)
@@ -67,7 +67,7 @@ def test_ctrl_c_keeps_the_finished_rows(call: Call, monkeypatch: pytest.MonkeyPa
             raise KeyboardInterrupt
         return true(case, *rest)
 
-    monkeypatch.setattr(run, "attempt", attempt)
+    monkeypatch.setattr(trial, "attempt", attempt)
     answer = call("hard", "no-gyroscope", "turning-point", "--method", "auto")
     assert answer.status == 130 and "1 of 2 cases done" in answer.err
     assert "no-gyroscope" in answer.out and "turning-point" not in answer.out

@@ -13,8 +13,7 @@ from command_line import Call, refused
 
 import voronec as vo
 from voronec.declaration import catalogue
-from voronec.proof.comparison import StoredDerivation, compare, read_derivation
-from voronec.proof.comparison.side_by_side import read_expression
+from voronec.proof.comparison import StoredDerivation, compare, read_derivation, read_expression
 
 pytestmark = pytest.mark.slow
 
@@ -104,7 +103,7 @@ def test_what_is_too_long_to_store_is_compared_in_numbers() -> None:
 def test_a_group_that_is_too_long_is_not_stored(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = derived("demchenko")
     size = {k: sum(map(len, g.values())) for k, g in whole.groups.items()}
-    monkeypatch.setattr("voronec.proof.comparison.stored_derivation.LONGEST", size["mass"])
+    monkeypatch.setattr("voronec.proof.comparison.LONGEST", size["mass"])
     stored = whole.compact()
     assert {*stored.groups} == {k for k, n in size.items() if n <= size["mass"]} < {*size}
     found = compare(replace(stored, equations=None), whole)

@@ -14,13 +14,10 @@ import sympy as sp
 import voronec as vo
 from voronec.accuracy.hard import CASES, QUICK, HardCase, compute, every_case, reference
 from voronec.accuracy.hard.case_program import problem
-from voronec.accuracy.hard.conditioning import UNIT
-from voronec.accuracy.hard.multiprecision import reel
-from voronec.accuracy.hard.page import page
+from voronec.accuracy.hard.conditioning import UNIT, reel
+from voronec.accuracy.hard.page import cells, page, tally
 from voronec.accuracy.hard.reference import Reference, _stored_references, perturb, slopes
-from voronec.accuracy.hard.run import trials
-from voronec.accuracy.hard.table import cells, tally
-from voronec.accuracy.hard.trial import TOLERANCES, attempt, judge
+from voronec.accuracy.hard.trial import TOLERANCES, attempt, judge, trials
 
 pytestmark = pytest.mark.slow
 

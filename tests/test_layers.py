@@ -30,7 +30,7 @@ def test_a_breach_is_noticed(tmp_path: Path) -> None:
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
     breaches = {
         "voronec/declaration/geometry.py": "import voronec.equations.definition",
-        "voronec/equations/referee/linear.py": "import voronec.equations.connection",
+        "voronec/equations/referee/plan.py": "import voronec.equations.connection",
         "systems/sleigh.py": "import voronec.equations\nimport systems.bicycle",
         "voronec/declaration/catalogue.py": "import systems.sleigh",
     }

@@ -15,9 +15,8 @@ from hypothesis import strategies as st
 
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.program import Program, compile_program, hoist, solve_mass, taylor_system
-from voronec.equations.program.low_rank import eliminations, low_rank
+from voronec.equations.program.low_rank import eliminations, low_rank, solve_symmetric
 from voronec.equations.program.straight import nest_sums
-from voronec.equations.program.triangular import solve_symmetric
 from voronec.equations.program.weight import QUOTIENT, SQUARE, evaluation_weight, taylor_weight
 
 x, y, z, w, a, b, c, d = se.symbols("x y z w a b c d")

@@ -10,7 +10,7 @@ import sympy as sp
 from command_line import Call
 
 import voronec as vo
-from voronec.cli.mechanisms import MECHANISMS
+from voronec.cli.template import MECHANISMS
 from voronec.declaration.text_file import read_toml
 
 SKATE = MECHANISMS[0].toml.replace("@NAME@", "skate")

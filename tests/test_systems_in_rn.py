@@ -129,7 +129,7 @@ def test_another_power_in_the_measure_of_the_rubber_ball_is_refuted():
 @pytest.mark.parametrize("power", [-1, Q(1, 2), 0])
 def test_another_reducing_multiplier_of_veselova_is_refuted(power):
     """(gamma, A gamma)^(-1/2) is one; other powers are none."""
-    from voronec.proof.cases import case_of
+    from voronec.proof.claims import case_of
     from voronec.proof.multiplier import decide_multiplier
 
     system = vo.load("veselova-in-rn")

@@ -10,8 +10,7 @@ from latex_shape import complaints
 
 from voronec.audit import Transcript
 from voronec.audit.page.article import display, escape_text, inline, own_commands
-from voronec.audit.page.boxes import read_boxes
-from voronec.audit.page.line_breaks import break_lines, width
+from voronec.audit.page.boxes import break_lines, read_boxes, width
 from voronec.audit.page.mathml import mathml, prose
 from voronec.audit.wording import readable
 from voronec.declaration.catalogue import load_paper, papers

@@ -14,7 +14,7 @@ import voronec as vo
 from doors.commands import Wrong
 from doors.values import HOSTILE, odd_text
 from voronec.algebra.text import as_expression, exact_number, formula, read_sympy_text
-from voronec.cli.mechanisms import MECHANISMS
+from voronec.cli.template import MECHANISMS
 from voronec.cli.values import input_values, instants, outputs_of, pair, tolerance
 from voronec.declaration.bibliography import read_entries
 from voronec.errors import DefinitionError

@@ -18,10 +18,10 @@ from voronec.audit.page.phrases import (
     conventions_with_formulas,
     count_sentences,
     end_sentence,
+    short,
     with_verdict,
 )
 from voronec.audit.page.report import Figure, write_audit
-from voronec.audit.page.witness_points import short
 from voronec.cli import main as voronec
 from voronec.declaration.catalogue import load, load_paper
 

@@ -12,7 +12,6 @@ import sympy as sp
 from voronec.algebra.verdicts import Verdict
 from voronec.audit.constraints import independent_conditions
 from voronec.audit.correction import Correction, Spare, close_brackets, correct
-from voronec.audit.derived_latex import derived_latex
 from voronec.audit.display import Check, Decision
 from voronec.audit.formula import Formula
 from voronec.audit.hooks import HookError, call_hook
@@ -28,7 +27,15 @@ from voronec.audit.structure import free_indices, marks, mentions, new_names
 from voronec.audit.study import Range, Study, UnknownRate
 from voronec.audit.transcript import Transcript
 from voronec.audit.verify import FormulaOutcome, by_range, verify
-from voronec.audit.wording import loose_index, method_of, ranges_of, readable, with_note, witness_of
+from voronec.audit.wording import (
+    derived_latex,
+    loose_index,
+    method_of,
+    ranges_of,
+    readable,
+    with_note,
+    witness_of,
+)
 from voronec.errors import DefinitionError, did_you_mean
 
 __all__ = ["SectionContext", "judge_formula", "judge_sentence"]

@@ -59,7 +59,7 @@ def _list(cases: Sequence[HardCase], as_json: bool) -> int:
 
 
 def _methods(names: Sequence[str]) -> tuple[str, ...]:
-    from voronec.accuracy.hard.run import available
+    from voronec.accuracy.hard.trial import available
     from voronec.errors import did_you_mean
     from voronec.motion.methods import METHODS
 
@@ -75,8 +75,8 @@ def _run(
     cases: Sequence[HardCase], methods: tuple[str, ...], as_json: bool
 ) -> tuple[list[CaseResult], bool]:
     """The findings, and whether Ctrl-C ended the run."""
-    from voronec.accuracy.hard.run import trials
-    from voronec.accuracy.hard.table import head, lines
+    from voronec.accuracy.hard.page import head, lines
+    from voronec.accuracy.hard.trial import trials
 
     findings: list[CaseResult] = []
     try:
@@ -94,7 +94,7 @@ def _run(
 
 
 def _tell(findings: Sequence[CaseResult], folder: Path | None, as_json: bool) -> None:
-    from voronec.accuracy.hard.table import data, summary
+    from voronec.accuracy.hard.page import data, summary
 
     if as_json:
         print_json([data(f) for f in findings])

@@ -1,4 +1,10 @@
-"""Fibrations and frames: which coordinates lie over which, and which velocities are used."""
+"""Fibrations and frames: which coordinates lie over which, and which velocities are used.
+
+Generalized forces: what is declared along velocities acts along the coordinates.
+
+A force Q along a velocity w = e_a qdot_a + e does the work Q w; on a virtual displacement e does
+none, so along the coordinate q_a the force is Q e_a.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +15,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.symbols import is_symbolic_name, plain_name, velocity
+from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, velocity
 from voronec.declaration.reading import (
     expression,
     fixed_mapping,
@@ -19,7 +25,7 @@ from voronec.declaration.reading import (
 )
 from voronec.errors import DefinitionError
 
-__all__ = ["Fibration", "Frame", "moving_names"]
+__all__ = ["Fibration", "Frame", "along_coordinates", "moving_names"]
 
 
 @dataclass(frozen=True)
@@ -199,3 +205,31 @@ def moving_names(coordinates: Sequence[sp.Expr], frame: Frame | None) -> list[sp
     frame, of its fibre, its momenta and its determinant."""
     named = () if frame is None else (*frame.ambient, *frame.claim_names)
     return [*coordinates, *map(velocity, coordinates), *named]
+
+
+def along_coordinates(
+    forces: Mapping[Any, sp.Expr], coordinates: tuple[sp.Expr, ...], frame: Frame | None
+) -> Mapping[Any, sp.Expr]:
+    """Forces with those along velocities, quasi ones and expressions affine in velocities, spread
+    over the coordinates; what is no velocity stays."""
+    spelled = dict(zip(frame.velocities, frame.expressions, strict=True)) if frame else {}
+    found: dict[Any, sp.Expr] = {}
+    for direction, force in forces.items():
+        shares = _shares(direction, coordinates, spelled)
+        for q, share in (shares or {direction: sp.Integer(1)}).items():
+            found[q] = found.get(q, sp.Integer(0)) + share * force
+    return found
+
+
+def _shares(
+    direction: Any, coordinates: tuple[sp.Expr, ...], spelled: Mapping[sp.Expr, sp.Expr]
+) -> dict[sp.Expr, sp.Expr]:
+    """The coefficients of a velocity by coordinate; none where it is no velocity."""
+    if direction in coordinates or not isinstance(direction, sp.Expr):
+        return {}
+    written = direction.xreplace(spelled)
+    dots = {q: velocity(q) for q in coordinates}
+    shares = {q: written.diff(dot) for q, dot in dots.items()}
+    if any(names_in(share) & {*dots.values()} for share in shares.values()):
+        return {}
+    return {q: share for q, share in shares.items() if share != 0}

@@ -37,8 +37,7 @@ from voronec.declaration.claims import (
     right_of,
     without_claims,
 )
-from voronec.declaration.forces import along_coordinates
-from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.geometry import Fibration, Frame, along_coordinates
 from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.reading import (
     expression,

@@ -22,7 +22,7 @@ from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.attitudes import with_attitude_charts
 from voronec.equations.program import Program
-from voronec.equations.program.digits import precision
+from voronec.equations.program.python import precision
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.atlas import NEAR as CHANGE

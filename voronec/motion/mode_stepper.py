@@ -15,7 +15,7 @@ import mpmath
 import numpy as np
 import symengine as se
 
-from voronec.equations.program.digits import compiled_digits
+from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.walls import SATURATED
 from voronec.errors import EngineLimit
 from voronec.motion.events import Event

@@ -19,7 +19,7 @@ import symengine as se
 from voronec.algebra.numeric_functions import HYPOT, numeric_name
 from voronec.algebra.stable import stable_all
 from voronec.equations.program import Block, Program
-from voronec.equations.program.digits import compiled_digits
+from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.walls import Wall
 from voronec.errors import DefinitionError
 from voronec.motion.atlas import Progress

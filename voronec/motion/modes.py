@@ -18,7 +18,7 @@ from voronec.algebra.door import Door
 from voronec.algebra.normal import canonical, canonical_for_numbers
 from voronec.algebra.signs import prove_inequality
 from voronec.equations.program import Block, Program
-from voronec.equations.program.digits import compiled_digits
+from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.straight import with_plain_roots, without_stages
 from voronec.equations.program.walls import (
     SATURATED,

@@ -30,7 +30,7 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression
 from voronec.equations.attitudes import with_attitude_charts
 from voronec.equations.program import Program
-from voronec.equations.program.digits import compiled_digits
+from voronec.equations.program.python import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.initial_state import (

@@ -14,7 +14,7 @@ import symengine as se
 
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
-from voronec.equations.program.digits import compiled_digits
+from voronec.equations.program.python import compiled_digits
 from voronec.motion.model import Model, SmallestModels
 from voronec.motion.observables import Branch, Watch, watch_of
 from voronec.motion.state_probe import Probe, mass_program, quantities

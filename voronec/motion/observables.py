@@ -11,7 +11,7 @@ import numpy as np
 import symengine as se
 
 from voronec.equations.program import Program, compile_program
-from voronec.equations.program.digits import compiled_digits, precision
+from voronec.equations.program.python import compiled_digits, precision
 from voronec.motion.reactions import Multipliers
 from voronec.motion.vocabulary import OutputTerms, Vocabulary
 

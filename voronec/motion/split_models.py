@@ -32,7 +32,7 @@ from voronec.declaration.system import System, bare
 from voronec.equations.definition import Definition, read
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.program import Program, compile_program
-from voronec.equations.program.digits import compiled_digits
+from voronec.equations.program.python import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
 from voronec.motion.divisors import (

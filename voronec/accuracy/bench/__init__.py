@@ -6,9 +6,8 @@ a ``Bench`` of all methods.  Peers are optional: what is not installed is named,
 
 from voronec.accuracy.bench.agreement import Reference, difference, reference
 from voronec.accuracy.bench.call_stages import CallStages, measure_calls
-from voronec.accuracy.bench.equal_error import At, at_error, observed_order
 from voronec.accuracy.bench.question import BenchMotion, ask
-from voronec.accuracy.bench.record import Bench, Measured, Point
+from voronec.accuracy.bench.record import At, Bench, Measured, Point, at_error, observed_order
 from voronec.accuracy.bench.runs import CONTENDERS, measure
 from voronec.accuracy.bench.setup_time import SetupTime, measure_setup
 

@@ -7,8 +7,7 @@ the condition number of the case (``conditioning``), u = 2^-53, and so is a refu
 from voronec.accuracy.hard.case import HardCase
 from voronec.accuracy.hard.cases import CASES, QUICK, every_case, named_cases
 from voronec.accuracy.hard.reference import Reference, compute, reference
-from voronec.accuracy.hard.run import CaseResult, trials
-from voronec.accuracy.hard.trial import Trial
+from voronec.accuracy.hard.trial import CaseResult, Trial, trials
 
 __all__ = [
     "CASES",

@@ -10,16 +10,25 @@ time s on the way does: rounding errors are made all along, not only in the init
 the largest value of the output along the motion.  X_i is the size of a state: an angle's largest
 value, but at least one radian; for other coordinates, and for velocities, the largest of them all.
 An angle is what occurs under a sine or a cosine.
+
+A problem in many digits with its variational equations, by heyoka.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import mpmath
 import numpy as np
 
-from voronec.accuracy.hard.case_program import PreciseProblem
-from voronec.accuracy.hard.multiprecision import Passage
+from voronec.accuracy.hard.case_program import DIGITS, PreciseProblem
+from voronec.equations.program import taylor_extras, taylor_system
+from voronec.errors import IntegrationError
 
-__all__ = ["UNIT", "condition_numbers", "output_sizes", "sizes", "times"]
+__all__ = ["UNIT", "Passage", "Reel", "condition_numbers", "output_sizes", "reel", "sizes", "times"]
+
 
 UNIT = 2.0**-53
 """The largest relative error of rounding to a double."""
@@ -78,3 +87,181 @@ def times(left: np.ndarray, right: np.ndarray) -> np.ndarray:
     if right.shape[1] == 0:
         return np.zeros((left.shape[0], 0), dtype=object)
     return left.astype(object) @ right.astype(object)
+
+
+STEPS = 4000
+"""Taylor steps between two looks at the keyboard; a span that gets nowhere in these has a pole."""
+LEAST = 1e-3
+"""The part of what is left that so many steps must cover."""
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A motion in many digits at ``t`` (k,), with the propagators from each instant to the next.
+
+    ``states`` (k, n) and ``outputs`` (k, m); ``gradients`` (k, m, n) and ``by_parameters``
+    (k, m, p), what the outputs hold of the state and of the parameters themselves; ``steps``
+    (k - 1, n, n) and ``drives`` (k - 1, n, p), d state(next) / d state and / d parameters at the
+    instant.  All are arrays of objects with as many digits as the arithmetic has.  Without
+    propagators the last two are empty.
+    """
+
+    t: np.ndarray
+    states: np.ndarray
+    outputs: np.ndarray
+    gradients: np.ndarray
+    by_parameters: np.ndarray
+    steps: np.ndarray
+    drives: np.ndarray
+
+
+@dataclass(frozen=True)
+class Reel:
+    """What runs one problem again and again: a compiled integrator and the compiled outputs.
+
+    ``number`` turns a number into the arithmetic's; ``rewind(t, state)`` starts over, ``begin`` the
+    state of the case; ``advance(t)`` goes on and returns the state and the propagators since the
+    last ``forget()``; ``look(state)`` returns outputs, and their slopes by states and parameters.
+    """
+
+    number: Callable[[Any], Any]
+    rewind: Callable[[Any, Any], None]
+    advance: Callable[[Any], tuple[np.ndarray, np.ndarray, np.ndarray]]
+    forget: Callable[[], None]
+    look: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+    begin: np.ndarray
+
+    def follow(self, grid: np.ndarray, state: np.ndarray | None = None) -> Passage:
+        """The motion along a grid, starting on its first instant."""
+        start = self.begin if state is None else state
+        self.rewind(self.number(grid[0]), start)
+        states, steps, drives, looks = [start], [], [], [self.look(start)]
+        for t in grid[1:]:
+            self.forget()
+            state, step, drive = self.advance(self.number(t))
+            states.append(state)
+            steps.append(step)
+            drives.append(drive)
+            looks.append(self.look(state))
+        outputs, gradients, by_parameters = (
+            np.array(part, dtype=object) for part in zip(*looks, strict=True)
+        )
+        return Passage(
+            grid, np.array(states, dtype=object), outputs, gradients, by_parameters,
+            np.array(steps, dtype=object), np.array(drives, dtype=object),
+        )  # fmt: skip
+
+
+def reel(problem: PreciseProblem, arithmetic: str, tol: float, varied: bool = True) -> Reel:
+    """The problem ready to run in ``quadruple`` or ``extended`` arithmetic, at a tolerance.
+
+    Without ``varied`` there are no propagators, and a run is many times faster.  Raises
+    ``ImportError`` where heyoka is not installed.
+    """
+    import heyoka as hy
+
+    kind = hy.real128 if arithmetic == "quadruple" else np.longdouble
+    pairs = taylor_system(problem.program)
+    kept = [pairs[i] for i in problem.kept]
+    variables = [v for v, _ in kept]
+    acting = sorted({i for _, rhs in kept for i in _indices(hy, rhs)})
+    by = [*variables, *(hy.par[i] for i in acting)]
+    begin = np.array([_in(kind, problem.start[i]) for i in problem.kept], dtype=object)
+    values = np.array([_in(kind, x) for x in problem.values], dtype=kind)
+    integrator = hy.taylor_adaptive(
+        hy.var_ode_sys(kept, by, order=1) if varied else kept,
+        begin.tolist(),
+        pars=values[: max(acting, default=-1) + 1].tolist(),
+        tol=kind(tol),
+        fp_type=kind,
+        compact_mode=True,
+    )
+    return Reel(
+        lambda x: _in(kind, x),
+        *_integrator_functions(
+            integrator, kind, len(kept), acting if varied else None, len(values)
+        ),
+        _output_function(hy, kind, problem, variables, values),
+        begin,
+    )
+
+
+def _integrator_functions(
+    integrator: Any, kind: Any, size: int, acting: list[int] | None, count: int
+) -> tuple[Callable[..., None], Callable[..., Any], Callable[[], None]]:
+    """``rewind``, ``advance`` and ``forget`` of an integrator; ``acting`` are the parameters by
+    which it varies the motion, None where it does not."""
+    rows, columns = (0, 0) if acting is None else (size, size + len(acting))
+    fresh = np.array([kind(int(i == j)) for i in range(rows) for j in range(columns)], dtype=kind)
+
+    def rewind(t: Any, state: Any) -> None:
+        integrator.time = t
+        integrator.state[:size] = np.array(list(state), dtype=kind)
+        forget()
+
+    def forget() -> None:
+        integrator.state[size:] = fresh
+
+    def advance(t: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        _propagate(integrator, t, size)
+        slopes = integrator.state[size:].astype(object).reshape(rows, columns)
+        drives = np.zeros((rows, count), dtype=object)
+        if acting:
+            drives[:, acting] = slopes[:, size:]
+        return integrator.state[:size].astype(object), slopes[:, :size], drives
+
+    return rewind, advance, forget
+
+
+def _propagate(integrator: Any, t: Any, size: int) -> None:
+    """On to a time; ``IntegrationError`` where the steps shrink to nothing."""
+    import heyoka as hy
+
+    outcome, moving = hy.taylor_outcome.step_limit, True
+    while outcome == hy.taylor_outcome.step_limit and moving:
+        before = integrator.time
+        outcome = integrator.propagate_until(t, max_steps=STEPS)[0]
+        moving = float(integrator.time - before) > LEAST * abs(float(t - before))
+    if outcome != hy.taylor_outcome.time_limit:
+        raise IntegrationError(
+            f"the reference broke down at t = {float(integrator.time):.12g}",
+            float(integrator.time),
+            integrator.state[:size].astype(float),
+        )
+
+
+def _in(kind: Any, value: Any) -> Any:
+    """A number of another kind, no digit lost."""
+    if isinstance(value, float | int | np.longdouble):
+        return kind(value)
+    if isinstance(value, mpmath.mpf):
+        with mpmath.workdps(DIGITS):
+            return kind(mpmath.nstr(value, DIGITS, strip_zeros=False))
+    return value
+
+
+def _indices(hy: Any, expr: Any) -> list[int]:
+    """Which parameters par[i] an expression holds; heyoka calls them ``p0, p1, ...``."""
+    return [int(str(p).removeprefix("p")) for p in hy.get_params(expr)]
+
+
+def _output_function(
+    hy: Any, kind: Any, problem: PreciseProblem, variables: list[Any], values: np.ndarray
+) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Outputs, their slopes by the kept states, and by the parameters, at a state."""
+    outputs = list(taylor_extras(problem.program).values())
+    size, count = len(variables), len(values)
+    by = [*variables, *(hy.par[i] for i in range(count))]
+    slopes = [hy.diff(o, x) for o in outputs for x in by]
+    every = [*outputs, *slopes]
+    used = max((i + 1 for e in every for i in _indices(hy, e)), default=0)
+    function = hy.cfunc(every, vars=variables, fp_type=kind)
+
+    def look(state: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        point = np.array(list(state), dtype=kind)
+        found = function(point, pars=values[:used]) if used else function(point)
+        found = found.astype(object)
+        table = found[len(outputs) :].reshape(len(outputs), size + count)
+        return found[: len(outputs)], table[:, :size], table[:, size:]
+
+    return look

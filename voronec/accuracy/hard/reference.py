@@ -25,8 +25,15 @@ import numpy as np
 
 from voronec.accuracy.hard.case import ARITHMETICS, HardCase
 from voronec.accuracy.hard.case_program import PreciseProblem, problem
-from voronec.accuracy.hard.conditioning import condition_numbers, output_sizes, sizes, times
-from voronec.accuracy.hard.multiprecision import Passage, Reel, reel
+from voronec.accuracy.hard.conditioning import (
+    Passage,
+    Reel,
+    condition_numbers,
+    output_sizes,
+    reel,
+    sizes,
+    times,
+)
 from voronec.declaration.catalogue import load
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, IntegrationError

@@ -1,8 +1,11 @@
-"""One method on one case: error, drift and time, or a refusal; and what to make of it."""
+"""One method on one case: error, drift and time, or a refusal; and what to make of it.
+
+All methods on all cases, one after another.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -11,14 +14,16 @@ import numpy as np
 
 from voronec.accuracy.hard.case import HardCase
 from voronec.accuracy.hard.conditioning import UNIT, output_sizes
-from voronec.accuracy.hard.reference import Reference
-from voronec.equations.voronec_equations import VoronecEquations
+from voronec.accuracy.hard.reference import Reference, reference
+from voronec.declaration.catalogue import load
+from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion import Trajectory, integrate
 from voronec.motion.methods import METHODS
 from voronec.motion.tolerances import EXACT
 
-__all__ = ["FLOOR", "ROUNDINGS", "Trial", "attempt", "bound"]
+__all__ = ["FLOOR", "ROUNDINGS", "CaseResult", "Trial", "attempt", "available", "bound", "trials"]
+
 
 FLOOR = 1e-10
 """An error below this is good, whatever the condition."""
@@ -138,3 +143,57 @@ def _error(found: np.ndarray, true: np.ndarray) -> np.ndarray:
 
 def _largest(values: np.ndarray) -> float:
     return float(values.max())
+
+
+@dataclass(frozen=True, eq=False)
+class CaseResult:
+    """A case, its reference (None where no motion starts) and what every method made of it."""
+
+    case: HardCase
+    reference: Reference | None
+    trials: tuple[Trial, ...]
+
+    @property
+    def good(self) -> bool:
+        """Whether the tool's own choice is never silently wrong."""
+        return all(t.good for t in self.trials if t.automatic)
+
+
+def available(methods: Iterable[str] = METHODS) -> tuple[str, ...]:
+    """Those of the methods that are installed."""
+    return tuple(m for m in methods if METHODS[m].is_there)
+
+
+def trials(
+    cases: Sequence[HardCase],
+    methods: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
+) -> Iterator[CaseResult]:
+    """The findings case by case, each as soon as it is there.
+
+    ``methods`` are those wanted, ``auto`` and ``default`` among them or not; by default these two
+    (the tool's own choice at its finest, and at the tolerance of ``integrate``), whatever the case
+    says is worth waiting for, and the closed form where the system declares one.  Where ``auto``
+    takes a method that is tried as well, it is tried once and marked.  A case without a reference
+    that can be had here is ``unjudged``.
+    """
+    derived: dict[str, VoronecEquations] = {}
+    for position, case in enumerate(cases):
+        say = progress or (lambda _: None)
+        say(f"{position + 1}/{len(cases)} {case.name}: reference ...")
+        if case.system not in derived:
+            derived[case.system] = derive(load(case.system))
+        equations = derived[case.system]
+        found: list[Trial] = []
+        try:
+            known = reference(case, equations) if case.level else None
+        except EngineLimit as limit:
+            yield CaseResult(case, None, (Trial(case.name, "-", "unjudged", reason=str(limit)),))
+            continue
+        own = ("closed-form",) if case.level and equations.system.motion is not None else ()
+        for method in methods or ("auto", "default", *available(case.methods), *own):
+            if any(t.automatic and t.chosen == method for t in found):
+                continue
+            say(f"{position + 1}/{len(cases)} {case.name}: {method} ...")
+            found.append(attempt(case, equations, method, known))
+        yield CaseResult(case, known, tuple(found))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from voronec.audit.correction.changes import Spare
+from voronec.audit.correction.edits import close_brackets
 from voronec.audit.correction.mending import Correction, correct
-from voronec.audit.correction.omissions import close_brackets
 
 __all__ = ["Correction", "Spare", "close_brackets", "correct"]

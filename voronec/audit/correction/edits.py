@@ -3,6 +3,13 @@
 A change is a few replacements in the printed text: at one place, or of one name at all its places.
 
 off, an index that no letter fits, an argument left out.
+
+Factors, terms and words that are too many, and factors that are missing.
+
+These changes follow the tree of the formula; inside derivatives, integrals and functions nothing
+is put in or left out.
+
+What a printer leaves out: a bracket, one sign of differentiation of two, the relation.
 """
 
 from __future__ import annotations
@@ -12,23 +19,59 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from voronec.audit.correction.changes import Change, Piece, Spare, insert, replace_word, without
-from voronec.audit.correction.factors import NUMBERS, omit_parts, omit_words, own_factors, put_in
-from voronec.audit.correction.fonts import Letter, is_letter, known_fonts, letters_of, space_after
-from voronec.audit.correction.omissions import differentials, relations
+from voronec.audit.correction.changes import (
+    Change,
+    Letter,
+    Piece,
+    Spare,
+    insert,
+    is_letter,
+    known_fonts,
+    letters_of,
+    replace_word,
+    space_after,
+    without,
+)
 from voronec.audit.latex.displays import RELATIONS, script_ranges
-from voronec.audit.latex.nodes import Chain
+from voronec.audit.latex.nodes import (
+    Bound,
+    Call,
+    Chain,
+    Cross,
+    Dot,
+    Elementary,
+    Listing,
+    Name,
+    Node,
+    Number,
+    Power,
+    Product,
+    Quotient,
+    Root,
+    Sum,
+    walk,
+)
 from voronec.audit.latex.reader import read
 from voronec.audit.latex.tokens import ELEMENTARY, Token, tokenize
-from voronec.audit.latex.vocabulary import APPLIED
+from voronec.audit.latex.vocabulary import APPLIED, Vocabulary
 from voronec.audit.study import Study
 from voronec.errors import DefinitionError
 
 __all__ = [
+    "NUMBERS",
+    "close_brackets",
+    "differentials",
+    "group_end",
     "keyboard_slips",
     "letter_exponents",
     "number_edits",
     "numbers_for_letters",
+    "omit_parts",
+    "omit_words",
+    "own_factors",
+    "put_in",
+    "relations",
+    "repairs",
     "script_edits",
     "single_changes",
 ]
@@ -324,3 +367,258 @@ def _letter_edits(words: Sequence[Token], others: Sequence[Letter]) -> Iterator[
         for text, other in texts.items():
             if place.accent or other.accent:
                 yield Change(((place.start, place.end, text),), (place.start, place.end))
+
+
+Place = tuple[int, int]
+NUMBERS = ("\\frac12", "2")
+_BRACKETS = {"(": ")", "[": "]"}
+_GROUPS = {**_BRACKETS, "{": "}"}
+
+
+def own_factors(printed: str, chain: Chain, study: Study) -> tuple[str, ...]:
+    """What a formula is made of: its names, then what else it multiplies, then squares of names."""
+    called = {part.function for part in walk(chain) if isinstance(part, Call)}
+    found: dict[int, dict[str, None]] = {0: {}, 1: {}, 2: {}}
+    for part in walk(chain):
+        text = printed[slice(*part.at)]
+        if isinstance(part, (Name, Dot)):
+            inner = part.body if isinstance(part, Dot) else part
+            if isinstance(inner, Name) and not (study.is_index(inner) or inner in called):
+                found[0][text] = None
+                found[2][text + "^2"] = None
+        elif isinstance(part, Power) and isinstance(part.exponent, Number):
+            if isinstance(part.base, Name):
+                found[1][text] = None
+        elif isinstance(part, Elementary):
+            found[1][text] = None
+    return tuple(text for kind in found.values() for text in kind)
+
+
+def omit_words(words: Sequence[Token]) -> Iterator[Change]:
+    """The formula without one of its words; brackets, marks of scripts and relations stay."""
+    kept = {*_GROUPS, *_GROUPS.values(), "^", "_", ",", *RELATIONS}
+    for word in words:
+        if word.text not in kept:
+            yield replace(without(word, words), paired=False)
+
+
+def omit_parts(printed: str, chain: Chain, words: Sequence[Token]) -> Iterator[Change]:
+    """The formula without a factor, then without a denominator, then without a term."""
+    parts = list(_parts(chain))
+    for part in parts:
+        if isinstance(part, Product):
+            for factor in part.factors:
+                start, end = _widen(factor.at, words, _GROUPS)
+                if part.at[0] <= start < end <= part.at[1]:
+                    yield _alone(((start, end, ""),), part.at)
+    for part in parts:
+        if isinstance(part, Quotient) and printed.startswith("\\", part.at[0]):
+            top = _widen(part.top.at, words, _BRACKETS)
+            if part.at[0] < top[0] < top[1] < part.at[1]:
+                pieces = ((part.at[0], top[0], ""), (top[1], part.at[1], ""))
+                yield _alone(pieces, part.at)
+            if not isinstance(part.top, (Product, Sum)):
+                yield _alone(((*top, "1"),), part.at)
+    for part in parts:
+        if isinstance(part, Sum) and len(part.terms) > 1:
+            yield from _omit_terms(part, words)
+
+
+def _omit_terms(node: Sum, words: Sequence[Token]) -> Iterator[Change]:
+    signs = [_sign_before(term, words) for _, term in node.terms]
+    ends = [*(sign.start for sign in signs[1:] if sign is not None), node.at[1]]
+    if len(ends) != len(signs):
+        return
+    for i, end in enumerate(ends):
+        first = signs[i + 1] if i == 0 else None
+        start = node.at[0] if i == 0 else ends[i - 1]
+        if first is not None and first.text == "+":
+            end = first.end
+        yield _alone(((start, end, ""),), node.at)
+
+
+def _sign_before(term: Node, words: Sequence[Token]) -> Token | None:
+    start = _widen(term.at, words, _GROUPS)[0]
+    before = [w for w in words if w.end <= start]
+    return before[-1] if before and before[-1].text in ("+", "-", "\\pm", "\\mp") else None
+
+
+def put_in(
+    printed: str, chain: Chain, words: Sequence[Token], texts: Sequence[str]
+) -> Iterator[Change]:
+    """A factor more in a term: a power behind what it multiplies first, all else before it."""
+    places = list(_terms(printed, chain, words))
+    for text in texts:
+        for node, (start, end) in places:
+            number = text in NUMBERS
+            start = start if number else _behind_number(node, start)
+            about = (min(start, node.at[0]), end)
+            spots = [] if number and printed[start : start + 1].isdigit() else [start]
+            if not number and _ends_plainly(node, printed[:end]):
+                spots = [end, *spots] if "^" in text else [*spots, end]
+            for spot in spots:
+                yield _alone(((spot, spot, _apart(printed, spot, text)),), about)
+
+
+def _ends_plainly(node: Node, printed: str) -> bool:
+    """Whether a letter behind a term is not read, or mistaken, as the argument of a function."""
+    last = node.factors[-1] if isinstance(node, Product) else node
+    return isinstance(last, (Name, Power, Dot)) or printed[-1:] in (")", "]")
+
+
+def _apart(printed: str, place: int, text: str) -> str:
+    """The text, kept apart from the command that it follows and the letter that follows it."""
+    before = printed[:place].rpartition("\\")
+    if before[1] and before[2].isalpha() and text[:1].isalpha():
+        text = " " + text
+    after = text.rpartition("\\")
+    return text + " " if after[1] and after[2].isalpha() else text
+
+
+def _alone(pieces: tuple[tuple[int, int, str], ...], about: Place) -> Change:
+    return Change(pieces, (about[0], about[1]), paired=False)
+
+
+def _parts(node: Node) -> Iterator[Node]:
+    """All parts that are not inside a derivative, an integral or a function."""
+    yield node
+    for part in _children(node):
+        yield from _parts(part)
+
+
+def _children(node: Node) -> Sequence[Node]:
+    if isinstance(node, Chain):
+        return node.parts
+    if isinstance(node, Sum):
+        return [term for _, term in node.terms]
+    if isinstance(node, Product):
+        return node.factors
+    if isinstance(node, Quotient):
+        return (node.top, node.bottom)
+    if isinstance(node, (Root, Bound)):
+        return (node.body,)
+    if isinstance(node, Power):
+        return (node.base,)
+    if isinstance(node, Cross):
+        return (node.left, node.right)
+    return node.items if isinstance(node, Listing) else ()
+
+
+def _terms(printed: str, chain: Chain, words: Sequence[Token]) -> Iterator[tuple[Node, Place]]:
+    """The parts that a further factor can multiply, with what stands around them in brackets."""
+    for part in _parts(chain):
+        if isinstance(part, (Product, Power)):
+            continue  # their factors and bases are no terms
+        for node in _children(part):
+            start, end = _widen(node.at, words, _BRACKETS)
+            bare = (start, end) == tuple(node.at)
+            unbraced = isinstance(part, Quotient) and printed[start - 1 : start] != "{"
+            if not unbraced and not (isinstance(node, Sum) and bare):
+                yield node, (start, end)
+
+
+def _behind_number(node: Node, start: int) -> int:
+    """Where letters begin: ``2xy`` becomes ``2mxy``."""
+    first = node.factors[0] if isinstance(node, Product) else node
+    numeral = isinstance(first, Number) or (
+        isinstance(first, Quotient)
+        and isinstance(first.top, Number)
+        and isinstance(first.bottom, Number)
+    )
+    return int(first.at[1]) if numeral and node is not first else start
+
+
+def _widen(at: Place, words: Sequence[Token], groups: dict[str, str]) -> Place:
+    """The place with the brackets that enclose just it."""
+    start, end = at
+    while True:
+        before = [w for w in words if w.end <= start][-1:]
+        after = [w for w in words if w.start >= end][:1]
+        if not (before and after and groups.get(before[0].text) == after[0].text):
+            return start, end
+        start, end = before[0].start, after[0].end
+
+
+_CLOSED_BY = {"(": ")", "[": "]", "{": "}"}
+_SIGNS = ("\\partial", "d")
+
+
+def close_brackets(printed: str, vocabulary: Vocabulary | None = None) -> str | None:
+    """The formula with all open brackets closed at its end, if that can be read."""
+    opened = _open_brackets(tokenize(printed))
+    if not opened:
+        return None
+    text = printed + _closers(opened)
+    try:
+        read(text, vocabulary)
+    except DefinitionError:
+        return None
+    return text
+
+
+def repairs(printed: str) -> list[Change]:
+    """What may close the brackets that are open: all of them at the end first, then the last one
+    at each place before.
+    """
+    words = tokenize(printed)
+    opened = _open_brackets(words)
+    if not opened:
+        return []
+    places = [w for w in reversed(words) if w.start >= opened[-1].end]
+    at_end = [insert(words[-1], _closers(opened), after=True)] if len(opened) > 1 else []
+    return at_end + [insert(w, _CLOSED_BY[opened[-1].text], after=True) for w in places]
+
+
+def _open_brackets(words: Sequence[Token]) -> list[Token]:
+    """Those that nothing closes; a bracket may close behind one inside it that does not."""
+    opened: list[Token] = []
+    for word in words:
+        if word.text in _CLOSED_BY:
+            opened.append(word)
+        fitting = [w for w in opened if _CLOSED_BY[w.text] == word.text]
+        if fitting:
+            opened.remove(fitting[-1])
+    return opened
+
+
+def _closers(opened: Sequence[Token]) -> str:
+    return "".join(_CLOSED_BY[word.text] for word in reversed(opened))
+
+
+def differentials(words: Sequence[Token]) -> Iterator[Change]:
+    r"""``\partial`` or ``d`` where only the other half of a fraction begins with it."""
+    for i, word in enumerate(words):
+        if word.text not in ("\\frac", "\\dfrac", "\\tfrac") or words[i + 1].text != "{":
+            continue
+        end = group_end(words, i + 1)
+        if end + 1 >= len(words) or words[end].text != "{":
+            continue
+        top, bottom, last = words[i + 2], words[end + 1], group_end(words, end)
+        for sign in _SIGNS:
+            if (top.text == sign) != (bottom.text == sign):
+                place = (bottom if top.text == sign else top).start
+                text = sign + " " if sign.startswith("\\") else sign
+                yield Change(((place, place, text),), (word.start, words[last - 1].end))
+
+
+def relations(words: Sequence[Token]) -> Iterator[Change]:
+    """In an expression without a relation: ``=`` for a sign between its terms, or ``=0`` after."""
+    if any(w.text in RELATIONS for w in words):
+        return
+    yield insert(words[-1], "=0", after=True)
+    depth = 0
+    for word in words:
+        depth += (word.text in _CLOSED_BY) - (word.text in _CLOSED_BY.values())
+        if depth == 0 and word.text in ("+", "-") and word is not words[0]:
+            yield replace_word(word, "=")
+
+
+def group_end(words: Sequence[Token], position: int) -> int:
+    """The position behind the group in braces that starts at ``position``."""
+    depth = 0
+    while position < len(words):
+        depth += (words[position].text == "{") - (words[position].text == "}")
+        position += 1
+        if depth == 0:
+            break
+    return position

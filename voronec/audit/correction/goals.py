@@ -1,22 +1,31 @@
-"""The value that each part of a false formula ought to have, at the point where it fails."""
+"""The value that each part of a false formula ought to have, at the point where it fails.
+
+A formula as a tree of places, each with the value that would make the formula true.
+
+If all but one place is right, its value is determined by the rest: the goal goes down from the
+whole to the parts, a changed value goes up.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from voronec.audit.comparisons import accelerations
 from voronec.audit.correction.sampling import Sampler, close
-from voronec.audit.correction.slots import Slot, plant
 from voronec.audit.display import Check
 from voronec.audit.hooks import call_hook
-from voronec.audit.latex.nodes import Chain, Node
+from voronec.audit.latex.nodes import Chain, Node, Number, Power, Product, Quotient, Root, Sum
+from voronec.audit.meaning import SENSELESS
 from voronec.audit.structure import names_constant, new_names, whole_name
 from voronec.audit.study import Study
 
-__all__ = ["Where", "along", "holds", "slots_of"]
+__all__ = ["Slot", "Where", "along", "holds", "plant", "slots_of"]
+
 
 Where = dict[str, int]
 
@@ -106,3 +115,126 @@ def _truths(left: Node, right: Node, check: Check, sampler: Sampler, where: Wher
         if factor and not close(abs(factor), 1.0):
             goals.append(factor * here)
     return goals
+
+
+Value = Callable[[Node], Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Slot:
+    """A part of the formula at ``node``, with its value, and the values that would mend the whole.
+
+    ``up`` takes another value of this part to the value that its parent then has.  The
+    contributions of the parts of a parent add up if ``adds`` is true of it, and multiply if
+    ``multiplies`` is.
+    """
+
+    node: Node
+    value: Any
+    goals: tuple[Any, ...]
+    parent: Slot | None = None
+    up: Callable[[Any], Any] = lambda value: value
+
+    @property
+    def at(self) -> tuple[int, int]:
+        """The place in the source."""
+        return tuple(self.node.at)
+
+    @property
+    def adds(self) -> bool:
+        """Whether changes of two parts add up."""
+        return isinstance(self.node, Sum)
+
+    @property
+    def multiplies(self) -> bool:
+        """Whether changes of two parts multiply."""
+        return isinstance(self.node, (Product, Quotient)) and not np.ndim(self.value)
+
+    def ancestors(self, value: Any) -> Iterator[tuple[Slot, Slot, Any]]:
+        """Parent, the part in it that changes, and the new value of that part; upwards."""
+        part = self
+        while part.parent is not None:
+            yield part.parent, part, value
+            value = part.up(value)
+            part = part.parent
+
+
+@dataclass(frozen=True)
+class _Branch:
+    """A child: what its value does to the parent, and what the parent's goal asks of it."""
+
+    node: Node
+    up: Callable[[Any], Any]
+    down: Callable[[Any], Sequence[Any]]
+
+
+def plant(
+    node: Node, goals: Sequence[Any], value: Value, parent: Slot | None = None, up: Any = None
+) -> list[Slot]:
+    """The slots of a tree, the whole first."""
+    own = value(node)
+    slot = Slot(node, own, tuple(goals), parent, up or (lambda v: v))
+    found = [slot]
+    try:
+        branches = _branches(node, own, value)
+    except SENSELESS:
+        return found
+    for branch in branches:
+        try:
+            below = [g for goal in goals for g in branch.down(goal)]
+            found += plant(branch.node, below, value, slot, branch.up)
+        except SENSELESS:
+            continue
+    return found
+
+
+def _branches(node: Node, own: Any, value: Value) -> list[_Branch]:
+    if isinstance(node, Sum):
+        return [_term(sign, term, own, value(term)) for sign, term in node.terms]
+    if isinstance(node, Product):
+        return [_factor(node, i, value) for i in range(len(node.factors))]
+    if isinstance(node, Quotient):
+        top, bottom = value(node.top), value(node.bottom)
+        below = _Branch(node.bottom, lambda v: _over(top, v), lambda goal: [_over(top, goal)])
+        above = _Branch(node.top, lambda v: v / bottom, lambda goal: [goal * bottom])
+        return [above] if np.ndim(top) else [above, below]
+    if isinstance(node, Power) and isinstance(node.exponent, Number) and not np.ndim(own):
+        n = int(node.exponent.text)
+        return [_Branch(node.base, lambda v: v**n, lambda goal: _roots(goal, n))]
+    if isinstance(node, Root) and node.index is None:
+        return [_Branch(node.body, _real_root, lambda goal: [goal**2] if goal >= 0 else [])]
+    return []
+
+
+def _term(sign: int, term: Node, own: Any, here: Any) -> _Branch:
+    return _Branch(
+        term,
+        lambda v: own + sign * (v - here),
+        lambda goal: [here + sign * (goal - own)],
+    )
+
+
+def _factor(node: Product, position: int, value: Value) -> _Branch:
+    """The other factors must be numbers, for a goal to be divided by them."""
+    others = [value(f) for i, f in enumerate(node.factors) if i != position]
+    if any(np.ndim(v) for v in others):
+        return _Branch(node.factors[position], lambda v: v, lambda goal: [])
+    rest = math.prod(others)
+    return _Branch(
+        node.factors[position], lambda v: v * rest, lambda goal: [goal / rest] if rest else []
+    )
+
+
+def _over(top: Any, bottom: Any) -> float:
+    return float(top) / float(bottom) if bottom else math.nan
+
+
+def _roots(goal: Any, n: int) -> list[float]:
+    if goal < 0 and n % 2 == 0:
+        return []
+    root = math.copysign(abs(goal) ** (1 / n), goal)
+    return [root, -root] if n % 2 == 0 else [root]
+
+
+def _real_root(value: Any) -> float:
+    return float(value) ** 0.5 if value >= 0 else math.nan

@@ -9,9 +9,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from voronec.audit.page.boxes import Box, read_boxes
-from voronec.audit.page.line_breaks import BINARY, RELATIONS, LineBreaks, break_lines
-from voronec.audit.page.marks import Marks
+from voronec.audit.page.boxes import (
+    BINARY,
+    RELATIONS,
+    Box,
+    LineBreaks,
+    Marks,
+    break_lines,
+    read_boxes,
+)
 from voronec.audit.page.phrases import (
     KINDS,
     MEANING,
@@ -20,11 +26,11 @@ from voronec.audit.page.phrases import (
     counts,
     end_sentence,
     group_ranges,
+    short,
     values,
     with_verdict,
 )
 from voronec.audit.page.symbols import LETTERS, SIGNS
-from voronec.audit.page.witness_points import short
 from voronec.audit.record import VERDICTS, Audit, FormulaRecord, Record
 from voronec.errors import DefinitionError
 

@@ -5,12 +5,16 @@ Kinds of boxes: ``letter``, ``upright``, ``number``, ``sign``, ``text``, ``funct
 ``scripts`` (base, below, above; ``text`` is ``limits`` where they stand under and over);
 ``primed``; ``fraction``; ``root`` (body, degree); ``accent`` and ``over`` with the sign in
 ``text``; ``table`` (rows of cells), ``text`` says how its columns are aligned, as ``rl``.
+
+Ranges of characters of a formula's source, as the boxes that they cover.
+
+Long formulas on several lines: how wide the parts of a formula are, and where to break it.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from voronec.audit.page.symbols import (
@@ -29,7 +33,19 @@ from voronec.audit.page.symbols import (
 )
 from voronec.errors import DefinitionError
 
-__all__ = ["Box", "Word", "is_closed", "read_boxes", "split_words"]
+__all__ = [
+    "BINARY",
+    "RELATIONS",
+    "Box",
+    "LineBreaks",
+    "Marks",
+    "Word",
+    "break_lines",
+    "is_closed",
+    "read_boxes",
+    "split_words",
+    "width",
+]
 
 
 _WORD = re.compile(
@@ -350,3 +366,193 @@ def _edge(word: Word) -> Box:
     if text.startswith("\\"):
         text = SIGNS.get(text[1:], text)
     return Box("sign", word.start, word.end, "" if text == "." else text)
+
+
+@dataclass(frozen=True)
+class Marks:
+    """Ranges (start, end) that are to be highlighted."""
+
+    ranges: Sequence[tuple[int, int]]
+
+    @classmethod
+    def of(cls, ranges: Sequence[tuple[int, int]], formula: Box) -> Marks:
+        """The ranges, where a change in a name's index or exponent is one of the whole name."""
+        names = sorted(_names(formula), key=lambda box: box.end - box.start)
+        return cls([_whole(names, a, b) for a, b in ranges])
+
+    def cover(self, box: Box) -> bool:
+        """Whether a box lies within one range, whatever its font, or the size of a bracket."""
+        start, end = box.start, box.end
+        if box.kind == "sign" and start < end:
+            start = end - 1
+        elif box.text == "font":
+            start, end = box.parts[0].start, box.parts[-1].end
+        return start < end and any(a <= start and end <= b for a, b in self.ranges)
+
+    def groups(self, parts: Sequence[Box]) -> Iterator[tuple[tuple[Box, ...], bool]]:
+        """The parts of a row in runs, each marked as a whole or not."""
+        run: list[Box] = []
+        marked = False
+        for box in parts:
+            covered = self.cover(box)
+            if run and covered != marked:
+                yield tuple(run), marked
+                run = []
+            marked = covered
+            run.append(box)
+        if run:
+            yield tuple(run), marked
+
+    def runs(self, box: Box) -> Iterator[tuple[Box, ...]]:
+        """The largest runs of boxes that are marked as a whole, in the order of print.
+
+        A run never reaches over the arguments of a command, or over the cells of a table.
+        """
+        if box.kind == "table":
+            for cell in (cell for row in box.parts for cell in row.parts):
+                yield from self.runs(cell)
+        elif box.kind == "row":
+            for group, marked in self.groups(box.parts):
+                if marked:
+                    yield group
+                else:
+                    for part in group:
+                        yield from self.runs(part)
+        else:
+            growing = box.kind == "fence" and box.text == "left"  # its two ends belong together
+            for part in box.parts[1:2] if growing else box.parts:
+                if self.cover(part):
+                    yield (part,)
+                else:
+                    yield from self.runs(part)
+
+
+_LETTERS = frozenset({"letter", "upright", "accent", "over", "primed", "unknown", "number"})
+
+
+def _names(box: Box) -> Iterator[Box]:
+    """The letters with an index or an exponent."""
+    if box.kind == "scripts" and not box.text:
+        base = box.parts[0]
+        if base.kind in _LETTERS or base.text in ("font", "group"):
+            yield box
+    for part in box.parts:
+        yield from _names(part)
+
+
+def _whole(names: Sequence[Box], start: int, end: int) -> tuple[int, int]:
+    """The narrowest name whose scripts hold the range, or the range itself."""
+    for name in names:
+        if start < end and name.parts[0].end <= start and end <= name.end:
+            return name.start, name.end
+    return start, end
+
+
+RELATIONS = frozenset("= < > ≠ ≤ ≥ ⩽ ⩾ ≡ ≈ ∼ ∈ → ↦ ⟼ ⇒ ⟺".split())
+BINARY = frozenset("+ − ± ∓ ⊕ ∧".split())
+INDENT = 2.0
+"""How far the second line and those after it begin to the right, in em."""
+_LETTER, _DIGIT, _OPERATOR, _SCRIPT = 0.55, 0.5, 1.3, 0.7  # in em
+
+
+def width(box: Box) -> float:
+    """How wide a box is in print, in em, roughly."""
+    parts = [width(part) for part in box.parts]
+    if box.kind == "space":
+        return float(box.text)
+    if box.kind == "sign":
+        wide = box.text in RELATIONS or box.text in BINARY
+        return _OPERATOR if wide else 0.9 if box.text in "∑∏∫" else 0.4
+    if box.kind in ("text", "function", "unknown", "number"):
+        return _DIGIT * len(box.text) + (0.3 if box.kind == "function" else 0)
+    if box.kind == "scripts":
+        base, below, above = parts
+        beside = _SCRIPT * max(below, above)
+        return max(base, beside) if box.text == "limits" else base + beside
+    if box.kind == "fraction":
+        return max(parts) + 0.2
+    if box.kind == "table":
+        return max(parts)
+    if not parts:
+        return _LETTER if box.kind in ("letter", "upright") else 0.0
+    return sum(parts) + {"root": 0.8, "primed": 0.3}.get(box.kind, 0.0)
+
+
+@dataclass(frozen=True)
+class _Item:
+    """A box on a line; ``depth`` counts the brackets around it that were opened."""
+
+    box: Box
+    depth: int
+
+
+@dataclass(frozen=True)
+class LineBreaks:
+    """The lines of a formula, and the fences that had to be opened for it."""
+
+    lines: tuple[tuple[Box, ...], ...]
+    opened: tuple[Box, ...]
+
+    @property
+    def width(self) -> float:
+        """How wide the widest line is, in em."""
+        indents = (INDENT if number else 0.0 for number in range(len(self.lines)))
+        return max(i + sum(map(width, x)) for i, x in zip(indents, self.lines, strict=True))
+
+
+def break_lines(row: Box, limit: float) -> LineBreaks:
+    """The parts of a row on lines that are about ``limit`` em wide at most.
+
+    A break comes before a relation, a sum's sign, or after a comma; between brackets only where
+    these would not fit in half a line.
+    """
+    if row.kind != "row" or width(row) <= limit:
+        return LineBreaks((row.parts if row.kind == "row" else (row,),), ())
+    opened: list[Box] = []
+    rest = _open(row.parts, limit / 2, 0, opened)
+    lines: list[tuple[Box, ...]] = []
+    while rest:
+        cut = _cut(rest, limit - (INDENT if lines else 0.0))
+        lines.append(tuple(item.box for item in rest[:cut]))
+        rest = rest[cut:]
+    return LineBreaks(tuple(lines), tuple(opened))
+
+
+def _open(parts: tuple[Box, ...], limit: float, depth: int, opened: list[Box]) -> list[_Item]:
+    found: list[_Item] = []
+    for box in parts:
+        inner = box.parts[1] if box.kind == "fence" else box
+        if box.kind == "fence" and inner.kind == "row" and width(box) > limit:
+            opened.append(box)
+            found.append(_Item(box.parts[0], depth + 1))
+            found += _open(inner.parts, limit, depth + 1, opened)
+            found.append(_Item(box.parts[2], depth + 1))
+        else:
+            found.append(_Item(box, depth))
+    return found
+
+
+def _cut(items: list[_Item], limit: float) -> int:
+    """How many items the next line takes."""
+    if sum(width(item.box) for item in items) <= limit:
+        return len(items)
+    best, score, taken = len(items), float("-inf"), 0.0
+    for position, item in enumerate(items):
+        if position and _breaks(items[position - 1], item):
+            over = taken > limit
+            found = (-taken if over else taken / limit) - 0.3 * item.depth
+            found += 0.4 * (item.depth == 0 and item.box.text in RELATIONS and not over)
+            found += 0.6 * (items[position - 1].box.kind == "space" and not over)
+            if found > score and (taken > 0.25 * limit):
+                best, score = position, found
+        taken += width(item.box)
+    return best
+
+
+def _breaks(before: _Item, item: _Item) -> bool:
+    """Whether a line may end between two items."""
+    if before.box.kind == "space" and float(before.box.text) >= 1 and item.box.kind != "space":
+        return True
+    if item.box.kind != "sign" or item.box.text not in RELATIONS | BINARY:
+        return False
+    return before.box.kind != "sign" or before.box.text in (")", "]", "}", "|", "!")

@@ -20,11 +20,13 @@ from voronec.audit.page.phrases import (
     counts,
     end_sentence,
     group_ranges,
+    plain,
+    readable,
+    short,
     values,
     with_verdict,
 )
 from voronec.audit.page.symbols import LETTERS
-from voronec.audit.page.witness_points import plain, readable, short
 from voronec.audit.record import VERDICTS, Audit, FormulaRecord, Record
 
 __all__ = [

@@ -6,9 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from html import escape
 
-from voronec.audit.page.boxes import Box, read_boxes
-from voronec.audit.page.line_breaks import BINARY, RELATIONS, LineBreaks, break_lines, width
-from voronec.audit.page.marks import Marks
+from voronec.audit.page.boxes import (
+    BINARY,
+    RELATIONS,
+    Box,
+    LineBreaks,
+    Marks,
+    break_lines,
+    read_boxes,
+    width,
+)
 from voronec.errors import DefinitionError
 
 __all__ = ["fits", "mathml", "prose"]

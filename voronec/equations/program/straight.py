@@ -17,8 +17,7 @@ import symengine as se
 from voronec.algebra.graphs import is_atom
 from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
-from voronec.equations.program.low_rank import Elimination, eliminations
-from voronec.equations.program.triangular import coupled_rows
+from voronec.equations.program.low_rank import Elimination, coupled_rows, eliminations
 from voronec.equations.program.walls import is_rough, plain_roots
 from voronec.equations.program.weight import evaluation_weight, taylor_weight
 from voronec.errors import DefinitionError

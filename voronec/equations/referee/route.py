@@ -5,26 +5,46 @@
 
 This is [Theory, eq. (13)].  Rows of A that depend on others are left out: the accelerations do not
 feel them.
+
+Points at which equations are evaluated: who needs a value, and numbers taken exactly.
+
+Linear systems whose rank is found on the way, in mpmath at the working precision.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+import operator
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 
 import mpmath as mp
 import sympy as sp
 
 from voronec.algebra.arguments import POINT, accepts, require_digits
+from voronec.algebra.symbols import plain_name, time
+from voronec.algebra.text import as_expression, exact_number
 from voronec.declaration.system import System, require_system
-from voronec.equations.referee.linear import Elimination, Vector, eliminate, negligible
+from voronec.equations.referee.names import rate_names
 from voronec.equations.referee.plan import Plan, make_plan
-from voronec.equations.referee.point import Exact, at_precision, read_point
 from voronec.errors import DefinitionError
 
-__all__ = ["MultiplierSolution", "Reactions", "multiplier_acceleration", "reaction_forces", "solve"]
+__all__ = [
+    "Elimination",
+    "MultiplierSolution",
+    "Reactions",
+    "at_precision",
+    "eliminate",
+    "multiplier_acceleration",
+    "negligible",
+    "reaction_forces",
+    "read_point",
+    "solve",
+]
 
 
 GIVEN = 1e-9
@@ -370,3 +390,226 @@ def _later_solution(
 def _plan(system: System) -> Plan:
     """The plan of a system, made once."""
     return system.memo.once("plan of the referee", lambda: make_plan(system))
+
+
+Exact: TypeAlias = Fraction | mp.mpf | sp.Expr
+"""A number without error: a fraction, a binary number of any length, or an exact expression."""
+LARGEST = 1e6
+"""Logarithm of the largest power that a number may hold: towers of exponentials have no end."""
+
+
+def read_point(system: System, point: Mapping[Any, Any], held: Set[str]) -> dict[str, Exact]:
+    """The point by plain names, completed by the parameters' default values.
+
+    Every coordinate, velocity and parameter must get a value; the time, inputs and their rates only
+    where they occur, by their names, that is among ``held``.
+    """
+    constants = [p for p in system.parameters if isinstance(p.symbol, sp.Symbol)]
+    needed = [*map(plain_name, (*system.coordinates, *system.velocities))]
+    needed += [p.name for p in constants]
+    clock = plain_name(time)
+    driven = {name: u for u in system.inputs for name in rate_names(u)}
+    values: dict[str, Exact] = {}
+    for key, number in point.items():
+        name = _name(system, key)
+        if name not in needed and name not in (clock, *driven):
+            raise DefinitionError(
+                f"system '{system.name}': the point names '{name}', which is not one of its "
+                f"coordinates, velocities and parameters; these are {', '.join(needed)}"
+            )
+        if name in values:
+            raise DefinitionError(f"the point gives '{name}' twice; give it once")
+        values[name] = _exact(name, number)
+    for parameter in constants:
+        if parameter.value is not None and parameter.name not in values:
+            values[parameter.name] = _exact(parameter.name, parameter.value)
+    if clock in held:
+        needed.append(clock)
+    for name in sorted(driven.keys() & held - values.keys()):
+        raise DefinitionError(
+            f"system '{system.name}': the unknown function '{driven[name]}' has no value; add "
+            f"'{name}' to the point"
+        )
+    missing = [name for name in needed if name not in values]
+    if missing:
+        raise DefinitionError(
+            f"system '{system.name}': the point gives no value for "
+            f"{', '.join(repr(name) for name in missing)}; add it to the point"
+        )
+    values.setdefault(clock, Fraction(0))
+    return values
+
+
+def at_precision(values: Mapping[str, Exact]) -> dict[str, Any]:
+    """The numbers as ``mpf`` at the working precision of mpmath."""
+    return {name: _round(value) for name, value in values.items()}
+
+
+def _name(system: System, key: Any) -> str:
+    if isinstance(key, str):
+        return key
+    try:
+        return plain_name(as_expression(key))
+    except DefinitionError:
+        raise DefinitionError(
+            f"system '{system.name}': the point has the key '{key}', which is neither a symbol "
+            "nor a name"
+        ) from None
+
+
+def _exact(name: str, number: Any) -> Exact:
+    """A number as it stands: decimals in strings are decimals, floats are binary."""
+    try:
+        value = _read(number)
+    except (DefinitionError, TypeError, ValueError, OverflowError, AttributeError):
+        value = None
+    if value is None:
+        raise DefinitionError(
+            f"the value of '{name}' is '{number}', which is not a real number "
+            "of a size that can be written"
+        )
+    return value
+
+
+def _read(number: Any) -> Exact | None:
+    if isinstance(number, (str, Decimal)):
+        return _read(exact_number(str(number), "a number"))
+    if isinstance(number, Fraction):
+        return number
+    if isinstance(number, float):
+        return Fraction(float(number)) if math.isfinite(number) else None
+    if isinstance(number, (mp.mpf, sp.Float)):
+        raw = mp.mp.make_mpf(number._mpf_)
+        return raw if mp.isfinite(raw) else None
+    if isinstance(number, sp.Lambda):
+        return None
+    if hasattr(number, "__index__") and not isinstance(number, sp.Basic):
+        return Fraction(operator.index(number))
+    value = as_expression(number)
+    if isinstance(value, sp.Rational):
+        return Fraction(int(value.p), int(value.q))
+    if isinstance(value, sp.Float):
+        return _read(value)
+    if not isinstance(value, sp.Expr) or not value.is_number or _is_too_large(value):
+        return None
+    return value if value.is_real and value.is_finite else None
+
+
+def _is_too_large(value: sp.Expr) -> bool:
+    """Whether a power in it is beyond all sizes; what stands inside is looked at first."""
+    for node in sp.postorder_traversal(value):
+        if isinstance(node, sp.Pow | sp.exp):
+            base, exponent = node.as_base_exp()
+            size = abs(sp.log(sp.N(base, 5)) * sp.N(exponent, 5)) if base != 0 else 0
+        elif isinstance(node, sp.sinh | sp.cosh):
+            size = abs(sp.N(node.args[0], 5))
+        else:
+            continue
+        if not size < LARGEST:
+            return True
+    return False
+
+
+def _round(value: Exact) -> Any:
+    if isinstance(value, Fraction):
+        return mp.mpf(value.numerator) / value.denominator
+    if isinstance(value, mp.mpf):
+        return +value
+    return mp.mp.make_mpf(sp.N(value, mp.mp.dps + 5)._mpf_)
+
+
+Vector = list[Any]
+
+
+@dataclass(frozen=True)
+class Elimination:
+    """What Gauss-Jordan elimination of A x = b found.
+
+    ``pivots`` are (row, column) pairs: these rows are independent.  ``leftover`` maps every other
+    row to what remains of its right side, which is zero where the system is consistent.
+    ``solution`` has zeros in the ``free`` columns; ``kernel`` has a vector for each free column.
+    ``size`` is the largest right side; rows were divided by their largest coefficient.
+    """
+
+    pivots: tuple[tuple[int, int], ...]
+    leftover: dict[int, Any]
+    free: tuple[int, ...]
+    solution: Vector
+    kernel: tuple[Vector, ...]
+    size: Any
+
+    @property
+    def independent(self) -> list[int]:
+        """The rows that carry a pivot, in their order."""
+        return sorted(row for row, _ in self.pivots)
+
+
+def negligible() -> Any:
+    """Where a pivot counts as zero: half the working digits, relative to its row."""
+    return mp.mpf(10) ** (-mp.mp.dps // 2)
+
+
+def eliminate(
+    matrix: Sequence[Vector],
+    right: Vector,
+    width: int,
+    first: int | None = None,
+) -> Elimination:
+    """Solve A x = b with the largest pivot of all, A having ``width`` columns.
+
+    The ``first`` rows are used up before later ones are touched: so rows that hold exactly come
+    before rows that hold to the accuracy of somebody's numbers.
+    """
+    rows = _scale_rows(matrix, right)
+    count = len(rows)
+    groups = [range(count)] if first is None else [range(first), range(first, count)]
+    size = max((abs(row[-1]) for row in rows), default=mp.mpf(0))
+    tiny = negligible()
+    pivots: list[tuple[int, int]] = []
+    columns = list(range(width))
+    for group in groups:
+        open_rows = list(group)
+        while open_rows and columns:
+            largest, r, c = max((abs(rows[r][c]), -r, -c) for r in open_rows for c in columns)
+            if largest <= tiny:
+                break
+            r, c = -r, -c
+            pivots.append((r, c))
+            open_rows.remove(r)
+            columns.remove(c)
+            _clear(rows, r, c)
+    solution = [mp.mpf(0)] * width
+    kernel = [[mp.mpf(int(c == f)) for c in range(width)] for f in columns]
+    for r, c in pivots:
+        solution[c] = rows[r][-1]
+        for vector, f in zip(kernel, columns, strict=True):
+            vector[c] = -rows[r][f]
+    used = {r for r, _ in pivots}
+    leftover = {r: rows[r][-1] for r in range(count) if r not in used}
+    return Elimination(tuple(pivots), leftover, tuple(columns), solution, tuple(kernel), size)
+
+
+def _scale_rows(matrix: Sequence[Vector], right: Vector) -> list[Vector]:
+    """Augmented rows, each divided by its largest coefficient unless all of them are noise."""
+    sizes = [max(map(abs, row), default=mp.mpf(0)) for row in matrix]
+    largest = max(sizes, default=mp.mpf(0)) or mp.mpf(1)
+    floor = largest * negligible()
+    scales = [size if size > floor else largest for size in sizes]
+    return [
+        [entry / scale for entry in (*row, b)]
+        for row, b, scale in zip(matrix, right, scales, strict=True)
+    ]
+
+
+def _clear(rows: list[Vector], pivot_row: int, column: int) -> None:
+    """Make the pivot 1 and everything else in its column 0."""
+    pivot = rows[pivot_row][column]
+    base = rows[pivot_row] = [entry / pivot if entry else entry for entry in rows[pivot_row]]
+    filled = [j for j, entry in enumerate(base) if entry]
+    for index, row in enumerate(rows):
+        factor = row[column]
+        if index == pivot_row or not factor:
+            continue
+        for j in filled:
+            row[j] -= factor * base[j]
+        row[column] = mp.mpf(0)

@@ -13,7 +13,7 @@ import numpy as np
 
 from voronec.algebra.tape import as_ball
 from voronec.equations.program import Program
-from voronec.equations.program.digits import compiled_digits
+from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.recurrences import Recurrences, fixed_point, recurrences
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
 from voronec.motion.steppers.step_loop import IntegratorFailure, Levels, Stride, march

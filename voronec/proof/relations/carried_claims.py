@@ -23,10 +23,10 @@ from voronec.errors import EngineLimit
 from voronec.proof.claims import Claim
 from voronec.proof.measures import defect
 from voronec.proof.relations.dependence import foreign
+from voronec.proof.relations.functions import Infinite
 from voronec.proof.relations.kinds import state_rank
 from voronec.proof.relations.orders import vanishes
 from voronec.proof.relations.statemap import StateMap
-from voronec.proof.relations.substitution import Infinite
 from voronec.proof.walls import across_walls
 
 __all__ = ["corresponds", "pulled_claims", "volume_factor"]

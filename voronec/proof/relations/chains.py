@@ -19,11 +19,10 @@ from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.relations.decision import complete_velocities, decided_at_limit
 from voronec.proof.relations.families import Course, carry_back
-from voronec.proof.relations.functions import Functions, formal
+from voronec.proof.relations.functions import Functions, formal, substitute
 from voronec.proof.relations.orders import all_at_zero, at_zero
 from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.statemap import StateMap
-from voronec.proof.relations.substitution import substitute
 
 __all__ = ["CheckedSquare", "check_square"]
 

@@ -11,7 +11,7 @@ from voronec.algebra.conditions import split_hypotheses
 from voronec.algebra.normal import quotient
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.errors import EngineLimit
-from voronec.proof.relations.substitution import Infinite, substitute
+from voronec.proof.relations.functions import Infinite, substitute
 
 __all__ = ["all_at_zero", "at_zero", "vanishes"]
 

@@ -1,0 +1,568 @@
+"""Two derivations side by side: two systems, or a stored one and today's.
+
+What was derived of a system, in a form that can be stored and compared entry by entry.
+
+Two derivations compared: facts, entries with verdicts, accelerations, a motion.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import mpmath as mp
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from voronec.algebra.symbols import is_symbolic_name, plain_name, time
+from voronec.algebra.text import as_expression, exact_number, read_sympy_text
+from voronec.algebra.typeset import html_table, plain_text
+from voronec.algebra.verdicts import prove_equal
+from voronec.declaration.reading import quote
+from voronec.declaration.system import System
+from voronec.equations.curvature import curvature_of, vertical_parts
+from voronec.equations.reduction import descend
+from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.errors import DefinitionError, EngineLimit, VoronecError
+
+__all__ = [
+    "Comparison",
+    "Row",
+    "StoredDerivation",
+    "compare",
+    "is_general",
+    "random_point",
+    "read_derivation",
+    "read_expression",
+]
+
+
+POINT_DIGITS = 90
+"""How well a point lies on the relations between redundant coordinates."""
+
+
+def is_general(system: System) -> bool:
+    """Whether a system holds functions that nobody has given, as E(u, v); it has no numbers."""
+    held = (system.lagrangian, *system.constraints, *system.forces.values())
+    named = {*system.coordinates}
+    return any(e.atoms(AppliedUndef) - named for e in map(as_expression, held))
+
+
+def random_point(system: System, seed: int = 0) -> dict[Any, Any]:
+    """Coordinates, velocities and the time; parameters near their defaults, with their signs.
+
+    Everything is rational but for redundant coordinates, which Newton's steps bring onto their
+    relations.
+    """
+    source = random.Random(f"{system.name} {seed}")
+    state = {s: _number(source) for s in (*system.coordinates, *system.velocities, time)}
+    scaled = {}
+    for parameter in system.parameters:
+        value = 1 if parameter.value is None else parameter.value
+        scaled[parameter.symbol] = value * (1 + abs(_number(source)) / 4)
+    return _on_relations(system, scaled | state)
+
+
+def _number(source: random.Random) -> sp.Rational:
+    return sp.Rational(source.choice((-1, 1)) * source.randint(200, 1500), 1009)
+
+
+def _on_relations(system: System, point: Mapping[Any, Any]) -> dict[Any, Any]:
+    names, relations = system.coordinates, sp.Matrix(system.fibration.relations)
+    moved = dict(point)
+    if not relations:
+        return moved
+    with mp.workdps(POINT_DIGITS):
+        for _ in range(12):
+            at = {k: sp.N(v, POINT_DIGITS) for k, v in moved.items()}
+            slope = relations.jacobian(names).xreplace(at).evalf(POINT_DIGITS)
+            residual = relations.xreplace(at).evalf(POINT_DIGITS)
+            step = slope.T * (slope * slope.T).LUsolve(residual)
+            moved |= {n: at[n] - d for n, d in zip(names, step, strict=True)}
+    return moved
+
+
+FORMAT = 1
+LONGEST = 20_000
+"""A group of entries with more characters is not stored; the values at points stand for it."""
+POINTS = 2
+UNASKED = "not computed"
+DIGITS = 30
+FACTS = ("base", "fibre", "velocities", "parameters", "relations", "kind", "growth", "integrable")
+
+Groups = Mapping[str, Mapping[str, str]]
+
+
+@dataclass(frozen=True)
+class StoredDerivation:
+    """A derivation: ``facts`` on the system, ``groups`` of entries as text, values at ``points``.
+
+    An entry that a group does not list is zero.  A group that is missing was too long, or beyond
+    the budget of the exact algebra.  A group on the invariants names them by itself.  ``points``
+    are pairs of a point and the accelerations there; ``positive`` is declared to be so.
+    """
+
+    name: str
+    facts: Mapping[str, Any]
+    groups: Groups
+    ideals: Mapping[str, list[str]]
+    points: tuple[tuple[Mapping[str, str], Mapping[str, str]], ...] = ()
+    positive: tuple[str, ...] = ()
+    equations: VoronecEquations | None = field(default=None, repr=False, compare=False)
+
+    @classmethod
+    def of(cls, eqs: VoronecEquations) -> StoredDerivation:
+        """Everything that is compared, of a system as it is derived now."""
+        relations = [plain_text(r) for r in eqs.system.fibration.relations]
+        groups, ideals = _entry_groups(eqs), {"": relations}
+        reduced, rules = _reduced_equations(eqs)
+        return cls(
+            eqs.system.name,
+            _plain_facts(eqs) | {"relations": relations},
+            groups | reduced,
+            ideals | rules,
+            tuple(_points(eqs)),
+            tuple(dict.fromkeys(_positive(eqs.system))),
+            eqs,
+        )
+
+    def compact(self) -> StoredDerivation:
+        """The compact form: without groups that are too long."""
+        short = {k: g for k, g in self.groups.items() if sum(map(len, g.values())) <= LONGEST}
+        return replace(self, groups=short)
+
+    def as_dict(self) -> dict[str, Any]:
+        """What a file holds."""
+        return {
+            "format": FORMAT,
+            "system": self.name,
+            **self.facts,
+            "groups": {k: dict(g) for k, g in self.groups.items()},
+            "ideals": dict(self.ideals),
+            "positive": [*self.positive],
+            "points": [{"at": dict(at), "acceleration": dict(a)} for at, a in self.points],
+        }
+
+    def text(self) -> str:
+        """The compact form as JSON, the same for the same derivation."""
+        return json.dumps(self.compact().as_dict(), indent=1, ensure_ascii=False) + "\n"
+
+    @classmethod
+    def from_dict(cls, data: Any, place: str) -> StoredDerivation:
+        """Read what ``as_dict`` made; ``DefinitionError`` where it is something else."""
+        try:
+            if data["format"] != FORMAT:
+                raise DefinitionError(
+                    f"{place} has the format {data['format']}, not {FORMAT}; store it again"
+                )
+            points = tuple((p["at"], p["acceleration"]) for p in data["points"])
+            facts = {fact: data[fact] for fact in FACTS}
+            groups = {k: dict(g) for k, g in data["groups"].items()}
+            positive = tuple(data.get("positive", ()))  # older files say nothing of signs
+            return cls(data["system"], facts, groups, dict(data["ideals"]), points, positive)
+        except (KeyError, TypeError, ValueError, AttributeError):
+            raise DefinitionError(
+                f"{place} holds no derivation; make one by: voronec derive NAME --store FILE.json"
+            ) from None
+
+
+def _positive(system: System) -> Iterator[str]:
+    """What is declared to be positive, in names of parameters."""
+    own = {p.symbol: sp.Symbol(p.name) for p in system.parameters}
+    yield from (p.name for p in system.parameters if p.is_positive)
+    for condition in system.conditions:
+        for part in condition.args if isinstance(condition, sp.And) else (condition,):
+            if isinstance(part, sp.StrictGreaterThan | sp.StrictLessThan):
+                yield plain_text((part.gts - part.lts).xreplace(own))
+
+
+def read_derivation(path: str | Path) -> StoredDerivation:
+    """The derivation that a file holds."""
+    try:
+        data = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise DefinitionError(f"'{path}' cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        raise DefinitionError(f"'{path}' is not JSON: {error}") from None
+    return StoredDerivation.from_dict(data, f"'{path}'")
+
+
+def _plain_facts(eqs: VoronecEquations) -> dict[str, Any]:
+    """Brackets of fields that hold unknown functions grow beyond use: no growth vector then."""
+    system, general = eqs.system, is_general(eqs.system)
+    return {
+        "base": _names(system.fibration.base),
+        "fibre": _names(system.fibration.fibre),
+        "velocities": _names(system.velocities),
+        "parameters": [p.name for p in system.parameters],
+        "kind": _within(lambda: eqs.kind),
+        "growth": UNASKED if general else _within(lambda: [int(n) for n in eqs.growth]),
+        "integrable": UNASKED if general else _within(lambda: [i + 1 for i in eqs.integrable]),
+    }
+
+
+def _within(make: Callable[[], Any]) -> Any:
+    """A fact; ``undecided`` where it is beyond the budget."""
+    try:
+        return make()
+    except EngineLimit:
+        return "undecided"
+
+
+def _names(symbols: Iterable[Any]) -> list[str]:
+    return [plain_name(s) for s in symbols]
+
+
+def _entry_groups(eqs: VoronecEquations) -> dict[str, dict[str, str]]:
+    """Rates, mass, force and curvature, where they have an exact normal form."""
+    if not eqs.in_normal_form:
+        return {}
+    v = _names(eqs.velocities)
+    found = {
+        "rates": _nonzero(zip(_names(eqs.coordinates), eqs.rates, strict=True)),
+        "mass": _symmetric(v, eqs.mass),
+        "force": _nonzero(zip(v, eqs.force, strict=True)),
+    }
+    if eqs.has_coordinate_frame:
+        try:
+            parts = vertical_parts(eqs.exact)
+        except EngineLimit:
+            return found
+        found["curvature"] = _curvature(eqs, parts)
+    return found
+
+
+def _curvature(eqs: VoronecEquations, parts: Any) -> dict[str, str]:
+    a = curvature_of(parts, eqs.definition, eqs.door.outward)
+    base, fibre = (_names(part) for part in (eqs.system.fibration.base, eqs.system.fibration.fibre))
+    pairs = [(i, j) for i in range(len(base)) for j in range(len(base)) if i < j]
+    entries = [
+        (f"{name}[{base[i]},{base[j]}]", a[nu, i, j])
+        for nu, name in enumerate(fibre)
+        for i, j in pairs
+    ]
+    entries += [
+        (f"{name}[{base[i]}]", a.time[nu, i])
+        for nu, name in enumerate(fibre)
+        for i in range(len(base))
+    ]
+    return _nonzero(entries)
+
+
+def _reduced_equations(
+    eqs: VoronecEquations,
+) -> tuple[dict[str, dict[str, str]], dict[str, list[str]]]:
+    """The equations in the invariants, and the relations among these."""
+    if not eqs.system.invariants:
+        return {}, {}
+    try:
+        found = descend(eqs)
+    except (DefinitionError, EngineLimit):
+        return {}, {}
+    v = _names(eqs.velocities)
+    groups = {
+        "reduced rates": _nonzero(zip(map(str, found.invariants), found.rates, strict=True)),
+        "reduced mass": _symmetric(v, found.mass),
+        "reduced force": _nonzero(zip(v, found.force, strict=True)),
+    }
+    return groups, {"reduced": [plain_text(r) for r in found.relations]}
+
+
+def _symmetric(names: list[str], matrix: Any) -> dict[str, str]:
+    size = range(len(names))
+    return _nonzero((f"{names[i]},{names[j]}", matrix[i, j]) for i in size for j in size if i <= j)
+
+
+def _nonzero(pairs: Iterable[tuple[str, Any]]) -> dict[str, str]:
+    return {name: plain_text(e) for name, e in pairs if e != 0}
+
+
+def _points(eqs: VoronecEquations) -> Iterable[tuple[dict[str, str], dict[str, str]]]:
+    """The accelerations at a few points where there are some."""
+    for seed in range(0 if is_general(eqs.system) else POINTS):
+        point = random_point(eqs.system, seed)
+        try:
+            found = eqs.acceleration(point, digits=DIGITS)
+        except (DefinitionError, EngineLimit):
+            continue
+        at = {plain_name(k): _digits(x) for k, x in point.items() if _is_name(k)}
+        yield at, {plain_name(q): str(a) for q, a in found.items()}
+
+
+def _is_name(thing: Any) -> bool:
+    try:
+        return bool(plain_name(thing))
+    except DefinitionError:
+        return False
+
+
+def _digits(value: Any) -> str:
+    number = as_expression(value)
+    return str(number) if number.is_Rational else str(sp.N(number, 60))
+
+
+def read_expression(text: Any) -> sp.Expr:
+    """What ``plain_text`` wrote; every name is a symbol but ``pi``, an unknown function a function.
+
+    Raises ``DefinitionError`` for anything that is no expression.
+    """
+    if not isinstance(text, str):
+        raise DefinitionError(f"'{quote(text)}' is no text of an expression")
+    return read_sympy_text(text, "a stored expression")
+
+
+AGREEMENT = sp.Float("1e-24", 30)
+"""How far accelerations of 30 digits may lie apart, relative to the largest."""
+SEEN = 201
+"""At how many instants motions are compared."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One thing compared.
+
+    ``status`` is ``identical`` (the same text), ``proved`` (written differently, and equal),
+    ``refuted``, ``undecided``, ``numeric`` (numbers that agree to 24 digits), or, of facts,
+    ``different``.
+    """
+
+    group: str
+    name: str
+    status: str
+    first: str
+    second: str
+    how: str = ""
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison:
+    """All that was compared of ``first`` and ``second``.
+
+    ``deviations`` gives the largest difference of each variable along the motion of the first
+    one's scene ``default``; ``remark`` says why there are none.
+    """
+
+    first: str
+    second: str
+    rows: tuple[Row, ...]
+    deviations: dict[str, float]
+    remark: str = ""
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.rows)} rows, {len(self.differences)} different"
+        return f"Comparison({self.first!r}, {self.second!r}, {counts})"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: each row with its verdict."""
+        rows = [(f"{r.group}: {r.name}", f"{r.status}: {r.first} | {r.second}") for r in self.rows]
+        return html_table(f"{self.first} and {self.second}", rows)
+
+    @property
+    def differences(self) -> tuple[Row, ...]:
+        """What is not the same, or not known to be."""
+        return tuple(r for r in self.rows if r.status not in ("identical", "proved", "numeric"))
+
+    @property
+    def rewritten_rows(self) -> tuple[Row, ...]:
+        """What is written differently, and proved equal."""
+        return tuple(r for r in self.rows if r.status == "proved")
+
+    @property
+    def equal(self) -> bool:
+        """Whether everything is the same."""
+        return not self.differences
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything, as data."""
+        return {
+            "first": self.first,
+            "second": self.second,
+            "equal": self.equal,
+            "rows": [vars(row) for row in self.rows],
+            "deviations": self.deviations,
+            "remark": self.remark,
+        }
+
+
+Side = System | VoronecEquations | StoredDerivation
+
+
+def compare(first: Side, second: Side) -> Comparison:
+    """Compare what can be compared: entries of the same variables, values at the same points.
+
+    Either side is a system, its equations, or what was kept of an earlier derivation.
+    """
+    first, second = _derivation_of(first), _derivation_of(second)
+    rows = [
+        *_facts(first, second),
+        *(row for group in _groups(first, second) for row in _entries(first, second, group)),
+        *_values(first, second),
+    ]
+    deviations, remark = _motions(first, second)
+    return Comparison(first.name, second.name, tuple(rows), deviations, remark)
+
+
+def _derivation_of(side: Side) -> StoredDerivation:
+    if isinstance(side, StoredDerivation):
+        return side
+    return StoredDerivation.of(side if isinstance(side, VoronecEquations) else derive(side))
+
+
+def _facts(first: StoredDerivation, second: StoredDerivation) -> Iterator[Row]:
+    for fact in FACTS:
+        ours, theirs = (_show(d.facts[fact]) for d in (first, second))
+        status = "identical" if ours == theirs else "different"
+        if "undecided" in (ours, theirs) and ours != theirs:
+            status = "undecided"
+        yield Row("facts", fact, status, ours, theirs)
+    ours, theirs = (str(_dimension(d)) for d in (first, second))
+    yield Row("facts", "dimension", "identical" if ours == theirs else "different", ours, theirs)
+
+
+def _dimension(d: StoredDerivation) -> int:
+    """The dimension of the space of states."""
+    facts = d.facts
+    size = sum(len(facts[part]) for part in ("base", "fibre", "velocities"))
+    return size - len(facts["relations"])
+
+
+def _show(fact: Any) -> str:
+    return ", ".join(map(str, fact)) if isinstance(fact, list) else str(fact)
+
+
+def _groups(first: StoredDerivation, second: StoredDerivation) -> Iterator[str]:
+    """The groups of entries that stand in the same variables on both sides."""
+
+    def same(*parts: str) -> bool:
+        return all({*first.facts[p]} == {*second.facts[p]} for p in parts)
+
+    if same("velocities"):
+        for group in ("rates", "mass", "force", "reduced rates", "reduced mass", "reduced force"):
+            if group in first.groups and group in second.groups:
+                yield group
+    if same("base", "fibre") and all("curvature" in d.groups for d in (first, second)):
+        yield "curvature"
+
+
+def _entries(first: StoredDerivation, second: StoredDerivation, group: str) -> Iterator[Row]:
+    ours, theirs = first.groups[group], second.groups[group]
+    part = "reduced" if group.startswith("reduced") else ""
+    known = [*_conditions(first), *_conditions(second)]
+    for name in dict.fromkeys((*ours, *theirs)):
+        a, b = ours.get(name, "0"), theirs.get(name, "0")
+        if a == b:
+            yield Row(group, name, "identical", a, b)
+            continue
+        ideal = [*map(read_expression, first.ideals.get(part, ())), *known]
+        verdict = prove_equal(read_expression(a), read_expression(b), ideal)
+        how = verdict.method if verdict.witness is None else str(verdict.witness)
+        yield Row(group, name, verdict.status, a, b, how)
+
+
+def _conditions(side: StoredDerivation) -> list[Any]:
+    """What is declared of the parameters of a system, in the symbols that entries are read in."""
+    signs = [read_expression(text) > 0 for text in side.positive]
+    if side.equations is None:
+        return signs
+    system = side.equations.system
+    own = {p.symbol: sp.Symbol(p.name) for p in system.parameters}
+    return [*signs, *(c.xreplace(own) for c in system.conditions)]
+
+
+def _values(first: StoredDerivation, second: StoredDerivation) -> Iterator[Row]:
+    """Accelerations at the points of one side, which the other side knows or computes."""
+    for ours, theirs in ((first, second), (second, first)):
+        rows: list[Row] = []
+        for number, (at, stored) in enumerate(ours.points):
+            found = _acceleration(theirs, at)
+            if found is not None:
+                rows += _point(number + 1, at, stored, found, ours is second)
+        if rows:
+            yield from rows
+            return
+    if {*first.facts["velocities"]} == {*second.facts["velocities"]} and not (
+        "mass" in first.groups and "mass" in second.groups
+    ):
+        how = "one side has no exact equations, and there is no point that both know"
+        yield Row("accelerations", "all", "undecided", "", "", how)
+
+
+def _acceleration(side: StoredDerivation, at: Any) -> dict[str, str] | None:
+    """The accelerations of one side at a point; None where it knows none there."""
+    for point, stored in side.points:
+        if point == at:
+            return dict(stored)
+    if side.equations is None:
+        return None
+    point = {k: _stored_number(x) for k, x in at.items()}
+    known = {plain_name(s) for s in side.equations.system.known_symbols() if is_symbolic_name(s)}
+    if not {*at} <= known:
+        return None
+    try:
+        found = side.equations.acceleration(point, digits=30)
+    except (DefinitionError, EngineLimit):
+        return None
+    return {plain_name(q): str(a) for q, a in found.items()}
+
+
+def _stored_number(number: Any) -> sp.Expr:
+    return exact_number(str(number), "a number of a stored derivation")
+
+
+def _point(number: int, at: Any, stored: Any, found: Any, swapped: bool) -> Iterator[Row]:
+    size = 1 + max((abs(_stored_number(a)) for a in stored.values()), default=0)
+    for name, value in stored.items():
+        other = found.get(name)
+        if other is None:
+            continue
+        close = abs(_stored_number(value) - _stored_number(other)) <= AGREEMENT * size
+        status = "numeric" if close else "refuted"
+        a, b = (other, value) if swapped else (value, other)
+        how = "" if close else "at " + ", ".join(f"{k} = {x}" for k, x in at.items())
+        yield Row(f"acceleration at point {number}", name, status, a, b, how)
+
+
+def _motions(first: StoredDerivation, second: StoredDerivation) -> tuple[dict[str, float], str]:
+    """The motion of the first one's scene ``default``, integrated for both."""
+    if first.equations is None or second.equations is None:
+        return {}, "a stored derivation has no motions"
+    ours, theirs = first.equations.system, second.equations.system
+    if {*_variables(ours)} != {*_variables(theirs)}:
+        return {}, "the variables differ"
+    if "default" not in ours.scenes:
+        return {}, f"'{ours.name}' has no scene 'default'"
+    try:
+        return _deviations(first.equations, second.equations), ""
+    except VoronecError as error:
+        return {}, str(error)
+
+
+def _deviations(ours: Any, theirs: Any) -> dict[str, float]:
+    import numpy as np
+
+    from voronec.motion import integrate
+
+    scene = ours.system.scenes["default"]
+    begin, end = map(float, scene.times)
+    grid = np.linspace(begin, end, SEEN)
+    outputs = _variables(ours.system)
+    first = integrate(ours, scene="default", times=grid, outputs=outputs)
+    shared = {p.name for p in theirs.system.parameters} & {*first.parameters}
+    start = dict(zip(first.names, map(float, first.state[0]), strict=True))
+    second = integrate(
+        theirs,
+        times=grid,
+        outputs=outputs,
+        parameters={name: first.parameters[name] for name in sorted(shared)},
+        initial=start,
+    )
+    return {x: float(np.max(np.abs(first[x] - second[x]))) for x in outputs}
+
+
+def _variables(system: System) -> list[str]:
+    """The names of coordinates and velocities."""
+    return [plain_name(x) for x in (*system.coordinates, *system.velocities)]
