@@ -19,7 +19,7 @@ from typing import Any
 import flint
 import symengine as se
 
-from voronec.algebra.factors import irreducible_factors
+from voronec.algebra.factors import irreducible_factors, write_polynomial
 from voronec.algebra.groebner import groebner_basis, reduce_by
 from voronec.algebra.ring import Ring
 from voronec.algebra.simple_zeros import compose_on_section, has_simple_zeros
@@ -153,12 +153,7 @@ class _Halves:
         """A factor as an expression; 1 = C^2 + S^2."""
         if any(factor == one for one in self.below.values()):
             return se.Integer(1)
-        terms = []
-        for monomial, c in factor.to_dict().items():
-            number = se.Integer(int(c.p)) / se.Integer(int(c.q))
-            powers = [self.meaning[i] ** int(e) for i, e in enumerate(monomial) if e]
-            terms.append(se.Mul(number, *powers))
-        return se.Add(*terms)
+        return write_polynomial(factor, self.meaning)
 
 
 # -- walls --------------------------------------------------------------------------------------

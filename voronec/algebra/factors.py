@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import flint
+import symengine as se
 import sympy as sp
 
 from voronec.errors import EngineLimit
 
-__all__ = ["in_factors", "irreducible_factors"]
+__all__ = ["in_factors", "irreducible_factors", "write_polynomial"]
 
 MOST_TERMS, MOST_DEGREE = 20_000, 2_000
 """flint takes less than a second for polynomials of this size; for x^n - 1 the square of n."""
+
+
+def write_polynomial(poly: Any, letters: Sequence[Any]) -> Any:
+    """A polynomial of flint as an expression in symengine; ``letters`` stand for the first of its
+    variables, and it holds no others."""
+    terms = []
+    for monomial, c in poly.to_dict().items():
+        powers = [x ** int(e) for x, e in zip(letters, monomial, strict=False) if e]
+        terms.append(se.Mul(se.Integer(int(c.p)) / int(c.q), *powers))
+    return se.Add(*terms)
 
 
 def irreducible_factors(poly: Any) -> tuple[Any, list[tuple[Any, int]]]:

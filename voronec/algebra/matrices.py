@@ -1,4 +1,4 @@
-"""Matrices of expression graphs: determinants, and products recognised."""
+"""Vectors and matrices of expression graphs: scalar products, determinants, products recognised."""
 
 from __future__ import annotations
 
@@ -13,7 +13,12 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
-__all__ = ["determinant", "is_product"]
+__all__ = ["determinant", "dot", "is_product"]
+
+
+def dot(one: Sequence[Any], other: Sequence[Any]) -> Any:
+    """The scalar product of two vectors of one length."""
+    return se.Add(*[a * b for a, b in zip(one, other, strict=True)])
 
 
 def is_product(

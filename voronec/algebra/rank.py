@@ -8,11 +8,11 @@ from typing import Any
 import flint
 
 from voronec.algebra.points import sample_evaluable
-from voronec.algebra.precision import SHARP
+from voronec.algebra.precision import GENERIC, SHARP
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
-__all__ = ["generic_rank", "independent_rows", "proved_rank"]
+__all__ = ["generic_rank", "generic_rows", "independent_rows", "proved_rank"]
 
 
 def generic_rank(rows: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -> int:
@@ -29,6 +29,25 @@ def generic_rank(rows: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -
         raise EngineLimit("no point was found at which all entries of a matrix have real values")
     tables = ([v[i : i + width] for i in range(0, len(v), width)] for _, v in samples)
     return max((proved_rank(table, SHARP) for table in tables), default=0)
+
+
+def generic_rows(
+    rows: Sequence[Sequence[Any]],
+    relations: Sequence[Any] = (),
+    bits: int = GENERIC,
+    failure: str = "no point was found at which all entries of a matrix have real values",
+) -> list[int]:
+    """The positions of rows of expressions that, one after the other, enlarge the span of those
+    before them, at a generic point where relations vanish, in balls of ``bits``.
+
+    Raises ``EngineLimit`` with the text ``failure`` where no point is found.
+    """
+    if not rows or not rows[0]:
+        return []
+    tape, width = Tape([e for row in rows for e in row]), len(rows[0])
+    for _, values in sample_evaluable(tape, relations, bits, count=1):
+        return independent_rows([values[i : i + width] for i in range(0, len(values), width)], bits)
+    raise EngineLimit(failure)
 
 
 def independent_rows(rows: Sequence[Sequence[Any]], bits: int) -> list[int]:

@@ -184,11 +184,7 @@ def place_on_plane(
             if not isinstance(residue, int):
                 rest += acb(residue * acb((x - place) / (start - place)).log()).real
         moved.append(integrals[len(own.motion.angles) + i] + rest)
-    (first, second), place = form.direction(bits), [form.exact(q)(bits) for q in plane.place]
-    return {
-        plane.place[0]: place[0] + first * moved[0] - second * moved[1],
-        plane.place[1]: place[1] + second * moved[0] + first * moved[1],
-    }
+    return plane.at([form.exact(q)(bits) for q in plane.place], form.direction(bits), moved)
 
 
 def _turn_back(

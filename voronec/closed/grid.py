@@ -192,12 +192,8 @@ class PeriodGrid:
         assert plane is not None
         count = len(self.form.quadratures.angles)
         moved = [self.integral(count + i, True) + self._slid(i) for i in range(2)]
-        first, second = map(float, self.form.direction(FINE))
         origin = [float(self.form.exact(q)(FINE)) for q in plane.place]
-        return {
-            plane.place[0]: origin[0] + first * moved[0] - second * moved[1],
-            plane.place[1]: origin[1] + second * moved[0] + first * moved[1],
-        }
+        return plane.at(origin, [*map(float, self.form.direction(FINE))], moved)
 
     def _slid(self, i: int) -> np.ndarray:
         """What the slope of a place adds: nothing where x has come back."""

@@ -78,16 +78,13 @@ class UprightView:
         """On a plane."""
         form, plane, x = self.form, self.form.quadratures.plane, self.at.x
         assert plane is not None
-        start, origin, (first, second) = rounded_constants(form).place
+        start, origin, direction = rounded_constants(form).place
         moved = []
         for i, (a, b, c) in enumerate(rounded_constants(form).slides):
             whole = self.at.integral(len(form.quadratures.angles) + i)
             rest = (x - start) * (a + b * (x + start) / 2 + c * (x * x + x * start + start**2) / 3)
             moved.append(whole + rest)
-        return {
-            plane.place[0]: origin[0] + first * moved[0] - second * moved[1],
-            plane.place[1]: origin[1] + second * moved[0] + first * moved[1],
-        }
+        return plane.at(origin, direction, moved)
 
     @cached_property
     def velocities(self) -> dict[str, np.ndarray]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -118,6 +118,15 @@ class Plane:
             read = tuple(expression(e, f"{name} of a plane") for e in given)
             object.__setattr__(self, name, read)
         object.__setattr__(self, "length", expression(self.length, "length of a plane"))
+
+    def at(self, origin: Sequence[Any], direction: Sequence[Any], moved: Sequence[Any]) -> Any:
+        """{coordinate: value} of the place: from ``origin``, ``moved`` along the unit vector
+        ``direction`` and across it; numbers, arrays or balls."""
+        (x, y), (a, b), (along, across) = origin, direction, moved
+        return {
+            self.place[0]: x + a * along - b * across,
+            self.place[1]: y + b * along + a * across,
+        }
 
 
 def store(owner: Any, name: str, given: Any, what: str) -> None:

@@ -23,9 +23,8 @@ from voronec.algebra.elimination import solve_linear
 from voronec.algebra.jets import Expansion, FieldJet, Span
 from voronec.algebra.matrices import determinant
 from voronec.algebra.normal import canonical
-from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import NESTED
-from voronec.algebra.rank import independent_rows
+from voronec.algebra.rank import generic_rows
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import as_expression
@@ -260,13 +259,8 @@ class Control:
 
     def _independent(self, rows: Sequence[Vector]) -> list[int]:
         """The rows that enlarge the span of those before them at a generic point, in balls."""
-        if not rows or not rows[0]:
-            return []
-        tape, width = Tape([e for row in rows for e in row]), len(rows[0])
-        for _, values in sample_evaluable(tape, self.system_field.hypotheses, NESTED, count=1):
-            table = [values[i : i + width] for i in range(0, len(values), width)]
-            return independent_rows(table, NESTED)
-        raise EngineLimit("no point was found at which the fields are defined")
+        failure = "no point was found at which the fields are defined"
+        return generic_rows(rows, self.system_field.hypotheses, NESTED, failure)
 
     def _require_still(self) -> None:
         clock = self.system_field.time

@@ -12,14 +12,14 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.matrices import dot
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import NESTED
-from voronec.algebra.rank import independent_rows
+from voronec.algebra.rank import generic_rows
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import decide_zero
 from voronec.equations.connection import EhresmannConnection
 from voronec.equations.definition import Definition
-from voronec.errors import EngineLimit
 
 __all__ = ["Distribution", "grow"]
 
@@ -98,7 +98,7 @@ def _integrability(
         definition.constraints.matrix, definition.constraints.offset, strict=True
     ):
         form = (*row, offset) if timed else row
-        on_new = [se.Add(*[c * f for c, f in zip(form, field, strict=True)]) for field in new]
+        on_new = [dot(form, field) for field in new]
         if _is_nonzero_somewhere(on_new, relations):
             result.append("refuted")
         elif _are_all_zero(on_new, relations) or (alone and _frobenius(form, variables, relations)):
@@ -201,10 +201,5 @@ class _RankOracle:
         return [candidates[i - len(frame)] for i in kept if i >= len(frame)]
 
     def _independent(self, rows: Sequence[Sequence[Any]]) -> list[int]:
-        tape = Tape([e for row in rows for e in row])
-        samples = sample_evaluable(tape, self._relations, NESTED, count=1)
-        if not samples:
-            raise EngineLimit("no point was found at which the distribution is defined")
-        values, width = samples[0][1], len(rows[0])
-        table = [values[i * width : (i + 1) * width] for i in range(len(rows))]
-        return independent_rows(table, NESTED)
+        failure = "no point was found at which the distribution is defined"
+        return generic_rows(rows, self._relations, NESTED, failure)

@@ -17,6 +17,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
+from voronec.algebra.matrices import dot
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.verdicts import decide_zero
 from voronec.declaration.geometry import Frame
@@ -74,7 +75,7 @@ def read_group(frame: Frame, coordinates: Sequence[sp.Expr], door: Door, place: 
     fields = []
     for q, rate in zip(coordinates, rates, strict=True):
         row = tuple(rate.diff(w) for w in velocities)
-        left = rate - se.Add(*[e * w for e, w in zip(row, velocities, strict=True)])
+        left = rate - dot(row, velocities)
         if any(e.free_symbols & set(velocities) for e in row) or se.expand(left) != 0:
             raise DefinitionError(
                 f"{place}: the rate of '{plain_name(q)}' is not linear in the velocities of the "

@@ -35,6 +35,7 @@ from voronec.declaration.reading import expression, quote
 from voronec.equations.derivation import Derivation
 from voronec.equations.derived_equations import DerivedEquations
 from voronec.equations.evaluation import jets
+from voronec.equations.program.jacobian import weighted_sum
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 
 __all__ = ["Linearisation", "linearise"]
@@ -74,7 +75,7 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
         return (se.Integer(0) if is_flat(expr) else expr), {}
     parts = [_expand(a, known, point) for a in expr.args]
     if isinstance(expr, se.Add):
-        return se.Add(*[v for v, _ in parts]), _sums([(se.Integer(1), s) for _, s in parts])
+        return se.Add(*[v for v, _ in parts]), weighted_sum([(se.Integer(1), s) for _, s in parts])
     if isinstance(expr, se.Mul):
         return _product(parts)
     values = [v for v, _ in parts]
@@ -87,12 +88,12 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
     if not moving:
         return value, {}
     if (corner := _corner(expr, values)) is not None:
-        return value, _sums([(slope, parts[i][1]) for i, slope in corner.items()])
+        return value, weighted_sum([(slope, parts[i][1]) for i, slope in corner.items()])
     names = [se.Symbol(f"argument {i}") for i in range(len(parts))]
     form, at = expr.func(*names), dict(zip(names, values, strict=True))
     if isinstance(expr, se.Pow) and moving == [0]:
         form = names[0] ** values[1]
-    return value, _sums([(form.diff(names[i]).xreplace(at), parts[i][1]) for i in moving])
+    return value, weighted_sum([(form.diff(names[i]).xreplace(at), parts[i][1]) for i in moving])
 
 
 def _corner(expr: Any, values: Sequence[Any]) -> dict[int, Any] | None:
@@ -119,19 +120,8 @@ def _corner(expr: Any, values: Sequence[Any]) -> dict[int, Any] | None:
 def _product(parts: Sequence[FirstOrder]) -> FirstOrder:
     total: FirstOrder = (se.Integer(1), {})
     for value, slopes in parts:
-        total = total[0] * value, _sums([(value, total[1]), (total[0], slopes)])
+        total = total[0] * value, weighted_sum([(value, total[1]), (total[0], slopes)])
     return total
-
-
-def _sums(pairs: Sequence[tuple[Any, Mapping[int, Any]]]) -> dict[int, Any]:
-    """Slopes with factors, added up."""
-    found: dict[int, list[Any]] = {}
-    for factor, slopes in pairs:
-        if factor != 0:
-            for k, slope in slopes.items():
-                found.setdefault(k, []).append(factor * slope)
-    sums = {k: se.Add(*terms) for k, terms in found.items()}
-    return {k: total for k, total in sums.items() if total != 0}
 
 
 @dataclass(frozen=True, repr=False)

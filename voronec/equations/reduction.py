@@ -109,10 +109,7 @@ def descend(
     labels += [f"force[{i}]" for i in range(n)] + [f"d/dt {name}" for name in chosen]
     targets = [e for row in derivation.mass for e in row] + list(derivation.force)
     targets += [derivation.connection.flow_derivative(g, derivation.rates) for g in inside]
-    targets = canonical(targets, eqs.definition.relations)  # cancel before tags come in
-    ideal = [*eqs.definition.relations, *(g - t for g, t in zip(inside, tags, strict=True))]
-    ring = ring_over([*targets, *inside, *tags, *eqs.definition.velocities], ideal)
-    group = [v for v in eqs.definition.velocities if ring.has(v)]
+    targets, ring, group = _ring_of_invariants(eqs, targets, inside, tags)
     moving = _coordinate_generators(ring, eqs.definition.coordinates)
     found = []
     for label, target in zip(labels, targets, strict=True):
@@ -140,14 +137,23 @@ def in_invariants(
     chosen = _choose_invariants(eqs, None)
     inside = [eqs.door.inward(g) for g in chosen.values()]
     tags = [se.Symbol(name) for name in chosen]
-    plain = canonical(exprs, eqs.definition.relations)
-    ideal = [*eqs.definition.relations, *(g - t for g, t in zip(inside, tags, strict=True))]
-    ring = ring_over([*plain, *inside, *tags, *eqs.definition.velocities], ideal)
-    group = [v for v in eqs.definition.velocities if ring.has(v)]
+    plain, ring, group = _ring_of_invariants(eqs, exprs, inside, tags)
     free = [q for q in eqs.definition.coordinates if q not in kept]
     moving = _coordinate_generators(ring, free)
     elements = [ring.fraction(e) for e in plain]
     return [expression(ring, e, group) if _free_of(ring, e, moving) else None for e in elements]
+
+
+def _ring_of_invariants(
+    eqs: VoronecEquations, exprs: Sequence[Any], inside: Sequence[Any], tags: Sequence[Any]
+) -> tuple[list[Any], Ring, list[Any]]:
+    """Expressions in normal form, a ring that holds them and ``tags`` for the invariants
+    ``inside``, and the velocities that it has."""
+    definition = eqs.definition
+    plain = canonical(exprs, definition.relations)  # cancel before tags come in
+    ideal = [*definition.relations, *(g - t for g, t in zip(inside, tags, strict=True))]
+    ring = ring_over([*plain, *inside, *tags, *definition.velocities], ideal)
+    return plain, ring, [v for v in definition.velocities if ring.has(v)]
 
 
 def _choose_invariants(

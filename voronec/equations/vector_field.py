@@ -19,10 +19,7 @@ from voronec.algebra.door import Door
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import determinant, is_product
 from voronec.algebra.normal import canonical
-from voronec.algebra.points import sample_evaluable
-from voronec.algebra.precision import GENERIC
-from voronec.algebra.rank import independent_rows
-from voronec.algebra.tape import Tape
+from voronec.algebra.rank import generic_rows
 from voronec.declaration.geometry import moving_names
 from voronec.declaration.system import System
 from voronec.equations.derivation import Derivation
@@ -30,6 +27,8 @@ from voronec.equations.derived_equations import DerivedEquations
 from voronec.errors import EngineLimit
 
 __all__ = ["VectorField", "for_numbers", "on_coordinates"]
+
+NO_POINT = "no point was found on the relations between the variables"
 
 
 @dataclass(frozen=True)
@@ -201,14 +200,14 @@ class VectorField:
     @cached_property
     def independent_relations(self) -> tuple[Any, ...]:
         """As many of the relations as are independent, by their rank at a point."""
-        if not self.relations:
-            return ()
-        slopes = [r.diff(q) for r in self.relations for q in self.positions]
-        width = len(self.positions)
-        for _, values in sample_evaluable(Tape(slopes), self.hypotheses, GENERIC, count=1):
-            rows = [values[i : i + width] for i in range(0, len(values), width)]
-            return tuple(self.relations[i] for i in independent_rows(rows, GENERIC))
-        raise EngineLimit("no point was found on the relations between the variables")
+        slopes = [[r.diff(q) for q in self.positions] for r in self.relations]
+        rows = generic_rows(slopes, self.hypotheses, failure=NO_POINT)
+        return tuple(self.relations[i] for i in rows)
+
+    @property
+    def entries(self) -> list[Any]:
+        """All expressions of the equations: rates, force, and mass row by row."""
+        return [*self.rates, *self.force, *(e for row in self.mass for e in row)]
 
 
 def on_coordinates(equations: DerivedEquations) -> VectorField:

@@ -78,14 +78,8 @@ class SurfaceForms:
     @classmethod
     def of(cls, surface: Surface) -> SurfaceForms:
         """The forms of an explicit surface, whose coordinate lines must be lines of curvature."""
-        (e, f, g), (d, mixed, dd) = surface.first_form, surface.second_form
-        if (f, mixed) != (0, 0):
-            u, v = surface.coordinates
-            raise DefinitionError(
-                f"the coordinates {u}, {v} are not along lines of curvature: F = {f}, D' = {mixed}"
-                "; use others"
-            )
-        return cls(surface.coordinates, (e, g), (d, dd), surface.lengths, surface.support)
+        first, second = principal_forms(surface)
+        return cls(surface.coordinates, first, second, surface.lengths, surface.support)
 
     @classmethod
     def revolution(
@@ -246,3 +240,15 @@ def _hat(vector: Vector) -> sp.ImmutableMatrix:
     """The matrix of vector x."""
     x, y, z = vector
     return sp.ImmutableMatrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+
+
+def principal_forms(surface: Surface | SurfaceForms) -> tuple[tuple[sp.Expr, sp.Expr], ...]:
+    """(E, G) and (D, D''); ``DefinitionError`` where lines u, v are no lines of curvature."""
+    (e, f, g), (d, mixed, dd) = surface.first_form, surface.second_form
+    if (f, mixed) != (0, 0):
+        u, v = surface.coordinates
+        raise DefinitionError(
+            f"the coordinates {u}, {v} are not along lines of curvature: F = {f}, D' = {mixed}"
+            "; use others"
+        )
+    return (e, g), (d, dd)

@@ -22,7 +22,7 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression
 from voronec.declaration.shapes import Shape
 from voronec.errors import DefinitionError
-from voronec.kinematics.forms import SurfaceForms
+from voronec.kinematics.forms import SurfaceForms, principal_forms
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, apply_matrix, cross, three
@@ -195,13 +195,7 @@ def _content(surface: Surface | SurfaceForms) -> tuple[sp.Expr, ...]:
 
 def _curvatures(surface: Surface | SurfaceForms) -> tuple[sp.Expr, sp.Expr]:
     """-D/E and -D''/G, positive where the surface bends away from its normal."""
-    (e, f, g), (d, mixed, dd) = surface.first_form, surface.second_form
-    if (f, mixed) != (0, 0):
-        u, v = surface.coordinates
-        raise DefinitionError(
-            f"the coordinates {u}, {v} are not along lines of curvature: F = {f}, D' = {mixed}"
-            "; use others"
-        )
+    (e, g), (d, dd) = principal_forms(surface)
     return -d / e, -dd / g
 
 

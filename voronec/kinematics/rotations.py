@@ -10,6 +10,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name, velocity
+from voronec.declaration.shapes import turn_about
 from voronec.errors import DefinitionError
 from voronec.kinematics.vectors import column, cross, dot
 
@@ -137,12 +138,7 @@ def _unit(axis: str) -> sp.ImmutableMatrix:
 
 def _turn(axis: str, angle: sp.Expr) -> sp.ImmutableMatrix:
     """The right-handed turn by ``angle`` about a coordinate axis."""
-    i = "xyz".index(axis)
-    j, k = (i + 1) % 3, (i + 2) % 3
-    turn = sp.eye(3)
-    turn[j, j] = turn[k, k] = sp.cos(angle)
-    turn[j, k], turn[k, j] = -sp.sin(angle), sp.sin(angle)
-    return sp.ImmutableMatrix(turn)
+    return sp.ImmutableMatrix(turn_about("xyz".index(axis), angle))
 
 
 def _rates_of_triad(triad: Sequence[Sequence[sp.Expr]]) -> list[sp.Expr]:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import symengine as se
 
+from voronec.algebra.matrices import dot
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
@@ -154,10 +155,7 @@ def _check_unique(d: Definition) -> None:
     slopes = [[r.diff(q) for q in d.coordinates] for r in d.relations]
     if d.group is not None:  # along the fields X_a
         fields = [*zip(*d.group.fields, strict=True)]
-        slopes = [
-            [se.Add(*[s * x for s, x in zip(row, field, strict=True)]) for field in fields]
-            for row in slopes
-        ]
+        slopes = [[dot(row, field) for field in fields] for row in slopes]
     forms = [*d.constraints.matrix, *slopes]
     count, width = len(d.constraints.matrix), len(d.dots)
     if len(forms) == count:

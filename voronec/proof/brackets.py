@@ -16,6 +16,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.elimination import solve_linear
+from voronec.algebra.matrices import dot
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.verdicts import Verdict
 from voronec.declaration.claims import Poisson
@@ -109,7 +110,7 @@ class _Structure:
 
     def along(self, i: int, slopes: list[Any]) -> Any:
         """{z_i, F} from the derivatives of F."""
-        return se.Add(*[b * d for b, d in zip(self.table[i], slopes, strict=True)])
+        return dot(self.table[i], slopes)
 
     def named_variables(self) -> Iterator[tuple[str, Any]]:
         """The variables as functions of the state."""

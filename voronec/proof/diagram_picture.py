@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from typing import Any
 
-import numpy as np
-
-from voronec.closed.pictures.style import INK, MARK, PALE, SOFT, STYLE
+from voronec.closed.pictures.style import INK, MARK, PALE, SOFT, STYLE, draw_arrow
 from voronec.motion.pictures.layered_layout import Layout, layered_layout
 
 __all__ = ["LINES", "diagram_figure"]
@@ -136,29 +133,14 @@ def _color(labels: Sequence[str], known: Known, usual: str) -> str:
 
 def _draw_arrow(axes: Any, way: Sequence[Any], shift: float, kind: str, color: str) -> None:
     """A smooth curve through the points of its way, level where it begins and ends."""
-    from matplotlib.patches import FancyArrowPatch, PathPatch
-    from matplotlib.path import Path
-
     forth = 1 if way[-1][0] > way[0][0] else -1
     points = [(x, y + shift) for x, y in way]
     points[0] = (points[0][0] + forth * HALF, points[0][1])
     points[-1] = (points[-1][0] - forth * (HALF + 0.08), points[-1][1])
-    vertices, codes = [points[0]], [Path.MOVETO]
-    for (x0, y0), (x1, y1) in pairwise(points):
-        middle = (x0 + x1) / 2
-        vertices += [(middle, y0), (middle, y1), (x1, y1)]
-        codes += [Path.CURVE4] * 3
-    style: dict[str, Any] = {"edgecolor": color, "linewidth": 0.9, "zorder": 2}
-    axes.add_patch(
-        PathPatch(Path(np.array(vertices), codes), facecolor="none", linestyle=LINES[kind], **style)
+    x, y = points[-1]
+    draw_arrow(
+        axes, points, ((x - forth * 0.03, y), (x + forth * 0.07, y)), color, 0.9, LINES[kind]
     )
-    tip = points[-1]
-    axes.add_patch(
-        FancyArrowPatch(
-            (tip[0] - forth * 0.03, tip[1]), (tip[0] + forth * 0.07, tip[1]), arrowstyle="-|>",
-            mutation_scale=7, facecolor=color, shrinkA=0, shrinkB=0, **style,
-        )
-    )  # fmt: skip
 
 
 def _legend(axes: Any, known: Known) -> None:

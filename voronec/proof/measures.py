@@ -19,16 +19,13 @@ import sympy as sp
 from voronec.algebra.arguments import POINT, accepts
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.normal import canonical
-from voronec.algebra.points import sample_evaluable
-from voronec.algebra.precision import GENERIC
-from voronec.algebra.rank import generic_rank, independent_rows
+from voronec.algebra.rank import generic_rank, generic_rows
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.declaration.claims import Measure
 from voronec.declaration.reading import expression, quote
 from voronec.equations.motions import Motions
-from voronec.equations.vector_field import VectorField
+from voronec.equations.vector_field import NO_POINT, VectorField
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.closure import foreign_rate
 from voronec.proof.decision import Decision, all_zero, zero_everywhere
@@ -209,9 +206,6 @@ def _drift(field: VectorField, relations: Sequence[Any]) -> Any:
 
 def _transverse(field: VectorField, relations: Sequence[Any]) -> list[Any]:
     """Variables along which the relations change independently."""
-    slopes = [r.diff(q) for q in field.positions for r in relations]
-    width = len(relations)
-    for _, values in sample_evaluable(Tape(slopes), field.hypotheses, GENERIC, count=1):
-        rows = [values[i : i + width] for i in range(0, len(values), width)]
-        return [field.positions[i] for i in independent_rows(rows, GENERIC)]
-    raise EngineLimit("no point was found on the relations between the variables")
+    slopes = [[r.diff(q) for r in relations] for q in field.positions]
+    rows = generic_rows(slopes, field.hypotheses, failure=NO_POINT)
+    return [field.positions[i] for i in rows]

@@ -23,14 +23,11 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.elimination import solve_linear
-from voronec.algebra.points import sample_evaluable
-from voronec.algebra.precision import GENERIC
-from voronec.algebra.rank import independent_rows
-from voronec.algebra.tape import Tape
+from voronec.algebra.matrices import dot
+from voronec.algebra.rank import generic_rows
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
-from voronec.errors import EngineLimit
 from voronec.proof.decision import Decision, all_zero, zero_everywhere
 from voronec.proof.walls import across_walls
 
@@ -96,7 +93,7 @@ def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
     rows = [connection.coordinate_lift[a] for a in chosen]
     columns = [[row[i] for row in rows] for i in size]
     weights = [w[0] for w in solve_linear(columns, [[p] for p in momenta], field.hypotheses).values]
-    power = se.Add(*[p * v for p, v in zip(momenta, own.velocities, strict=True)])
+    power = dot(momenta, own.velocities)
     growth = field.derivative(n) / n
     residuals = []
     for i in size:
@@ -121,13 +118,9 @@ def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
 
 def _independent_coordinates(field: VectorField, rows: Sequence[Sequence[Any]]) -> list[int]:
     """As many coordinates as velocities, with independent rates; none where there are not."""
-    width = len(rows[0]) if rows else 0
-    tape = Tape([e for row in rows for e in row])
-    for _, values in sample_evaluable(tape, field.hypotheses, GENERIC, count=1):
-        table = [values[i : i + width] for i in range(0, len(values), width)]
-        found = independent_rows(table, GENERIC)
-        return found if len(found) == width else []
-    raise EngineLimit("no point was found on the relations between the coordinates")
+    failure = "no point was found on the relations between the coordinates"
+    found = generic_rows(rows, field.hypotheses, failure=failure)
+    return found if rows and len(found) == len(rows[0]) else []
 
 
 def _constrained_lagrangian(motions: Motions, dots: Sequence[Any]) -> Any:

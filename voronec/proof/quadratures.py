@@ -19,6 +19,7 @@ import sympy as sp
 
 from voronec.algebra.angles import Angles
 from voronec.algebra.elimination import solve_linear
+from voronec.algebra.matrices import dot
 from voronec.algebra.normal import quotient
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
@@ -227,17 +228,17 @@ class InSpace:
     def orthogonal(self) -> Verdict:
         """E^T E = 1, and the columns are right-handed."""
         a, b, c = zip(*self.frame, strict=True)
-        found = [("lengths", _dot(e, e) - 1) for e in (a, b)]
-        found.append(("right angle", _dot(a, b)))
+        found = [("lengths", dot(e, e) - 1) for e in (a, b)]
+        found.append(("right angle", dot(a, b)))
         crossed = [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
         found += [("third column", x - y) for x, y in zip(crossed, c, strict=True)]
         return self.ground.zero(found)
 
     def constant(self) -> Verdict:
         """d(E m)/dt = 0."""
-        rates = self.ground.field.derivatives([_dot(row, self.vector) for row in self.frame])
+        rates = self.ground.field.derivatives([dot(row, self.vector) for row in self.frame])
         found = self.ground.zero([(f"component {i + 1}", r) for i, r in enumerate(rates)])
-        parts = [(f"component {i + 1}", _dot(row, self.vector)) for i, row in enumerate(self.frame)]
+        parts = [(f"component {i + 1}", dot(row, self.vector)) for i, row in enumerate(self.frame)]
         return across_walls(found, self.ground.field, parts, constant=True)
 
     def free(self) -> Verdict:
@@ -259,7 +260,7 @@ class InSpace:
         field = self.ground.field
         a, b, c = zip(*self.frame, strict=True)
         pairs = ((a, b), (b, c), (c, a))
-        return [_dot(x, [field.derivative(e) for e in y]) for x, y in pairs]
+        return [dot(x, [field.derivative(e) for e in y]) for x, y in pairs]
 
     def inverse(self) -> Verdict:
         """The coordinates read off the frame are themselves, up to whole turns."""
@@ -276,10 +277,6 @@ class InSpace:
                 (f"cos({plain_name(q)})", angles.resolve(se.cos(off)) - 1),
             ]
         return self.ground.zero(found)
-
-
-def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    return se.Add(*[x * y for x, y in zip(a, b, strict=True)])
 
 
 def check_motion(motions: Motions) -> Iterator[Claim]:

@@ -184,10 +184,9 @@ class _Ground:
     @cached_property
     def _field_jumps(self) -> list[Any]:
         field = self.field
-        exprs = [*field.rates, *field.force, *(e for row in field.mass for e in row)]
         return [
             wall.function
-            for e in exprs
+            for e in field.entries
             if has_branches([e], self.moving)
             for wall in Branches(e, self.moving, self.relations, False).walls()
             if not self._vanishes(wall.above - wall.below, (*self.hypotheses, wall.function))

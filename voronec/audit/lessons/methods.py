@@ -19,6 +19,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.elimination import solve_linear
+from voronec.algebra.matrices import dot
 from voronec.audit.lessons.comparison import Comparison, Equality, Method, Rows, Step
 from voronec.audit.lessons.newton_euler import FreeBodies
 from voronec.audit.lessons.statement import Statement, Vector
@@ -70,7 +71,7 @@ def dalembert(problem: Statement) -> Method:
     free, swung = [row[0] for row in solved], [row[1:] for row in solved]
     lambdas = _reactions(problem, free, swung)
     found = [
-        f.xreplace(problem.rates) + _dot(row, lambdas).xreplace(problem.rates)
+        f.xreplace(problem.rates) + dot(row, lambdas).xreplace(problem.rates)
         for f, row in zip(free, swung, strict=True)
     ]
     turned = dict(zip(problem.qdd, found, strict=True))
@@ -111,8 +112,8 @@ def _reactions(problem: Statement, free: Vector, swung: list[Vector]) -> Vector:
         for row, offset in zip(rows, offsets, strict=True)
     ]
     columns = [[line[k] for line in swung] for k in range(len(rows))]
-    gram = [[_dot(row, column) for column in columns] for row in rows]
-    right = [[-_dot(row, free) - d] for row, d in zip(rows, drift, strict=True)]
+    gram = [[dot(row, column) for column in columns] for row in rows]
+    right = [[-dot(row, free) - d] for row, d in zip(rows, drift, strict=True)]
     return problem.tidy([row[0] for row in solve_linear(gram, right).values])
 
 
@@ -313,7 +314,7 @@ def _hamel_equations(
     ]
     omega = (*problem.v, se.Integer(1))
     for i in problem.base:
-        turned = [_dot(structure[i, j], slopes) * w for j, w in enumerate(omega)]
+        turned = [dot(structure[i, j], slopes) * w for j, w in enumerate(omega)]
         yield problem.rate(slopes[i]) - problem.along(i, pushed) + se.Add(*turned)
 
 
@@ -458,16 +459,12 @@ def _structure(problem: Statement) -> dict[tuple[int, int], Vector]:
                 )
                 for a in size
             ]
-            found[i, j] = problem.tidy([_dot(row, bracket) for row in problem.forms])
+            found[i, j] = problem.tidy([dot(row, bracket) for row in problem.forms])
     return found
 
 
 def _form(problem: Statement, row: Sequence[Any], offset: Any) -> Any:
     return se.Add(offset, *[e * d for e, d in zip(row, problem.qd, strict=True)])
-
-
-def _dot(one: Sequence[Any], other: Sequence[Any]) -> Any:
-    return se.Add(*[a * b for a, b in zip(one, other, strict=True)])
 
 
 def _matrix(problem: Statement, rows: Sequence[Sequence[Any]]) -> list[Vector]:

@@ -17,9 +17,10 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.elimination import solve_linear
+from voronec.algebra.matrices import dot
 from voronec.algebra.verdicts import all_vanish
-from voronec.declaration.mechanics.speeds import generic_columns, generic_rows
-from voronec.declaration.mechanics.vectors import ZERO, Components, dot, in_one_line
+from voronec.declaration.mechanics.speeds import constraint_columns, constraint_rows
+from voronec.declaration.mechanics.vectors import ZERO, Components, in_one_line
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["FreeBody", "Places", "free_body", "vanish"]
@@ -86,9 +87,9 @@ class Places:
     def _tangents(self) -> list[list[Any]]:
         """Rates of coordinates and time that keep the relations, as many as are free."""
         slopes = [[r.diff(q) for q in self._along] for r in self.relations]
-        bound = generic_columns(slopes, self.relations)
+        bound = constraint_columns(slopes, self.relations)
         free = [j for j in range(len(self._along)) if j not in bound]
-        rows = [slopes[r] for r in generic_rows(slopes, self.relations)]
+        rows = [slopes[r] for r in constraint_rows(slopes, self.relations)]
         left, right = ([[c * row[j] for j in js] for row in rows]
                        for c, js in ((1, bound), (-1, free)))  # fmt: skip
         solved = solve_linear(left, right, self.relations).values

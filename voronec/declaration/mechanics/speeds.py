@@ -10,13 +10,10 @@ import symengine as se
 
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.normal import shortest
-from voronec.algebra.points import sample_evaluable
-from voronec.algebra.precision import GENERIC
-from voronec.algebra.rank import independent_rows
-from voronec.algebra.tape import Tape
+from voronec.algebra.rank import generic_rows
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Speeds", "generic_columns", "generic_rows", "solve_speeds"]
+__all__ = ["Speeds", "constraint_columns", "constraint_rows", "solve_speeds"]
 
 
 @dataclass(frozen=True)
@@ -32,23 +29,19 @@ class Speeds:
     unplaced: tuple[int, ...]
 
 
-def generic_rows(rows: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -> list[int]:
-    """The rows that, one after the other, enlarge the span of those before, at a generic point."""
-    if not rows or not rows[0]:
-        return []
-    width, tape = len(rows[0]), Tape([e for row in rows for e in row])
-    samples = sample_evaluable(tape, relations, GENERIC, count=1)
-    if not samples and relations:
-        samples = sample_evaluable(tape, (), GENERIC, count=1)
-    if not samples:
-        raise EngineLimit("no point was found at which the constraints of a model have values")
-    values = samples[0][1]
-    return independent_rows([values[i : i + width] for i in range(0, len(values), width)], GENERIC)
+def constraint_rows(rows: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -> list[int]:
+    """The rows that, one after the other, enlarge the span of those before, at a generic point:
+    where relations vanish, or anywhere, if no point is found there."""
+    failure = "no point was found at which the constraints of a model have values"
+    try:
+        return generic_rows(rows, relations, failure=failure)
+    except EngineLimit:
+        return generic_rows(rows, failure=failure)
 
 
-def generic_columns(rows: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -> list[int]:
+def constraint_columns(rows: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -> list[int]:
     """The columns that, one after the other, enlarge the span of those before."""
-    return generic_rows([*zip(*rows, strict=True)], relations) if rows else []
+    return constraint_rows([*zip(*rows, strict=True)], relations) if rows else []
 
 
 def solve_speeds(
@@ -64,8 +57,8 @@ def solve_speeds(
                 f"from_mechanics: the kinematic equation {equation} = 0 is not linear in the "
                 "speeds; solve it for the rates first"
             )
-    kept = generic_rows(rows)
-    columns = generic_columns([rows[i] for i in kept])
+    kept = constraint_rows(rows)
+    columns = constraint_columns([rows[i] for i in kept])
     unplaced = [j for j in range(len(speeds)) if j not in columns]
     at_rest = dict.fromkeys(speeds, se.Integer(0))
     left = [rows[i] for i in kept]

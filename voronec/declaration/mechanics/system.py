@@ -12,14 +12,20 @@ import sympy as sp
 
 from voronec.algebra.door import Door
 from voronec.algebra.elimination import solve_linear
+from voronec.algebra.matrices import dot
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.tape import Tape
 from voronec.declaration.bodies import Body
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.mechanics.bodies import FreeBody, Places, free_body, vanish
 from voronec.declaration.mechanics.model import MechanicsModel, read_model
-from voronec.declaration.mechanics.speeds import Speeds, generic_columns, generic_rows, solve_speeds
-from voronec.declaration.mechanics.vectors import ZERO, Components, dot, in_one_line
+from voronec.declaration.mechanics.speeds import (
+    Speeds,
+    constraint_columns,
+    constraint_rows,
+    solve_speeds,
+)
+from voronec.declaration.mechanics.vectors import ZERO, Components, in_one_line
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
 from voronec.errors import EngineLimit
@@ -210,7 +216,7 @@ class _Reading:
             own = [c for c, kept in zip(own, new, strict=True) if kept]
             rows = [row for row, kept in zip(rows, new, strict=True) if kept]
         table = [row[:-1] for row in (*rows, *slopes)]
-        if not given or {*range(len(own), len(table))} <= {*generic_rows(table, given)}:
+        if not given or {*range(len(own), len(table))} <= {*constraint_rows(table, given)}:
             return own, given, []
         try:
             if short:
@@ -233,7 +239,7 @@ class _Reading:
         rows = [*(places.form(c)[:-1] for c in own), *(self._slope(r)[:-1] for r in relations)]
         in_use = set().union(*(e.free_symbols for e in held), *(e.free_symbols for e in relations))
         order = sorted(range(len(self.coordinates)), key=lambda i: self._rank(i, in_use))
-        chosen = generic_columns([[row[i] for i in order] for row in rows], relations)
+        chosen = constraint_columns([[row[i] for i in order] for row in rows], relations)
         dependent = {order[k] for k in chosen}
         pairs = [(q, i in dependent) for i, q in enumerate(self.coordinates)]
         return tuple(q for q, d in pairs if not d), tuple(q for q, d in pairs if d)

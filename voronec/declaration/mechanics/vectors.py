@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,16 +10,12 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
+from voronec.algebra.matrices import dot
 from voronec.errors import DefinitionError
 
-__all__ = ["Components", "dot", "in_one_line"]
+__all__ = ["Components", "in_one_line"]
 
 ZERO = se.Integer(0)
-
-
-def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    """The scalar product of components in one frame."""
-    return se.Add(*[x * y for x, y in zip(a, b, strict=True)])
 
 
 def in_one_line(ask: Callable[[], Any], what: str) -> Any:

@@ -8,7 +8,7 @@ from typing import Any
 import flint
 import symengine as se
 
-from voronec.algebra.factors import irreducible_factors
+from voronec.algebra.factors import irreducible_factors, write_polynomial
 from voronec.equations.program.straight import factor_exponents, nest_sums
 from voronec.equations.program.weight import operation_count
 from voronec.errors import EngineLimit
@@ -82,15 +82,7 @@ def _factor_forms(total: Any) -> list[Any]:
     except EngineLimit:
         return []
     outside = [b**low for b, low in zip(letters, lowest, strict=True)]
-    inside = [nest_sums(_sum(f, letters), ()) ** e for f, e in factors]
+    inside = [nest_sums(write_polynomial(f, letters), ()) ** e for f, e in factors]
     if len(factors) == 1 and factors[0][1] == 1 and unit == 1 and not any(lowest):
         return []
     return [se.Mul(se.Integer(int(unit.p)) / int(unit.q), *outside, *inside)]
-
-
-def _sum(polynomial: Any, letters: list[Any]) -> Any:
-    terms = []
-    for monomial, c in polynomial.to_dict().items():
-        powers = [b ** int(e) for b, e in zip(letters, monomial, strict=True)]
-        terms.append(se.Mul(se.Integer(int(c.p)) / int(c.q), *powers))
-    return se.Add(*terms)

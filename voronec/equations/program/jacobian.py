@@ -31,7 +31,7 @@ from voronec.algebra.numeric_functions import (
 from voronec.equations.program.straight import Block, Program, fresh_names, share_subexpressions
 from voronec.errors import EngineLimit
 
-__all__ = ["jacobian", "jacobian_columns"]
+__all__ = ["jacobian", "jacobian_columns", "weighted_sum"]
 
 
 def _slope_of(name: str, factor: int) -> Callable[[Any], tuple[Any]]:
@@ -86,11 +86,13 @@ def jacobian(program: Program) -> Block:
 def _chain_slopes(expr: Any, slopes: dict[Any, dict[Any, Any]]) -> dict[Any, Any]:
     """The slopes of an expression by the columns that it depends on."""
     partials = _gradient(expr, {})
-    return _total([(partials[s], slopes[s]) for s in sorted(partials, key=str) if s in slopes])
+    return weighted_sum(
+        [(partials[s], slopes[s]) for s in sorted(partials, key=str) if s in slopes]
+    )
 
 
-def _total(pairs: Iterable[tuple[Any, dict[Any, Any]]]) -> dict[Any, Any]:
-    """The sum of rows with factors."""
+def weighted_sum(pairs: Iterable[tuple[Any, dict[Any, Any]]]) -> dict[Any, Any]:
+    """The sum of rows {position: entry} with factors, without entries that are zero."""
     found: dict[Any, list[Any]] = {}
     for factor, row in pairs:
         for x, slope in row.items():
@@ -108,7 +110,7 @@ def _gradient(expr: Any, known: dict[Any, dict[Any, Any]]) -> dict[Any, Any]:
     if expr not in known:
         rows = [_gradient(a, known) for a in expr.args]
         moving = [(i, row) for i, row in enumerate(rows) if row]
-        known[expr] = _total((_partial(expr, i), row) for i, row in moving)
+        known[expr] = weighted_sum((_partial(expr, i), row) for i, row in moving)
     return known[expr]
 
 

@@ -29,6 +29,8 @@ LONG = 1000
 MANY = 400
 """The brackets of longer programs stay as they are."""
 ONE = se.Integer(1)
+Pair = tuple[Any, Any, Any]
+"""Two parts, and the exponent or the number of the second where that of the first is 1."""
 
 
 def shorten_program(program: Program) -> Program:
@@ -149,36 +151,47 @@ class _SharedParts:
         args = [c * name for c, name in map(self._read, expr.args)]
         return ONE, self._name_for(self.others, expr, (expr.func, args))
 
-    def _share_factors(self) -> None:
-        """Name pairs of factors that several products hold, most first."""
+    def _share(
+        self,
+        table: dict[Any, dict[Any, Any]],
+        pairs: Callable[[Mapping[Any, Any]], set[Pair]],
+        define: Callable[[Pair], tuple[dict[Any, Any], Any]],
+        put: Callable[[Mapping[Any, Any], Mapping[Any, Any], Any], dict[Any, Any]],
+    ) -> None:
+        """Name pairs of parts that several entries of a table hold, most first.
+
+        ``pairs`` are those of an entry, ``define`` a pair as an entry of its own with its name,
+        and ``put`` an entry with the name in the place of the pair.
+        """
         while True:
-            counts = Counter(p for powers in self.products.values() for p in _pairs(powers))
+            counts = Counter(pair for parts in table.values() for pair in pairs(parts))
             most = max(counts.values(), default=0)
             if most < 2:
                 return
-            first, second, sign = min((p for p, n in counts.items() if n == most), key=str)
-            inner = {first: 2} if first == second else {first: 1, second: sign}
-            name = self._product(inner)
-            for held, powers in [*self.products.items()]:
-                if held != name and (first, second, sign) in _pairs(powers):
-                    self.products[held] = _with_pair(powers, inner, name)
+            pair = min((p for p, n in counts.items() if n == most), key=str)
+            inner, name = define(pair)
+            for held, parts in [*table.items()]:
+                if held != name and pair in pairs(parts):
+                    table[held] = put(parts, inner, name)
+
+    def _share_factors(self) -> None:
+        """Name pairs of factors that several products hold."""
+        self._share(self.products, _pairs, self._factor_pair, _with_pair)
+
+    def _factor_pair(self, pair: Pair) -> tuple[dict[Any, Any], Any]:
+        first, second, sign = pair
+        inner = {first: 2} if first == second else {first: 1, second: sign}
+        return inner, self._product(inner)
 
     def _share_terms(self) -> None:
-        """Name pairs of terms that several sums hold but for a factor, most first."""
-        while True:
-            counts = Counter(p for terms in self.sums.values() for p in _term_pairs(terms))
-            most = max(counts.values(), default=0)
-            if most < 2:
-                return
-            first, second, ratio = min((p for p, n in counts.items() if n == most), key=str)
-            inner = {first: ONE, second: ratio}
-            name = next((s for s, terms in self.sums.items() if terms == inner), None)
-            if name is None:
-                name = self._name_for(self.sums, first + ratio * second, inner)
-            for held, terms in [*self.sums.items()]:
-                if held != name and (first, second, ratio) in _term_pairs(terms):
-                    rest = {s: c for s, c in terms.items() if s not in inner}
-                    self.sums[held] = rest | {name: terms[first]}
+        """Name pairs of terms that several sums hold but for a factor."""
+        self._share(self.sums, _term_pairs, self._term_pair, _with_term_pair)
+
+    def _term_pair(self, pair: Pair) -> tuple[dict[Any, Any], Any]:
+        first, second, ratio = pair
+        inner = {first: ONE, second: ratio}
+        name = next((s for s, terms in self.sums.items() if terms == inner), None)
+        return inner, name or self._name_for(self.sums, first + ratio * second, inner)
 
     def block(self, fresh: Iterator[Any]) -> Block:
         """What was read, every name assigned that is used more than once."""
@@ -219,7 +232,7 @@ def _power(factor: Any) -> tuple[Any, int]:
     return factor, 1
 
 
-def _pairs(powers: Mapping[Any, int]) -> set[tuple[Any, Any, int]]:
+def _pairs(powers: Mapping[Any, int]) -> set[Pair]:
     """Pairs of factors: a*b and 1/(a*b) with 1, a/b with -1; squares as a, a, 1."""
     items = sorted(powers.items(), key=str)
     found = {(a, a, 1) for a, e in items if abs(e) > 1}
@@ -241,7 +254,15 @@ def _with_pair(powers: Mapping[Any, int], inner: Mapping[Any, int], name: Any) -
     return {s: e for s, e in left.items() if e}
 
 
-def _term_pairs(terms: Mapping[Any, Any]) -> set[tuple[Any, Any, Any]]:
+def _term_pairs(terms: Mapping[Any, Any]) -> set[Pair]:
     """Pairs of terms, with the ratio of their numbers."""
     items = sorted(terms.items(), key=str)
     return {(a, b, d / c) for (a, c), (b, d) in combinations(items, 2)}
+
+
+def _with_term_pair(
+    terms: Mapping[Any, Any], inner: Mapping[Any, Any], name: Any
+) -> dict[Any, Any]:
+    """A sum with a name for a pair of its terms."""
+    rest = {s: c for s, c in terms.items() if s not in inner}
+    return rest | {name: terms[next(iter(inner))]}

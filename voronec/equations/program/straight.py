@@ -334,12 +334,11 @@ def _eliminate(
     return prune(assignments, [*rates, *(vdot[i] for i in range(len(form.force)))])
 
 
-def fresh_names(known: Iterable[Any]) -> Iterator[Any]:
-    """Symbols c0, c1, ... with a prefix that no known name shares."""
-    taken = {str(s) for s in known}
-    prefix = "c"
+def fresh_names(known: Iterable[Any], prefix: str = "c") -> Iterator[Any]:
+    """Symbols c0, c1, ...; the prefix is repeated as long as a known name is of that form."""
+    taken, letters = {str(s) for s in known}, prefix
     while any(n.startswith(prefix) and n[len(prefix) :].isdigit() for n in taken):
-        prefix += "c"
+        prefix += letters
     return (se.Symbol(f"{prefix}{i}") for i in count())
 
 

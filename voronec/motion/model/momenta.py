@@ -21,10 +21,12 @@ from typing import Any
 import flint
 import symengine as se
 
+from voronec.algebra.matrices import dot
 from voronec.algebra.normal import canonical
 from voronec.algebra.ring import sparse_terms
 from voronec.algebra.roots import ring_over
 from voronec.equations.program import solve_mass
+from voronec.equations.program.straight import fresh_names
 from voronec.errors import EngineLimit
 from voronec.motion.model.level import Level
 
@@ -39,7 +41,7 @@ def momenta_level(level: Level) -> Level | None:
     if not any(level.mass[i][j] != 0 for i, j in product(range(n), repeat=2) if i != j):
         return None  # a diagonal mass gains nothing
     rate = dict(zip(level.positions, level.rates, strict=True))
-    momenta = [se.Add(*[m * w for m, w in zip(row, v, strict=True)]) for row in level.mass]
+    momenta = [dot(row, v) for row in level.mass]
     changes = [
         se.Add(f, p.diff(level.time), *[p.diff(q) * rate[q] for q in level.positions])
         for f, p in zip(level.force, momenta, strict=True)
@@ -73,7 +75,7 @@ def momenta_level(level: Level) -> Level | None:
 def _solution(level: Level, names: Sequence[Any]) -> tuple[tuple[Any, Any], ...]:
     """Stages that give the velocities from the momenta: the mass matrix solved."""
     assignments: list[tuple[Any, Any]] = []
-    fresh = iter(_fresh(level))
+    fresh = fresh_names([*level.variables, *level.parameters], "w_")
 
     def name(expr: Any) -> Any:
         if not expr.args:
@@ -92,17 +94,6 @@ def _names(level: Level, n: int) -> list[Any]:
     taken = {str(s) for s in (*level.variables, *level.parameters, *level.start)}
     letter = next(x for x in ("G", "p", "G_") if not any(f"{x}{i + 1}" in taken for i in range(n)))
     return [se.Symbol(f"{letter}{i + 1}") for i in range(n)]
-
-
-def _fresh(level: Level) -> Any:
-    taken = {str(s) for s in (*level.variables, *level.parameters)}
-    prefix = "w_"
-    while any(t.startswith(prefix) for t in taken):
-        prefix += "_"
-    count = 0
-    while True:
-        yield se.Symbol(f"{prefix}{count}")
-        count += 1
 
 
 def _split(

@@ -21,6 +21,7 @@ import flint
 import symengine as se
 
 from voronec.algebra.generators import linear_terms
+from voronec.algebra.matrices import dot
 from voronec.algebra.normal import canonical, shortest
 from voronec.errors import EngineLimit
 from voronec.motion.model.level import Level, closure, dependence
@@ -69,12 +70,12 @@ def _relative_angles(level: Level) -> tuple[dict[Any, Any], dict[Any, Any]] | No
         rows = [*basis, *(tuple(int(i == k) for i in range(len(angles))) for k in kept)]
         square = flint.fmpz_mat(list(map(list, rows)))
         if abs(int(square.det())) == 1:
-            names = [_total(form, angles) for form in basis]
+            names = [dot(form, angles) for form in basis]
             fresh = {_variable_of(e): e for e in names}
             variables = [*fresh, *(angles[k] for k in kept)]
             inverse = square.inv()
             turned = {
-                q: _total([int(inverse[i, j].p) for j in range(len(angles))], variables)
+                q: dot([int(inverse[i, j].p) for j in range(len(angles))], variables)
                 for i, q in enumerate(angles)
                 if i not in kept and q not in fresh  # a form that is one angle stays it
             }
@@ -124,10 +125,6 @@ def _independent(forms: Iterable[_Form]) -> list[_Form]:
         if flint.fmpz_mat([list(f) for f in (*found, form)]).rank() > len(found):
             found.append(form)
     return found
-
-
-def _total(form: Sequence[int], variables: Sequence[Any]) -> Any:
-    return se.Add(*[n * x for n, x in zip(form, variables, strict=True)])
 
 
 def _variable_of(form: Any) -> Any:

@@ -71,14 +71,20 @@ def _chain(a: Node, b: Node, layer: Mapping[Node, int]) -> list[Node]:
     return [a, *((a, b, i) for i in between), b]
 
 
-def _order_layers(
-    rows: dict[int, list[Node]], links: Iterable[tuple[Node, Node]]
-) -> list[list[Node]]:
-    """The layers, each sorted by the mean place of the neighbours, forth and back."""
+def _neighbours(links: Iterable[tuple[Node, Node]]) -> dict[Node, list[Node]]:
+    """Node -> the nodes at the other ends of its links."""
     near: dict[Node, list[Node]] = {}
     for a, b in links:
         near.setdefault(a, []).append(b)
         near.setdefault(b, []).append(a)
+    return near
+
+
+def _order_layers(
+    rows: dict[int, list[Node]], links: Iterable[tuple[Node, Node]]
+) -> list[list[Node]]:
+    """The layers, each sorted by the mean place of the neighbours, forth and back."""
+    near = _neighbours(links)
     layer = {n: i for i, row in rows.items() for n in row}
     found = [sorted(rows[i], key=str) for i in sorted(rows)]
     best, fewest = [list(row) for row in found], _crossings(found, near, layer)
@@ -124,10 +130,7 @@ def _heights(
     rows: Sequence[Sequence[Node]], links: Iterable[tuple[Node, Node]]
 ) -> dict[Node, float]:
     """Heights that keep the order and one unit of distance, near to those of the neighbours."""
-    near: dict[Node, list[Node]] = {}
-    for a, b in links:
-        near.setdefault(a, []).append(b)
-        near.setdefault(b, []).append(a)
+    near = _neighbours(links)
     size = max(map(len, rows), default=0)
     height = {
         n: k + (size - len(row)) / 2 for row in rows for k, n in enumerate(row)

@@ -9,13 +9,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
-import numpy as np
-
 from voronec.algebra.typeset import symbol_latex
-from voronec.closed.pictures.style import FAINT, INK, PALE, SOFT, STYLE
+from voronec.closed.pictures.style import FAINT, INK, PALE, SOFT, STYLE, draw_arrow
 from voronec.motion.model import Model
 from voronec.motion.model.level import Level, dependence
 from voronec.motion.pictures.layered_layout import Layout, layered_layout
@@ -325,25 +322,11 @@ def _arrow(
     bends: Sequence[Place],
 ) -> None:  # fmt: skip
     """A smooth arrow from the side of one box to the side of another."""
-    from matplotlib.patches import FancyArrowPatch, PathPatch
-    from matplotlib.path import Path
-
     a, b = pair
     color = FAINT if found[b].kind == "dropped" else SOFT
     (xa, ya), (xb, yb) = places[a], places[b]
     forth = 1 if xb > xa else -1
     begin = (xa + forth * _size(found[a])[0] / 2, ya)
     end = (xb - forth * (_size(found[b])[0] / 2 + 0.07), yb)
-    points = [begin, *bends, end]
-    vertices, codes = [points[0]], [Path.MOVETO]
-    for (x0, y0), (x1, y1) in pairwise(points):
-        middle = (x0 + x1) / 2
-        vertices += [(middle, y0), (middle, y1), (x1, y1)]
-        codes += [Path.CURVE4] * 3
-    style: dict[str, Any] = {"edgecolor": color, "linewidth": 0.8, "zorder": 2}
-    axes.add_patch(PathPatch(Path(np.array(vertices), codes), facecolor="none", **style))
     tip = (end[0] + forth * 0.07, end[1])
-    axes.add_patch(
-        FancyArrowPatch(end, tip, arrowstyle="-|>", mutation_scale=7, facecolor=color, shrinkA=0,
-                        shrinkB=0, **style)
-    )  # fmt: skip
+    draw_arrow(axes, [begin, *bends, end], (end, tip), color, 0.8)

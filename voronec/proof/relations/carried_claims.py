@@ -14,7 +14,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.elimination import solve_linear
-from voronec.algebra.matrices import determinant
+from voronec.algebra.matrices import determinant, dot
 from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.verdicts import Verdict, decide_zero
@@ -103,15 +103,11 @@ def _normals(field: Any) -> Matrix:
     if not field.relations:
         return []
     gradient = [[r.diff(x) for x in field.variables] for r in field.independent_relations]
-    gram = [[_dot(p, q) for q in gradient] for p in gradient]
+    gram = [[dot(p, q) for q in gradient] for p in gradient]
     unit = [[se.Integer(int(i == j)) for j in range(len(gram))] for i in range(len(gram))]
     inverse = solve_linear(gram, unit, field.hypotheses).values
     columns = zip(*inverse, strict=True)
-    return [[_dot(column, across) for across in zip(*gradient, strict=True)] for column in columns]
-
-
-def _dot(left: Sequence[Any], right: Sequence[Any]) -> Any:
-    return se.Add(*[a * b for a, b in zip(left, right, strict=True)])
+    return [[dot(column, across) for across in zip(*gradient, strict=True)] for column in columns]
 
 
 def _determinant(rows: Matrix, relations: Sequence[Any]) -> Any:

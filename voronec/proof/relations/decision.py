@@ -104,9 +104,8 @@ def _factor(statemap: StateMap, slopes: Sequence[Any], row: Sequence[Any]) -> An
 def _is_timed(statemap: StateMap) -> bool:
     """Whether the time of the target matters, or is mapped."""
     target = statemap.target
-    held = (*target.rates, *target.force, *(e for row in target.mass for e in row))
     given = {str(k) for k in statemap.relation.state or {}}
-    return str(target.time) in given or any(target.time in e.free_symbols for e in held)
+    return str(target.time) in given or any(target.time in e.free_symbols for e in target.entries)
 
 
 @dataclass(frozen=True, repr=False)

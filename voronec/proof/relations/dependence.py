@@ -90,6 +90,7 @@ def _is_spanned(
 
 def _is_differentiated(statemap: StateMap, name: str) -> bool:
     target = statemap.target
-    held = (*target.rates, *target.force, *(e for row in target.mass for e in row))
-    inner = [d for e in (*held, *target.relations) for d in e.atoms(se.Derivative, se.Subs)]
+    inner = [
+        d for e in (*target.entries, *target.relations) for d in e.atoms(se.Derivative, se.Subs)
+    ]
     return any(f.get_name() == name for d in inner for f in d.atoms(se.FunctionSymbol))

@@ -49,9 +49,8 @@ def read_parameters(relation: Relation, reader: Reader, target: VectorField) -> 
 
 def applications(field: VectorField) -> dict[str, list[Any]]:
     """The unknown functions of a field by name, each with the arguments of which it is taken."""
-    held = (*field.rates, *field.force, *(e for row in field.mass for e in row))
     found: dict[str, list[Any]] = {}
-    for applied in sorted(unknown_functions([*held, *field.relations]), key=str):
+    for applied in sorted(unknown_functions([*field.entries, *field.relations]), key=str):
         found.setdefault(applied.get_name(), []).append(applied)
     return found
 

@@ -36,8 +36,7 @@ class Gradings:
     def __init__(
         self, field: VectorField, letters: Sequence[Any], free: Iterable[Any] = ()
     ) -> None:
-        entries = [*field.rates, *field.force, *(e for row in field.mass for e in row)]
-        scanned = [*entries, *letters, *field.relations, *field.variables, *field.parameters]
+        scanned = [*field.entries, *letters, *field.relations, *field.variables, *field.parameters]
         self.field, self.moving = field, {*field.variables, *free}
         self.ring, scanned, self.jets = _with_jets(scanned, field)
         fractions = {e: self.ring.fraction(e) for e in scanned}

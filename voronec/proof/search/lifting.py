@@ -19,8 +19,8 @@ from typing import Any, Self
 
 import flint
 import numpy as np
-import symengine as se
 
+from voronec.algebra.factors import write_polynomial
 from voronec.algebra.normal import shortest
 from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit
@@ -318,19 +318,10 @@ def _polynomial(quotients: list[Quotient], constants: list[Any]) -> list[Any]:
     scale /= gcd(*(int((x * scale).p) for x in numbers))
     if numbers[0] < 0:
         scale = -scale
-    return shortest([_expression(c * scale, constants) for c in cleared])
+    return shortest([write_polynomial(c * scale, constants) for c in cleared])
 
 
 def _poly(terms: dict[Monomial, Any], context: Any) -> Any:
     width = len(context.names())
     padded = {(*m, *([0] * (width - len(m)))): c for m, c in terms.items()}
     return context.from_dict(padded)
-
-
-def _expression(poly: Any, constants: list[Any]) -> Any:
-    terms = []
-    for monomial, c in poly.to_dict().items():
-        number = se.Integer(int(c.p)) / se.Integer(int(c.q))
-        powers = [x ** int(e) for x, e in zip(constants, monomial, strict=False) if e]
-        terms.append(se.Mul(number, *powers))
-    return se.Add(*terms)

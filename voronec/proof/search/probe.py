@@ -345,7 +345,7 @@ class Probe:
         self.field, self.count, self.known = field, len(letters), len(known)
         functions = [*letters, *known, *field.relations]
         slopes = [f.diff(x) for f in functions for x in variables]
-        dynamics = [*field.rates, *field.force, *(e for row in field.mass for e in row)]
+        dynamics = field.entries
         own = [*letters, *(f.diff(x) for f in letters for x in variables), *dynamics]
         present: set[Any] = set().union(*(e.free_symbols for e in (*functions, *dynamics)))
         parameters = [s for s in field.parameters if s in present]

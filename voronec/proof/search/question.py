@@ -11,6 +11,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.conditions import substituted_conditions
+from voronec.algebra.matrices import dot
 from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expression
@@ -260,18 +261,14 @@ class _Reader:
         field = self.field
         if not momenta:
             return [self._letter(v, "velocity") for v in field.velocities]
-        rows = [
-            se.Add(*[m * v for m, v in zip(row, field.velocities, strict=True)])
-            for row in field.mass
-        ]
+        rows = [dot(row, field.velocities) for row in field.mass]
         pairs = zip(rows, field.velocities, strict=True)
         return [self._letter(row, "velocity", f"p_{v}") for row, v in pairs]
 
     def positions(self) -> list[Letter]:
         """Coordinates; of those under sines and cosines, these."""
         field = self.field
-        entries = (*field.rates, *field.force, *(e for row in field.mass for e in row))
-        under = {q: [e for e in entries if q in e.free_symbols] for q in field.positions}
+        under = {q: [e for e in field.entries if q in e.free_symbols] for q in field.positions}
         found = []
         for q in field.positions:
             plain = se.Symbol(f"{q} in a circle")
