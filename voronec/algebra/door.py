@@ -143,6 +143,10 @@ class Door:
             return _size(self._enter(expr.args[0]))
         if isinstance(expr, sp.sinc):
             return se.sin(self._enter(expr.args[0])) / self._enter(expr.args[0])
+        return self._function(expr)
+
+    def _function(self, expr: Any) -> Any:
+        """A function by its name; others as they are written with signs, or refused."""
         name = type(expr).__name__
         if name in _FUNCTIONS:
             return _FUNCTIONS[name](*[self._enter(a) for a in expr.args])

@@ -225,36 +225,19 @@ def decide_equal(
     try:
         tape = Tape([a, b])
         samples = sample_evaluable(tape, relations)
-    except EngineLimit as limit:
+    except EngineLimit:
         samples, tape = [], None
-        reason = str(limit)
     for point, (left, right) in samples:
         if not left.overlaps(right):
             return Verdict("refuted", "ball arithmetic", witness_at(point, left, right))
-    reason = "the normal form of the difference is not zero"
-    equations, conditions = split_hypotheses(relations)
-    known = [*conditions, *domain_conditions([a, b])]
-    try:  # signs cost more than most proofs, and most need none
-        given = (equations, [*equations, *known]) if known else (equations,)
-        for left, right in _forms(a, b):
-            # In a difference symengine may write a radicand with other signs than in its sides.
-            sides = [left, right, left - right]
-            for hypotheses in given:
-                if ring_over(sides, hypotheses, work_limit).fraction(left - right).num == 0:
-                    return Verdict("proved", "zero in exact normal form")
-    except EngineLimit as limit:
-        reason = str(limit)
+    reason = _difference_in_normal_form(a, b, relations, work_limit)
+    if reason is None:
+        return Verdict("proved", "zero in exact normal form")
     if tape is None:
         return Verdict("undecided", f"{reason}; {NO_POINT}")
-    search = Search(a, b, relations, pointwise)
-    agreeing = 0 if search.run() else search.agreement_count()
-    if search.found is None:
-        for point, values in sample_evaluable(tape, relations, 800, 24, 12):
-            agreeing += 1
-            if not values[0].overlaps(values[1]):
-                search.found = point, values
-    if search.found is not None:
-        point, (left, right) = search.found
+    found, agreeing = _look_again(Search(a, b, relations, pointwise), tape, relations)
+    if found is not None:
+        point, (left, right) = found
         return Verdict("refuted", "ball arithmetic", witness_at(point, left, right))
     try:
         if are_equal(a, b, relations, min(work_limit, WORK_LIMIT)):
@@ -267,6 +250,37 @@ def decide_equal(
         else NO_POINT
     )
     return Verdict("undecided", f"{reason}; {evidence}")
+
+
+def _difference_in_normal_form(
+    a: Any, b: Any, relations: Sequence[Any], work_limit: int
+) -> str | None:
+    """Why the normal form of the difference does not prove two sides equal; None where it does."""
+    equations, conditions = split_hypotheses(relations)
+    known = [*conditions, *domain_conditions([a, b])]
+    try:  # signs cost more than most proofs, and most need none
+        given = (equations, [*equations, *known]) if known else (equations,)
+        for left, right in _forms(a, b):
+            # In a difference symengine may write a radicand with other signs than in its sides.
+            sides = [left, right, left - right]
+            for hypotheses in given:
+                if ring_over(sides, hypotheses, work_limit).fraction(left - right).num == 0:
+                    return None
+    except EngineLimit as limit:
+        return str(limit)
+    return "the normal form of the difference is not zero"
+
+
+def _look_again(search: Search, tape: Tape, relations: Sequence[Any]) -> tuple[Any, int]:
+    """A witness where branches change, or in many more digits; None where there is none, and at
+    how many points the sides agree."""
+    agreeing = 0 if search.run() else search.agreement_count()
+    if search.found is None:
+        for point, values in sample_evaluable(tape, relations, 800, 24, 12):
+            agreeing += 1
+            if not values[0].overlaps(values[1]):
+                search.found = point, values
+    return search.found, agreeing
 
 
 def _forms(a: Any, b: Any) -> Iterator[tuple[Any, Any]]:

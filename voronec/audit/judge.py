@@ -334,8 +334,7 @@ def _judge_formula(
         return FormulaRecord(printed, "undecided", fault, derived)
     if not proved:
         status = "cited" if check.role == "cited" else "undecided"
-        record = FormulaRecord(printed, status, finding.verdict.method, derived)
-        return replace(record, ranges=ranges_of(finding))
+        return _record_with_ranges(printed, status, finding.verdict.method, derived, finding)
     fault = _wrong_range(formula, chain, study) or _said_before(formula, chain, study, bench)
     if fault:
         return FormulaRecord(printed, "misprint", fault, derived)
@@ -345,16 +344,27 @@ def _judge_formula(
     if not several.proved:
         verdict = "misprint" if several.refuted else "undecided"
         return FormulaRecord(printed, verdict, several.method, derived)
-    verdict = "convention" if finding.partial else "proved"
-    if check.role == "cited" or check.cited:
-        verdict = "cited"  # it is what was meant; whether that is a fact is not proved here
-    if check.role == "condition":
-        verdict = "definition"
-    if check.role == "definition" and not (finding.count and new_names(chain, study)):
-        verdict = "definition"
     words = (method_of(finding, chain, check), several.method, check.cited)
     method = "; ".join(filter(None, words))
-    return replace(FormulaRecord(printed, verdict, method, derived), ranges=ranges_of(finding))
+    verdict = _proved_as(finding, chain, check, study)
+    return _record_with_ranges(printed, verdict, method, derived, finding)
+
+
+def _record_with_ranges(
+    printed: str, verdict: str, method: str, derived: str | None, finding: FormulaOutcome
+) -> FormulaRecord:
+    return FormulaRecord(printed, verdict, method, derived, ranges=ranges_of(finding))
+
+
+def _proved_as(finding: FormulaOutcome, chain: Chain, check: Check, study: Study) -> str:
+    """The verdict on what is proved: whether it is a fact, or true by what is agreed or cited."""
+    if check.role == "condition":
+        return "definition"
+    if check.role == "definition" and not (finding.count and new_names(chain, study)):
+        return "definition"
+    if check.role == "cited" or check.cited:
+        return "cited"  # it is what was meant; whether that is a fact is not proved here
+    return "convention" if finding.partial else "proved"
 
 
 def _said_before(formula: Formula, chain: Chain, study: Study, bench: SectionContext) -> str:

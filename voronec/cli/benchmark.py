@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from argparse import Namespace
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,19 +34,12 @@ def execute(arguments: Namespace) -> int:
     Stopped by Ctrl-C, what is measured is written all the same.
     """
     tolerances = [finite(word, "--tols") for word in _words(arguments.tols)]
-    time = None if arguments.time is None else finite(arguments.time, "--time")
-    if time is not None and time <= 0:
-        raise DefinitionError(f"--time {arguments.time}: give a length of time above zero")
+    time = _span(arguments.time)
     pairs, inputs = [pair(text) for text in arguments.set], input_values(arguments.input)
     system, _ = resolve(arguments.system)
     parameters, initial = split_values(system, pairs)
     given = {"parameters": parameters, "initial": initial, "inputs": inputs}
-    tables = [name for name, value in inputs.items() if not isinstance(value, str)]
-    if tables:
-        raise DefinitionError(
-            f"--input {tables[0]}: most methods take no table; give a formula of t, as "
-            f"{tables[0]}=sin(t)"
-        )
+    _refuse_tables(inputs)
     values = {kind: {k: str(v) for k, v in found.items()} for kind, found in given.items()}
     if arguments.setup:
         return _show_calls(arguments, system.name, time, tolerances, values)
@@ -74,6 +68,22 @@ def execute(arguments: Namespace) -> int:
     else:
         print("\n".join([*_report(bench), "wrote " + ", ".join(str(f) for f in files)]))
     return 130 if bench.interrupted else 0
+
+
+def _span(text: str | None) -> float | None:
+    """The length of time that is wanted instead of that of the scene."""
+    time = None if text is None else finite(text, "--time")
+    if time is not None and time <= 0:
+        raise DefinitionError(f"--time {text}: give a length of time above zero")
+    return time
+
+
+def _refuse_tables(inputs: Mapping[str, Any]) -> None:
+    for name, value in inputs.items():
+        if not isinstance(value, str):
+            raise DefinitionError(
+                f"--input {name}: most methods take no table; give a formula of t, as {name}=sin(t)"
+            )
 
 
 def _show_calls(

@@ -254,11 +254,7 @@ class System:
         ):
             store(name, _all_of(getattr(self, name), name, kind, entry))
         if self.motion is not None:
-            if not isinstance(self.motion, Quadratures):
-                raise DefinitionError(
-                    f"motion is '{quote(self.motion)}'; write Quadratures(variable={{...}}, ...)"
-                )
-            store("motion", self.motion.with_titles(self.drawing))
+            store("motion", self._titled_motion())
         shape, body = "Shape.ball(radius, centre=(x, y, z))", "Body(mass, velocity, inertia, omega)"
         store("shapes", _several_of(self.shapes, "shapes", Shape, shape))
         store("bodies", _several_of(self.bodies, "bodies", Body, body))
@@ -266,6 +262,13 @@ class System:
         meanings = fixed_mapping(self.meanings, "meanings", "coordinate: 'in words'")
         named = {k if isinstance(k, str) else plain_name(k): v for k, v in meanings.items()}
         store("meanings", fixed_mapping(named, "meanings", "coordinate: 'in words'"))
+
+    def _titled_motion(self) -> Quadratures:
+        if not isinstance(self.motion, Quadratures):
+            raise DefinitionError(
+                f"motion is '{quote(self.motion)}'; write Quadratures(variable={{...}}, ...)"
+            )
+        return self.motion.with_titles(self.drawing)
 
     def _take_loops(self, store: Callable[[str, Any], None]) -> None:
         """Constraints that hold coordinates and no velocity, as those of a closed loop, become

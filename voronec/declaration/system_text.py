@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from inspect import Parameter as Argument
 from inspect import signature
 from pathlib import Path
@@ -109,35 +109,32 @@ class _Text:
             quasi = {self.names[v]: self._formula(item) for v, item in velocities.items()}
             declared["frame"] = self._make(top["velocities"], Frame.quasi, quasi)
         declared["lagrangian"] = self._formula(top["lagrangian"])
-        if "relations" in top:
-            fibration = declared["fibration"]
-            relations = tuple(map(self._vanishing_expression, top["relations"].several()))
-            declared["fibration"] = Fibration(fibration.base, fibration.fibre, relations)
-        if "constraints" in top:
-            declared["constraints"] = tuple(
-                map(self._vanishing_expression, top["constraints"].several())
-            )
+        declared["fibration"] = replace(
+            declared["fibration"], **self._several("relations", self._vanishing_expression)
+        )
+        declared |= self._several("constraints", self._vanishing_expression)
         declared["forces"] = self._forces()
         declared["possible"] = self._each("possible", self._condition)
         declared["invariants"] = self._each("invariants", self._read_value)
         self.names |= {name: sp.Symbol(name) for name in declared["invariants"]}
         declared |= self._claims(top)
-        if "essential" in top:
-            declared["essential"] = tuple(self._one(i) for i in top["essential"].several())
+        declared |= self._several("essential", self._one)
         declared["cases"] = self._each("cases", self._case)
         declared["undecided"] = self._each("undecided", Item.text)
         declared["scenes"] = self._each("scenes", self._scene)
-        if "shapes" in top:
-            declared["shapes"] = tuple(map(self._shape, top["shapes"].several()))
+        declared |= self._several("shapes", self._shape)
         if "sketch" in top:
             declared["sketch"] = self._sketch(top["sketch"])
-        if "references" in top:
-            declared["references"] = tuple(i.text() for i in top["references"].several())
+        declared |= self._several("references", Item.text)
         try:
             return System(**declared, meanings=self.meanings)
         except DefinitionError as error:
             what = str(error).removeprefix(f"system '{declared['name']}': ")
             self.root.wrong_somewhere(what)
+
+    def _several(self, key: str, read: Callable[[Item], Any]) -> dict[str, tuple[Any, ...]]:
+        """{key: the entries of a list at the top, read}; empty where there is none."""
+        return {key: tuple(map(read, self.top[key].several()))} if key in self.top else {}
 
     def _each(self, key: str, read: Callable[[Item], Any]) -> dict[str, Any]:
         """The entries of a table at the top, read; empty where there is none."""

@@ -134,18 +134,14 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
     )
     differentiated = AffineForms((), ())
     if group is None:
-        differentiated = AffineForms(
-            tuple(tuple(r.diff(q) for q in coordinates) for r in relations),
-            tuple(r.diff(door.inward(time)) for r in relations),
-        )
+        differentiated = _differentiate(relations, coordinates, door.inward(time))
     frame = _frame(system, enter, dots)
     constraints = _constraints(system, enter, dots)
     _count(system, len(constraints.matrix), differentiated)
     point = _start(system) if near is None else dict(near)
     fibre = solve_for_fibre(system, constraints, differentiated, relations, point, share)
     _require_continuity(system, enter, (*coordinates, *dots), dots, _conditions(system, door))
-    named = system.frame.momenta if system.frame is not None else ()
-    determinant = system.frame.determinant if system.frame is not None else None
+    momenta, determinant = _momentum_names(system, door)
     forces, added = _read_forces(system, door, enter, dots, frame)
     return Definition(
         system=system,
@@ -155,8 +151,8 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
         dots=dots,
         group=group,
         velocities=tuple(door.inward(v) for v in system.velocities),
-        momenta=tuple(door.inward_all(named)),
-        determinant=determinant if determinant is None else door.inward(determinant),
+        momenta=momenta,
+        determinant=determinant,
         parameters=tuple(door.inward(p.symbol) for p in system.parameters),
         time=door.inward(time),
         lagrangian=enter(system.lagrangian, "the Lagrangian"),
@@ -169,6 +165,23 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
         near=point,
         added=added,
         share=share,
+    )
+
+
+def _differentiate(relations: Sequence[Any], coordinates: Sequence[Any], clock: Any) -> AffineForms:
+    """d/dt of relations, as forms in the velocities of the coordinates."""
+    slopes = tuple(tuple(r.diff(q) for q in coordinates) for r in relations)
+    return AffineForms(slopes, tuple(r.diff(clock) for r in relations))
+
+
+def _momentum_names(system: System, door: Door) -> tuple[tuple[Any, ...], Any]:
+    """The names of the frame for momenta and for the determinant of the mass, where it has them."""
+    if system.frame is None:
+        return (), None
+    determinant = system.frame.determinant
+    return (
+        tuple(door.inward_all(system.frame.momenta)),
+        None if determinant is None else door.inward(determinant),
     )
 
 

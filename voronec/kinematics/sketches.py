@@ -135,12 +135,7 @@ def rolling_sketch(
     sketch = _axis(sketch, outline, contact, attitude)
     if mass:
         sketch = sketch.dot(polar(middle, 0.45, outline.axis), mass, 180)
-    if turned:
-        sketch = sketch.turn((0.0, -0.7), 90, 0.24, turned)
-    if gamma and attitude:
-        sketch = sketch.arrow(CONTACT, (0.0, -0.4)).text((-0.42, -0.5), _join(gamma))
-    elif gamma:
-        sketch = sketch.arrow(CONTACT, (0.0, 1.3), _join(gamma))
+    sketch = _contact_marks(sketch, turned, gamma, bool(attitude))
     if centre:
         sketch = sketch.dot(middle).line(middle, (1.3, 0.55), look="thin")
         sketch = sketch.text((1.75, 0.62), _join(centre))
@@ -149,6 +144,15 @@ def rolling_sketch(
     if note:
         sketch = sketch.text((1.55, 0.95), note)
     return sketch.dot(CONTACT, f"M{_join(support)}" if support else "M", -25)
+
+
+def _contact_marks(sketch: Sketch, turned: Any, gamma: Sequence[Any], low: bool) -> Sketch:
+    """The angle about the normal, and the normal: ``low`` where angles are drawn above."""
+    if turned:
+        sketch = sketch.turn((0.0, -0.7), 90, 0.24, turned)
+    if gamma and low:
+        return sketch.arrow(CONTACT, (0.0, -0.4)).text((-0.42, -0.5), _join(gamma))
+    return sketch.arrow(CONTACT, (0.0, 1.3), _join(gamma)) if gamma else sketch
 
 
 def _axis(

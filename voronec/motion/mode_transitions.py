@@ -500,7 +500,7 @@ class Crossroads:
         self, corners: tuple[Corner, ...], sides: Mapping[Wall, int], along: tuple[Surface, ...]
     ) -> Mode | None:
         """The smooth problem on ``sides`` of all walls, or along some; None where none is there."""
-        corner, given = corners[0], self.problem
+        corner = corners[0]
         functions = {**corner.functions, **self._levels(corner, sides, along)}
         program, turns = corner.program, {}
         if along:
@@ -524,27 +524,33 @@ class Crossroads:
             levels = _with_turns(quantities(corner.form, functions), program, turns, functions)
         else:
             levels = quantities(corner.form, functions)
-        ends = [*self._watched_surfaces(corner, sides, along)]
+        problem = self._problem_of_mode(corner, program, levels, sides, along, turns)
+        stepper, chosen = self._choose_stepper(problem)
+        lasting = stepper if chosen["method"] == "heyoka" else None
+        return Mode(corner, program, levels, sides, along, {}, turns, problem, chosen, lasting)
+
+    def _problem_of_mode(
+        self, corner: Corner, program: Program, levels: Program, sides: Mapping[Wall, int],
+        along: tuple[Surface, ...], turns: Mapping[str, Any],
+    ) -> Problem:  # fmt: skip
+        """What is to be integrated until a surface is met that the mode does not lie along."""
+        given, ends = self.problem, [*self._watched_surfaces(corner, sides, along)]
         events = [Event(name, name, -self.order, stop=True) for name in ends]
         events += [Event(name, name, -self.order) for name in turns]
         watching = levels if not along else _of_events(levels, [*given.events], ends)
         numbers = [*map(float, self.values(program, sides, self.grid[0]))]
-        problem = replace(
+        return replace(
             given, program=program, start=given.start.copy(), levels=watching,
             events=(*given.events, *events), parameters=numbers,
             exact=None, walls=frozenset(ends), suspect=None if along else given.suspect,
             progress=self.progress,
         )  # fmt: skip
-        method = (
-            next(iter(self.known_modes.values())).chosen["method"]
-            if self.known_modes
-            else self.method
-        )
-        if self.bits != DOUBLE:
-            method = "flint"
-        stepper, chosen = choose(method, problem, self.grid)
-        lasting = stepper if chosen["method"] == "heyoka" else None
-        return Mode(corner, program, levels, sides, along, {}, turns, problem, chosen, lasting)
+
+    def _choose_stepper(self, problem: Problem) -> tuple[Any, dict[str, Any]]:
+        """The stepper of a mode, by the method of the first one; in many bits by flint."""
+        first = next(iter(self.known_modes.values()), None)
+        method = self.method if first is None else first.chosen["method"]
+        return choose("flint" if self.bits != DOUBLE else method, problem, self.grid)
 
     def _number_corner(
         self, corner: Corner, below: Surface | None, along: Sequence[Surface]

@@ -439,6 +439,26 @@ def _stretch(
         return
     lanes.note_steps()
     passages.steps[0] += sum(n for n, i in zip(taken, holds, strict=True) if i is not None)
+    _account(motions, watch, passages, lanes, holds, (origin, before), taken, limit, output)
+
+
+def _account(
+    motions: Many,
+    watch: Watch,
+    passages: Passages,
+    lanes: Lanes,
+    holds: list[int | None],
+    times: tuple[np.ndarray, np.ndarray],
+    taken: Sequence[int],
+    limit: int,
+    output: Any,
+) -> None:
+    """The crossings in a stretch, from heyoka's ``output`` of it, and the lanes that broke down.
+
+    ``times`` are those at which the motions of the lanes began, and before the stretch; ``taken``
+    are the steps of each lane, of at most ``limit``.
+    """
+    ta, (origin, before) = lanes.integrator, times
     busy = [k for k, i in enumerate(holds) if i is not None]
     broken = [k for k in busy if not np.isfinite(ta.state[:, k]).all()]
     stuck = [k for k in busy if taken[k] == limit and _is_stuck(ta.time[k], before[k], origin[k])]

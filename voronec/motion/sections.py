@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from time import perf_counter
 from types import MappingProxyType
 from typing import Any
@@ -367,28 +368,36 @@ def section(
         raise motions.wrong[0]
     watch = _watch(motions, f"plane {surface}", on_plane)
     apart = Apart.of(motions, method, tol, np.array([0.0, 1.0]))
-    lanes, used, reason = (
-        choose_lanes(method, motions.program, tol, *motions.moving_lanes)
-        if apart is None
-        else (None, apart.method, apart.reason)
-    )
+    follow, used, reason, finest = _followers(motions, apart, watch, method, tol)
     ready = perf_counter()
     passages = Passages.empty(len(motions), crossings, direction, until, progress)
-    if apart is not None:
-        apart.passages(watch, passages, f"plane {surface}", on_plane)
-    elif lanes is None:
-        pass_one_by_one(motions, watch, passages, used, tol)
+    if apart is None:
+        follow(passages)
     else:
-        pass_lanes(motions, watch, passages, lanes)
+        apart.passages(watch, passages, f"plane {surface}", on_plane)
     cost = Cost(
-        method=used, reason=reason,
-        tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
+        method=used, reason=reason, tolerance=finest, setup=ready - began,
         run=perf_counter() - ready, steps=passages.steps[0], evaluations=passages.steps[0],
     )  # fmt: skip
     _refuse_nothing(motions, passages, surface, on_plane)
     if apart is None:  # else the equations have more than one right side
         _cut_unsound(motions, passages, cost)
     return _section(motions, passages, tuple(wanted), surface, on_plane, direction, cost)
+
+
+def _followers(
+    motions: Many, apart: Apart | None, watch: Watch, method: str, tol: float
+) -> tuple[Callable[[Passages], None], str, str, float]:
+    """What follows motions with one right side to their crossings; the method that it takes, why,
+    and its tolerance."""
+    if apart is not None:
+        lanes, used, reason = None, apart.method, apart.reason
+    else:
+        lanes, used, reason = choose_lanes(method, motions.program, tol, *motions.moving_lanes)
+    if lanes is not None:
+        return partial(pass_lanes, motions, watch, lanes=lanes), used, reason, tol
+    one_by_one = partial(pass_one_by_one, motions, watch, method=used, tol=tol)
+    return one_by_one, used, reason, max(tol, FINEST)
 
 
 def _whole(equations: VoronecEquations, plane: sp.Expr) -> tuple[Any, ...]:

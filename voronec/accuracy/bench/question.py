@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -104,15 +104,11 @@ def ask(
         raise DefinitionError(f"{instants} instants: give 2 or more")
     wanted = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
     wanted = wanted or _invariant_state(equations) or own.outputs
-    bare = replace(own, outputs=(), inputs={})
-    first = integrate(
-        equations, bare, times=[start], parameters=parameters, initial=initial, method="scipy"
-    )
-    # a second look, because the names of outputs are read there
-    names = integrate(
-        equations, bare, times=[start], outputs=wanted,
+    look = partial(
+        integrate, equations, replace(own, outputs=(), inputs={}), times=[start],
         parameters=parameters, initial=initial, method="scipy",
-    ).outputs  # fmt: skip
+    )  # fmt: skip
+    first, names = look(), look(outputs=wanted).outputs  # names of outputs are read there
     symbols = (*equations.system.coordinates, *equations.system.velocities)
     expressions = _expressions(equations.system, wanted or symbols, names)
     return BenchMotion(

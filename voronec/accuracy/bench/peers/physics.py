@@ -103,35 +103,39 @@ def _prepare(question: BenchMotion, setting: Setting) -> Run:
     except VoronecError as refusal:
         raise NotHere(str(refusal)) from None
 
-    def run(step: float) -> Outcome:
-        gap = float(question.grid[1] - question.grid[0])
-        each = max(1, int(np.ceil(gap / step - 1e-9)))
-        p = question.parameters
-        moments = [p[x] for x in MOMENTS[name]]
-        text = model_text(setting, gap / each, p["m"], p["R"], moments)
-        model = mujoco.MjModel.from_xml_string(text)
-        data = mujoco.MjData(model)
+    return partial(_simulate, mujoco, question, setting, at)
 
-        def once() -> np.ndarray:
-            mujoco.mj_resetData(model, data)
-            _place(mujoco, data, at, p["R"])
-            rows = [_state_of(mujoco, data)]
-            for _ in question.grid[1:]:
-                mujoco.mj_step(model, data, each)
-                rows.append(_state_of(mujoco, data))
-            return np.array(rows)
 
-        rows, seconds = time_fastest(once)
-        if not np.isfinite(rows).all():
-            raise NotHere("the simulation became unstable")
-        known = dict(zip(OFFERED, rows.T, strict=True))
-        states = np.column_stack([known[str(s)] for s in at.field.variables])
-        values, drift = at.outputs_and_drift(question.grid, states)
-        steps = each * (len(question.grid) - 1)
-        stages = 4 if setting.integrator == "RK4" else 1
-        return Outcome(values, seconds, stages * steps, steps, drift)
+def _simulate(
+    mujoco: Any, question: BenchMotion, setting: Setting, at: BenchLevel, step: float
+) -> Outcome:
+    """The motion in steps of at most a given length, as many as fit between two instants."""
+    gap = float(question.grid[1] - question.grid[0])
+    each = max(1, int(np.ceil(gap / step - 1e-9)))
+    p = question.parameters
+    moments = [p[x] for x in MOMENTS[question.system.name]]
+    text = model_text(setting, gap / each, p["m"], p["R"], moments)
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
 
-    return run
+    def once() -> np.ndarray:
+        mujoco.mj_resetData(model, data)
+        _place(mujoco, data, at, p["R"])
+        rows = [_state_of(mujoco, data)]
+        for _ in question.grid[1:]:
+            mujoco.mj_step(model, data, each)
+            rows.append(_state_of(mujoco, data))
+        return np.array(rows)
+
+    rows, seconds = time_fastest(once)
+    if not np.isfinite(rows).all():
+        raise NotHere("the simulation became unstable")
+    known = dict(zip(OFFERED, rows.T, strict=True))
+    states = np.column_stack([known[str(s)] for s in at.field.variables])
+    values, drift = at.outputs_and_drift(question.grid, states)
+    steps = each * (len(question.grid) - 1)
+    stages = 4 if setting.integrator == "RK4" else 1
+    return Outcome(values, seconds, stages * steps, steps, drift)
 
 
 def _place(mujoco: Any, data: Any, at: BenchLevel, radius: float) -> None:
