@@ -15,20 +15,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import (
-    Case,
-    Equation,
-    Fibration,
-    Frame,
-    Measure,
-    Parameter,
-    Relation,
-    Scene,
-    System,
-    kinematics,
-    time,
-    velocity,
-)
+from voronec import Case, Equation, Measure, Parameter, Relation, kinematics, time, velocity
 
 x, y, phi = sp.symbols("x y phi")
 v, w = sp.symbols("v w")
@@ -37,37 +24,32 @@ Dx, Dy, Dphi = velocity(x), velocity(y), velocity(phi)
 
 b = b1 * sp.sin(nu * time)
 Db = b.diff(time)
+sleigh = kinematics.Sleigh(m, J, a, "b(t)")
 # The velocity of the centre of mass, along the blade and across.
-forward = Dx * sp.cos(phi) + Dy * sp.sin(phi) - b * Dphi
+forward = sleigh.forward - b * Dphi
 across = Dy * sp.cos(phi) - Dx * sp.sin(phi) + a * Dphi + Db
 
 drift = m * (a * w + Db)
 momentum = m * (v - b * w)
 turning = J * w + a * drift - b * momentum
 
-SYSTEM = System(
+SYSTEM = sleigh.system(
     name="sleigh-in-time",
     title="Sleigh with a sliding body",
     description="A Chaplygin sleigh whose body slides across the blade in a prescribed way: "
     "the Lagrangian depends on the time.",
-    sketch=kinematics.sleigh_sketch((x, y), phi, a, "b(t)"),
-    fibration=Fibration(base=(x, phi), fibre=(y,)),
-    frame=Frame.quasi({v: Dx * sp.cos(phi) + Dy * sp.sin(phi), w: Dphi}),
     lagrangian=(m * (forward**2 + across**2) + J * Dphi**2) / 2,
-    constraints=(Dx * sp.sin(phi) - Dy * sp.cos(phi),),
-    meanings=kinematics.sleigh_meanings((x, y), phi, (v, w)),
-    parameters=(
-        Parameter(m, 1, positive=True, meaning="mass"),
-        Parameter(J, sp.Rational(1, 2), positive=True, meaning="inertia about the centre of mass"),
-        Parameter(a, sp.Rational(3, 10), meaning="centre of mass, before the blade"),
-        Parameter(b1, sp.Rational(1, 2), meaning="amplitude of the swing"),
-        Parameter(nu, 2, meaning="angular frequency of the swing"),
-    ),
+    values={
+        m: 1,
+        J: "1/2",
+        a: "3/10",
+        b1: Parameter(b1, "1/2", meaning="amplitude of the swing"),
+        nu: Parameter(nu, 2, meaning="angular frequency of the swing"),
+    },
     equations={
         "momentum": Equation(momentum, w * drift),
         "angular momentum": Equation(turning, -v * drift),
     },
-    essential=(v, w),
     cases={
         "centre of mass beside the blade": Case(
             parameters={a: 0},
@@ -76,14 +58,10 @@ SYSTEM = System(
         ),
     },
     scenes={
-        "default": Scene(
-            initial={v: sp.Rational(1, 5), w: sp.Rational(1, 2)},
-            times=(0.0, 60.0),
-            outputs=(x, y, phi, v, w),
-            caption="The swing of the body drives the sleigh.",
+        "default": sleigh.scene(
+            "The swing of the body drives the sleigh.", 60.0, {v: "1/5", w: "1/2"}
         ),
     },
-    shapes=kinematics.sleigh_shapes((x, y), phi, a),
     references=("BizyaevBorisovMamaev2017", "Chaplygin1911"),
 )
 

@@ -18,20 +18,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import (
-    Case,
-    Equation,
-    Fibration,
-    Frame,
-    Limit,
-    Measure,
-    Parameter,
-    Relation,
-    Scene,
-    System,
-    kinematics,
-    velocity,
-)
+from voronec import Case, Equation, Limit, Measure, Parameter, Relation, kinematics, velocity
 
 x, y, phi = sp.symbols("x y phi")
 ahead, left = sp.symbols("ahead left")
@@ -44,8 +31,9 @@ cos, sin = sp.cos(phi), sp.sin(phi)
 before, aside = x * cos + y * sin, y * cos - x * sin
 potential = k * ((before + along) ** 2 + (aside + beside) ** 2) / 2
 
+sleigh = kinematics.Sleigh(m, J, a, ground="table")
 # In space: of the centre of mass, along the sleigh and across; of the turning.
-forward = Dx * cos + Dy * sin - Omega * aside
+forward = sleigh.forward - Omega * aside
 across = Dy * cos - Dx * sin + Omega * before + a * (Dphi + Omega)
 kinetic = (m * (forward**2 + across**2) + J * (Dphi + Omega) ** 2) / 2
 
@@ -58,35 +46,33 @@ drive = a * w**2 + 2 * Omega * a * w + Omega**2 * (ahead + a) - k / m * (ahead +
 turn = -m * a * v * (w + 2 * Omega) + m * a * Omega**2 * left + k * (beside * ahead - along * left)
 
 SKETCH = (
-    kinematics.sleigh_sketch((x, y), phi, a)
-    .line((0.0, 0.0), (0.35, 0.12), (0.4, 0.3), (0.6, 0.25), (0.65, 0.45), (0.85, 0.4), (1.3, 1.5))
+    sleigh.sketch.line(
+        (0.0, 0.0), (0.35, 0.12), (0.4, 0.3), (0.6, 0.25), (0.65, 0.45), (0.85, 0.4), (1.3, 1.5)
+    )
     .dot((1.3, 1.5), "hook", 90)
     .turn((0.0, 0.0), 90, 0.3, Omega)
 )
 
-SYSTEM = System(
+SYSTEM = sleigh.system(
     name="sleigh-on-turntable",
     title="Sleigh on a turntable, held by a spring",
     description="A sleigh whose blade does not slip over a turning table, with a spring from the "
     "table's axis to a hook beside the sleigh's middle: neither reversible nor integrable.",
     sketch=SKETCH,
-    fibration=Fibration(base=(x, phi), fibre=(y,)),
-    frame=Frame.quasi({v: Dx * cos + Dy * sin, w: Dphi}),
     lagrangian=kinetic - potential,
-    constraints=(Dx * sin - Dy * cos,),
+    essential=(),
     meanings={
-        **kinematics.sleigh_meanings((x, y), phi, (v, w), "table"),
         "Jacobi": "energy seen from the table, with the potential of the centrifugal force",
     },
-    parameters=(
-        Parameter(m, 1, positive=True, meaning="mass"),
-        Parameter(J, sp.Rational(1, 2), positive=True, meaning="inertia about the centre of mass"),
-        Parameter(a, sp.Rational(3, 10), meaning="centre of mass, before the blade"),
-        Parameter(Omega, sp.Rational(1, 2), meaning="angular velocity of the table"),
-        Parameter(k, 1, lower=0, meaning="stiffness of the spring"),
-        Parameter(along, sp.Rational(1, 5), meaning="hook, before the blade"),
-        Parameter(beside, sp.Rational(2, 5), meaning="hook, to the left of the blade"),
-    ),
+    values={
+        m: 1,
+        J: "1/2",
+        a: "3/10",
+        Omega: Parameter(Omega, "1/2", meaning="angular velocity of the table"),
+        k: Parameter(k, 1, lower=0, meaning="stiffness of the spring"),
+        along: Parameter(along, "1/5", meaning="hook, before the blade"),
+        beside: Parameter(beside, "2/5", meaning="hook, to the left of the blade"),
+    },
     invariants={"ahead": before, "left": aside},
     integrals={"Jacobi": seen + stretched - centrifugal},
     equations={
@@ -100,21 +86,18 @@ SYSTEM = System(
         ),
     },
     scenes={
-        "default": Scene(
-            initial={x: 1, v: sp.Rational(1, 2), w: sp.Rational(1, 2)},
-            parameters={a: 0},
-            times=(0.0, 60.0),
-            outputs=(x, y, phi, v, w),
-            caption="With its centre of mass over the blade, the sleigh settles into no rhythm.",
+        "default": sleigh.scene(
+            "With its centre of mass over the blade, the sleigh settles into no rhythm.",
+            60.0,
+            {x: 1, v: "1/2", w: "1/2"},
+            {a: 0},
         ),
-        "attracted": Scene(
-            initial={x: 1, v: sp.Rational(-1, 2), w: sp.Rational(1, 2)},
-            times=(0.0, 60.0),
-            outputs=(x, y, phi, v, w),
-            caption="With its centre of mass before the blade, the sleigh learns to go forward.",
+        "attracted": sleigh.scene(
+            "With its centre of mass before the blade, the sleigh learns to go forward.",
+            60.0,
+            {x: 1, v: "-1/2", w: "1/2"},
         ),
     },
-    shapes=kinematics.sleigh_shapes((x, y), phi, a),
     references=("BorisovMamaevBizyaev2015", "ModinVerdier2020"),
 )
 

@@ -51,6 +51,7 @@ if TYPE_CHECKING:
         sleigh_shapes,
         sleigh_sketch,
     )
+    from voronec.kinematics.sleighs import Sleigh
     from voronec.kinematics.surfaces import Surface
 
 __all__ = [
@@ -66,6 +67,7 @@ __all__ = [
     "RollingEllipsoid",
     "Rotation",
     "RubberMotion",
+    "Sleigh",
     "Surface",
     "SurfaceForms",
     "SymmetricBallMotion",
@@ -115,6 +117,7 @@ _HOME = {
     "rubber": "RubberMotion",
     "sketches": "ball_sketch disc_sketch particle_sketch pinned_sketch "
     "rolling_sketch sleigh_shapes sleigh_sketch",
+    "sleighs": "Sleigh",
     "surfaces": "Surface",
 }
 """Modules, and the names in them."""

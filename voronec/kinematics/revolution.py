@@ -13,7 +13,7 @@ from voronec.algebra.symbols import velocity
 from voronec.algebra.text import as_expression
 from voronec.declaration.claims import Equation
 from voronec.declaration.geometry import Fibration, Frame
-from voronec.declaration.scene import Scene
+from voronec.declaration.scene import Parameter, Scene
 from voronec.declaration.shapes import Shape
 from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
@@ -207,16 +207,21 @@ class BodyOfRevolution:
             ),
         }
 
+    @property
+    def circular_invariants(self) -> dict[str, sp.Expr]:
+        """Cosines and sines of u, theta and u1."""
+        body, fixed = self.contact.body, self.contact.fixed
+        return {
+            f"{name}_{q}": function(q)
+            for q in (body.coordinates[0], self.contact.theta, fixed.coordinates[0])
+            for name, function in (("cos", sp.cos), ("sin", sp.sin))
+        }
+
     def _claims(self, further: Mapping[str, sp.Expr]) -> dict[str, Any]:
         """The invariants in which the equations close, and claims by their names."""
         body, fixed = self.contact.body, self.contact.fixed
         angles = (body.coordinates[0], self.contact.theta, fixed.coordinates[0])
-        seen = {
-            f"{name}_{q}": function(q)
-            for q in angles
-            for name, function in (("cos", sp.cos), ("sin", sp.sin))
-        }
-        invariants = {**seen, **further}
+        invariants = {**self.circular_invariants, **further}
         named = {function: sp.Symbol(name) for name, function in invariants.items()}
         rate = self.momentum_rate.xreplace(named)
         return {
@@ -265,11 +270,24 @@ class TorusOnEllipsoid:
         contact = RollingContact(Surface.torus(*self.tube, u, v), ellipsoid, theta)
         return BodyOfRevolution(contact, self.mass, *self.moments, self.rotor)
 
-    def system(self, *, values: Mapping[Any, Any], caption: str, **declared: Any) -> System:
+    @property
+    def ball_state(self) -> dict[Any, Any]:
+        """The state of a symmetric ball on a sphere, by (u, v, theta, u1, v1) and omega along its
+        axes, in the variables of this system: R = 0 and a = c."""
+        spin = self.body.contact.body.frame.T * sp.Matrix(OMEGA)
+        spins = dict(zip(SPINS, spin, strict=True))
+        return {**self.body.circular_invariants, "slant": 1, **spins}
+
+    def system(
+        self, *, caption: str, values: Mapping[Any, Any] | None = None, **declared: Any
+    ) -> System:
         """The system, with ``values`` of its constants, and what is special to it.
 
-        The motion of the scene begins on the equator of the ellipsoid; ``caption`` is its own.
+        What ``values`` do not give is a torus of radii 1 and 1/2, of mass 1 and moments 1 and 3/2,
+        on an ellipsoid of semi-axes 3 and 2.  The motion of the scene begins on the equator of the
+        ellipsoid; ``caption`` is its own.
         """
+        values = {**self._usual, **(values or {})}
         a, c = self.axes
         u, v, u1, v1, theta = self.body.contact.coordinates
         around, up = a * sp.sin(u1) / SLANT, c**2 * sp.cos(u1) / (a * SLANT)
@@ -289,6 +307,15 @@ class TorusOnEllipsoid:
             "shapes": self.body.shapes(touched, Shape.ellipsoid((a, a, c), role="ground")),
         }
         return self.body.system(further={"slant": SLANT}, **{**own, **declared})
+
+    @property
+    def _usual(self) -> dict[Any, Any]:
+        """The values of its constants where nothing else is said."""
+        big, *others = (*self.tube, *self.axes, self.mass, *self.moments)
+        usual = dict(zip(others, ("1/2", 3, 2, 1, 1, "3/2"), strict=True))
+        if isinstance(big, sp.Symbol):
+            usual = {big: Parameter(big, 1, lower=0, meaning=self._words[big][0]), **usual}
+        return {q: value for q, value in usual.items() if isinstance(q, sp.Symbol)}
 
     @property
     def _words(self) -> Words:
