@@ -14,6 +14,7 @@ from voronec.kinematics import (
     BodyOfRevolution,
     RollingContact,
     RollingEllipsoid,
+    Sleigh,
     Surface,
     SurfaceForms,
     TorusOnEllipsoid,
@@ -37,6 +38,23 @@ def test_a_ball_of_ones_own_has_the_claims_of_its_family():
     verdicts = {c.name: c.verdict for c in vo.check_claims(ball())}
     assert {"momentum", "normal", "energy", "momentum squared"} <= {*verdicts}
     assert all(verdict.proved for verdict in verdicts.values())
+
+
+def test_a_sleigh_of_ones_own_turns_as_its_integrals_say():
+    """With its own letters, proved from its Lagrangian; a blade elsewhere would not turn so."""
+    sleigh = Sleigh(M, A, b)
+    claims = {"energy": sleigh.kinetic, "heading": sleigh.heading_integral}
+    own = sleigh.system(name="own-sleigh", values={M: 1, A: 2, b: "0.5"}, integrals=claims)
+    assert all(c.verdict.proved for c in vo.check_claims(own))
+    false = {"heading": Sleigh(M, A, 2 * b).heading_integral}
+    wrong = sleigh.system(name="own-sleigh", values={M: 1, A: 2, b: "0.5"}, integrals=false)
+    verdicts = {c.name: c.verdict.status for c in vo.check_claims(wrong)}
+    assert verdicts["heading"] == "refuted"
+
+
+def test_a_sleigh_says_what_its_mass_may_be():
+    with pytest.raises(DefinitionError, match="the mass of a sleigh"):
+        Sleigh(object(), A, b)
 
 
 def test_constants_come_in_the_order_of_the_table_with_their_words():

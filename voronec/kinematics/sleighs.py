@@ -8,8 +8,11 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.arguments import TEXT, require
 from voronec.algebra.symbols import velocity
+from voronec.algebra.text import as_expression
 from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.reading import expression
 from voronec.declaration.scene import Scene
 from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
@@ -48,6 +51,12 @@ class Sleigh:
     beside: Any = ""
     ground: str = "plane"
 
+    def __post_init__(self) -> None:
+        for name in ("mass", "inertia", "ahead"):
+            read = expression(getattr(self, name), f"the {name} of a sleigh")
+            object.__setattr__(self, name, read)
+        require("the sleigh", "ground", self.ground, TEXT)
+
     @property
     def forward(self) -> sp.Expr:
         """The speed along the blade, x' cos phi + y' sin phi."""
@@ -71,7 +80,7 @@ class Sleigh:
     @property
     def turning_inertia(self) -> sp.Expr:
         """K = J + m a^2, about the blade."""
-        return sp.sympify(self.inertia + self.mass * self.ahead**2)
+        return as_expression(self.inertia + self.mass * self.ahead**2)
 
     @property
     def heading_integral(self) -> sp.Expr:
