@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -250,3 +251,33 @@ def test_a_start_at_the_origin_with_speeds_that_stay_is_no_division_by_zero() ->
             system, times=[0.0, 2.0], initial={x: at, vo.velocity(x): 1}, outputs=("x",)
         )
         assert run["x"][-1] == pytest.approx(2.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("method", ["scipy", "closed-form"])
+def test_a_start_that_is_kept_is_nobody_elses(method: str) -> None:
+    """Between two calls from one start come others, with other values, kinds of numbers, instants
+    and outputs; each is the motion of a system that has computed nothing before."""
+    ball = vo.load("demchenko")
+    own = {"u": 1.1, "s": 0.3, "n": 0.2}
+    calls: list[dict[str, Any]] = [
+        {"initial": own},
+        {"initial": {**own, "tau": 0.0}},
+        {"initial": {**own, "tau": -0.0}},
+        {"initial": {**own, "tau": sp.Float("0.1", 40)}},
+        {"initial": {**own, "tau": sp.Float("0.1")}},
+        {"initial": {**own, "tau": sp.Rational(1, 10)}},
+        {"initial": own, "parameters": {"k": 0.5}},
+        {"initial": own, "times": [1.0, 2.0, 3.0]},
+        {"initial": own, "outputs": ("v",)},
+    ]
+
+    def motion(system: vo.System, call: dict[str, Any]) -> np.ndarray:
+        given: dict[str, Any] = {"times": [0.0, 1.0, 2.0], "outputs": ("u", "v"), **call}
+        run = vo.integrate(system, method=method, **given)
+        return np.stack([run[name] for name in given["outputs"]])
+
+    fresh = [motion(replace(ball), call) for call in calls]
+    for i in (0, 1, 2, 0, 3, 4, 5, 0, 6, 0, 7, 0, 8, 0):
+        kept = motion(ball, calls[i])
+        assert np.array_equal(kept, fresh[i])
+        assert np.array_equal(np.signbit(kept), np.signbit(fresh[i]))

@@ -8,6 +8,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from voronec.algebra.garbage import no_collection
+
 if TYPE_CHECKING:
     from voronec.accuracy.hard import HardCase
     from voronec.algebra.signs import prove_inequality
@@ -215,8 +217,9 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'voronec' has no attribute '{name}'")
-    module = import_module(_HOME[name])
-    value = module if name == "kinematics" else getattr(module, name)
+    with no_collection():
+        module = import_module(_HOME[name])
+        value = module if name == "kinematics" else getattr(module, name)
     globals()[name] = value
     return value
 

@@ -14,6 +14,7 @@ from importlib import import_module
 from pathlib import Path
 from traceback import extract_tb
 
+from voronec.algebra.garbage import rare_collection
 from voronec.cli.arguments import command_parser
 from voronec.cli.option_wording import as_options
 from voronec.errors import DefinitionError, VoronecError, printable
@@ -55,7 +56,7 @@ def _execute(arguments: Sequence[str] | None) -> int:
     if chosen.module is None:
         parser.print_help()
         return 0
-    with _files_alone():
+    with _files_alone(), rare_collection():
         status: int = import_module(chosen.module).execute(chosen)
     return status
 

@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.arguments import PATH, accepts
+from voronec.algebra.garbage import no_collection
 from voronec.declaration.plugin_files import failure, run_file
 from voronec.errors import DefinitionError, did_you_mean
 
@@ -211,9 +212,10 @@ def load(name: str | os.PathLike[str]) -> System:
     read.  ``DefinitionError`` with the nearest names where there is no such system, and with the
     line where a file is wrong.
     """
-    if isinstance(name, os.PathLike) or is_file(name):
-        return load_file(Path(name))
-    return entry_of(name).load()
+    with no_collection():
+        if isinstance(name, os.PathLike) or is_file(name):
+            return load_file(Path(name))
+        return entry_of(name).load()
 
 
 def entry_of(name: str) -> Entry:

@@ -11,7 +11,9 @@ from typing import Any
 
 import mpmath
 import numpy as np
+import sympy as sp
 
+from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
 from voronec.closed import ClosedForm
 from voronec.closed.winding import NoWholeTurns, passed_poles, turnless_message
@@ -55,17 +57,11 @@ def evaluated_motion(
     """
     if not 0 < tol < 1:
         raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
-    equations = vocabulary.equations
-    form = closed_form_of_start(vocabulary, given, outset)
-    watch = watch_of(vocabulary, asked)
-    program = (
-        whole(vocabulary, asked, {}).program
-        if watch.multipliers is not None
-        else quantities(equations.raw.form, watch.expressions)
-    )
+    form = outset.memo.once("closed form", lambda: closed_form_of_start(vocabulary, given, outset))
+    watch, program = _watched(vocabulary, asked, outset.memo)
     sight = _Sight(vocabulary, form, watch, program, outset, float(grid[0]), tol)
     if tol >= EXACT:
-        form.modulo(0.0, sight.names)
+        outset.memo.once("closed form at the start", lambda: form.modulo(0.0, sight.names))
     elif not form.rests:
         form.solution.constants(64)
     ready, busy = perf_counter(), process_time()
@@ -84,6 +80,20 @@ def evaluated_motion(
         if dense
         else None,
     )
+
+
+def _watched(vocabulary: Vocabulary, asked: Sequence[Any], memo: Memo) -> tuple[Watch, Program]:
+    """What is watched, and the program for it, once for the same outputs."""
+
+    def made() -> tuple[Watch, Program]:
+        watch = watch_of(vocabulary, asked)
+        if watch.multipliers is not None:
+            return watch, whole(vocabulary, asked, {}).program
+        return watch, quantities(vocabulary.equations.raw.form, watch.expressions)
+
+    if not all(isinstance(x, str | sp.Basic) for x in asked):
+        return made()
+    return memo.once(("watched", tuple(asked)), made)
 
 
 @dataclass(frozen=True)

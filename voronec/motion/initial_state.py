@@ -121,7 +121,8 @@ class Relations:
 def _residuals_and_slopes(form: FirstOrderForm) -> tuple[tuple[Any, ...], Callable[..., Any]]:
     """The parameters of a function for the relations and then their slopes, row by row; and it."""
     slopes = [r.diff(q) for r in form.relations for q in form.coordinates]
-    program = Program.of(form, {str(i): e for i, e in enumerate([*form.relations, *slopes])})
+    wanted = {str(i): e for i, e in enumerate([*form.relations, *slopes])}
+    program = Program.of_extras(form, wanted)
     return program.parameters, compile_program(program)[1]
 
 

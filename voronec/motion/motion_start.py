@@ -19,13 +19,14 @@ Parameters that are zero and leave a velocity without inertia: its acceleration 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import mpmath
 import numpy as np
 import sympy as sp
 
+from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression
 from voronec.equations.attitudes import with_attitude_charts
@@ -43,6 +44,7 @@ from voronec.motion.initial_state import (
     parameter_values,
     start_of,
 )
+from voronec.motion.model.packs import Packs
 from voronec.motion.request import StartData
 from voronec.motion.singular_directions import (
     POLE,
@@ -52,7 +54,7 @@ from voronec.motion.singular_directions import (
     polar_directions,
 )
 from voronec.motion.split_models import NEAR, SplitGround
-from voronec.motion.state_probe import Probe, quantities
+from voronec.motion.state_probe import Probe, quantities, rates_program
 from voronec.motion.steppers.run import Signals
 from voronec.motion.vocabulary import Vocabulary
 
@@ -70,13 +72,27 @@ def rates_at(
         found = v
         for own in (form, equations.form):
             values = [constants.get(str(p), np.nan) for p in own.parameters]
-            probe = Probe(equations.system.name, own, quantities(own, {}), values, time)
-            found = probe.rates(q, v)
+            program = _rates_program(equations, own)
+            found = Probe(equations.system.name, own, program, values, time).rates(q, v)
             if np.isfinite(found).all() and _are_rates(ground, q, v, found):
                 return found
         return np.full_like(found, np.nan)
 
     return rates
+
+
+def _rates_program(equations: VoronecEquations, form: Any) -> Program:
+    """The ``rates_program`` of a form of the equations, kept with them and on disk."""
+    kind = "raw" if form is equations.raw.form else "short"
+
+    def made() -> Program:
+        d = equations.definition
+        packs = Packs(equations.system, ["rates", kind, d.near, d.share])
+        program = packs.once("program", lambda: rates_program(form))
+        packs.keep()
+        return program
+
+    return equations.memo.once(("rates", kind), made)
 
 
 def _are_rates(ground: SplitGround, q: np.ndarray, v: np.ndarray, w: np.ndarray) -> bool:
@@ -137,6 +153,7 @@ class Outset:
     exactly: Exactly
     changing: Signals | None = None
     framed: bool = True
+    memo: Memo = field(default_factory=Memo, repr=False, compare=False)
 
     def is_at_pole(self, equations: VoronecEquations) -> bool:
         """Whether it is at a pole of Euler's angles."""
@@ -157,7 +174,31 @@ class Outset:
         project: bool,
         changing: Signals | None = None,
     ) -> Outset:
-        """Read what is given, and look whether a motion starts there."""
+        """Read what is given, and look whether a motion starts there.
+
+        The last of the equations is kept, with what was computed of it.
+        """
+        spelling = given.spelling
+        if spelling is None or changing is not None or vocabulary.inputs:
+            return cls._read(vocabulary, given, time, project, changing)
+        key = spelling, time, project
+        last: dict[Any, Outset] = vocabulary.equations.memo.once("last start", dict)
+        if key not in last:
+            found = cls._read(vocabulary, given, time, project, None)
+            found.state.flags.writeable = False
+            last.clear()
+            last[key] = found
+        return last[key]
+
+    @classmethod
+    def _read(
+        cls,
+        vocabulary: Vocabulary,
+        given: StartData,
+        time: float,
+        project: bool,
+        changing: Signals | None,
+    ) -> Outset:
         equations = vocabulary.equations
         constants = parameter_values(vocabulary, given.parameters, set())
         form = equations.raw.form  # made in no time
@@ -182,8 +223,8 @@ class Outset:
             wide = WideStart.of(vocabulary, ground, given, project)
             start, framed = Start(wide.home), _only_angles_fail(ground, wide.wide)
         exactly = Exactly(
-            vocabulary, quantities(form, {}), time, given.parameters, given.scene_initial,
-            given.initial, start.state, bool(start.notes),
+            vocabulary, _rates_program(equations, form), time, given.parameters,
+            given.scene_initial, given.initial, start.state, bool(start.notes),
         )  # fmt: skip
         return cls(start.state, constants, start.notes, exactly, changing, framed)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
@@ -54,6 +54,22 @@ class StartData:
             scene_initial=name_values(vocabulary, scene.initial if scene else {}, "initial value"),
             initial=name_values(vocabulary, initial or {}, "initial value"),
         )
+
+    @property
+    def spelling(self) -> Hashable | None:
+        """Equal for data that are the same to the last bit; None where that is not to be told."""
+        parts = (self.parameters, self.scene_initial, self.initial)
+        spelled = [(name, _spelling(x)) for part in parts for name, x in (*part.items(), ("", ""))]
+        return None if any(x is None for _, x in spelled) else tuple(spelled)
+
+
+def _spelling(value: Any) -> Hashable | None:
+    """A number or a formula, told from all others; None for what may change, or is none."""
+    if type(value) in (int, float, str):
+        return type(value).__name__, repr(value)  # zeros differ in sign
+    # equal numbers of SymPy may differ in their precision
+    exact = isinstance(value, sp.Expr) and not value.has(sp.Float)
+    return (type(value).__name__, value) if exact else None
 
 
 def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[str, sp.Expr]:

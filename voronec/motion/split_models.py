@@ -364,11 +364,13 @@ class SplitGround:
         kept |= {(f, key): None for f in fresh} | {(d.function, key): d for d in risky}
         return [d for f in found if (d := kept[f, key]) is not None]
 
-    @cached_property
+    @property
     def _others(self) -> set[Any]:
         """Divisors that are none of a split: those of forces, and poles of charts."""
         d = self.home.definition
-        return {*self._poles, *bases((d.lagrangian, *d.forces))}
+        return self.home.memo.once(
+            "divisors of no split", lambda: {*self._poles, *bases((d.lagrangian, *d.forces))}
+        )
 
     @cached_property
     def _poles(self) -> tuple[Any, ...]:

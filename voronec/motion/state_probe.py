@@ -14,7 +14,7 @@ from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.run import Halt, Signals, Suspect, values_along
 
-__all__ = ["Probe", "mass_program", "quantities", "quiet", "rates_along"]
+__all__ = ["Probe", "mass_program", "quantities", "quiet", "rates_along", "rates_program"]
 
 SINGULAR = 1e-13
 """A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
@@ -52,10 +52,15 @@ def rates_along(right: Right, time: float, q: np.ndarray, v: np.ndarray) -> np.n
 
 def quantities(form: Any, extras: Any) -> Program:
     """A program for extra quantities alone, on the state and the parameters of a form."""
+    return Program.of_extras(form, extras)
+
+
+def rates_program(form: Any) -> Program:
+    """A program for the velocities of all coordinates; those of a form do not change in it."""
     zero, one = se.Integer(0), se.Integer(1)
     n = len(form.velocities)
     mass = tuple(tuple(one if i == j else zero for j in range(n)) for i in range(n))
-    return Program.of(replace(form, mass=mass, force=(zero,) * n), extras)
+    return Program.of(replace(form, mass=mass, force=(zero,) * n))
 
 
 def mass_program(form: Any) -> Program:

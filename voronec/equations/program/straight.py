@@ -176,6 +176,12 @@ class Program:
         wanted = {name: se.sympify(e) for name, e in (extras or {}).items()}
         return _program(form, tuple(wanted.items()))
 
+    @classmethod
+    def of_extras(cls, form: FirstOrderForm, extras: Mapping[str, Any]) -> Program:
+        """The same for the extra quantities alone: nothing moves in it."""
+        wanted = {name: se.sympify(e) for name, e in extras.items()}
+        return _program(form, tuple(wanted.items()), moves=False)
+
     @property
     def state(self) -> tuple[Any, ...]:
         """Coordinates, then velocities."""
@@ -208,7 +214,9 @@ class Program:
 
 
 @lru_cache(maxsize=32)  # starts, tolerances and methods change, what is asked of a form does not
-def _program(form: FirstOrderForm, extras: tuple[tuple[str, Any], ...]) -> Program:
+def _program(
+    form: FirstOrderForm, extras: tuple[tuple[str, Any], ...], moves: bool = True
+) -> Program:
     form, wanted, inputs = _replace_functions(form, dict(extras))
     known = [form.time, *form.coordinates, *form.velocities, *form.parameters, *inputs]
     dots = form.velocity_symbols
@@ -217,11 +225,12 @@ def _program(form: FirstOrderForm, extras: tuple[tuple[str, Any], ...]) -> Progr
     matrix = [e for row in form.mass for e in row]
     names = [name for name, _ in form.stages]
     inner = [e for _, e in form.stages]
-    moving = [*inner, *form.rates, *matrix, *form.force]
+    moving = [*inner, *form.rates, *matrix, *form.force] if moves else inner
     _check("the equations of motion", moving, [*known, *names])
     for name, expr in zip(wanted, observed, strict=True):
         _check(f"'{name}'", [expr], [*known, *names])
-    derivative = _derivative(form, tuple(known))
+    rest = Block((), (se.Integer(0),) * (len(form.coordinates) + len(form.velocities)))
+    derivative = _derivative(form, tuple(known)) if moves else rest
     extra = share_subexpressions(observed, fresh_names(known), form.stages)
     if derivative.is_rough(form.parameters):
         form = with_plain_roots(form)

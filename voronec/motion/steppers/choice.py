@@ -78,9 +78,10 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
         return "flint", "the tolerance is finer than doubles"
     if not problem.program.state:
         return "scipy", "nothing moves"
-    there, compiled = METHODS["heyoka"].is_there, METHODS["numba"].is_there and not problem.brief
+    there = METHODS["heyoka"].is_there
     if there and not (problem.tol >= FINEST and problem.program.weight > HEAVY):
         return "heyoka", "heyoka is installed"
+    compiled = METHODS["numba"].is_there and not problem.brief
     if not there and not compiled:
         return "scipy", "heyoka is not installed"
     cost, enough = STAGES * (problem.program.operations + 1), TINY if there else COMPILED
