@@ -258,7 +258,7 @@ def test_a_start_that_is_kept_is_nobody_elses(method: str) -> None:
     """Between two calls from one start come others, with other values, kinds of numbers, instants
     and outputs; each is the motion of a system that has computed nothing before."""
     ball = vo.load("demchenko")
-    own = {"u": 1.1, "s": 0.3, "n": 0.2}
+    own = {"u": 1.1, "u1": 1.0, "s": 0.3, "n": 0.2}
     calls: list[dict[str, Any]] = [
         {"initial": own},
         {"initial": {**own, "tau": 0.0}},
