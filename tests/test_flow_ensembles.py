@@ -261,6 +261,20 @@ def test_a_motion_through_its_singular_split_is_as_if_alone():
                 assert turns[name][i] == pytest.approx(alone[name], abs=1e-10)
 
 
+def test_a_motion_whose_steps_lead_nowhere_is_given_up_and_goes_on_alone():
+    """Where the new time stands still steps of DOP853 become so short that none would be the last."""
+    ball = vo.derive(vo.load("veselova-in-new-time"))
+    start = {"gamma1": -0.7715241163850226, "gamma2": 0.6346085672337947}
+    start |= {"gamma3": 0.044972260670111425, "Omega1": -0.273, "Omega2": -0.038}
+    inertia = {"J1": 1.1143884171903848, "J2": 1.6142348188643547, "J3": 1.5429880954340192}
+    run = {"parameters": inertia, "times": [0, -19], "outputs": ("gamma1", "Omega1")}
+    turns = vo.ensemble(ball, [start], method="scipy", tol=1e-13, **run)
+    alone = vo.integrate(ball, initial=start, method="heyoka", tol=1e-13, **run)
+    assert turns.finished.all() and turns.cost.switches
+    for name in run["outputs"]:
+        assert turns[name][0] == pytest.approx(alone[name], abs=1e-8)
+
+
 @pytest.mark.parametrize("count", [63, 64, 320])
 def test_a_motion_that_comes_to_rest_where_taylor_coefficients_vanish(count: int) -> None:
     """x'' = 1 - x^2 rests at 0 after one unit of time, where a piece of the grid ends: heyoka's own

@@ -104,6 +104,20 @@ def test_two_crossings_between_samples_are_both_found_and_called_near_tangent(os
 
 
 @pytest.mark.parametrize("method", METHODS)
+def test_two_crossings_next_to_the_end_of_a_step_are_both_found(oscillator, method):
+    ahead = np.linspace(0, 1.2, 40)
+    starts = {"x": np.sin(ahead), "xdot": 2 * np.cos(ahead)}
+    found = vo.section(
+        oscillator, "x", ("xdot",), starts=starts, value=1 - 1e-9, direction=0, crossings=4,
+        method=method,
+    )  # fmt: skip
+    apart = np.arccos(1 - 1e-9)
+    turns = np.array([np.pi / 2 + 2 * np.pi * k + s * apart for k in range(2) for s in (-1, 1)])
+    for i, start in enumerate(ahead):
+        assert found.t[found.start == i] == pytest.approx((turns - start) / 2, abs=1e-7)
+
+
+@pytest.mark.parametrize("method", METHODS)
 def test_a_touch_is_told_apart_from_a_crossing(oscillator, method):
     starts = {"x": [0.0, 0.0], "xdot": [2.0, 2.5]}
     found = vo.section(

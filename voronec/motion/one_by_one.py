@@ -15,7 +15,7 @@ from voronec.motion.steppers.dop853_source import SHARE
 from voronec.motion.steppers.heyoka_stepper import STRIDE
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import Pace, estimated_steps
-from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride
+from voronec.motion.steppers.step_loop import Crawl, IntegratorFailure, Stretch, Stride
 from voronec.motion.steppers.units import natural_units, units_of_many
 from voronec.motion.tolerances import FINEST
 
@@ -214,9 +214,12 @@ def _fill(
     rows: np.ndarray, sizes: StepSizes,
 ) -> Iterator[int]:  # fmt: skip
     """Fill in the rows of a motion by scipy; yields how many steps were taken."""
-    order, done = np.sign(grid[-1] - grid[0]), 1
-    for solver in strides("scipy", program, state, values, (float(grid[0]), float(grid[-1])), tol):
+    order, done, crawl = np.sign(grid[-1] - grid[0]), 1, Crawl(float(np.ptp(grid)), grid[0])
+    span = (float(grid[0]), float(grid[-1]))
+    for steps, solver in enumerate(strides("scipy", program, state, values, span, tol), 1):
         note_step(sizes, solver)
+        if crawl.found(steps, solver.t):
+            raise break_error(COLLAPSE, solver.t, solver.y)
         reached = int(np.searchsorted(order * grid, order * solver.t, side="right"))
         if reached > done:
             rows[done:reached] = solver.dense_output()(grid[done:reached]).T
@@ -229,7 +232,7 @@ def _fill_by_numba(
     rows: np.ndarray, sizes: StepSizes,
 ) -> Iterator[int]:  # fmt: skip
     """The same in the compiled loop."""
-    done, begin = 1, float(grid[0])
+    done, steps, begin, crawl = 1, 0, float(grid[0]), Crawl(float(np.ptp(grid)), grid[0])
     for stretch in _stretches(program, state, values, grid, tol, dense=False):
         rows[done : done + len(stretch.rows)] = stretch.rows
         done += len(stretch.rows)
@@ -238,6 +241,9 @@ def _fill_by_numba(
         whole = lengths[: len(lengths) - (stretch.end == grid[-1])]  # the last one is cut
         if len(whole):
             sizes.note(0, whole.min(), whole.max())
+        steps += stretch.steps
+        if crawl.found(steps, stretch.end):
+            raise break_error(COLLAPSE, stretch.end, stretch.state)
         yield stretch.steps
 
 

@@ -240,25 +240,28 @@ def _turns(
     """Pairs of zeros between samples, where the quantity comes near to zero and turns back.
 
     The extremum lies between the neighbours of its least sample; these may belong to two steps, so
-    each half is looked into by itself.
+    each half is looked into by itself.  Beyond both ends the series go on for a sample: an extremum
+    next to an end is that of the paths that hold it.
     """
-    sign = np.sign(values[1:-1])
-    a, m, b = (sign * x for x in (values[:-2], values[1:-1], values[2:]))
+    sign, around = np.sign(values), _with_neighbours(close, paths, values)
+    a, m, b = (sign * x for x in (around[:-2], values, around[2:]))
     bend = a - 2 * m + b
     turning = (sign != 0) & (a >= m) & (b >= m) & (a > 0) & (b > 0) & (bend > 0)
     with np.errstate(all="ignore"):
         depth = (a - b) ** 2 / (8 * bend)
-    row, lane = np.nonzero(turning & (m - depth < NEAR * np.maximum(a - m, b - m)))
+    rows, lanes = np.nonzero(turning & (m - depth < NEAR * np.maximum(a - m, b - m)))
     brackets: list[Bracket] = []
     touches: dict[tuple[int, int], float] = {}
     nothing = TOUCH * size
     for half in (0, 1):
-        place = row + half
+        within = (rows + half >= 1) & (rows + half < len(values))
+        row, lane = rows[within], lanes[within]
+        place = row - 1 + half
         step, h = place // SAMPLES, paths.lengths[place // SAMPLES, lane]
         lower = (place % SAMPLES) / SAMPLES * h
         upper = lower + h / SAMPLES
         if not len(row):
-            break
+            continue
         s = sign[row, lane]
         best, least = close(step, lane).lowest(lower, upper, s)
         times = paths.times[step, lane] + best
@@ -271,6 +274,18 @@ def _turns(
             take = through & ((direction == 0) | (want == direction))
             brackets.append((step[take], lane[take], first[take], second[take]))
     return brackets, tuple((k[0], t) for k, t in touches.items())
+
+
+def _with_neighbours(
+    close: Callable[[np.ndarray, np.ndarray], _Close], paths: Paths, values: np.ndarray
+) -> np.ndarray:
+    """Samples (m, lanes) with one more before the first and after the last."""
+    last, lanes = len(paths.lengths) - 1, values.shape[1]
+    every, ends = np.arange(lanes), []
+    for step, part in ((0, -1 / SAMPLES), (last, 1 + 1 / SAMPLES)):
+        here = close(np.full(lanes, step), every)
+        ends.append(here.value(part * paths.lengths[step]))
+    return np.vstack([ends[0], values, ends[1]])
 
 
 PATIENCE = 50_000
@@ -579,7 +594,7 @@ def _follow(
         return watch.function(t, states, np.broadcast_to(values, (len(states), len(values))))
 
     end = passages.until if passages.until < FOREVER else motions.time + 1e12
-    size, after, rise = len(motions.states[i]), None, np.inf
+    size, after, rate = len(motions.states[i]), None, np.inf
     everything, lane = np.arange(size), np.zeros(1, dtype=int)
     last = float(plane(np.array([motions.time]), motions.states[i : i + 1], lane)[0])
     sizes = StepSizes.of(1)
@@ -595,9 +610,9 @@ def _follow(
             if after is None:
                 after = motions.time + STARTING * (step.t - motions.time)
             # no look where the quantity could not come to zero at twice its latest rate
-            near = min(abs(last), abs(now)) <= 2 * max(abs(now - last), rise)
-            rise = abs(now - last)
-            rate = rise / (step.t - step.t_old)
+            length, rise = step.t - step.t_old, abs(now - last)
+            near = min(abs(last), abs(now)) <= 2 * max(rise, rate * length)
+            rate = rise / length
             if near or last * now <= 0:
                 found = zeros(_as_polynomial(step), plane, everything, passages.direction)
                 _keep(passages, found, 0, i, after)

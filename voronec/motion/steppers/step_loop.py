@@ -22,7 +22,16 @@ from voronec.motion.steppers.run import (
     until,
 )
 
-__all__ = ["IntegratorFailure", "Stretch", "Stride", "Walker", "crossings", "march", "root"]
+__all__ = [
+    "Crawl",
+    "IntegratorFailure",
+    "Stretch",
+    "Stride",
+    "Walker",
+    "crossings",
+    "march",
+    "root",
+]
 
 
 LOOKS = 8
@@ -140,6 +149,23 @@ class IntegratorFailure(Exception):
     """An integrator cannot go on, for a reason in words."""
 
 
+@dataclass
+class Crawl:
+    """A look at whether steps lead nowhere: ``mark`` is the time after ``marked`` of them."""
+
+    span: float
+    mark: Any
+    marked: int = 0
+
+    def found(self, steps: int, time: Any) -> bool:
+        """Whether the last of so many steps, which came to a time, covered next to nothing."""
+        windows = (steps - self.marked) // WINDOW
+        if not windows:
+            return False
+        way, self.mark, self.marked = abs(time - self.mark), time, steps
+        return bool(way <= CRAWL * self.span * windows)
+
+
 @dataclass(frozen=True)
 class Stride:
     """One accepted step, with its dense output: times (k,) to states (k, n).
@@ -221,7 +247,7 @@ class _March:
 
     def run(self) -> Run:
         ticker = Ticker(self.problem.progress, float(self.grid[0]), float(self.grid[-1]))
-        mark, marked = self.grid[0], 0
+        crawl = Crawl(self.log.span, self.grid[0])
         try:
             while self.done < len(self.grid) and not self.log.stopped:
                 try:
@@ -237,11 +263,8 @@ class _March:
                 ticker(self.last.time)
                 if len(self.recent) >= SUSPECTS and (halt := self.singular()):
                     return self.result(halt)
-                if self.steps - marked >= WINDOW:
-                    least = CRAWL * self.log.span * ((self.steps - marked) // WINDOW)
-                    if abs(self.last.time - mark) <= least:
-                        return self.result(self.last)
-                    mark, marked = self.last.time, self.steps
+                if crawl.found(self.steps, self.last.time):
+                    return self.result(self.last)
         except KeyboardInterrupt:
             return self.result(interrupted=True)
         return self.result(self.singular())
