@@ -262,7 +262,7 @@ def test_a_motion_through_its_singular_split_is_as_if_alone():
 
 
 def test_a_motion_whose_steps_lead_nowhere_is_given_up_and_goes_on_alone():
-    """Where the new time stands still steps of DOP853 become so short that none would be the last."""
+    """Where the new time stands still the steps of DOP853 become ever shorter."""
     ball = vo.derive(vo.load("veselova-in-new-time"))
     start = {"gamma1": -0.7715241163850226, "gamma2": 0.6346085672337947}
     start |= {"gamma3": 0.044972260670111425, "Omega1": -0.273, "Omega2": -0.038}
