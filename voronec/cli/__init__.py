@@ -15,8 +15,7 @@ from pathlib import Path
 from traceback import extract_tb
 
 from voronec.algebra.garbage import rare_collection
-from voronec.cli.arguments import command_parser
-from voronec.cli.option_wording import as_options
+from voronec.cli.arguments import as_options, command_parser
 from voronec.errors import DefinitionError, VoronecError, printable
 
 __all__ = ["main"]

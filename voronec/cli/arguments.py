@@ -1,9 +1,15 @@
-"""The arguments of every command; loads nothing heavy, so that ``--help`` answers at once."""
+"""The arguments of every command; loads nothing heavy, so that ``--help`` answers at once.
+
+Errors name arguments of Python; on the command line the options that mean them stand there.
+"""
 
 from __future__ import annotations
 
 import argparse
+import re
 import sys
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, NoReturn
 
 import voronec
@@ -11,7 +17,8 @@ from voronec.equations.printers import PRINTERS
 from voronec.errors import printable
 from voronec.motion.methods import method_names
 
-__all__ = ["command_parser"]
+__all__ = ["as_options", "command_parser"]
+
 
 SUMMARY = "Exact equations of nonholonomic systems, and the papers that print them."
 EXITS = "exit status: 0 good, 1 a check failed, 2 the input is wrong, 130 stopped by Ctrl-C"
@@ -382,3 +389,28 @@ def _system(parser: argparse.ArgumentParser, nargs: str | None = None) -> None:
         metavar="NAME|FILE",
         help="a system's name, or a file: Python defining SYSTEM, or TOML",
     )
+
+
+OPTIONS: Mapping[str, str] = MappingProxyType(
+    {
+        r"inputs=\{'(\w+)': \.\.\.\}": r"--input \1=VALUE",
+        r"(?:parameters|initial)=\{'(\w+)': \.\.\.\}": r"--set \1=VALUE",
+        r"(?:parameters|initial)=\{\.\.\.\}": "--set NAME=VALUE",
+        r"outputs=\(?\.\.\.\)?": "--outputs",
+        r"\bmethod='([\w-]+)'": r"--method \1",
+        r"\btol=(?=\S)": "--tol ",
+        r"\btol (?=>=)": "--tol ",
+        r"\bscene= one of": "--scene with one of",
+        r"\bgive times$": "give --times 0:10",
+        r"\bgive until=": "give --until T",
+        r",? or give project=True": "",
+    }
+)
+"""What an error advises in Python -> what one types instead."""
+
+
+def as_options(message: str) -> str:
+    """The message of an error with options in the place of arguments of Python."""
+    for pattern, option in OPTIONS.items():
+        message = re.sub(pattern, option, message)
+    return message
