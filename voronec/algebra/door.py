@@ -4,11 +4,18 @@ Inside, every coordinate, velocity and parameter is a plain symengine symbol tha
 user's name; so ``dynamicsymbols`` stay outside and come back on the way out.  What SymPy knows of
 a symbol, its sign above all, stands in ``hypotheses``, which go along with what is to be decided.
 Decimal numbers are read as the decimals they were written as: ``9.81`` is ``981/100``.
+
+Functions in pieces - steps, limits, cases - written with absolute values, signs and floors.
+
+Those three are what the engine knows of walls: an absolute value is a root, and a sign or a floor
+has no slope off its wall.  What is written with them has the values of the original on the walls
+too, where a sign is zero: an indicator is (s^2 + s)/2 for g > 0, 1 - s^2 for g = 0, s = sign(g).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import reduce
 from math import isfinite
 from typing import Any
 
@@ -16,14 +23,15 @@ import symengine as se
 import sympy as sp
 from symengine.lib.symengine_wrapper import BooleanAtom
 from sympy.core.function import AppliedUndef
+from sympy.logic.boolalg import BooleanFunction
 
 from voronec.algebra.graphs import nodes
-from voronec.algebra.piecewise import written_with_signs
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.text import as_expression, quote
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Door"]
+__all__ = ["Door", "written_with_signs"]
+
 
 _FUNCTIONS = {
     name: getattr(se, name)
@@ -351,3 +359,91 @@ def _known_of(thing: sp.Expr, inside: Any) -> Iterator[Any]:
         step = 2 if thing.is_odd or thing.is_even else 1
         whole = (inside + shift) / step
         yield se.Eq(se.floor(whole), whole)
+
+
+HALF = sp.Rational(1, 2)
+
+
+def written_with_signs(expr: Any) -> sp.Expr | None:
+    """A function in pieces by ``Abs``, ``sign`` and ``floor``; None for any other expression.
+
+    The argument is the node itself: what is inside of its arguments stays as it is.
+    """
+    rule = _RULES.get(type(expr).__name__)
+    return None if rule is None else rule(expr)
+
+
+def _step(expr: Any) -> sp.Expr:
+    g, middle = expr.args[0], expr.args[1] if len(expr.args) > 1 else HALF
+    side = sp.sign(g)
+    return (1 + side) / 2 + (middle - HALF) * (1 - side**2)
+
+
+def _largest(expr: Any) -> sp.Expr:
+    return reduce(lambda a, b: (a + b + sp.Abs(a - b)) / 2, sp.ordered(expr.args))
+
+
+def _least(expr: Any) -> sp.Expr:
+    return reduce(lambda a, b: (a + b - sp.Abs(a - b)) / 2, sp.ordered(expr.args))
+
+
+def _remainder(expr: Any) -> sp.Expr:
+    a, b = expr.args
+    return a - b * sp.floor(a / b)
+
+
+def _cases(expr: Any) -> sp.Expr:
+    """The first case whose condition holds."""
+    total, none_before = sp.Integer(0), sp.Integer(1)
+    for value, condition in expr.args:
+        here = _indicator(condition)
+        total += value * none_before * here
+        none_before *= 1 - here
+    if none_before != 0 and expr.args[-1][1] != sp.true:
+        raise DefinitionError(
+            f"'{expr}' says nothing where none of its conditions holds; end it with a case "
+            "(value, True)"
+        )
+    return total
+
+
+def _indicator(condition: Any) -> sp.Expr:
+    """1 where a condition holds, 0 where it does not."""
+    if condition in (sp.true, True):
+        return sp.Integer(1)
+    if condition in (sp.false, False):
+        return sp.Integer(0)
+    relation = _RELATIONS.get(type(condition))
+    if relation is not None:
+        return relation(sp.sign(condition.lhs - condition.rhs))
+    if isinstance(condition, BooleanFunction) and type(condition) in _CONNECTIVES:
+        return _CONNECTIVES[type(condition)]([_indicator(c) for c in condition.args])
+    raise DefinitionError(
+        f"the condition '{condition}' is not made of comparisons; use <, <=, >, >=, Eq, Ne with "
+        "&, | and ~"
+    )
+
+
+_RELATIONS: dict[Any, Callable[[Any], sp.Expr]] = {
+    sp.StrictGreaterThan: lambda s: (s**2 + s) / 2,
+    sp.StrictLessThan: lambda s: (s**2 - s) / 2,
+    sp.GreaterThan: lambda s: 1 - (s**2 - s) / 2,
+    sp.LessThan: lambda s: 1 - (s**2 + s) / 2,
+    sp.Equality: lambda s: 1 - s**2,
+    sp.Unequality: lambda s: s**2,
+}
+_CONNECTIVES: dict[Any, Callable[[list[Any]], sp.Expr]] = {
+    sp.And: sp.prod,
+    sp.Or: lambda given: 1 - sp.prod([1 - x for x in given]),
+    sp.Not: lambda given: 1 - given[0],
+    sp.Xor: lambda given: reduce(lambda a, b: a + b - 2 * a * b, given),
+}
+_RULES: dict[str, Callable[[Any], sp.Expr]] = {
+    "Heaviside": _step,
+    "Max": _largest,
+    "Min": _least,
+    "Mod": _remainder,
+    "Piecewise": _cases,
+    "ceiling": lambda expr: -sp.floor(-expr.args[0]),
+    "frac": lambda expr: expr.args[0] - sp.floor(expr.args[0]),
+}

@@ -1,9 +1,18 @@
-"""Equality with three answers: proved, refuted with a witness, undecided."""
+"""Equality with three answers: proved, refuted with a witness, undecided.
+
+Witnesses against an equality, looked for where branches change.
+
+Walls are what stands under roots, signs, floors, two-place arctangents and logarithms, factor by
+factor: there a function turns into another one.  Points are taken in the orthants of the atoms, at
+special rational numbers, of all sizes, on walls, and on both sides of each.  Points at which the
+walls have the same signs tell the same, so one of each kind is looked at with more digits.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import islice, product
 from random import Random
 from typing import Any
 
@@ -15,28 +24,33 @@ from sympy.logic.boolalg import Boolean
 
 from voronec.algebra.arguments import SEVERAL, accepts
 from voronec.algebra.composition import angles_of, are_equal, fold_angles
-from voronec.algebra.conditions import condition, split_hypotheses
+from voronec.algebra.conditions import condition, domain_of, split_hypotheses
 from voronec.algebra.door import Door
+from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.generators import linear_terms
-from voronec.algebra.points import sample_evaluable
+from voronec.algebra.graphs import nodes
+from voronec.algebra.points import consistent, lift_point, sample_evaluable
+from voronec.algebra.ring import Ring
 from voronec.algebra.roots import domain_conditions, ring_over
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import as_expression, quote
 from voronec.algebra.typeset import html_table
-from voronec.algebra.witnesses import Search
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = [
+    "Search",
     "Verdict",
     "Witness",
     "all_vanish",
     "decide_equal",
     "decide_zero",
     "prove_equal",
+    "walls_of",
     "witness_at",
 ]
+
 
 DIGITS = 30
 NO_POINT = "no point was found at which both sides have real values"
@@ -332,3 +346,299 @@ def _digits(value: Any, digits: int) -> str:
     if isinstance(value, flint.fmpq):
         return str(value)
     return str(value.str(digits, radius=False)) if isinstance(value, flint.arb) else str(value)
+
+
+WORK = 120_000
+"""Nodes that a search may evaluate: a part of a second, whatever the size of the graph."""
+NEWTON = 200
+"""How often relations are evaluated for a point on them, with their derivatives."""
+FAILURE = 20
+"""How many points one costs that is not found: Newton's method goes to its end."""
+MOST_POINTS = 600
+MOST_WALLS = 12
+FACTOR_WORK = 20_000
+"""Term products for the factors of a wall; without them it is taken as it stands."""
+BITS, MORE_BITS = 160, 800
+KINDS = 12
+"""How many kinds of points, by the signs of walls, are looked at with more digits."""
+BISECTIONS = 26
+CLIMBS, STEPS = 8, 60
+"""Walks towards a domain that no point was found in, and the steps of each."""
+
+Point = dict[Any, Any]
+_SMALL = [flint.fmpq(p, q) for p, q in ((1, 1), (-1, 1), (0, 1), (1, 2), (2, 1), (-1, 2), (3, 1))]
+
+
+@dataclass
+class Search:
+    """A search for a point at which two symengine expressions differ, where relations vanish
+    and conditions hold.
+
+    ``found`` is the point and the two values there, if there is one; ``kinds`` has a point for each
+    pattern of signs of the walls at which both sides have values.  Points on a jump count where
+    ``pointwise``: what holds along motions, or of derivatives, says nothing there.
+    """
+
+    left: Any
+    right: Any
+    relations: Sequence[Any] = ()
+    pointwise: bool = True
+    found: tuple[Point, list[Any]] | None = None
+    kinds: dict[tuple[int, ...], Point] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.walls, self.edges = walls_of([self.left, self.right])
+        self._sides = Tape([self.left, self.right])
+        self._signs = Tape([*self.walls, *self.edges])
+        parts = [*nodes([self.left, self.right])]
+        self._jumps = Tape([n.args[0] for n in parts if isinstance(n, se.sign)])
+        self._steps = Tape([n.args[0] for n in parts if isinstance(n, se.floor)])
+        self._turns = Tape([e for n in parts if isinstance(n, se.atan2) for e in n.args])
+        self._source = Random("voronec witnesses")
+        self.atoms = [*self._sides.atoms]
+        equations, conditions = split_hypotheses(self.relations)
+        for atom in (*self._signs.atoms, *Tape(equations).atoms):
+            if atom not in self.atoms:
+                self.atoms.append(atom)
+        self.atoms += domain_of(tuple(conditions)).linked_symbols(self.atoms)
+        bound = Tape(equations).size * len(equations)
+        self._equations = equations
+        self._cost = self._sides.size + self._signs.size + NEWTON * bound
+        self._work = min(WORK, MOST_POINTS * self._cost)
+        self._tried: list[tuple[Point, list[int]]] = []
+
+    def run(self) -> bool:
+        """Look for a witness; whether one was found."""
+        return any(
+            self._refutes(point)
+            for points in (self._scatter(), self._beside_walls(), self._climb())
+            for point in points
+        )
+
+    def agreement_count(self) -> int:
+        """At how many points of different kinds the sides agree to 200 digits; a point at which
+        they do not becomes what is found."""
+        count = 0
+        for start in [*self.kinds.values()][:KINDS]:
+            point = self._lift(start, MORE_BITS)
+            count += point is not None and self._compare(point, MORE_BITS)
+            if self.found is not None:
+                break
+        return count
+
+    # -- points ---------------------------------------------------------------------------
+
+    def _refutes(self, start: Point) -> bool:
+        """Whether a point, moved onto the relations, is a witness."""
+        point = self._lift(start, BITS)
+        if point is None:
+            return False
+        signs = [_sign(v) for v in self._signs.arb(point, BITS)]
+        self._tried.append((point, signs))
+        if self._compare(point, BITS):
+            self.kinds.setdefault(tuple(signs), point)
+        return self.found is not None
+
+    def _lift(self, start: Point, bits: int) -> Point | None:
+        """A point on the relations; none where it is not found, or was sought too often."""
+        if self._work < 0:
+            return None
+        self._work -= self._cost
+        try:
+            return lift_point(start, self.relations, bits)
+        except EngineLimit:
+            self._work -= FAILURE * self._cost
+            return None
+
+    def _compare(self, point: Point, bits: int) -> bool:
+        """Whether both sides have values at a point; where these differ, it is what is found."""
+        left, right = self._sides.arb(point, bits)
+        if not (left.is_finite() and right.is_finite()):
+            return False
+        if not self.pointwise and self._is_on_jump(point, bits):
+            return False
+        if self._has_no_angle(point, bits):
+            return False
+        if not left.overlaps(right) and consistent(self.atoms, point, bits):
+            self.found = point, [left, right]
+        return True
+
+    def _has_no_angle(self, point: Point, bits: int) -> bool:
+        """Whether the angle of the origin is asked for, which ball arithmetic gives as zero."""
+        ends = iter(self._turns.arb(point, bits))
+        return any(y.contains(0) and x.contains(0) for y, x in zip(ends, ends, strict=True))
+
+    def _is_on_jump(self, point: Point, bits: int) -> bool:
+        return any(v.contains(0) for v in self._jumps.arb(point, bits)) or any(
+            v.contains_integer() for v in self._steps.arb(point, bits)
+        )
+
+    def _scatter(self) -> Iterator[Point]:
+        """Special numbers, then numbers of every sign and of all sizes."""
+        count, draw = len(self.atoms), self._source
+        yield from islice(self._grid(), 60)
+        orthants = [*product((1, -1), repeat=min(count, 5))]
+        for index in range(3 * len(orthants)):
+            signs = [
+                *orthants[index % len(orthants)],
+                *(draw.choice((1, -1)) for _ in range(count)),
+            ]
+            yield {a: s * self._number(1) for a, s in zip(self.atoms, signs, strict=False)}
+        for _ in range(60):
+            yield {a: draw.choice((1, -1)) * self._number(4) for a in self.atoms}
+
+    def _grid(self) -> Iterator[Point]:
+        if len(self.atoms) <= 2:
+            for values in product(_SMALL, repeat=len(self.atoms)):
+                yield dict(zip(self.atoms, values, strict=True))
+        while self.atoms:
+            yield {a: self._source.choice(_SMALL) for a in self.atoms}
+
+    def _number(self, scale: int) -> Any:
+        """A positive rational number of random size."""
+        size = flint.fmpq(10) ** self._source.randint(-1 if scale == 1 else -3, scale)
+        return flint.fmpq(self._source.randint(100, 1000), 907) * (1 if scale == 1 else size)
+
+    # -- walls ----------------------------------------------------------------------------
+
+    def _beside_walls(self) -> Iterator[Point]:
+        """On each wall, where it is linear in something; and on both of its sides, near it."""
+        for place, wall in enumerate((*self.walls, *self.edges)):
+            yield from islice(self._on(wall), 18)
+            below = [p for p, signs in self._tried if signs[place] < 0][:3]
+            above = [p for p, signs in self._tried if signs[place] > 0][:3]
+            tape = Tape([wall])
+            for low, high in zip(below, above, strict=False):
+                yield from self._bisect(tape, low, high)
+
+    def _on(self, wall: Any) -> Iterator[Point]:
+        """Points moved along an atom to a rational zero, and to both sides of it, however far."""
+        for atom in self.atoms:
+            slope = wall.diff(atom) if isinstance(atom, se.Symbol) else se.Integer(0)
+            if slope == 0 or atom in slope.free_symbols:
+                continue
+            rest = wall.xreplace({atom: se.Integer(0)})
+            for start, _ in self._tried[:2]:
+                at = {a: _exact(v) for a, v in start.items() if isinstance(v, flint.fmpq)}
+                above, below = rest.xreplace(at), slope.xreplace(at)
+                if isinstance(above, se.Rational) and isinstance(below, se.Rational) and below != 0:
+                    root = -above / below
+                    for step in (0, 1, -1):
+                        yield {**start, atom: flint.fmpq(int(root.p), int(root.q)) + step}
+
+    def _bisect(self, tape: Tape, low: Point, high: Point) -> Iterator[Point]:
+        """Points beside a zero of a function, nearer and nearer to it."""
+        for step in range(BISECTIONS):
+            middle = self._lift({a: _between(low[a], high[a]) for a in low}, BITS)
+            if middle is None:
+                return
+            sign = _sign(tape.arb(middle, BITS)[0])
+            if sign == 0:
+                yield middle
+                return
+            low, high = (middle, high) if sign < 0 else (low, middle)
+            if step % 8 == 3:
+                yield low
+                yield high
+        yield low
+        yield high
+
+    def _climb(self) -> Iterator[Point]:
+        """Walks into the domain, where none of the points lies in it."""
+        if self.kinds or not self.edges or self._equations:
+            return
+        tape = Tape(self.edges)
+        for _ in range(CLIMBS):
+            here = {a: self._source.choice((1, -1)) * self._number(1) for a in self.atoms}
+            best = _outside(tape.arb(here, 64))
+            for step in range(STEPS):
+                width = 300 >> (step // 12)
+                there = {
+                    a: v + flint.fmpq(self._source.randint(-width, width), 200)
+                    for a, v in here.items()
+                }
+                value = _outside(tape.arb(there, 64))
+                if value < best:
+                    here, best = there, value
+                if best == 0:
+                    yield here
+                    break
+
+
+def walls_of(exprs: Iterable[Any]) -> tuple[list[Any], list[Any]]:
+    """Where a function turns into another one: zeros of factors of what stands under roots, signs
+    and the like; and what is not negative where everything is real."""
+    walls: dict[Any, None] = {}
+    edges: dict[Any, None] = {}
+    for node in nodes(exprs):
+        inner = _edge(node)
+        if inner is not None and inner.free_symbols:
+            edges.setdefault(inner)
+        for argument in _turns(node):
+            if argument.free_symbols and len(walls) < MOST_WALLS:
+                walls.update(dict.fromkeys(_factors(argument)))
+    return [*walls][:MOST_WALLS], [*edges][:MOST_WALLS]
+
+
+def _turns(node: Any) -> tuple[Any, ...]:
+    """Arguments at whose zeros a function has a jump, a kink or an end."""
+    if isinstance(node, se.sign | se.log | se.atan2):
+        return tuple(node.args)
+    if isinstance(node, se.floor):
+        return (node.args[0], se.sin(se.pi * node.args[0]))
+    if isinstance(node, se.atan | se.acot):
+        return (1 / node.args[0],)
+    edge = _edge(node)
+    return () if edge is None else (edge,)
+
+
+def _edge(node: Any) -> Any:
+    """What must not be negative for a function to be real."""
+    if isinstance(node, se.log):
+        return node.args[0]
+    if isinstance(node, se.Pow) and node.args[0] != se.E:
+        return None if isinstance(node.args[1], se.Integer) else node.args[0]
+    if isinstance(node, se.asin | se.acos | se.atanh):
+        return 1 - node.args[0] ** 2
+    return node.args[0] - 1 if isinstance(node, se.acosh) else None
+
+
+def _factors(wall: Any) -> list[Any]:
+    """The irreducible factors of a wall and of its denominator, as expressions."""
+    try:
+        ring = Ring([wall], (), FACTOR_WORK)
+        fraction = ring.fraction(wall)
+    except EngineLimit:
+        return [wall]
+    if fraction.num == 0:
+        return []
+    parts = [p for p, _ in irreducible_factors(fraction.num)[1]]
+    parts += [p for p, _ in ring.field.factors(fraction.den)]
+    return [ring.polynomial(p) for p in parts]
+
+
+def _sign(ball: Any) -> int:
+    return 1 if ball > 0 else -1 if ball < 0 else 0
+
+
+def _between(a: Any, b: Any) -> Any:
+    """The middle of two numbers; exact for rational ones."""
+    if isinstance(a, flint.fmpq) and isinstance(b, flint.fmpq):
+        return (a + b) / 2
+    return ((flint.arb(a) + flint.arb(b)) / 2).mid()
+
+
+def _outside(values: Sequence[Any]) -> float:
+    """How far from a domain the values of its conditions are, zero inside of it."""
+    total = 0.0
+    for value in values:
+        if not value.is_finite():
+            total += 2.0
+        elif not value >= 0:
+            size = abs(float(value.mid()))
+            total += 1e-9 + size / (1 + size)
+    return total
+
+
+def _exact(value: Any) -> Any:
+    return se.Integer(int(value.p)) / se.Integer(int(value.q))

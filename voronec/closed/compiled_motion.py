@@ -28,7 +28,6 @@ from voronec.errors import DefinitionError
 
 __all__ = [
     "CompiledMotion",
-    "ascending_coefficients",
     "motion_of",
     "prepare",
     "reading_of",

@@ -20,7 +20,7 @@ from voronec.algebra.precision import GENERIC, SHARP
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import ball, precise
-from voronec.closed.compiled_motion import ascending_coefficients
+from voronec.closed.fractions import ascending_coefficients
 from voronec.closed.problem import InversionProblem
 from voronec.closed.space import Attitude
 from voronec.declaration.quadratures import Quadratures

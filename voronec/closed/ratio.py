@@ -1,4 +1,6 @@
-"""Polynomials and rational functions of the variable, in balls and in doubles without cancellation.
+"""What doubles need of a motion: polynomials, rational functions and rounded constants.
+
+Polynomials and rational functions of the variable, in balls and in doubles without cancellation.
 
 Rational functions of the variable: the cosines of traces and the clock, in balls and doubles.
 
@@ -7,12 +9,15 @@ Polynomials in the variable between its ends, without cancellation.
 Where x = (1 - s) base + s other, a polynomial of degree d is the sum of
 C(d, k) b_k (1 - s)^(d - k) s^k, and all b_k lie near its values: a large constant that cancels
 against a large slope leaves no trace in them.
+
+What an evaluation in doubles needs of a motion, once: numbers rounded to the last bit.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 from math import comb
 from typing import Any
 
@@ -20,7 +25,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.closed.arithmetic import Function, ball, compile_expressions, precise
-from voronec.closed.compiled_motion import CompiledMotion
+from voronec.closed.compiled_motion import CompiledMotion, reading_of
 from voronec.closed.fractions import ascending_coefficients
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.problem import InversionProblem
@@ -29,11 +34,13 @@ __all__ = [
     "Bernstein",
     "Polynomial",
     "Ratio",
+    "RoundedConstants",
     "bernstein",
     "evaluate_form",
     "inner",
     "ratios",
     "round_numbers",
+    "rounded_constants",
 ]
 
 
@@ -101,7 +108,7 @@ def _ratios(own: CompiledMotion) -> Sequence[Ratio]:
     return [Ratio.of(e.xreplace(dict(own.gone)), own) for e in given]
 
 
-FINE = 64
+BITS = 64
 """Bits that a number must have before it is rounded to a double."""
 MOST = 1 << 13
 NOTHING = 2.0**-400
@@ -115,11 +122,11 @@ def round_numbers(
     form: InvertedMotion, at: Callable[[int, Any], Sequence[Any]]
 ) -> tuple[float, ...]:
     """Numbers that a function of bits and of the motion's constants gives, to the last bit."""
-    bits = 2 * FINE
+    bits = 2 * BITS
     while True:
         with precise(bits):
             found = at(bits, form.solution.constants(bits))
-        good = (x.is_zero() or x.rel_accuracy_bits() >= FINE for x in found)
+        good = (x.is_zero() or x.rel_accuracy_bits() >= BITS for x in found)
         if all(good) or bits >= MOST:
             return tuple(0.0 if abs(x) < ball(NOTHING) else float(x) for x in found)
         bits *= 2
@@ -160,3 +167,144 @@ def evaluate_form(numbers: Bernstein, near: np.ndarray, far: np.ndarray) -> Any:
         if b:
             total = total + comb(degree, k) * b * near ** (degree - k) * far**k
     return total
+
+
+FINE = 192
+"""Bits of what is rounded to doubles."""
+
+
+@dataclass(frozen=True, eq=False)
+class RoundedConstants:
+    """Numbers of one motion; what nobody asks for is not computed."""
+
+    form: InvertedMotion
+
+    @cached_property
+    def starts(self) -> list[tuple[float, float]]:
+        """The angles at the start, of the motion turned upright: whole, and modulo a turn."""
+        with precise(FINE):
+            turn = 2 * ball(1).pi()
+            return [
+                (float(a), float(a - turn * round(float(a / turn)))) for a in self.form.begin(FINE)
+            ]
+
+    @cached_property
+    def level(self) -> list[float]:
+        """Parameters and constants of the motion."""
+        return [float(c) for c in self.form.problem.level(FINE)]
+
+    @cached_property
+    def branches(self) -> list[tuple[int, int]]:
+        """Of each trace: the branch of its colatitude."""
+        return [self.form.branch(i) for i in range(len(self.form.quadratures.traces))]
+
+    @cached_property
+    def turn(self) -> list[float]:
+        """From the motion turned upright to that in space: nine entries, row by row."""
+        assert self.form.attitude is not None
+        return [float(e) for e in self.form.attitude.turn(FINE)]
+
+    @cached_property
+    def place(self) -> tuple[float, list[float], tuple[float, ...]]:
+        """On a plane: the variable and the place at the start, and the direction."""
+        plane = self.form.quadratures.plane
+        assert plane is not None
+        origin = [float(self.form.exact(q)(FINE)) for q in plane.place]
+        direction = tuple(map(float, self.form.direction(FINE)))
+        return float(self.form.problem.place(FINE)), origin, direction
+
+    @cached_property
+    def reach(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+        """Of each trace: 1 - cosine and 1 + cosine at both ends."""
+        found = []
+        for i in range(len(self.form.quadratures.traces)):
+            south, north = (self._cosine_from(i, side) for side in (-1, 1))
+            found.append((south, north))
+        return found
+
+    def _cosine_from(self, i: int, side: int) -> tuple[float, float]:
+        def at(bits: int, constants: Any) -> list[Any]:
+            offset, slope = self._part(bits, self.form.problem.prepared.cosine_at + 2 * i, 2)
+            return [1 + side * (offset + slope * x) for x in (constants.base, constants.other)]
+
+        low, high = round_numbers(self.form, at)
+        return max(low, 0.0), max(high, 0.0)
+
+    @cached_property
+    def cosines(self) -> list[tuple[float, float]]:
+        """Of each trace: the cosine, offset + slope x."""
+        count = len(self.form.quadratures.traces)
+        flat = [float(c) for c in self._part(FINE, self.form.problem.prepared.cosine_at, 2 * count)]
+        return list(zip(flat[::2], flat[1::2], strict=True))
+
+    @cached_property
+    def distances(self) -> list[tuple[float, float]]:
+        """Of each pole: x less its place at both ends."""
+        found = []
+        for i in range(len(self.form.problem.prepared.poles)):
+
+            def at(bits: int, constants: Any, i: int = i) -> list[Any]:
+                place = self._part(bits, 5 + 2 * i, 1)[0]
+                return [constants.base - place, constants.other - place]
+
+            low, high = round_numbers(self.form, at)
+            found.append((low, high))
+        return found
+
+    @cached_property
+    def fractions(self) -> list[tuple[Bernstein, tuple[int, ...]]]:
+        """Of each rate: its numerator, and which poles are in its denominator."""
+        weights = [pole.weight for pole in self.form.problem.source(FINE).poles]
+        found = []
+        for j, row in enumerate(self.form.problem.prepared.shares):
+            used = [i for i, share in enumerate(row) if share and not weights[i].is_zero()]
+            numerator = bernstein(self.form, partial(self._numerator, j, used))
+            found.append((numerator, tuple(used)))
+        return found
+
+    def _numerator(self, j: int, used: Sequence[int], bits: int) -> list[Any]:
+        from flint import arb_poly
+
+        own = self.form.problem.prepared
+        with precise(bits):
+            factors = [arb_poly([-self._part(bits, 5 + 2 * i, 1)[0], 1]) for i in used]
+            total = arb_poly(self._part(bits, own.quotient_at + 3 * j, 3))
+            for factor in factors:
+                total *= factor
+            for at, i in enumerate(used):
+                part = arb_poly([own.shares[j][i] * self._part(bits, 6 + 2 * i, 1)[0]])
+                for other in factors[:at] + factors[at + 1 :]:
+                    part *= other
+                total += part
+            row = list(total)
+            while len(row) > 1 and row[-1].is_zero():
+                row.pop()
+            return row or [ball(0)]
+
+    @cached_property
+    def polynomials(self) -> list[Bernstein]:
+        """Polynomials in x that the velocities hold."""
+        x = self.form.quadratures.x
+        found = []
+        for e in reading_of(self.form.problem.prepared).polynomials:
+            exact = [self.form.exact(c) for c in ascending_coefficients(e, x, int(sp.degree(e, x)))]
+            found.append(bernstein(self.form, partial(_at, exact)))
+        return found
+
+    @cached_property
+    def slides(self) -> list[tuple[float, float, float]]:
+        """Of a place on a plane: the slopes by the variable, along and across."""
+        flat = [float(c) for c in self._part(FINE, self.form.problem.prepared.slope_at, 6)]
+        return list(zip(flat[::3], flat[1::3], flat[2::3], strict=True))
+
+    def _part(self, bits: int, first: int, count: int) -> list[Any]:
+        return self.form.problem.table(bits)[first : first + count]
+
+
+def _at(row: Sequence[Callable[[int], Any]], bits: int) -> list[Any]:
+    return [c(bits) for c in row]
+
+
+def rounded_constants(form: InvertedMotion) -> RoundedConstants:
+    """Those of a motion, kept with it."""
+    return form.memo.once("rounded constants", lambda: RoundedConstants(form))

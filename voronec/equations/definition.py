@@ -2,11 +2,17 @@
 
 Constraints are read as C qdot + c = 0 [Theory, eq. (2)], quasi-velocities as v = W qdot + w
 [Theory, eq. (3)], both with relations that hold for redundant coordinates.
+
+Whether constraints determine the velocities of the fibre; what to say where they do not.
+
+What may not jump: a Lagrangian, its momenta, constraints and definitions of velocities.
+
+Where one does, velocities jump too, and the equations between the walls do not say how far.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -17,16 +23,24 @@ import sympy as sp
 from voronec.algebra.bounded_exponentials import bound_exponentials, holds_exponentials
 from voronec.algebra.conditions import condition
 from voronec.algebra.door import Door
+from voronec.algebra.elimination import solve_linear
 from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, time, velocity
+from voronec.algebra.verdicts import decide_zero
 from voronec.declaration.reading import quote
 from voronec.declaration.system import System, require_system
-from voronec.equations.connection import AffineForms, FibreSolution
+from voronec.equations.connection import AffineForms, FibreSolution, solve_fibre
 from voronec.equations.group_frame import GroupFrame, read_group
-from voronec.equations.jumps import require_no_jump, require_no_jump_of_lagrangian
-from voronec.equations.transversality import solve_for_fibre
-from voronec.errors import DefinitionError
+from voronec.equations.program.walls import plain_roots, radicands
+from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Definition", "read"]
+__all__ = [
+    "Definition",
+    "read",
+    "require_no_jump",
+    "require_no_jump_of_lagrangian",
+    "solve_for_fibre",
+]
+
 
 Enter = Callable[[sp.Expr, str], Any]
 """From an expression of the user's, and what a message calls it, to the expression inside."""
@@ -401,3 +415,131 @@ def _count(system: System, constraints: int, differentiated: AffineForms) -> Non
             f"constraint(s); move {fibre - constraints - binding} coordinate(s) to the base, or "
             "add what is missing"
         )
+
+
+def solve_for_fibre(
+    system: System,
+    constraints: AffineForms,
+    differentiated: AffineForms,
+    ideal: Sequence[Any],
+    near: Mapping[str, Any],
+    share: float = 0.0,
+) -> FibreSolution:
+    """The fibre velocities in terms of the others; ``DefinitionError``, with a split that works,
+    where the constraints do not determine them."""
+    base = system.base_directions
+    fibre, solution = solve_fibre(constraints, differentiated, base, ideal, near, share)
+    if solution is None:
+        return fibre
+    k = len(constraints.matrix)
+    left_over = [i for i in (*solution.dependent, *solution.contradictory) if i < k]
+    if not solution.free and not left_over:
+        return fibre
+    _explain_dependence(system, constraints, ideal)
+    dependent = system.directions[base:]
+    names = [plain_name(dependent[j]) for j in solution.free]
+    split = _working_split(system, constraints, ideal)
+    raise DefinitionError(
+        f"system '{system.name}': the constraints do not determine the velocities of the fibre "
+        f"(undetermined: {', '.join(names)}); a split that works: "
+        f"base=({', '.join(split[0])}), fibre=({', '.join(split[1])})"
+    )
+
+
+def _explain_dependence(system: System, constraints: AffineForms, ideal: Sequence[Any]) -> None:
+    """Raise where the constraints themselves are dependent or contradictory."""
+    right = [[-o] for o in constraints.offset]
+    whole = solve_linear(constraints.matrix, right, ideal)
+    if whole.contradictory:
+        raise DefinitionError(
+            f"system '{system.name}': the constraints contradict each other (constraint "
+            f"{whole.contradictory[0] + 1} is inconsistent with the others); correct or drop it"
+        )
+    if whole.dependent:
+        raise DefinitionError(
+            f"system '{system.name}': constraint {whole.dependent[0] + 1} follows from the "
+            "others; drop it, and move one coordinate from the fibre to the base"
+        )
+
+
+def _working_split(
+    system: System, constraints: AffineForms, ideal: Sequence[Any]
+) -> tuple[list[str], list[str]]:
+    """A choice of fibre coordinates for which the constraints can be solved, near the given one."""
+    velocities, base = system.directions, system.base_directions
+    total = len(velocities)
+    order = [*range(base, total), *range(base)]
+    chosen: list[int] = []
+    for j in order:
+        trial = [*chosen, j]
+        columns = [[row[i] for i in trial] for row in constraints.matrix]
+        if not solve_linear(columns, [[se.Integer(0)]] * len(columns), ideal).free:
+            chosen = trial
+        if len(chosen) == len(constraints.matrix):
+            break
+    names = [plain_name(q) for q in velocities]
+    return [names[i] for i in range(total) if i not in chosen], [names[i] for i in sorted(chosen)]
+
+
+def require_no_jump(place: Callable[[], str], expr: Any, conditions: Sequence[Any] = ()) -> None:
+    """Raise ``DefinitionError`` where an expression is proved to jump at a state at which
+    conditions hold; ``place`` says what it is."""
+    for wall, jump in _jumps(expr):
+        if _differs(jump, wall, conditions):
+            raise DefinitionError(
+                f"{place()} jumps where {wall} = 0, and velocities would with it; use a continuous "
+                "one, or end the motion there and start another"
+            )
+
+
+def require_no_jump_of_lagrangian(
+    place: str,
+    lagrangian: Any,
+    velocities: Sequence[Any],
+    variables: Sequence[Any],
+    conditions: Sequence[Any] = (),
+) -> None:
+    """The same of a Lagrangian, which may jump in time, and of its momenta, which may not.
+
+    ``variables`` are the coordinates and velocities.
+    """
+    for wall, jump in _jumps(lagrangian):
+        moving = bool(wall.free_symbols & {*variables})
+        momenta = [jump.diff(v) for v in velocities]
+        jumping = [*([jump] if moving else []), *momenta]
+        if any(_differs(e, wall, conditions) for e in jumping):
+            raise DefinitionError(
+                f"{place}: the Lagrangian jumps where {wall} = 0, which is an impact; use a "
+                "continuous one, or a force of finite size"
+            )
+
+
+def _jumps(expr: Any) -> Iterator[tuple[Any, Any]]:
+    """Walls of an expression with what it differs by on their sides."""
+    expr = se.sympify(expr)
+    plain = plain_roots(expr) if radicands([expr], frozenset(expr.free_symbols)) else expr
+    seen: set[Any] = set()
+    stack = [plain]
+    while stack:
+        node = stack.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        if isinstance(node, se.sign):
+            sides = (plain.xreplace({node: se.Integer(s)}) for s in (1, -1))
+            yield node.args[0], next(sides) - next(sides)
+        elif isinstance(node, se.floor):
+            above = plain.xreplace({node: node.args[0]})
+            wall = se.sin(se.pi * node.args[0])
+            yield wall, above - plain.xreplace({node: node.args[0] - 1})
+        stack.extend(node.args)
+
+
+def _differs(jump: Any, wall: Any, conditions: Sequence[Any]) -> bool:
+    if jump == 0:
+        return False
+    relations = [] if wall.has(se.pi) and isinstance(wall, se.sin) else [wall]
+    try:
+        return bool(decide_zero(jump, [*relations, *conditions]).refuted)
+    except EngineLimit:
+        return False

@@ -4,6 +4,10 @@ A model may give a point a velocity that is the rate of no function of the coord
 point of a rolling disc is at rest, and its centre moves as the rolling lets it.  A Lagrangian of
 the coordinates alone would then be wrong.  The place of such a point is a fibre coordinate of its
 own, and the velocity that the model gives it a constraint.
+
+Generalized speeds in terms of the rates of coordinates.
+
+Vectors of SymPy's as three components inside the door.
 """
 
 from __future__ import annotations
@@ -15,15 +19,30 @@ from itertools import combinations
 from typing import Any
 
 import symengine as se
+import sympy as sp
 
+from voronec.algebra.door import Door
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import dot
+from voronec.algebra.normal import shortest
+from voronec.algebra.rank import generic_rows
 from voronec.algebra.verdicts import all_vanish
-from voronec.declaration.mechanics.speeds import constraint_columns, constraint_rows
-from voronec.declaration.mechanics.vectors import ZERO, Components, in_one_line
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["FreeBody", "Places", "free_body", "vanish"]
+__all__ = [
+    "Components",
+    "FreeBody",
+    "Places",
+    "Speeds",
+    "constraint_columns",
+    "constraint_rows",
+    "free_body",
+    "in_one_line",
+    "solve_speeds",
+    "vanish",
+]
+
+ZERO = se.Integer(0)
 
 
 @dataclass
@@ -187,3 +206,120 @@ def free_body(body: Any, frame: Any, read: Components, places: Places) -> FreeBo
         turning=read.of(turning, own),
         axes=own,
     )
+
+
+@dataclass(frozen=True)
+class Speeds:
+    """What each speed is in terms of the rates; what else the kinematic equations demand.
+
+    ``unplaced`` are the positions of speeds that no coordinate belongs to: each is the rate of a
+    coordinate of its own.
+    """
+
+    values: tuple[Any, ...]
+    left_over: tuple[Any, ...]
+    unplaced: tuple[int, ...]
+
+
+def constraint_rows(rows: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -> list[int]:
+    """The rows that, one after the other, enlarge the span of those before, at a generic point:
+    where relations vanish, or anywhere, if no point is found there."""
+    failure = "no point was found at which the constraints of a model have values"
+    try:
+        return generic_rows(rows, relations, failure=failure)
+    except EngineLimit:
+        return generic_rows(rows, failure=failure)
+
+
+def constraint_columns(rows: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -> list[int]:
+    """The columns that, one after the other, enlarge the span of those before."""
+    return constraint_rows([*zip(*rows, strict=True)], relations) if rows else []
+
+
+def solve_speeds(
+    equations: Sequence[Any], speeds: Sequence[Any], dots: Sequence[Any], fresh: Sequence[Any]
+) -> Speeds:
+    """Solve kinematic equations for the speeds; ``fresh[j]`` is the rate of the coordinate that
+    speed j gets where no other belongs to it."""
+    rows = [[e.diff(u) for u in speeds] for e in equations]
+    moving = {*speeds, *dots}
+    for row, equation in zip(rows, equations, strict=True):
+        if any(e.free_symbols & moving for e in row):
+            raise DefinitionError(
+                f"from_mechanics: the kinematic equation {equation} = 0 is not linear in the "
+                "speeds; solve it for the rates first"
+            )
+    kept = constraint_rows(rows)
+    columns = constraint_columns([rows[i] for i in kept])
+    unplaced = [j for j in range(len(speeds)) if j not in columns]
+    at_rest = dict.fromkeys(speeds, se.Integer(0))
+    left = [rows[i] for i in kept]
+    right = [[-equations[i].xreplace(at_rest)] for i in kept]
+    for j in unplaced:
+        left.append([se.Integer(int(k == j)) for k in range(len(speeds))])
+        right.append([fresh[j]])
+    values = tuple(v[0] for v in solve_linear(left, right).values) if left else ()
+    if any(e.free_symbols for row in left for e in row):
+        values = _tidy(values)
+    meaning = dict(zip(speeds, values, strict=True))
+    rest = (equations[i].xreplace(meaning) for i in range(len(equations)) if i not in kept)
+    return Speeds(values, tuple(rest), tuple(unplaced))
+
+
+def _tidy(values: Sequence[Any]) -> tuple[Any, ...]:
+    """In the shortest form, where that is within the budget: pivots that vanish somewhere, as the
+    cosine of a yaw, are in vain in most of what they divide."""
+    try:
+        return tuple(shortest(values))
+    except EngineLimit:
+        return tuple(values)
+
+
+def in_one_line(ask: Callable[[], Any], what: str) -> Any:
+    """What SymPy answers; its refusal, as where nothing connects two frames, in one line."""
+    try:
+        return ask()
+    except (ValueError, TypeError, NotImplementedError) as error:
+        text = " ".join(str(error).split())
+        raise DefinitionError(f"from_mechanics: {what}: {text}") from None
+
+
+@dataclass(frozen=True)
+class Components:
+    """Reads vectors; ``spelled`` says what speeds stand for, inside."""
+
+    door: Door
+    spelled: Mapping[Any, Any] = field(default_factory=dict)
+    _turns: dict[Any, Any] = field(default_factory=dict)
+
+    def of(self, vector: Any, frame: Any) -> list[Any]:
+        """The components of a vector along the axes of a frame."""
+        total = [ZERO, ZERO, ZERO]
+        for column, own in getattr(vector, "args", ()):
+            part = [self.read(c) for c in column]
+            if own != frame:
+                part = [dot(row, part) for row in self._turn(frame, own)]
+            total = [a + b for a, b in zip(total, part, strict=True)]
+        return total
+
+    def dyadic(self, dyadic: Any, frame: Any) -> list[list[Any]]:
+        """The components of a dyadic, as inertia is, along the axes of a frame."""
+        table = [[ZERO] * 3 for _ in range(3)]
+        for size, left, right in getattr(dyadic, "args", ()):
+            a, b, m = self.of(left, frame), self.of(right, frame), self.read(size)
+            for i in range(3):
+                for j in range(3):
+                    table[i][j] += m * a[i] * b[j]
+        return table
+
+    def read(self, expr: sp.Expr) -> Any:
+        """An expression, speeds replaced by what they stand for."""
+        return self.door.inward(expr).xreplace(self.spelled)
+
+    def _turn(self, frame: Any, own: Any) -> list[list[Any]]:
+        """The matrix that takes components along ``own`` to those along ``frame``."""
+        if (frame, own) not in self._turns:
+            what = f"the axes of {own} and {frame}"
+            matrix = in_one_line(lambda: frame.dcm(own), what)
+            self._turns[frame, own] = [[self.read(e) for e in matrix.row(i)] for i in range(3)]
+        return self._turns[frame, own]

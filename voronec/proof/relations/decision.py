@@ -1,4 +1,21 @@
-"""Relations decided in the exact algebra: DPhi f = nu g(Phi), and what it does to claims."""
+"""Relations decided in the exact algebra: DPhi f = nu g(Phi), and what it does to claims.
+
+Claims of a target, carried along a relation to its source and decided there.
+
+On the zero set of independent relations R the volume is the Leray form w with
+dR_1 ... dR_k w = dx.  For vectors w_i that span the tangent space, w(w_1, ..., w_d) =
+det(w_1, ..., w_d, n_1, ..., n_k) with any n_j such that dR_i(n_j) = delta_ij.
+
+What kind of relation it is: computed from its maps, never declared.
+
+Whether parameters and unknown functions of a target have values that such things can have.
+
+A parameter is a number: along each motion of the source its value is constant.  An unknown
+function is one of its arguments: the value V(a, x) of f(a) may hold other state x of the source
+only where d V(a(x), x) is a combination of the d a_i, modulo the relations; then V is a function of
+a where the map leads.  Its derivatives are taken at constant x, which is right only where the part
+of dV that comes from x vanishes.
+"""
 
 from __future__ import annotations
 
@@ -8,21 +25,25 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import symengine as se
+import sympy as sp
 
 from voronec.algebra.conditions import split_hypotheses
 from voronec.algebra.elimination import solve_linear
-from voronec.algebra.matrices import determinant
+from voronec.algebra.matrices import determinant, dot
+from voronec.algebra.normal import canonical
 from voronec.algebra.rank import generic_rank
+from voronec.algebra.symbols import plain_name
 from voronec.algebra.typeset import html_table
-from voronec.algebra.verdicts import Verdict, decide_zero
+from voronec.algebra.verdicts import Verdict, decide_equal, decide_zero
+from voronec.declaration.claims import Equation, Measure, right_of
 from voronec.declaration.relation import Relation
 from voronec.equations.motions import Motions
 from voronec.errors import EngineLimit
 from voronec.proof.claims import Claim
-from voronec.proof.relations.carried_claims import pulled_claims
-from voronec.proof.relations.dependence import moving_parameters, unsound_functions
-from voronec.proof.relations.kinds import kinds_of
+from voronec.proof.measures import defect
+from voronec.proof.relations.functions import Infinite
 from voronec.proof.relations.orders import all_at_zero, at_zero, vanishes
+from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.statemap import StateMap
 from voronec.proof.walls import across_walls
 
@@ -30,8 +51,16 @@ __all__ = [
     "CheckedRelation",
     "check_relation",
     "complete_velocities",
+    "corresponds",
     "decided_at_limit",
+    "foreign",
+    "kinds_of",
+    "moving_parameters",
+    "pulled_claims",
     "residuals",
+    "state_rank",
+    "unsound_functions",
+    "volume_factor",
 ]
 
 
@@ -296,3 +325,350 @@ def complete_velocities(statemap: StateMap) -> StateMap:
     partial = replace(statemap, state={**statemap.state, **dots})
     found = {v: partial.pull_back(target.definitions[v]) for v in missing}
     return replace(statemap, state={**statemap.state, **found})
+
+
+Matrix = list[list[Any]]
+
+
+def corresponds(statemap: StateMap) -> bool:
+    """Whether states of source and target correspond one to one, near a generic one."""
+    source, target = statemap.source, statemap.target
+    try:
+        return bool(source.dimension == target.dimension == state_rank(statemap))
+    except EngineLimit:
+        return False
+
+
+def volume_factor(statemap: StateMap) -> Any:
+    """det DPhi between the volumes of source and target, up to sign."""
+    source, target = statemap.source, statemap.target
+    relations = [statemap.scale(r) for r in source.independent_relations]
+    pulled = [statemap.pull_back(r) for r in target.independent_relations]
+    is_same = len(source.variables) == len(target.variables) and relations == pulled
+    if statemap.is_identity and is_same:
+        return se.Integer(1)
+    tangents = _tangents(source.variables, relations)
+    images = [statemap.state[x] for x in target.variables]
+    moved = [
+        [se.Add(*[f.diff(x) * e for x, e in zip(source.variables, w, strict=True)]) for f in images]
+        for w in tangents
+    ]
+    above = [*moved, *([statemap.pull_back(e) for e in n] for n in _normals(target))]
+    below = [*tangents, *([statemap.scale(e) for e in n] for n in _normals(source))]
+    return _determinant(above, statemap.hypotheses) / _determinant(below, statemap.hypotheses)
+
+
+def _tangents(variables: Sequence[Any], relations: Sequence[Any]) -> Matrix:
+    """Vectors that span the tangent space: solutions of dR(w) = 0, some entries chosen free."""
+    size = range(len(variables))
+    unit = [[se.Integer(int(i == j)) for j in size] for i in size]
+    if not relations:
+        return unit
+    gradient = [[r.diff(x) for x in variables] for r in relations]
+    bound = _pivots(gradient, len(relations))
+    free = [j for j in size if j not in bound]
+    left = [[row[j] for j in bound] for row in gradient]
+    right = [[-row[j] for j in free] for row in gradient]
+    solved = solve_linear(left, right, relations).values
+    rows = []
+    for k, j in enumerate(free):
+        row = list(unit[j])
+        for position, values in zip(bound, solved, strict=True):
+            row[position] = values[k]
+        rows.append(row)
+    return rows
+
+
+def _pivots(gradient: Matrix, count: int) -> list[int]:
+    """Columns in which the gradients are independent, found by elimination from the right."""
+    last = list(reversed(range(len(gradient[0]))))
+    chosen: list[int] = []
+    for j in last:
+        trial = [*chosen, j]
+        columns = [[row[i] for i in trial] for row in gradient]
+        if not solve_linear(columns, [[se.Integer(0)]] * len(columns)).free:
+            chosen = trial
+        if len(chosen) == count:
+            break
+    return sorted(chosen)
+
+
+def _normals(field: Any) -> Matrix:
+    """Vectors n_j with dR_i(n_j) = delta_ij: dR^T (dR dR^T)^-1."""
+    if not field.relations:
+        return []
+    gradient = [[r.diff(x) for x in field.variables] for r in field.independent_relations]
+    gram = [[dot(p, q) for q in gradient] for p in gradient]
+    unit = [[se.Integer(int(i == j)) for j in range(len(gram))] for i in range(len(gram))]
+    inverse = solve_linear(gram, unit, field.hypotheses).values
+    columns = zip(*inverse, strict=True)
+    return [[dot(column, across) for across in zip(*gradient, strict=True)] for column in columns]
+
+
+def _determinant(rows: Matrix, relations: Sequence[Any]) -> Any:
+    flat = canonical([e for row in rows for e in row], relations)
+    size = len(rows)
+    return determinant([flat[i * size : (i + 1) * size] for i in range(size)])
+
+
+def pulled_claims(statemap: StateMap) -> Iterator[Claim]:
+    """Integrals, equations and the measure of the target, as they stand for the source.
+
+    F(Phi) is an integral; d/dt F(Phi) = nu rate(Phi); and where states correspond one to one,
+    rho(Phi) det DPhi / nu is the density of an invariant measure [Theory, eq. (16)].  A claim that
+    the map says nothing about, as one of coordinates where invariants are mapped, or that is
+    infinite on the image, is left out.
+    """
+    system = statemap.target.system
+    for name, claim in system.integrals.items():
+        function = right_of(claim)
+        if _is_mapped(statemap, function):
+            images = _images(statemap, function)
+            yield from _claim(statemap, "integral", name, _rates(statemap, function), images)
+    for name, claim in system.equations.items():
+        equation: Equation = right_of(claim)
+        if _is_mapped(statemap, *equation.function, *equation.rate):
+            images = _images(statemap, *equation.function)
+            yield from _claim(statemap, "equation", name, _defects(statemap, equation), images)
+    if system.measure is not None and _is_measured(statemap, right_of(system.measure)):
+        density = _densities(statemap, system.measure)
+        dilation = _dilation(statemap, system.measure)
+        yield from _claim(statemap, "measure", "density", dilation, density)
+
+
+def _claim(
+    statemap: StateMap, kind: str, name: str, residuals: Iterator[Any], functions: Iterator[Any]
+) -> Iterator[Claim]:
+    """The claim that residuals vanish, unless it has no meaning on the image; ``functions`` are
+    what must not jump."""
+    limit = statemap.relation.limit
+    order = 1 if limit is None else limit.order
+    verdict = Verdict("proved", "nothing to decide")
+    try:
+        for residual in residuals:
+            verdict = vanishes(residual, statemap.hypotheses, statemap.small, order)
+            if not verdict.proved:
+                break
+        if verdict.proved:
+            field, is_constant = statemap.scaled_source, kind == "integral"
+            inside = [("", f) for f in functions]
+            verdict = across_walls(verdict, field, inside, kind != "measure", is_constant)
+    except Infinite:
+        return
+    except EngineLimit as reached:
+        verdict = Verdict("undecided", str(reached))
+    yield Claim(kind, name, verdict)
+
+
+def _is_mapped(statemap: StateMap, *exprs: sp.Expr) -> bool:
+    """Whether functions of the target's state are functions of what is mapped."""
+    target = statemap.target
+    known = {*target.variables, *target.parameters, target.time}
+    named = (target.door.inward(e).free_symbols <= known for e in exprs)
+    if target.level == "invariants" and not all(named):
+        return False
+    is_timed = any(target.time in target.read(e).free_symbols for e in exprs)
+    return not is_timed or _has_time(statemap)
+
+
+def _has_time(statemap: StateMap) -> bool:
+    """Whether the map gives the time of the target: one that runs with the rate nu."""
+    rate = statemap.derivative(statemap.state[statemap.target.time])
+    return decide_zero(rate - statemap.clock, statemap.hypotheses).proved
+
+
+def _pull_back(statemap: StateMap, expr: sp.Expr) -> Any:
+    return statemap.pull_back(statemap.target.read(expr))
+
+
+def _images(statemap: StateMap, *functions: sp.Expr) -> Iterator[Any]:
+    yield from (_pull_back(statemap, f) for f in functions)
+
+
+def _rates(statemap: StateMap, function: sp.Expr) -> Iterator[Any]:
+    yield statemap.derivative(_pull_back(statemap, function))
+
+
+def _defects(statemap: StateMap, equation: Equation) -> Iterator[Any]:
+    for function, rate in zip(equation.function, equation.rate, strict=True):
+        moved = statemap.derivative(_pull_back(statemap, function))
+        yield moved - statemap.clock * _pull_back(statemap, rate)
+
+
+def _is_measured(statemap: StateMap, measure: Measure) -> bool:
+    """Whether states correspond one to one, and the density is one in the mapped variables."""
+    target = statemap.target
+    own = (*target.system.coordinates, *target.system.velocities)
+    given = {str(v) for v in measure.variables or map(plain_name, own)}
+    if given != {str(x) for x in target.variables} or not corresponds(statemap):
+        return False
+    return _is_mapped(statemap, measure.density) and _has_plain_clock(statemap)
+
+
+def _has_plain_clock(statemap: StateMap) -> bool:
+    """Whether (16) holds: parameters are numbers, and a clock that the state drives is all there
+    is to the time."""
+    source, clock = statemap.source, statemap.clock
+    numbers = [(p, v) for p, v in statemap.parameters.items() if p.is_Symbol]
+    if any(foreign(statemap, p, v) for p, v in numbers):
+        return False
+    if not clock.free_symbols & {*source.variables}:
+        return True
+    timed = [clock, *(statemap.state[x] for x in statemap.target.variables)]
+    moved = statemap.state[statemap.target.time].free_symbols & {*source.variables}
+    return not moved and not any(source.time in e.free_symbols for e in timed)
+
+
+def _densities(statemap: StateMap, claim: Any) -> Iterator[Any]:
+    density = _pull_back(statemap, right_of(claim).density) * volume_factor(statemap)
+    if statemap.clock.free_symbols & {*statemap.source.variables}:
+        density = density / statemap.clock  # a clock that only the time drives keeps volumes
+    yield density
+
+
+def _dilation(statemap: StateMap, claim: Any) -> Iterator[Any]:
+    for density in _densities(statemap, claim):
+        yield statemap.scale(defect(statemap.source, density))
+
+
+def kinds_of(statemap: StateMap) -> tuple[str, ...]:
+    """The words that apply, the most telling one first.
+
+    limit
+        it holds as a small parameter tends to zero.
+    change of time
+        the clock is not 1.
+    specialisation
+        the parameters of the source fill fewer dimensions than those of the target.
+    automorphism
+        it leads from a system to itself.
+    reduction, embedding
+        the state map forgets part of the source; does not fill the target.
+    change of coordinates, equality
+        states correspond one to one, under other names or the same ones.
+    """
+    words = []
+    is_limit = statemap.relation.limit is not None
+    if is_limit:
+        words.append("limit")
+    if not decide_equal(statemap.clock, 1, statemap.hypotheses).proved:
+        words.append("change of time")
+    if not is_limit and _is_special(statemap):
+        words.append("specialisation")
+    if statemap.relation.source == statemap.relation.target:
+        words.append("automorphism")
+    try:
+        return (*words, *_by_rank(statemap, bool(words)))
+    except EngineLimit:  # no point was found: nothing is said about ranks
+        return tuple(words)
+
+
+def _by_rank(statemap: StateMap, is_named: bool) -> Iterator[str]:
+    rank, sizes = state_rank(statemap), (statemap.source.dimension, statemap.target.dimension)
+    if rank < sizes[0]:
+        yield "reduction"
+    if rank < sizes[1]:
+        yield "embedding"
+    if sizes == (rank, rank):
+        if not statemap.is_identity:
+            yield "change of coordinates"
+        elif not is_named:
+            yield "equality"
+
+
+def state_rank(statemap: StateMap) -> int:
+    """The rank of the state map on states of the source.
+
+    Raises ``EngineLimit`` where no point is found.
+    """
+    source = statemap.source
+    images = [statemap.state[x] for x in statemap.target.variables]
+    gradients = [[f.diff(x) for x in source.variables] for f in images]
+    kept = [statemap.scale(r) for r in source.independent_relations]
+    bound = [[r.diff(x) for x in source.variables] for r in kept]
+    return generic_rank([*bound, *gradients], statemap.hypotheses) - len(bound)
+
+
+def _is_special(statemap: StateMap) -> bool:
+    parameters = statemap.source.parameters
+    values = [v for p, v in statemap.parameters.items() if not p.args]
+    if not values:
+        return False
+    rows = [[value.diff(p) for p in parameters] for value in values]
+    try:
+        return (generic_rank(rows, ()) if parameters else 0) < len(values)
+    except EngineLimit:
+        return False
+
+
+def foreign(statemap: StateMap, symbol: Any, value: Any) -> list[Any]:
+    """What the value of a parameter or a function holds of the state and the time of the source."""
+    arguments = () if symbol.is_Symbol else symbol.args
+    own = {*arguments, *statemap.source.parameters, statemap.small}
+    return sorted(value.free_symbols - own, key=str)
+
+
+def moving_parameters(statemap: StateMap) -> Iterator[tuple[str, Any]]:
+    """The rates of parameters that hold state or time: they have to vanish."""
+    for symbol, value in statemap.parameters.items():
+        if symbol.is_Symbol and foreign(statemap, symbol, value):
+            yield f"the parameter '{symbol}'", statemap.derivative(value)
+
+
+def unsound_functions(statemap: StateMap) -> Iterator[Verdict]:
+    """Why the value of an unknown function is none, or was not proved to be one."""
+    for function, value in statemap.parameters.items():
+        if function.is_Symbol:
+            continue
+        held = [z for z in foreign(statemap, function, value) if not _is_constant(statemap, z)]
+        if held:
+            try:
+                why = _unsound(statemap, function, value, held)
+            except EngineLimit as limit:
+                why = Verdict("undecided", f"the function '{function.get_name()}': {limit}")
+            if why is not None:
+                yield why
+
+
+def _is_constant(statemap: StateMap, variable: Any) -> bool:
+    return decide_zero(statemap.derivative(variable), statemap.hypotheses).proved
+
+
+def _unsound(statemap: StateMap, function: Any, value: Any, held: Sequence[Any]) -> Verdict | None:
+    name = function.get_name()
+    places = applications(statemap.target)[name]
+    if len(places) > 1:
+        raise EngineLimit("it holds state, and is taken of several arguments")
+    images = [statemap.pull_back(a) for a in places[0].args]
+    at = dict(zip(function.args, images, strict=True))
+    variables = (*statemap.source.variables, statemap.source.time)
+    slopes = {z: value.diff(z).xreplace(at) for z in held}
+    part = [slopes.get(x, se.Integer(0)) for x in variables]
+    if _is_spanned(statemap, part, (), variables):
+        return None
+    if _is_differentiated(statemap, name):
+        why = "holds state, and the target differentiates it"
+    elif _is_spanned(statemap, part, images, variables):
+        return None
+    else:
+        why = "holds state that is no function of its arguments"
+    return Verdict("refuted", f"the value of '{name}' {why}")
+
+
+def _is_spanned(
+    statemap: StateMap, part: Sequence[Any], functions: Sequence[Any], variables: Sequence[Any]
+) -> bool:
+    """Whether a differential is a combination of those of functions and of the relations."""
+    rows = [[f.diff(x) for f in (*functions, *statemap.relations)] for x in variables]
+    if not rows[0]:
+        return all(decide_zero(e, statemap.hypotheses).proved for e in part)
+    solved = solve_linear(rows, [[e] for e in part], statemap.hypotheses)
+    return not solved.contradictory
+
+
+def _is_differentiated(statemap: StateMap, name: str) -> bool:
+    target = statemap.target
+    inner = [
+        d for e in (*target.entries, *target.relations) for d in e.atoms(se.Derivative, se.Subs)
+    ]
+    return any(f.get_name() == name for d in inner for f in d.atoms(se.FunctionSymbol))

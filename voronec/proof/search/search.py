@@ -22,17 +22,18 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import EngineLimit
 from voronec.proof.search.gradings import Gradings
 from voronec.proof.search.independence import Independence
-from voronec.proof.search.kernels import (
+from voronec.proof.search.lifting import (
     SURPLUS,
     Candidate,
     Kernel,
     KnownFunction,
+    Normalization,
+    coefficients,
     investigate,
     product_values,
     products,
     rank_of,
 )
-from voronec.proof.search.lifting import Normalization, coefficients
 from voronec.proof.search.probe import Probe, Values
 from voronec.proof.search.question import Question
 from voronec.proof.search.residues import Array
