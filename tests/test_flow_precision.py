@@ -129,6 +129,14 @@ def test_every_function_has_its_recurrence(rate: Any) -> None:
         assert abs(run.states[-1, 0] - other(0.25)[0]) < mpmath.mpf(10) ** -15
 
 
+def test_a_sum_of_thousands_of_terms_is_no_depth_for_the_compiler() -> None:
+    """a' = a + a^2 + ... = a/(1 - a), so that log(a) - a grows as the time."""
+    problem = _problem(se.Add(*[a**k for k in range(1, 4001)]), 1e-20)
+    run = digits.digits(problem)(np.array([0.0, 0.01]))
+    first, last = (mpmath.log(x) - x for x in run.states[:, 0])
+    assert abs(last - first - mpmath.mpf(0.01)) < mpmath.mpf(10) ** -19
+
+
 def test_a_function_without_a_recurrence_is_refused() -> None:
     with pytest.raises(EngineLimit, match="'gamma' has no recurrence here"):
         recurrences(_problem(se.gamma(a), 1e-20).program)

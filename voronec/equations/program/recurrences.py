@@ -35,7 +35,7 @@ from voronec.algebra.numeric_functions import (
     numeric_name,
 )
 from voronec.algebra.tape import Tape
-from voronec.equations.program.dialect import code, rational, rewrite
+from voronec.equations.program.dialect import TERMS, code, rational, rewrite
 from voronec.equations.program.straight import Program
 from voronec.errors import EngineLimit
 
@@ -194,7 +194,7 @@ class Coefficients:
             begin, then = self._scale(argument)
             first.append(begin)
             later += [then] if then != "0" else []
-        return self.entry(" + ".join(first), " + ".join(later))
+        return self.entry(_total(first), _total(later))
 
     def _scale(self, expr: Any) -> tuple[str, str]:
         """A term of a sum: a small rational factor needs no list of its own."""
@@ -356,6 +356,11 @@ class Coefficients:
         least = ", ".join(["ONE", *(f"abs({d}[0])" for d in dict.fromkeys(self.divisors))])
         states = ", ".join(f"y{i}" for i in range(n))
         return "\n".join([*rows, f"    return [{states}], min({least}, ONE)", ""])
+
+
+def _total(terms: Sequence[str]) -> str:
+    """A sum; Python's compiler descends a level for every sign, and for a long list none."""
+    return " + ".join(terms) if len(terms) <= TERMS else f"sum(({', '.join(terms)}))"
 
 
 def _slope(kind: type, x: Any) -> Any | None:
