@@ -13,6 +13,7 @@ import voronec as vo
 from voronec import Fibration, System, velocity
 from voronec.algebra.bounded_exponentials import bound_exponentials
 from voronec.algebra.door import Door
+from voronec.equations.program.walls import has_walls
 
 pytestmark = pytest.mark.slow
 
@@ -76,6 +77,33 @@ def test_no_step_goes_over_a_narrow_barrier(method):
     run = vo.integrate(made, times=[0, 2], initial={x: -1, v: 1}, method=method)
     assert float(run["xdot"][-1]) == pytest.approx(-1, abs=1e-11)
     assert -1.02 < float(run["x"][-1]) < -0.98
+
+
+HIDDEN = {
+    "bump": sp.exp(-K * (x - 1) ** 2),
+    "pulse": sp.exp(-K * (vo.time - 1) ** 2),
+    "softplus": -sp.log(1 + sp.exp(K * (x - 1))) / K,
+    "log cosh": -sp.log(sp.cosh(K * (x - 1))) / K,
+    "rounded corner": (1 - x) / sp.sqrt((x - 1) ** 2 + sp.Rational(1, 10**18)),
+}
+
+
+@METHODS
+@pytest.mark.parametrize("force", HIDDEN.values(), ids=HIDDEN)
+def test_no_step_goes_over_what_its_series_does_not_see(force, method):
+    """Against many short steps of a Runge-Kutta method."""
+    from scipy.integrate import solve_ivp
+
+    rate = sp.lambdify((vo.time, x, v), force, "mpmath")
+    short = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14, "max_step": 2e-3}
+    truth = solve_ivp(lambda t, s: [s[1], float(rate(t, *s))], (0, 2), [0, 1], **short).y[0, -1]
+    run = vo.integrate(system(force), times=[0, 2], initial={v: 1}, method=method)
+    assert abs(float(run["x"][-1]) - truth) < 1e-8
+
+
+def test_constants_that_are_not_small_round_no_corner():
+    form = vo.derive(system(-sp.sqrt(1 + v**2) - 1 / sp.sqrt(4 + 3 * x**2))).form
+    assert not has_walls(form.force)
 
 
 EQUAL = [

@@ -16,7 +16,7 @@ import numpy as np
 import symengine as se
 
 from voronec.equations.program.python import compiled_digits
-from voronec.equations.program.walls import SATURATED
+from voronec.equations.program.walls import FLAT, SATURATED
 from voronec.errors import EngineLimit
 from voronec.motion.events import Event
 from voronec.motion.mode_transitions import DOUBLE, GUARD, PAST, Crossroads, Mode
@@ -29,8 +29,6 @@ __all__ = ["SwitchedIntegrator", "through_walls"]
 
 WINDOW, CRAWL = 200, 1e-8
 """So many switches that cover less than this part of the span lead nowhere."""
-FLAT = 0.59
-"""See ``_saturated``: (1 + 0.6 log(e/2))/2, rounded."""
 COINCIDENT = 1e-9
 """An event that is closer to zero than this at a switch, in units of its terms, may pass there."""
 RIM = "the motion comes to rest where a root of velocities in its equations has no slope"

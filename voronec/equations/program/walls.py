@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
+from math import exp
 from typing import Any
 
 import symengine as se
@@ -21,6 +22,7 @@ from voronec.algebra.ring import Ring
 from voronec.errors import EngineLimit
 
 __all__ = [
+    "FLAT",
     "SATURATED",
     "Sides",
     "Wall",
@@ -33,9 +35,16 @@ __all__ = [
 SATURATED = se.Integer(17)
 """tanh w is flat to rounding for |w| a little beyond this: there a series knows nothing of what is
 to come, and a step as long as it allows would go over all of it."""
+FLAT = 0.59
+"""tanh w is flat to a tolerance tol where |w| is greater than so many times -log(tol), which is
+(1 + 0.6 log(e/2))/2, rounded: the order of a series is 0.6 times -log(tol)."""
+LITTLE = 1e-6
+"""A number beside squares is seen from far where it is larger than this part of their largest."""
 LONG = 100
 """Radicands of more operations are not searched for squares."""
-_ROUGH = (se.sign, se.Abs, se.floor, se.atan2, se.tanh, se.Derivative, se.Subs)
+_ROUGH = (
+    se.sign, se.Abs, se.floor, se.atan2, se.tanh, se.sinh, se.cosh, se.Derivative, se.Subs
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -54,7 +63,8 @@ class Sides:
     by ``number``.  ``walls`` are those that were met; ``still`` symbols alone make none.
     Of radicands that are ``cusps`` the absolute value is taken.  tanh w is the same on all sides of
     its walls, |w| = ``saturated``, and half of that, within which squares of 1 - |tanh w| are not
-    flat either; they keep a step from going over it.
+    flat either; they keep a step from going over it.  So are cosh w, sinh w and exp 2 w, and a root
+    whose corner a constant rounds.
     """
 
     side: Callable[[Wall], int]
@@ -89,8 +99,12 @@ class Sides:
             return self._angle(*args)
         if isinstance(expr, se.Pow) and expr.args[0] in self.cusps and _is_root(expr):
             return se.Abs(args[0]) ** args[1]
-        if isinstance(expr, se.tanh):
+        if isinstance(expr, (se.tanh, se.sinh, se.cosh)):
             self._watch(args[0])
+        elif _is_exponential(expr):
+            self._watch(args[1] / 2)
+        elif isinstance(expr, se.Pow) and _is_root(expr):
+            self._watch_rounding(args[0])
         return expr if args == list(expr.args) else expr.func(*args)
 
     def _watch(self, argument: Any) -> None:
@@ -98,6 +112,14 @@ class Sides:
             for end in (self.saturated, self.saturated / 2):
                 self._side(argument - end)
                 self._side(argument + end)
+
+    def _watch_rounding(self, radicand: Any) -> None:
+        """The place where the squares in a radicand are 1/sqrt(tol) times its constant: beyond, a
+        series does not see the constant, which rounds the corner of the root."""
+        moving, constant = rounding(radicand, self.still) or (se.Integer(0), se.Integer(0))
+        beyond = se.Integer(round(exp(self.saturated / (2 * FLAT))))
+        if moving != 0:
+            self._side(moving - beyond * constant)
 
     def _side(self, function: Any) -> Any:
         if function.free_symbols <= self.still:
@@ -159,6 +181,35 @@ def radicands(exprs: Iterable[Any], among: frozenset[Any]) -> list[Any]:
     return list(found)
 
 
+def _is_exponential(expr: Any) -> bool:
+    return isinstance(expr, se.Pow) and expr.args[0] == se.E
+
+
+def rounding(radicand: Any, still: frozenset[Any]) -> tuple[Any, Any] | None:
+    """(squares that move, constant) of a radicand that is the sum of both; None of any other, and
+    where the constant is a number that is not small."""
+    terms = radicand.args if isinstance(radicand, se.Add) else ()
+    constant = se.Add(*[e for e in terms if e.free_symbols <= still])
+    moving = [e for e in terms if not e.free_symbols <= still]
+    if constant == 0 or not moving or not all(map(_is_unbounded_square, moving)):
+        return None
+    factors = [f for e in moving for f in (e.args if isinstance(e, se.Mul) else ()) if f.is_Number]
+    if constant.is_Number and constant > LITTLE * max([1, *factors]):
+        return None
+    return se.Add(*moving), constant
+
+
+def _is_unbounded_square(term: Any) -> bool:
+    """Whether a term is a square at sight, up to a number, and no function of an angle."""
+    factors = term.args if isinstance(term, se.Mul) else (term,)
+    if any(f.is_Number and f < 0 for f in factors) or term.atoms(se.Function):
+        return False
+    powers = [f for f in factors if not f.is_Number]
+    return all(
+        isinstance(f, se.Pow) and f.args[1].is_Integer and f.args[1] % 2 == 0 for f in powers
+    )
+
+
 def _is_root(power: Any) -> bool:
     return isinstance(power.args[1], se.Rational) and power.args[1].q != 1
 
@@ -181,9 +232,11 @@ def is_rough(
         node = node if plain is None else plain
         if isinstance(node, _ROUGH):
             return True
+        if _is_exponential(node) and not node.free_symbols <= fixed:
+            return True
         if isinstance(node, se.Pow) and _is_root(node):
             base, exponent = node.args
-            if base.free_symbols & moving:
+            if base.free_symbols & moving or rounding(_inside(base, meaning), fixed):
                 return True
             power = _inside(base, meaning) ** exponent
             if plain_roots(power, fixed) != power:
