@@ -1,7 +1,7 @@
 """The referee of the fuzzer: Lagrange's equations with multipliers, in extended precision.
 
 The system is taken as its author wrote it, in SymPy.  SymPy alone differentiates; the equations
-become C, and ``fuzz_reference.c`` beside this file integrates them in ``long double`` or
+become C, and ``reference.c`` beside this file integrates them in ``long double`` or
 ``__float128``.  Nothing here is shared with the engine that is judged.
 
     d/dt dL/dw_a - X_a L + C_ab^c w^b dL/dw_c = Q_a + (A^T lambda)_a,    A wdot = b

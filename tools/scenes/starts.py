@@ -6,7 +6,7 @@ For each system of the catalogue places are looked for at which its equations di
 coordinates or its declared velocities fail, or a chart it declares begins: each coordinate, and
 each two of them, at multiples of a right angle, and the zeros of what the equations divide by.  At
 each a motion begins with velocities at random, given first as the declared ones, then as those of
-the coordinates.  What runs is compared with the multiplier equations of ``fuzz_reference.py``,
+the coordinates.  What runs is compared with the multiplier equations of ``reference.py``,
 which go back to the place from where the engine came, where they are singular there, too.  A
 place is *refused* where neither start runs.  The status is 1 where anything is wrong or breaks
 down.
