@@ -14,7 +14,7 @@ import voronec as vo
 from voronec.equations.program import Block, Program, compile_program, hoist
 from voronec.motion import motion_pool as many_motions
 from voronec.motion import soundness
-from voronec.motion.fallback import first_success
+from voronec.motion.integration import first_success
 from voronec.motion.steppers import choice
 from voronec.motion.steppers import heyoka_stepper as taylor
 

@@ -1,12 +1,15 @@
-"""Integrating a system: the steps from a definition to a trajectory."""
+"""Integrating a system: the steps from a definition to a trajectory.
+
+What fails falls back before it refuses: other methods and models, one after another.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import ceil, log2
+from math import ceil, isfinite, log2
 from time import perf_counter, process_time
 from types import MappingProxyType
 from typing import Any
@@ -29,16 +32,14 @@ from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import Divisor
 from voronec.motion.events import Crossings, Event, name_events
-from voronec.motion.fallback import Way, first_success, other_method
 from voronec.motion.inputs import drive
-from voronec.motion.methods import CLOSED
+from voronec.motion.methods import CLOSED, METHODS
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_start import Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import Watch, evaluate_watch
-from voronec.motion.poles import LAST, NearPole, PoleGuard
 from voronec.motion.request import StartData, grid_of, outputs_of, scene_of
-from voronec.motion.singular_directions import charted_directions
+from voronec.motion.singular_coordinates import LAST, NearPole, PoleGuard, charted_directions
 from voronec.motion.soundness import Breach, Judge, Untold, require_branches
 from voronec.motion.split_models import NEAR, SplitGround
 from voronec.motion.split_stepper import NearDivisor, SplitRun, guard_events, without_guards
@@ -50,7 +51,8 @@ from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory, make_trajectory
 from voronec.motion.vocabulary import Vocabulary
 
-__all__ = ["integrate"]
+__all__ = ["Way", "first_success", "integrate", "other_method"]
+
 
 FEW = 100
 """On grids with fewer points angles are integrated, not read off: branches could not be told."""
@@ -584,3 +586,59 @@ def _unknown_functions(system: System) -> set[Any]:
     held = (system.lagrangian, *system.constraints, *system.forces.values(), *frame)
     own = {*system.coordinates, *(system.frame.ambient if system.frame is not None else ())}
     return {f for e in held for f in as_expression(e).atoms(AppliedUndef)} - own
+
+
+Way = Callable[[IntegrationError | None], Trajectory | None]
+"""From the first error, where there was one, to a trajectory, or to None where the way is of no
+use after that."""
+
+
+def other_method(error: IntegrationError) -> str:
+    """The method that may go on where the one of an error could not; empty where there is none.
+
+    A singular mass matrix stops them all: a method that does not notice would be worse.
+    """
+    if error.singular or error.trajectory is None:
+        return ""
+    used = METHODS.get(error.trajectory.cost.method)
+    return used.other if used is not None else ""
+
+
+def first_success(ways: Iterable[Way], begin: float) -> Trajectory:
+    """The trajectory of the first way that goes well; its ``cost`` says what did not.
+
+    Where none does, the error of the one that came farthest from the time ``begin`` is raised.
+    """
+    errors: list[IntegrationError] = []
+    for way in ways:
+        try:
+            found = way(errors[0] if errors else None)
+            if found is not None:
+                return _with_failures(found, errors)
+        except IntegrationError as error:
+            errors.append(error)
+        except (DefinitionError, EngineLimit):
+            if not errors:
+                raise
+    raise max(errors, key=lambda error: _reach(error, begin)) from None
+
+
+def _reach(error: IntegrationError, begin: float) -> float:
+    """How far a run came."""
+    reach = abs(float(error.time) - begin) if error.time is not None else 0.0
+    return reach if isfinite(reach) else 0.0
+
+
+def _with_failures(trajectory: Trajectory, errors: list[IntegrationError]) -> Trajectory:
+    """The trajectory, with what failed before it."""
+    failed = [e.trajectory.cost for e in errors if e.trajectory is not None]
+    if not failed:
+        return trajectory
+    times = [float(e.time) for e in errors if e.trajectory is not None]
+    words = "; ".join(
+        f"{c.method} in {c.level} fails after t = {t:.6g}"
+        for c, t in zip(failed, times, strict=True)
+    )
+    cost = trajectory.cost
+    own = cost.reason if cost.method == failed[0].method else "auto"
+    return replace(trajectory, cost=replace(cost, reason=f"{own}: {words}"))

@@ -46,7 +46,7 @@ from voronec.motion.initial_state import (
 )
 from voronec.motion.model.packs import Packs
 from voronec.motion.request import StartData
-from voronec.motion.singular_directions import (
+from voronec.motion.singular_coordinates import (
     POLE,
     blind_directions,
     charted_directions,

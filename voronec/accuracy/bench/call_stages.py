@@ -29,9 +29,9 @@ STAGES = {
     "choice of the model": ("/voronec/motion/model/", "/voronec/motion/numeric_model"),
     "derivation": ("/voronec/equations/",),
     "checks": (
-        "/voronec/motion/soundness", "/voronec/motion/state_probe", "/voronec/motion/poles",
+        "/voronec/motion/soundness", "/voronec/motion/state_probe",
         "/voronec/motion/split_models", "/voronec/motion/divisors",
-        "/voronec/motion/singular_directions",
+        "/voronec/motion/singular_coordinates",
     ),
     "run": ("/voronec/motion/steppers/", "/voronec/motion/chart_stepper", "/scipy/"),
     "reading": ("/voronec/declaration/", "/voronec/motion/"),

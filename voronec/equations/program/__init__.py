@@ -7,10 +7,10 @@ expressions.  ``jacobian`` are its derivatives by state and inputs.
 
 from voronec.equations.program.c import c_source
 from voronec.equations.program.casadi_function import casadi_function
-from voronec.equations.program.constants import HoistedProgram, hoist
 from voronec.equations.program.jacobian import jacobian
 from voronec.equations.program.javascript import javascript_source
 from voronec.equations.program.low_rank import solve_mass
+from voronec.equations.program.optimisation import HoistedProgram, hoist, shorten_program
 from voronec.equations.program.python import (
     casadi_source,
     compile_program,
@@ -18,7 +18,6 @@ from voronec.equations.program.python import (
     python_source,
     scalar_source,
 )
-from voronec.equations.program.shared_parts import shorten_program
 from voronec.equations.program.straight import Block, Program
 from voronec.equations.program.taylor import taylor_extras, taylor_system
 from voronec.equations.program.weight import operation_count

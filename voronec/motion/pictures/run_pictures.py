@@ -1,16 +1,22 @@
 """The pictures of a motion: its outputs against the time, its path, the system's own drawing.
 
 Figures for a paper: quantities against the time.
+
+Figures that a notebook shows: it knows those of pyplot alone by itself.
+
+To be imported where a figure is made, since it loads matplotlib.
 """
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 import sympy as sp
+from matplotlib.figure import Figure
 
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import read_sympy_text
@@ -25,6 +31,7 @@ if TYPE_CHECKING:
     from voronec.motion.pictures.motion_record import MotionRecord
 
 __all__ = [
+    "NotebookFigure",
     "drawing",
     "pictures",
     "plain_ticks",
@@ -109,7 +116,6 @@ def save(figure: Any, target: Path | BinaryIO, suffix: str = "") -> None:
 def _path(trajectory: MotionRecord) -> Any:
     """The curve (x, y) in its plane; the dot is its start."""
     from matplotlib import rc_context
-    from matplotlib.figure import Figure
 
     from voronec.closed.pictures.style import INK, MARK, STYLE
 
@@ -160,8 +166,6 @@ def plot_trajectory(
     matplotlib ``Figure``; save it as SVG or PDF for print.
     """
     from matplotlib import rc_context
-
-    from voronec.closed.pictures.notebook_figure import NotebookFigure
 
     shown = tuple(trajectory.outputs if names is None else names)
     if not shown:
@@ -227,3 +231,12 @@ def _curve(panel: Any, trajectory: MotionRecord, name: str) -> None:
     if len(known) and np.ptp(known) <= 1e-9 * size:
         # a constant is a level line, not magnified rounding
         panel.set_ylim(known[0] - 0.5 * (size or 1.0), known[0] + 0.5 * (size or 1.0))
+
+
+class NotebookFigure(Figure):
+    """A figure made without pyplot, which is shown where a cell ends with it."""
+
+    def _repr_png_(self) -> bytes:
+        stream = io.BytesIO()
+        self.savefig(stream, format="png", dpi=110)
+        return stream.getvalue()
