@@ -5,8 +5,7 @@ user's name; so ``dynamicsymbols`` stay outside and come back on the way out.  W
 a symbol, its sign above all, stands in ``hypotheses``, which go along with what is to be decided.
 Decimal numbers are read as the decimals they were written as: ``9.81`` is ``981/100``.
 
-Functions in pieces - steps, limits, cases - written with absolute values, signs and floors.
-
+Functions in pieces - steps, limits, cases - are written with absolute values, signs and floors.
 Those three are what the engine knows of walls: an absolute value is a root, and a sign or a floor
 has no slope off its wall.  What is written with them has the values of the original on the walls
 too, where a sign is zero: an indicator is (s^2 + s)/2 for g > 0, 1 - s^2 for g = 0, s = sign(g).

@@ -1,11 +1,10 @@
 """Equality with three answers: proved, refuted with a witness, undecided.
 
-Witnesses against an equality, looked for where branches change.
-
-Walls are what stands under roots, signs, floors, two-place arctangents and logarithms, factor by
-factor: there a function turns into another one.  Points are taken in the orthants of the atoms, at
-special rational numbers, of all sizes, on walls, and on both sides of each.  Points at which the
-walls have the same signs tell the same, so one of each kind is looked at with more digits.
+Witnesses against an equality are looked for where branches change.  Walls are what stands under
+roots, signs, floors, two-place arctangents and logarithms, factor by factor: there a function turns
+into another one.  Points are taken in the orthants of the atoms, at special rational numbers, of
+all sizes, on walls, and on both sides of each.  Points at which the walls have the same signs tell
+the same, so one of each kind is looked at with more digits.
 """
 
 from __future__ import annotations

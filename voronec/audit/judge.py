@@ -1,10 +1,9 @@
 """One formula, or one claim in words: its verdict, and what was derived.
 
-Constraints are sufficient as well as necessary: how many independent conditions are printed.
-
-A formula that is true where the constraints hold may say less than they do, or what another one has
-said already.  With the constraints forgotten, the gradients of left minus right have to be
-independent of each other and of those before, wherever the constraints hold.
+Constraints have to be sufficient as well as necessary.  A formula that is true where the
+constraints hold may say less than they do, or what another one has said already.  With the
+constraints forgotten, the gradients of left minus right have to be independent of each other and of
+those before, wherever the constraints hold.
 """
 
 from __future__ import annotations

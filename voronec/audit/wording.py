@@ -1,6 +1,6 @@
 """What a record says beside its verdict: how it was found, where it holds, and a witness.
 
-What the engine derived, as LaTeX in the names of the paper.
+What the engine derived is said as LaTeX in the names of the paper.
 """
 
 from __future__ import annotations

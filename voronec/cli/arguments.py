@@ -1,6 +1,7 @@
 """The arguments of every command; loads nothing heavy, so that ``--help`` answers at once.
 
-Errors name arguments of Python; on the command line the options that mean them stand there.
+Errors name arguments of Python; on the command line the options that mean them stand in their
+place.
 """
 
 from __future__ import annotations

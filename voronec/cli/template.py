@@ -1,6 +1,6 @@
 """``voronec new``: a file that defines a system, commented for a newcomer, and already runs.
 
-What ``voronec new`` writes: mechanisms with which a newcomer begins, as Python and as TOML.
+The mechanisms with which a newcomer begins stand here, as Python and as TOML.
 """
 
 from __future__ import annotations

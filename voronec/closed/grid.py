@@ -1,8 +1,7 @@
 """The motion on a grid of times in doubles, its coordinates in space too.
 
-The motion on a grid of times in doubles: nothing is computed that is not asked for.
-
-A motion turned upright at many times, in doubles; its coordinates in space, off its frame.
+Nothing is computed that is not asked for.  Coordinates in space are read off the frame of the
+motion turned upright.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """One motion whose elliptic integral is inverted: what all its evaluations begin with.
 
-What angles grow by in a period, and whether that is likely a rational part of a whole turn.
+It knows what angles grow by in a period, and whether that is likely a rational part of a whole
+turn.
 """
 
 from __future__ import annotations

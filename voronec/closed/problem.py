@@ -3,7 +3,7 @@
 The discriminant tells whether there is a multiple root; the subresultants of the polynomial and its
 slope tell the greatest common divisor of the two, whose roots are the multiple ones.
 
-What users give who ask about a declared motion: a system, parameters, exact numbers.
+What users give is read here as well: a system, parameters, exact numbers.
 """
 
 from __future__ import annotations

@@ -1,16 +1,11 @@
 """What doubles need of a motion: polynomials, rational functions and rounded constants.
 
-Polynomials and rational functions of the variable, in balls and in doubles without cancellation.
+Rational functions of the variable are the cosines of traces and the clock, in balls and doubles.
+Polynomials are evaluated between the ends of the variable without cancellation: where x = (1 - s)
+base + s other, a polynomial of degree d is the sum of C(d, k) b_k (1 - s)^(d - k) s^k, and all b_k
+lie near its values: a large constant that cancels against a large slope leaves no trace in them.
 
-Rational functions of the variable: the cosines of traces and the clock, in balls and doubles.
-
-Polynomials in the variable between its ends, without cancellation.
-
-Where x = (1 - s) base + s other, a polynomial of degree d is the sum of
-C(d, k) b_k (1 - s)^(d - k) s^k, and all b_k lie near its values: a large constant that cancels
-against a large slope leaves no trace in them.
-
-What an evaluation in doubles needs of a motion, once: numbers rounded to the last bit.
+Constants of a motion are computed once, and rounded to the last bit.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """Fibrations and frames: which coordinates lie over which, and which velocities are used.
 
-Generalized forces: what is declared along velocities acts along the coordinates.
-
-A force Q along a velocity w = e_a qdot_a + e does the work Q w; on a virtual displacement e does
-none, so along the coordinate q_a the force is Q e_a.
+What forces are declared along velocities acts along the coordinates.  A force Q along a velocity w
+= e_a qdot_a + e does the work Q w; on a virtual displacement e does none, so along the coordinate
+q_a the force is Q e_a.
 """
 
 from __future__ import annotations

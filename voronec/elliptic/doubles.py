@@ -1,18 +1,15 @@
 """What doubles need to evaluate a motion: rounded constants, reduced times, arguments of the sums.
 
-The constants of a motion, rounded once to what doubles need to evaluate it at any time.
-
-The arguments of the sums at a stretch of times, in doubles, and the shares of both ends in x.
-
-Times are counted from the nearest turning point, of either end; what is counted from the other
-one follows by the addition theorems of half a period, so that nothing cancels near either.
+The constants are rounded once, for all times.  The arguments of the sums are those at a stretch of
+times, with the shares of both ends in x.  Times are counted from the nearest turning point, of
+either end; what is counted from the other one follows by the addition theorems of half a period, so
+that nothing cancels near either.
 
 Arrays of one length are taken from memory and given back like a stack.
 
-Times less whole half periods, exactly; whole half periods as turns, exactly.
-
-A half period is split into parts of so few bits that their products with the number of half
-periods are exact in doubles, however late the time; so are the turns that an angle makes in it.
+Whole half periods are taken off times exactly, and are turns exactly: a half period is split into
+parts of so few bits that their products with the number of half periods are exact in doubles,
+however late the time; so are the turns that an angle makes in it.
 """
 
 from __future__ import annotations

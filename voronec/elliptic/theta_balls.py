@@ -1,9 +1,4 @@
-"""Theta functions as rigorous balls, and a motion at one time made of them.
-
-The sums of the theta functions as rigorous balls, real or complex, and the phase of a pole.
-
-A motion at one time, as rigorous balls.
-"""
+"""Theta functions as rigorous balls, real or complex, and a motion at one time made of them."""
 
 from __future__ import annotations
 

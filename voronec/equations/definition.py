@@ -3,11 +3,10 @@
 Constraints are read as C qdot + c = 0 [Theory, eq. (2)], quasi-velocities as v = W qdot + w
 [Theory, eq. (3)], both with relations that hold for redundant coordinates.
 
-Whether constraints determine the velocities of the fibre; what to say where they do not.
+Constraints have to determine the velocities of the fibre; it is said why where they do not.
 
-What may not jump: a Lagrangian, its momenta, constraints and definitions of velocities.
-
-Where one does, velocities jump too, and the equations between the walls do not say how far.
+A Lagrangian, its momenta, constraints and definitions of velocities may not jump.  Where one does,
+velocities jump too, and the equations between the walls do not say how far.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What a scene needs of a system's equations: the smallest model, made to be looked at.
 
-The smallest model of a scene in words: what is integrated, what is not, and why.
+In words: what is integrated, what is not, and why.
 """
 
 from __future__ import annotations

@@ -1,16 +1,11 @@
 """Where motions start, one or many at once: parameters, and initial states on the constraints.
 
-Where a motion starts: parameters, and an initial state on the constraints.
-
 Data off the constraints are refused with their residual, or, on request, moved onto them.
+What is said of velocities are conditions that they must meet.
 
-Velocities at the start: conditions on the velocities v that they must meet.
-
-Many starts read at once: the steps of ``start_of`` on arrays.
-
-What needs more than numbers - texts and expressions, starts that give different things, redundant
-coordinates - and starts that do not fit are left to ``start_of``, one by one, which says what is
-wrong with them.
+Many starts are read at once by the steps of ``start_of`` on arrays.  What needs more than numbers -
+texts and expressions, starts that give different things, redundant coordinates - and starts that do
+not fit are left to ``start_of``, one by one, which says what is wrong with them.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ exactly.  Any other input becomes a polynomial about an instant s,
 whose coefficients are parameters: of a number they are constant, of a table they change at its
 knots, of a function of Python's they are its values at the instant s = t itself.
 
-Tables of an input: values at instants, held or interpolated between them.
+A table holds values at instants, held or interpolated between them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Integrating a system: the steps from a definition to a trajectory.
 
-What fails falls back before it refuses: other methods and models, one after another.
+A run that fails falls back before it refuses: on other methods and models, one after another.
 """
 
 from __future__ import annotations

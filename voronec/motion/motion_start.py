@@ -1,19 +1,16 @@
 """Where one motion sets out: in doubles and in any precision, with all velocities.
 
-Where one motion sets out: its start on the coordinates, in doubles and in any precision.
-
-All velocities at the start, where the declared ones need not be a frame.
+Where the declared velocities need not be a frame,
 
     A w + a = 0,    F w + f = v,    w_k = what is given of it
 
-is solved for w, in doubles and, by refinement, in any precision.
+is solved for all velocities w, in doubles and, by refinement, in any precision.
 
-Parameters and initial data in any precision: values given exactly are used exactly.
+Parameters and initial data that are given exactly are used exactly.  Doubles stay the doubles they
+are.  The velocities start from those found in doubles, and are moved until the conditions on them
+hold to the last digit.
 
-Doubles stay the doubles they are.  The velocities start from those found in doubles, and are moved
-until the conditions on them hold to the last digit.
-
-Parameters that are zero and leave a velocity without inertia: its acceleration is 0/0.
+A parameter that is zero may leave a velocity without inertia, whose acceleration is then 0/0.
 """
 
 from __future__ import annotations

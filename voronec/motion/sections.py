@@ -1,9 +1,8 @@
 """Poincare sections: the points at which motions of one system pass through a surface.
 
-Sections of motions whose inputs change in time by tables or functions: each by ``integrate``.
-
-Lanes of a batch know no such inputs; where they change, a run starts anew, and passages through the
-surface are events on the way.
+Motions whose inputs change in time by tables or functions are each made by ``integrate``: lanes of
+a batch know no such inputs; where they change, a run starts anew, and passages through the surface
+are events on the way.
 """
 
 from __future__ import annotations

@@ -1,11 +1,8 @@
 """Where coordinates are singular: poles of Euler's angles, and directions in which nothing moves.
 
-The poles of Euler's angles, watched by a run in coordinates that are singular there.
-
-Directions in which coordinates change though nothing moves: where coordinates are singular.
-
-At a pole of angles two of them turn about one axis.  A chart f that is regular there tells such
-directions apart: with q' = f(q) they are the null vectors of df/dq.
+A run in coordinates that are singular at poles watches these.  At a pole of angles two of them turn
+about one axis.  A chart f that is regular there tells such directions apart: with q' = f(q) they
+are the null vectors of df/dq.
 """
 
 from __future__ import annotations

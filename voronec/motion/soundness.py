@@ -10,7 +10,7 @@ over nine neighbouring instants t_0, ..., t_8.  The integral is that of the poly
 nine rates; how fast the coefficients of its expansion in Legendre polynomials fall says how far it
 can be trusted.  Nothing of the integrator that found the states is used.
 
-Whether angles that are read off on a grid are certain to be on their branches.
+Angles that are read off on a grid have to be certain of their branches.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 A field of dimension n with an invariant measure and n - 2 independent first integrals, neither
 depending on the time, is integrated by quadratures.
 
-A system under special values of its parameters.
+A claim may hold of a case: the system under special values of its parameters.
 """
 
 from __future__ import annotations

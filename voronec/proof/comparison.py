@@ -1,8 +1,7 @@
 """Two derivations side by side: two systems, or a stored one and today's.
 
-What was derived of a system, in a form that can be stored and compared entry by entry.
-
-Two derivations compared: facts, entries with verdicts, accelerations, a motion.
+What was derived of a system is stored in a form that can be compared entry by entry: facts, entries
+with verdicts, accelerations, a motion.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What a measurement found, as values: for tables, for JSON, for the plot.
 
-Methods compared at equal error: what each costs where its error is the one asked for.
+Methods are compared at equal error: what each costs where its error is the one asked for.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ the largest value of the output along the motion.  X_i is the size of a state: a
 value, but at least one radian; for other coordinates, and for velocities, the largest of them all.
 An angle is what occurs under a sine or a cosine.
 
-A problem in many digits with its variational equations, by heyoka.
+heyoka solves the problem in many digits with its variational equations.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The page of the hard cases: definitions, the table, and what is hard about each case.
 
-Findings as lines of text, as data, and as rows for a page.
+Findings are lines of text, data, and rows of the page.
 """
 
 from __future__ import annotations

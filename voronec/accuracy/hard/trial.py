@@ -1,6 +1,6 @@
 """One method on one case: error, drift and time, or a refusal; and what to make of it.
 
-All methods on all cases, one after another.
+``trials`` runs all methods on all cases, one after another.
 """
 
 from __future__ import annotations

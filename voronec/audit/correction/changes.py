@@ -1,6 +1,6 @@
 """A small change of a printed formula: the text that takes the place of other text.
 
-Letters with their fonts and accents, as they are printed, and what they may be mistaken for.
+Letters have fonts and accents, and may be mistaken for others.
 """
 
 from __future__ import annotations

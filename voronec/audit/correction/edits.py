@@ -2,14 +2,11 @@
 
 A change is a few replacements in the printed text: at one place, or of one name at all its places.
 
-off, an index that no letter fits, an argument left out.
-
-Factors, terms and words that are too many, and factors that are missing.
-
-These changes follow the tree of the formula; inside derivatives, integrals and functions nothing
+Factors, terms and words that are too many, and factors that are missing, follow the tree of the
+formula; inside derivatives, integrals and functions nothing
 is put in or left out.
 
-What a printer leaves out: a bracket, one sign of differentiation of two, the relation.
+A printer leaves out a bracket, one sign of differentiation of two, the relation.
 """
 
 from __future__ import annotations

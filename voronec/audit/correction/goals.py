@@ -1,9 +1,8 @@
 """The value that each part of a false formula ought to have, at the point where it fails.
 
-A formula as a tree of places, each with the value that would make the formula true.
-
-If all but one place is right, its value is determined by the rest: the goal goes down from the
-whole to the parts, a changed value goes up.
+A formula is a tree of places, each with the value that would make the formula true.  If all but one
+place is right, its value is determined by the rest: the goal goes down from the whole to the parts,
+a changed value goes up.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """An equation that a student wrote, proved or refuted along the motions of a system.
 
-What an equation that a student wrote means in a system: two sides, in the system's symbols.
-
-Names are those of the declaration: coordinates with their dots, quasi-velocities, parameters,
-invariants, the time ``t`` and, unless something else is called so, ``L`` for the Lagrangian.
+Its two sides are read in the system's symbols.  Names are those of the declaration: coordinates
+with their dots, quasi-velocities, parameters, invariants, the time ``t`` and, unless something else
+is called so, ``L`` for the Lagrangian.
 """
 
 from __future__ import annotations

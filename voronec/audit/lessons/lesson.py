@@ -3,7 +3,7 @@
 Each step is computed from the one before it by the formula that it names [Theory, eq. (2) to (11)];
 at the end what the steps give is proved to be what ``voronec derive`` prints.
 
-A derivation step by step as a record: its text, LaTeX document, page, and data.
+The record of a lesson is its text, LaTeX document, page, and data.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ Gibbs-Appell      dS/dvdot_r = Pi_r
 Voronec           d/dt dTheta/drdot - ... = K_nu (A_ij^nu rdot_j + A_i^nu)   [Theory, eq. (9)]
 Hamel             d/dt dL/domega - X(L) + gamma dL/domega omega = Pi, all forms, constraints last
 
-One problem by all methods as a record: its text, and data.
+The record of all methods is their text, and data.
 """
 
 from __future__ import annotations

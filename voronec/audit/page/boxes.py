@@ -6,9 +6,8 @@ Kinds of boxes: ``letter``, ``upright``, ``number``, ``sign``, ``text``, ``funct
 ``primed``; ``fraction``; ``root`` (body, degree); ``accent`` and ``over`` with the sign in
 ``text``; ``table`` (rows of cells), ``text`` says how its columns are aligned, as ``rl``.
 
-Ranges of characters of a formula's source, as the boxes that they cover.
-
-Long formulas on several lines: how wide the parts of a formula are, and where to break it.
+Ranges of characters of a formula's source are marked as the boxes that they cover; long formulas
+are broken into lines where their boxes allow it.
 """
 
 from __future__ import annotations

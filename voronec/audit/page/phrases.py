@@ -1,6 +1,6 @@
 """What all reports of an audit say in the same words: verdicts, places, witnesses, lists.
 
-The point of a witness for readers: its names in LaTeX, its values cut.
+The point of a witness has its names in LaTeX, and its values cut.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """The report of an audit: as files, and for the terminal.
 
-The report of an audit as files: plain data, a page, a LaTeX article.
-
-The report of an audit for the terminal: a line a record, errata and conventions below.
+Files are plain data, a page, a LaTeX article; the terminal has a line a record, errata and
+conventions below.
 """
 
 from __future__ import annotations

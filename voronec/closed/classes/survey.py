@@ -7,11 +7,10 @@ With x = middle + half cos(psi) and f = (end - x)(x - start) g(x),
 of a function that is analytic and periodic: sums over n equal steps are wrong by no more than
 4 pi max|integrand| / (exp(n a) - 1), the maximum over the strip |Im psi| <= a.
 
-Roots of many real polynomials at once, each in a disc that is proved to hold it.
-
-For approximations z_i of the roots of a polynomial with leading coefficient a and degree n, the
-discs about z_i of radius n |p(z_i)/(a prod_{j != i} (z_i - z_j))| hold all roots, and as many of
-them as discs where some hang together (B. T. Smith's form of Gerschgorin's theorem).
+Roots of many polynomials at once are each in a disc that is proved to hold it: for approximations
+z_i of the roots of a polynomial with leading coefficient a and degree n, the discs about z_i of
+radius n |p(z_i)/(a prod_{j != i} (z_i - z_j))| hold all roots, and as many of them as discs where
+some hang together (B. T. Smith's form of Gerschgorin's theorem).
 """
 
 from __future__ import annotations

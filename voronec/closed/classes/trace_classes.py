@@ -29,17 +29,16 @@ never reached; what the rest of the curve is follows in brackets where it is not
 
 Where the sphere is that of a vector constant in space, the classes are those about its direction.
 
-Where the roots of phi lie among the ends of a motion, decided exactly.
+Where the roots of phi lie among the ends is decided exactly: balls of growing precision tell
+numbers apart.  Where they do not, algebra says whether the numbers are equal: whether f and phi
+have a root in common is read off the remainder of f by phi, and whether an end is a pole of the
+sphere off the value of f there.
 
-Balls of growing precision tell numbers apart.  Where they do not, algebra says whether the numbers
-are equal: whether f and phi have a root in common is read off the remainder of f by phi, and
-whether an end is a pole of the sphere off the value of f there.
+The traces of a declared motion are polynomials in its variable x,
 
-The traces of a declared motion as polynomials in its variable x.
+    (dx/dtau)^2 = f(x),   cosine = offset + slope x,   d(longitude)/dtau = phi(x)/(1 - cosine^2),
 
-    (dx/dtau)^2 = f(x),   cosine = offset + slope x,   d(longitude)/dtau = phi(x)/(1 - cosine^2)
-
-Everything about the class of a trace is in the roots of f and of phi.
+and everything about the class of a trace is in the roots of f and of phi.
 """
 
 from __future__ import annotations

@@ -6,12 +6,9 @@ those before it are solved; so the whole family is rational in x and w.
 
 Another route than the quartic: nothing here uses it.
 
-Motions at a pole: the contact stays where the variable has an end of its range.
-
-There f(c) = -4 w^2 with the weight w of the pole c, so w = 0 and f'(c) = 0; both are linear in a
-constant, and one constant is left.
-
-The constants of a motion with constant x, by three equations, each linear in one of them.
+At a pole the contact stays where the variable has an end of its range: there f(c) = -4 w^2 with the
+weight w of the pole c, so w = 0 and f'(c) = 0; both are linear in a constant, and one constant is
+left.
 """
 
 from __future__ import annotations

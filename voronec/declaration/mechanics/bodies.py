@@ -5,9 +5,8 @@ point of a rolling disc is at rest, and its centre moves as the rolling lets it.
 the coordinates alone would then be wrong.  The place of such a point is a fibre coordinate of its
 own, and the velocity that the model gives it a constraint.
 
-Generalized speeds in terms of the rates of coordinates.
-
-Vectors of SymPy's as three components inside the door.
+Generalized speeds are solved for the rates of coordinates.  Vectors of SymPy's are three components
+inside the door.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """A model of ``sympy.physics.mechanics`` as a system: energies, constraints, forces, frame.
 
-What ``KanesMethod`` or ``LagrangesMethod`` is called with, read into one record.
+What ``KanesMethod`` or ``LagrangesMethod`` is called with is read into one record.
 """
 
 from __future__ import annotations

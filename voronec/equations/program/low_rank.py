@@ -8,11 +8,10 @@ contact is J - D gamma gamma^T.  Then, by Sherman and Morrison,
 [Theory, eq. (22)],
 which takes a product for each row where the elimination L D L^T takes one for each entry.
 
-Solving mass * vdot = force in straight-line code, without inverting anything symbolically.
-
-The symmetric elimination M = L D L^T runs on names: what it computes becomes assignments.  Pivots
-are chosen by structure (fewest neighbours first), so a diagonal matrix costs nothing, independent
-blocks stay apart and a matrix of numbers folds into numbers.
+Nothing is inverted symbolically: the symmetric elimination M = L D L^T runs on names: what it
+computes becomes assignments.  Pivots are chosen by structure (fewest neighbours first), so a
+diagonal matrix costs nothing, independent blocks stay apart and a matrix of numbers folds into
+numbers.
 """
 
 from __future__ import annotations

@@ -1,18 +1,13 @@
-"""Fewer operations for a straight-line program.
-
-Fewer operations for a straight-line program: brackets, and parts that products and sums share.
+"""Fewer operations for a straight-line program: brackets, shared parts, constants of parameters.
 
 Sums take common factors before brackets.  Then, as long as there is one, the pair of factors that
 stands in most products, or the pair of terms that stands in most sums but for a factor, becomes an
 assignment of its own [KuipersUedaVermaseren2015].  Every step is an identity.
+Sums are products of irreducible factors, nested, where that takes fewer operations.
 
-Sums as products of irreducible factors, nested, where that takes fewer operations.
-
-What parameters alone give, computed once instead of at every step.
-
-Compilers of Taylor's method take a quotient of parameters for a moving quantity.  So such
-expressions become parameters themselves; the program can still be run with other values, without
-being compiled again.
+What parameters alone give is computed once instead of at every step.  Compilers of Taylor's method
+take a quotient of parameters for a moving quantity.  So such expressions become parameters
+themselves; the program can still be run with other values, without being compiled again.
 """
 
 from __future__ import annotations

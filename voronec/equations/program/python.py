@@ -1,6 +1,6 @@
 """Python source of a program, and its compiled functions.
 
-The functions of a program in any precision, on arrays of mpmath's numbers.
+They take doubles, or in any precision arrays of mpmath's numbers.
 """
 
 from __future__ import annotations

@@ -5,10 +5,9 @@
 
 This is [Theory, eq. (13)].  Rows of A that depend on others are left out: the accelerations do not
 feel them.
+The rank is found on the way, in mpmath at the working precision.
 
-Points at which equations are evaluated: who needs a value, and numbers taken exactly.
-
-Linear systems whose rank is found on the way, in mpmath at the working precision.
+Numbers of the point at which equations are evaluated are taken exactly.
 """
 
 from __future__ import annotations

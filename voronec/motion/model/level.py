@@ -8,16 +8,13 @@ Where two functions of the invariants are a = r cos(q), b = r sin(q), with r fre
 the angle is atan2(b, a) up to a half turn; and r itself, the root of a^2 + b^2 up to its sign, is
 one more function to read others off, such as the colatitude u from cos(u) and r = sin(u).
 
-Which variables the rates of which others hold: what a scene needs of a level.
+Which variables the rates of which others hold is read off, exactly on normal forms.  Velocities
+that the mass matrix couples are solved for together, so each stands for the whole block.
 
-On normal forms that is exact.  Velocities that the mass matrix couples are solved for together, so
-each stands for the whole block.
-
-Denominators without cancellation: on the relations, sums of squares in place of differences.
-
-The normal form of an angle's rate on the Poisson vector has the denominator (1 + z) (z - 1), which
-near a pole, z = 1 - 1e-14, is all rounding.  On |(x, y, z)|^2 = 1 it is -(x^2 + y^2), whose terms
-cannot cancel.
+Denominators are made free of cancellation, sums of squares in place of differences.  The normal
+form of an angle's rate on the Poisson vector has the denominator (1 + z) (z - 1), which near a
+pole, z = 1 - 1e-14, is all rounding.  On |(x, y, z)|^2 = 1 it is -(x^2 + y^2), whose terms cannot
+cancel.
 """
 
 from __future__ import annotations

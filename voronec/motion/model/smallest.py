@@ -4,7 +4,7 @@ On every level of the equations the smallest closed set of variables is taken th
 outputs need; constants and what stays at zero are frozen, first integrals stand in for equations;
 and of the levels the one whose program costs least is chosen.
 
-What a scene needs of the equations: what is integrated, what follows, what is left out.
+A model says what is integrated, what follows, and what is left out.
 """
 
 from __future__ import annotations

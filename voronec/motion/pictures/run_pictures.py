@@ -1,9 +1,5 @@
 """The pictures of a motion: its outputs against the time, its path, the system's own drawing.
 
-Figures for a paper: quantities against the time.
-
-Figures that a notebook shows: it knows those of pyplot alone by itself.
-
 To be imported where a figure is made, since it loads matplotlib.
 """
 

@@ -5,15 +5,13 @@ the tolerance of all the others by 1e5.  But where the right-hand side does not 
 (a quadrature), or holds it under sines and cosines only (an angle), what has grown can be taken
 out of it between steps and added to the results: the motion of the others is the same.
 
-First steps of heyoka's integrators, where their own would be far too long.
+Its first steps would be far too long here and there: heyoka takes the length of a step from the
+last two Taylor coefficients, which vanish at once where the start is special: x'' = 1 - x^2 from
+rest at 0 has those of t^2, t^6, t^10, ... alone.
 
-heyoka takes the length of a step from the last two Taylor coefficients, which vanish at once where
-the start is special: x'' = 1 - x^2 from rest at 0 has those of t^2, t^6, t^10, ... alone.
-
-heyoka, with what it compiles kept in a folder that stays small.
-
-On its first use in a process heyoka sums up the sizes of all programs that it keeps on disk, which
-takes 0.4 s where they are 1.2 GB (2500 programs); by default it lets them grow to 20 GB.
+What it compiles is kept in a folder that stays small: on its first use in a process heyoka sums up
+the sizes of all programs that it keeps on disk, which takes 0.4 s where they are 1.2 GB (2500
+programs); by default it lets them grow to 20 GB.
 """
 
 from __future__ import annotations

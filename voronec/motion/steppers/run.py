@@ -1,10 +1,8 @@
 """What every integrator takes and gives: a problem and a grid of times in, a run out.
 
-Parameters that change in time, and runs that go from one change to the next.
-
-Runs whose parameters change at known instants: each piece begins where the last one ended.
-
-No step goes over a change, so every method keeps its order, and a jump is met exactly.
+Parameters may change in time.  Where they change at known instants, each piece of a run begins
+where the last one ended: no step goes over a change, so every method keeps its order, and a jump is
+met exactly.
 """
 
 from __future__ import annotations

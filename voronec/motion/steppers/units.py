@@ -5,7 +5,7 @@ were of size 1.  So in other units of length the same motion had other errors.  
 ordinary size are measured in units of their own, powers of two: what is of ordinary size is
 computed with the same bits as ever.
 
-Which states are angles: those that the equations hold under sines and cosines only.
+States that the equations hold under sines and cosines only are angles.
 """
 
 from __future__ import annotations

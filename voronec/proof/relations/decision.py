@@ -1,20 +1,18 @@
 """Relations decided in the exact algebra: DPhi f = nu g(Phi), and what it does to claims.
 
-Claims of a target, carried along a relation to its source and decided there.
+Claims of a target are carried along a relation to its source and decided there.  On the zero set of
+independent relations R the volume is the Leray form w with dR_1 ... dR_k w = dx.  For vectors w_i
+that span the tangent space, w(w_1, ..., w_d) = det(w_1, ..., w_d, n_1, ..., n_k) with any n_j such
+that dR_i(n_j) = delta_ij.
 
-On the zero set of independent relations R the volume is the Leray form w with
-dR_1 ... dR_k w = dx.  For vectors w_i that span the tangent space, w(w_1, ..., w_d) =
-det(w_1, ..., w_d, n_1, ..., n_k) with any n_j such that dR_i(n_j) = delta_ij.
+What kind of relation it is follows from its maps, and is never declared.
 
-What kind of relation it is: computed from its maps, never declared.
-
-Whether parameters and unknown functions of a target have values that such things can have.
-
-A parameter is a number: along each motion of the source its value is constant.  An unknown
-function is one of its arguments: the value V(a, x) of f(a) may hold other state x of the source
-only where d V(a(x), x) is a combination of the d a_i, modulo the relations; then V is a function of
-a where the map leads.  Its derivatives are taken at constant x, which is right only where the part
-of dV that comes from x vanishes.
+Parameters and unknown functions of a target must have values that such things can have.  A
+parameter is a number: along each motion of the source its value is constant.  An unknown function
+is one of its arguments: the value V(a, x) of f(a) may hold other state x of the source only where d
+V(a(x), x) is a combination of the d a_i, modulo the relations; then V is a function of a where the
+map leads.  Its derivatives are taken at constant x, which is right only where the part of dV that
+comes from x vanishes.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
 """Substitution of what a target leaves open: constants, and unknown functions with derivatives.
 
-Substitution into expression graphs that notices infinite values.
-
-symengine takes 0 * (1 + 1/0) for 0; here every node is looked at.
+Infinite values are noticed: symengine takes 0 * (1 + 1/0) for 0; here every node is looked at.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ and length, say) make some parameters 1.
 Degrees are found along lines, then numerator and denominator by linear algebra over all monomials
 within these degrees, then the coefficients from several primes.
 
-One class of monomials: which of their sums are integrals, and which of these are new.
+Of one class of monomials it is found which of their sums are integrals, and which of these are new.
 """
 
 from __future__ import annotations
